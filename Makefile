@@ -1,0 +1,49 @@
+# Everything a developer runs. Each target does its own set-up: a virtual environment in .venv, locked
+# dependencies, the native search kernel built in place.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: setup demo test lint bench qualify test-system lock clean
+
+setup: .venv/ready
+
+.venv/bin/python:
+	$(PYTHON) -m venv .venv
+
+.venv/locked: requirements.lock | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock
+	touch $@
+
+.venv/ready: .venv/locked pyproject.toml CMakeLists.txt $(wildcard planner/native/*)
+	$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps -e .
+	touch $@
+
+demo: setup
+	$(BIN)/sendworthy demo $(DEMO)
+
+test: setup
+	$(BIN)/python -m pytest -m "not system" --cov --cov-report=term --cov-fail-under=95
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: setup
+	$(BIN)/python -m studies.benchmarks
+
+test-system: setup
+	tests/system/run
+
+# The long run: every property with thousands of examples, and a long flight of the demo.
+qualify: setup
+	$(BIN)/python -m pytest -m "not system" --hypothesis-profile=qualify tests/planner tests/proxy/core tests/utility_specs
+	$(BIN)/sendworthy demo --seconds 120 --json build/qualify-demo.json --picture build/qualify-demo.png
+
+# Locks the dependencies of all platforms with their hashes; needs uv on the PATH.
+lock:
+	uv pip compile --quiet --universal --generate-hashes --python-version 3.11 --no-emit-index-url --no-header \
+	    --no-annotate --extra study --group dev --output-file requirements.lock pyproject.toml
+
+clean:
+	rm -rf .venv build dist
