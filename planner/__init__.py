@@ -1,0 +1,26 @@
+"""What is worth sending: evaluation model, constraints and search. Knows no Zenoh, no clock, no file."""
+
+from planner.engines import start
+from planner.errors import PlannerError, ProblemError, SearchError
+from planner.problem import Aggregation, Constraint, Message, Problem, Stream, Traffic
+from planner.search import Plan, Search, SearchSettings
+from planner.utility import Linear, MessageUtility, Video
+
+__all__ = [
+    "Aggregation",
+    "Constraint",
+    "Linear",
+    "Message",
+    "MessageUtility",
+    "Plan",
+    "PlannerError",
+    "Problem",
+    "ProblemError",
+    "Search",
+    "SearchError",
+    "SearchSettings",
+    "Stream",
+    "Traffic",
+    "Video",
+    "start",
+]

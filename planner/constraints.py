@@ -1,0 +1,203 @@
+"""Constraints: sliding windows over what is sent (Eq. 4 to 6), checked when a message is added.
+
+Eq. 5 asks at every moment of sending t whether the messages of a window together use at most the limit. Read
+backwards, the window is the closed interval [t − T, t]. Open messages are decided in the
+order of sending, so adding one can break only the window that ends with it, and those that end with something
+already known to be sent later. Both ask the same question: *what was sent since level `first` may use at most
+`room`*. The search keeps running totals along its path, so a check is one subtraction: constant time a step.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.problem import Constraint, Problem
+from planner.utility import Flags, Floats, Ints
+
+CLOSED = 1e-9
+"""Windows are closed: what lies on their edge but for rounding is inside [s]."""
+
+SLACK = 1e-9
+"""What rounding may add to a sum of uses, as a part of the limit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """In any plan the levels `first[r]` to `last[r]` use at most `capacity[r]` of constraint `of[r]`.
+
+    Unlike a check, a row holds whatever is decided. Only rows that could bind are kept. An oversized message
+    counts in them as the limit: nothing else fits into a window with it.
+    """
+
+    of: Ints
+    first: Ints
+    last: Ints
+    capacity: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Checks:
+    """What must hold for sending the message of each level.
+
+    Level i may be sent when for every check c from `start[i]` to `start[i + 1] − 1` the messages sent at the
+    levels `first[c]` to i − 1 use at most `room[c]` of constraint `of[c]`. `use[i, k]` is what level i uses
+    of constraint k, `share[i, k]` the same but at most the limit. `held[d]` is the first level that any check
+    of level d or later still looks back to. `never[i]` tells that no plan can send level i.
+    """
+
+    use: Floats
+    share: Floats
+    start: Ints
+    of: Ints
+    first: Ints
+    room: Floats
+    held: Ints
+    never: Flags
+    rows: Rows
+
+
+@dataclass(frozen=True, slots=True)
+class _Fixed:
+    """What is sent whatever the search decides: facts and other traffic, by time, that use one constraint."""
+
+    time: Floats
+    use: Floats
+    total: Floats
+    """total[j]: the use of the first j."""
+
+    def within(self, begin: Floats, end: Floats) -> Floats:
+        """Return what is used in the closed intervals from `begin` to `end`."""
+        last = np.searchsorted(self.time, end, side="right")
+        return np.asarray(self.total[last] - self.total[np.searchsorted(self.time, begin, side="left")])
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Checks of one constraint, not ordered by level; `always`: they bind even if their level is dropped."""
+
+    level: Ints
+    of: Ints
+    first: Ints
+    room: Floats
+    always: Flags
+
+
+def tabulate_checks(problem: Problem) -> Checks:
+    """Tabulate all checks of a valid problem."""
+    open_messages = [m for m in problem.messages if not m.sent]
+    times = np.array([m.t_sent for m in open_messages], dtype=np.float64)
+    use = np.array([m.use for m in open_messages], dtype=np.float64).reshape(len(times), len(problem.constraints))
+    found: list[_Found] = []
+    for k, constraint in enumerate(problem.constraints):
+        fixed = _fixed(problem, k)
+        found.append(_own_windows(k, constraint, times, use[:, k], fixed))
+        if len(fixed.time) and fixed.time[-1] >= times[0]:
+            found.append(_later_windows(k, constraint, times, use[:, k], fixed))
+    limits = np.array([constraint.limit for constraint in problem.constraints])
+    return _assemble(use, np.minimum(use, limits), found)
+
+
+def stretched(constraint: Constraint, use: Floats) -> tuple[Floats, Floats]:
+    """Length and capacity of the windows that end with messages of these uses; longer for oversized ones."""
+    factor = np.maximum(use, constraint.limit) / constraint.limit if constraint.limit > 0 else np.ones_like(use)
+    capacity = np.maximum(use, constraint.limit) if constraint.limit > 0 else np.zeros_like(use)
+    return constraint.window * factor + CLOSED, capacity * (1 + SLACK)
+
+
+def _fixed(problem: Problem, k: int) -> _Fixed:
+    sent = [(m.t_sent, m.use[k]) for m in problem.messages if m.sent and m.use[k] > 0]
+    sent += [(t.t_sent, t.use[k]) for t in problem.traffic if t.use[k] > 0]
+    sent.sort()
+    columns = np.array(sent, dtype=np.float64).reshape(len(sent), 2)
+    return _Fixed(columns[:, 0], columns[:, 1], np.concatenate(([0.0], np.cumsum(columns[:, 1]))))
+
+
+def _own_windows(k: int, constraint: Constraint, times: Floats, use: Floats, fixed: _Fixed) -> _Found:
+    """Find the window that ends with each open message."""
+    level = np.flatnonzero(use > 0)
+    length, capacity = stretched(constraint, use[level])
+    begin = times[level] - length
+    room = capacity - fixed.within(begin, times[level]) - use[level]
+    first = np.searchsorted(times, begin, side="left")
+    return _Found(level, np.full(len(level), k), first, room, use[level] <= constraint.limit)
+
+
+def _later_windows(k: int, constraint: Constraint, times: Floats, use: Floats, fixed: _Fixed) -> _Found:
+    """Find the windows that hold open messages and end with something sent later, whatever is decided."""
+    length, capacity = stretched(constraint, fixed.use)
+    begin = fixed.time - length
+    spare = capacity - fixed.within(begin, fixed.time)
+    holds = (begin <= times[:, None]) & (times[:, None] <= fixed.time) & (use[:, None] > 0)
+    level, end = np.nonzero(_tightest(holds, spare, fixed.use > constraint.limit))
+    first = np.searchsorted(times, begin[end], side="left")
+    return _Found(level, np.full(len(level), k), first, spare[end] - use[level], np.full(len(level), fill_value=True))
+
+
+def _tightest(holds: Flags, spare: Floats, oversized: Flags) -> Flags:
+    """Leave out windows that an earlier one of the message implies: it reaches farther, with less spare."""
+    least = np.minimum.accumulate(np.where(holds, spare, np.inf), axis=1)
+    before = np.concatenate((np.full((len(holds), 1), np.inf), least[:, :-1]), axis=1)
+    return np.asarray(holds & ((spare < before) | oversized))
+
+
+def _assemble(use: Floats, share: Floats, found: list[_Found]) -> Checks:
+    """Order the checks by level."""
+    count = len(use)
+    level = np.concatenate([np.zeros(0, dtype=np.int64), *(part.level for part in found)])
+    order = np.argsort(level, kind="stable")
+    level = level[order]
+    of = np.concatenate([np.zeros(0, dtype=np.int64), *(part.of for part in found)])[order]
+    first = np.concatenate([np.zeros(0, dtype=np.int64), *(part.first for part in found)])[order]
+    room = np.concatenate([np.zeros(0), *(part.room for part in found)])[order]
+    always = np.concatenate([np.zeros(0, dtype=np.bool_), *(part.always for part in found)])[order]
+    held = np.arange(count + 1)
+    np.minimum.at(held, level, first)
+    never = np.zeros(count, dtype=np.bool_)
+    never[level[room < 0]] = True
+    keep = always & (room >= 0)
+    capacity = room[keep] + use[level[keep], of[keep]]
+    return Checks(
+        use=use,
+        share=share,
+        start=np.searchsorted(level, np.arange(count + 1)),
+        of=of,
+        first=first,
+        room=room,
+        held=np.ascontiguousarray(np.minimum.accumulate(held[::-1])[::-1]),
+        never=never,
+        rows=_binding(share, Rows(of[keep], first[keep], level[keep], capacity)),
+    )
+
+
+def _binding(share: Floats, rows: Rows) -> Rows:
+    """Leave out the rows that cannot bind, and those that a longer one of the same begin implies."""
+    order = np.lexsort((rows.last, rows.first, rows.of))
+    of, first, last, capacity = rows.of[order], rows.first[order], rows.last[order], rows.capacity[order]
+    total = np.concatenate((np.zeros((1, share.shape[1])), np.cumsum(share, axis=0)))
+    keep = total[last + 1, of] - total[first, of] > capacity
+    implied = (of[1:] == of[:-1]) & (first[1:] == first[:-1]) & (capacity[1:] <= capacity[:-1])
+    keep[:-1] &= ~implied
+    return Rows(of[keep], first[keep], last[keep], capacity[keep])
+
+
+def violations(problem: Problem, sends: Iterable[int]) -> list[str]:
+    """Return every window in which `sends` make the channel carry more than allowed, by the definition.
+
+    Windows that only facts and traffic overfill are not the fault of a plan and left out.
+    """
+    chosen = set(sends)
+    broken = []
+    for k, constraint in enumerate(problem.constraints):
+        sent = [(t.t_sent, t.use[k], False) for t in problem.traffic]
+        sent += [(m.t_sent, m.use[k], not m.sent) for i, m in enumerate(problem.messages) if m.sent or i in chosen]
+        using = [entry for entry in sent if entry[1] > 0]
+        for end, use, _ in using:
+            stretch = max(1.0, use / constraint.limit) if constraint.limit > 0 else 1.0
+            capacity = max(use, constraint.limit) if constraint.limit > 0 else 0.0
+            begin = end - constraint.window * stretch - CLOSED
+            inside = [entry for entry in using if begin <= entry[0] <= end]
+            total = sum(entry[1] for entry in inside)
+            if total > capacity * (1 + SLACK) and any(planned for _, _, planned in inside):
+                broken.append(f"{constraint.name}: {total:g} of {capacity:g} used in [{begin:g}, {end:g}] s")
+    return broken

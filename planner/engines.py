@@ -1,0 +1,23 @@
+"""Chooses an engine and a search for a problem."""
+
+from planner.native_engine import NativeSearch
+from planner.problem import Problem
+from planner.python_engine.best import BestSearch
+from planner.python_engine.paper import PaperSearch
+from planner.search import Search, SearchSettings
+from planner.tables import tabulate
+from planner.validation import check_settings
+
+
+def start(problem: Problem, settings: SearchSettings, seed: int = 0) -> Search:
+    """Start a search; raise ProblemError or SearchError when it has no meaning.
+
+    The same problem, settings and seed give the same tree on either engine. Neither search draws random
+    numbers today, so that equal views give equal plans; the seed is for evaluation models that sample.
+    """
+    del seed
+    check_settings(settings)
+    tables = tabulate(problem, beyond=settings.search == "best")
+    if settings.engine == "native":
+        return NativeSearch(tables, settings)
+    return PaperSearch(tables, settings) if settings.search == "paper" else BestSearch(tables, settings)

@@ -1,0 +1,253 @@
+// The default search: it completes every leaf by a good policy and knows what it can still gain.
+//
+//   first:  learn prices (prices.h); complete both decisions about the current message by their policy;
+//           simulate from the root
+//   repeat: walk down from the root by the greatest promise to a decision that was not tried, take it, simulate
+//   simulate: go on by the policy, adding every node passed, each with the bound of the decision not taken, until
+//           the plan is whole, a tantamount node is as good, or the bound does not exceed the best plan;
+//           then renew the promises of the path
+//   answer: the best plan found, by U and what it leaves behind at the end of the window (planner/beyond.py)
+//
+// The twin of planner/python_engine/best.py, where the reasons are written out.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "answer.h"
+#include "path.h"
+#include "prices.h"
+#include "states.h"
+#include "tree.h"
+
+namespace sendworthy {
+
+constexpr double kNothing = -std::numeric_limits<double>::infinity();
+
+struct BestNode {
+    double value;    // of the decisions down to it, the rest dropped
+    double bound;    // no plan below exceeds it
+    double untried;  // nor this, by taking the `other` decision; kNothing when it was taken or need not be
+    double promise;  // the greatest `untried` of the node and all below it
+    std::int32_t parent;
+    std::int32_t child[2];  // drop, send
+    std::int32_t level;
+    bool send;
+    bool other;
+    bool alive;
+};
+
+class BestSearch {
+  public:
+    BestSearch(Tables tables, std::int32_t max_nodes)
+        : tables_(std::move(tables)),
+          path_(tables_),
+          states_(tables_, true),
+          prices_(tables_, path_),
+          capacity_(max_nodes),
+          nodes_(new BestNode[max_nodes]),
+          tantamount_(max_nodes) {
+        for (Plan& plan : best_) plan.sends.reserve(tables_.levels);
+    }
+    BestSearch(const BestSearch&) = delete;
+    BestSearch& operator=(const BestSearch&) = delete;
+
+    bool done() const { return done_; }
+    std::int64_t iterations() const { return iterations_; }
+    std::int32_t size() const { return size_; }
+    const BestNode& node(std::int32_t at) const { return nodes_[at]; }
+
+    std::int64_t run(std::int64_t iterations) {
+        std::int64_t ran = 0;
+        for (; ran < iterations && !done_; ++ran) iterate();
+        iterations_ += ran;
+        return ran;
+    }
+
+    Found found() const {
+        const bool send = best_[1].value > best_[0].value;
+        Found result{best_[send].sends, std::nullopt, size_};
+        if (best_[!send].value != kNothing) result.opposite = best_[!send].sends;
+        return result;
+    }
+
+  private:
+    struct Plan {
+        double value = kNothing;
+        std::vector<std::int32_t> sends;  // levels
+    };
+
+    void iterate() {
+        if (size_ > 0) {
+            back_up(try_most_promising());
+        } else {
+            learn();
+            reset();
+            back_up(simulate(create(kNone, false, tables_.facts, prices_.bound())));
+        }
+        done_ = full() || nodes_[0].promise <= beaten();
+    }
+
+    bool full() const { return size_ >= capacity_; }
+
+    void reset() {
+        path_.reset();
+        states_.reset();
+    }
+
+    void learn() {
+        prices_.learn([this] { return roll_out(std::nullopt); });
+        roll_out(false);
+        roll_out(true);
+        if (best_[1].value == kNothing) roll_out(true, true);
+    }
+
+    // Follow the policy, with the current decision forced or not, and with nothing sent before it when `clear`; return
+    // the best value so far.
+    double roll_out(std::optional<bool> forced, bool clear = false) {
+        path_.reset();
+        double value = tables_.facts;
+        for (std::int32_t level = 0; level < tables_.levels; ++level) {
+            bool wanted = prices_.advantage(level) > 0.0;
+            if (level == tables_.current && forced) {
+                wanted = *forced;
+            } else if (clear && level < tables_.current) {
+                wanted = false;
+            }
+            const bool send = wanted && path_.fits(level);
+            value += send ? path_.gain(level) : 0.0;
+            path_.step(level, send);
+        }
+        keep(value);
+        return incumbent();
+    }
+
+    // Keep the plan of the path when it is the best of its decision; the first of equals stays.
+    void keep(double value) {
+        const std::int32_t* end = path_.sends() + path_.send_count();
+        Plan& plan = best_[std::find(path_.sends(), end, tables_.current) != end];
+        if (value > plan.value) {
+            plan.value = value;
+            plan.sends.assign(path_.sends(), end);
+        }
+    }
+
+    double incumbent() const { return std::max(best_[0].value, best_[1].value); }
+
+    // The bound up to which nothing is worth a try.
+    double beaten() const {
+        const double best = incumbent();
+        return best + 1e-9 * std::abs(best);
+    }
+
+    std::int32_t try_most_promising() {
+        std::int32_t at = 0;
+        reset();
+        while (true) {
+            const BestNode& node = nodes_[at];
+            const double drop = promise(node.child[0]);
+            const double send = promise(node.child[1]);
+            if (node.untried > std::max(drop, send)) return take_other(at);
+            const bool side = send > drop;
+            path_.step(node.level, side);
+            states_.step(node.level, side);
+            at = node.child[side];
+        }
+    }
+
+    double promise(std::int32_t at) const { return at == kNone ? kNothing : nodes_[at].promise; }
+
+    std::int32_t take_other(std::int32_t at) {
+        const double bound = std::exchange(nodes_[at].untried, kNothing);
+        const std::int32_t child = step(at, nodes_[at].other, bound);
+        return child == kNone ? at : simulate(child);
+    }
+
+    std::int32_t simulate(std::int32_t at) {
+        while (nodes_[at].level < tables_.levels) {
+            if (full()) return at;
+            BestNode& node = nodes_[at];
+            const bool fits = path_.fits(node.level);
+            const double advantage = prices_.advantage(node.level);
+            const bool send = fits && advantage > 0.0;
+            if (fits) {
+                const double other = bound_after(node, advantage, !send);
+                if (other > beaten()) {
+                    node.untried = other;
+                    node.other = !send;
+                }
+            }
+            const double bound = bound_after(node, advantage, send);
+            const std::int32_t child = bound > beaten() ? step(at, send, bound) : kNone;
+            if (child == kNone) return at;
+            at = child;
+        }
+        keep(nodes_[at].value);
+        return at;
+    }
+
+    double bound_after(const BestNode& node, double advantage, bool send) const {
+        const double loss = send ? std::max(0.0, -advantage) : std::max(0.0, advantage);
+        return node.bound - (loss + prices_.left_unused(node.level, send));
+    }
+
+    // Go on to a new child of the node where the path ends; kNone when a tantamount node is as good.
+    std::int32_t step(std::int32_t parent, bool send, double bound) {
+        const std::int32_t level = nodes_[parent].level;
+        const double value = nodes_[parent].value + (send ? path_.gain(level) : 0.0);
+        std::int32_t& rival = tantamount_.find(states_.after(level, send));
+        if (rival != 0) {
+            if (nodes_[rival - 1].value >= value) return kNone;
+            remove(rival - 1);
+        }
+        path_.step(level, send);
+        states_.step(level, send);
+        const std::int32_t child = create(parent, send, value, bound);
+        rival = child + 1;
+        return child;
+    }
+
+    void remove(std::int32_t at) {
+        const std::int32_t parent = nodes_[at].parent;
+        if (parent != kNone) {
+            nodes_[parent].child[nodes_[at].send] = kNone;
+            back_up(parent);
+        }
+        nodes_[at].alive = false;
+    }
+
+    std::int32_t create(std::int32_t parent, bool send, double value, double bound) {
+        const std::int32_t level = parent == kNone ? 0 : nodes_[parent].level + 1;
+        nodes_[size_] = BestNode{value, bound, kNothing, kNothing, parent, {kNone, kNone}, level, send, false, true};
+        if (parent != kNone) nodes_[parent].child[send] = size_;
+        return size_++;
+    }
+
+    // Renew the promises of a node and all its ancestors.
+    void back_up(std::int32_t at) {
+        for (; at != kNone; at = nodes_[at].parent) {
+            BestNode& node = nodes_[at];
+            node.promise = std::max({node.untried, promise(node.child[0]), promise(node.child[1])});
+        }
+    }
+
+    Tables tables_;
+    Path path_;
+    StateTracker states_;
+    Prices prices_;
+    std::int32_t capacity_;
+    std::unique_ptr<BestNode[]> nodes_;
+    States tantamount_;
+    Plan best_[2];  // by the decision about the current message
+    std::int32_t size_ = 0;
+    std::int64_t iterations_ = 0;
+    bool done_ = false;
+};
+
+}  // namespace sendworthy

@@ -1,0 +1,145 @@
+// planner._native: the search kernels for Python. Searches run without the GIL.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "best.h"
+#include "paper.h"
+#include "tables.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace sendworthy;
+
+namespace {
+
+using Ints = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Floats = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Matrix = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using PaperRow = std::tuple<std::int32_t, std::int32_t, int, std::int32_t, double, double>;
+
+std::int32_t narrow(const Ints& values, std::size_t at) { return static_cast<std::int32_t>(values(at)); }
+
+void add_rows(Tables& tables, nb::handle rows) {
+    const auto of = nb::cast<Ints>(rows.attr("of"));
+    const auto first = nb::cast<Ints>(rows.attr("first"));
+    const auto last = nb::cast<Ints>(rows.attr("last"));
+    const auto capacity = nb::cast<Floats>(rows.attr("capacity"));
+    for (std::size_t at = 0; at < of.size(); ++at) {
+        tables.row.push_back({narrow(of, at), narrow(first, at), narrow(last, at), capacity(at)});
+    }
+}
+
+// The arrays of planner/tables.py's Tables; `gains` and `checks` are its parts. Their shapes are checked there.
+Tables make_tables(nb::handle source) {
+    const nb::object gains = source.attr("gains");
+    const nb::object checks = source.attr("checks");
+    const auto message = nb::cast<Ints>(source.attr("message"));
+    const auto scale = nb::cast<Floats>(source.attr("scale"));
+    const auto stream = nb::cast<Ints>(gains.attr("stream"));
+    const auto number = nb::cast<Ints>(gains.attr("number"));
+    const auto gain_start = nb::cast<Ints>(gains.attr("start"));
+    const auto gain = nb::cast<Floats>(source.attr("aim"));
+    const auto use = nb::cast<Matrix>(checks.attr("use"));
+    const auto share = nb::cast<Matrix>(checks.attr("share"));
+    const auto check_start = nb::cast<Ints>(checks.attr("start"));
+    const auto of = nb::cast<Ints>(checks.attr("of"));
+    const auto first = nb::cast<Ints>(checks.attr("first"));
+    const auto room = nb::cast<Floats>(checks.attr("room"));
+    const auto never = nb::cast<Flags>(checks.attr("never"));
+    const auto held = nb::cast<Ints>(checks.attr("held"));
+
+    Tables tables;
+    tables.levels = static_cast<std::int32_t>(message.shape(0));
+    tables.streams = nb::cast<std::int32_t>(source.attr("streams"));
+    tables.constraints = static_cast<std::int32_t>(use.shape(1));
+    tables.current = nb::cast<std::int32_t>(source.attr("current"));
+    tables.facts = nb::cast<double>(source.attr("aim_facts"));
+    tables.gain.assign(gain.data(), gain.data() + gain.size());
+    tables.use.assign(use.data(), use.data() + use.size());
+    tables.share.assign(share.data(), share.data() + share.size());
+    tables.scale.assign(scale.data(), scale.data() + scale.size());
+    for (std::size_t at = 0; at < room.size(); ++at) {
+        tables.check.push_back({narrow(of, at), narrow(first, at), room(at)});
+    }
+    add_rows(tables, checks.attr("rows"));
+    for (std::size_t at = 0; at < message.size(); ++at) {
+        tables.message.push_back(narrow(message, at));
+        tables.level.push_back({narrow(stream, at), narrow(number, at), narrow(gain_start, at), narrow(check_start, at),
+                                narrow(held, at), never(at)});
+    }
+    tables.level.push_back({0, 0, static_cast<std::int32_t>(gain.size()), static_cast<std::int32_t>(room.size()),
+                            tables.levels, false});
+    return tables;
+}
+
+ReductionKind reduction_of(const std::string& name) {
+    if (name == "paper") return ReductionKind::paper;
+    return name == "exact" ? ReductionKind::exact : ReductionKind::off;
+}
+
+using BestRow = std::tuple<std::int32_t, std::int32_t, int, double, double, double, double>;
+
+std::vector<BestRow> best_rows(const BestSearch& search) {
+    std::vector<BestRow> result;
+    for (std::int32_t at = 0; at < search.size(); ++at) {
+        const BestNode& node = search.node(at);
+        result.emplace_back(node.alive ? node.parent : kCut, node.level, node.send, node.value, node.bound, node.untried,
+                            node.promise);
+    }
+    return result;
+}
+
+std::vector<PaperRow> rows(const Tree& tree) {
+    std::vector<PaperRow> result;
+    for (std::int32_t at = 0; at < tree.size(); ++at) {
+        const Node& node = tree[at];
+        result.emplace_back(node.alive ? node.parent : kCut, node.level, node.send, node.visits, node.sum, node.utility);
+    }
+    return result;
+}
+
+std::tuple<bool, std::vector<std::int32_t>, double, std::optional<double>, std::int32_t> parts(const Answer& answer) {
+    return {answer.send, answer.sends, answer.utility, answer.opposite, answer.nodes};
+}
+
+}  // namespace
+
+NB_MODULE(_native, m) {
+    m.doc() = "The native search kernels.";
+    nb::class_<PaperSearch>(m, "PaperSearch", "The paper's search: see planner/python_engine/paper.py.")
+        .def("__init__",
+             [](PaperSearch* self, nb::handle tables, double exploration, const std::string& reduction,
+                std::int32_t max_nodes) {
+                 new (self) PaperSearch(make_tables(tables), exploration, reduction_of(reduction), max_nodes);
+             },
+             "tables"_a, "exploration"_a, "reduction"_a, "max_nodes"_a)
+        .def_prop_ro("iterations", &PaperSearch::iterations)
+        .def_prop_ro("done", &PaperSearch::done)
+        .def("run", &PaperSearch::run, "iterations"_a, nb::call_guard<nb::gil_scoped_release>())
+        .def("plan", [](const PaperSearch& self) { return parts(self.plan()); })
+        .def("tree", [](const PaperSearch& self) { return rows(self.tree()); });
+    nb::class_<BestSearch>(m, "BestSearch", "The default search: see planner/python_engine/best.py.")
+        .def("__init__",
+             [](BestSearch* self, nb::handle tables, std::int32_t max_nodes) {
+                 new (self) BestSearch(make_tables(tables), max_nodes);
+             },
+             "tables"_a, "max_nodes"_a)
+        .def_prop_ro("iterations", &BestSearch::iterations)
+        .def_prop_ro("done", &BestSearch::done)
+        .def("run", &BestSearch::run, "iterations"_a, nb::call_guard<nb::gil_scoped_release>())
+        .def("plan",
+             [](const BestSearch& self) {
+                 const Found found = self.found();
+                 return std::tuple(found.sends, found.opposite, found.nodes);
+             })
+        .def("tree", &best_rows);
+}

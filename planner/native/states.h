@@ -1,0 +1,134 @@
+// The states of nodes, to find tantamount ones: 128 bits of hash stand for the last messages of the streams and for
+// what the constraint windows hold. Two different states of one search that share all bits will not be met.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <vector>
+
+#include "tables.h"
+
+namespace sendworthy {
+
+struct StateHash {
+    std::uint64_t low = 0;
+    std::uint64_t high = 0;
+
+    void toggle(const StateHash& other) {
+        low ^= other.low;
+        high ^= other.high;
+    }
+    bool operator==(const StateHash&) const = default;
+};
+
+// splitmix64: well mixed bits for the numbers 0, 1, 2, ...
+inline std::uint64_t mixed(std::uint64_t number) {
+    number = (number + 1) * 0x9E3779B97F4A7C15ull;
+    number = (number ^ (number >> 30)) * 0xBF58476D1CE4E5B9ull;
+    number = (number ^ (number >> 27)) * 0x94D049BB133111EBull;
+    return number ^ (number >> 31);
+}
+
+// The state at the end of a path, kept up to date decision by decision in constant time, whatever the number of streams.
+class StateTracker {
+  public:
+    StateTracker(const Tables& tables, bool held) : tables_(tables), held_(held), last_(tables.streams, -1) {
+        sends_.reserve(tables.levels);
+        for (std::uint64_t at = 0; at <= static_cast<std::uint64_t>(tables.levels); ++at) {
+            depth_.push_back({mixed(6 * at), mixed(6 * at + 1)});
+            last_sent_.push_back({mixed(6 * at + 2), mixed(6 * at + 3)});
+            in_window_.push_back({mixed(6 * at + 4), mixed(6 * at + 5)});
+        }
+        reset();
+    }
+
+    void reset() {
+        std::fill(last_.begin(), last_.end(), -1);
+        sends_.clear();
+        oldest_ = 0;
+        hash_ = {};
+    }
+
+    // The state once this level is decided.
+    StateHash after(std::int32_t level, bool send) const {
+        StateHash hash = hash_;
+        hash.toggle(depth_[level]);
+        const std::int32_t held = tables_.level[level + 1].held;
+        for (std::size_t at = oldest_; at < sends_.size() && sends_[at] < held; ++at) hash.toggle(in_window_[sends_[at]]);
+        if (!send) return hash;
+        const std::int32_t before = last_[tables_.level[level].stream];
+        if (before >= 0) hash.toggle(last_sent_[before]);
+        hash.toggle(last_sent_[level]);
+        if (level >= held && counts(level)) hash.toggle(in_window_[level]);
+        return hash;
+    }
+
+    void step(std::int32_t level, bool send) {
+        hash_ = after(level, send);
+        hash_.toggle(depth_[level]);
+        const std::int32_t held = tables_.level[level + 1].held;
+        while (oldest_ < sends_.size() && sends_[oldest_] < held) ++oldest_;
+        if (!send) return;
+        last_[tables_.level[level].stream] = level;
+        if (level >= held && counts(level)) sends_.push_back(level);
+    }
+
+  private:
+    bool counts(std::int32_t level) const {
+        if (!held_) return false;
+        const double* use = tables_.use_of(level);
+        for (std::int32_t k = 0; k < tables_.constraints; ++k) {
+            if (use[k] > 0.0) return true;
+        }
+        return false;
+    }
+
+    const Tables& tables_;
+    bool held_;  // whether what the windows hold is part of the state
+    std::vector<std::int32_t> last_;
+    std::vector<std::int32_t> sends_;  // those that some window may hold, from `oldest_` on
+    std::size_t oldest_ = 0;
+    StateHash hash_;
+    std::vector<StateHash> depth_;
+    std::vector<StateHash> last_sent_;
+    std::vector<StateHash> in_window_;
+};
+
+// A bounded hash table from states to nodes; never allocates after construction.
+class States {
+  public:
+    explicit States(std::int32_t nodes) {
+        std::size_t slots = 16;
+        while (slots < 2 * static_cast<std::size_t>(nodes)) slots *= 2;
+        mask_ = slots - 1;
+        // Zeroed pages come from the system as they are touched: a small search pays for a small table.
+        slots_.reset(static_cast<Slot*>(std::calloc(slots, sizeof(Slot))));
+        if (!slots_) throw std::bad_alloc();
+    }
+
+    // 1 + the node of the state; 0 when the state is new.
+    std::int32_t& find(const StateHash& hash) {
+        for (std::size_t at = hash.low & mask_;; at = (at + 1) & mask_) {
+            Slot& slot = slots_.get()[at];
+            if (slot.node_plus_one == 0) slot.hash = hash;
+            if (slot.hash == hash) return slot.node_plus_one;
+        }
+    }
+
+  private:
+    struct Slot {
+        StateHash hash;
+        std::int32_t node_plus_one;
+    };
+    struct Free {
+        void operator()(Slot* slots) const { std::free(slots); }
+    };
+    std::size_t mask_;
+    std::unique_ptr<Slot, Free> slots_;
+};
+
+}  // namespace sendworthy

@@ -1,0 +1,46 @@
+"""The native engine behind the planner's interface: C++ searches that run without the GIL."""
+
+from planner import _native
+from planner.answers import answer
+from planner.python_engine import best, tree
+from planner.search import Plan, SearchSettings
+from planner.tables import Tables
+
+
+class NativeSearch:
+    """A search of the native engine. Use one search from one thread at a time."""
+
+    def __init__(self, tables: Tables, settings: SearchSettings) -> None:
+        self._tables = tables
+        self._kernel: _native.PaperSearch | _native.BestSearch
+        if settings.search == "paper":
+            self._kernel = _native.PaperSearch(tables, settings.exploration, settings.reduction, settings.max_nodes)
+        else:
+            self._kernel = _native.BestSearch(tables, settings.max_nodes)
+
+    @property
+    def iterations(self) -> int:
+        """Iterations done so far."""
+        return self._kernel.iterations
+
+    @property
+    def done(self) -> bool:
+        """Whether no remaining iteration can change the decision."""
+        return self._kernel.done
+
+    def run(self, iterations: int) -> int:
+        """Run at most `iterations` more; return how many ran (fewer when done)."""
+        return self._kernel.run(iterations)
+
+    def plan(self) -> Plan:
+        """Return the best answer so far; defined after any number of iterations, zero included."""
+        if isinstance(self._kernel, _native.BestSearch):
+            sends, other, nodes = self._kernel.plan()
+            return answer(self._tables, sends, other, iterations=self.iterations, nodes=nodes)
+        send, sends, utility, opposite, nodes = self._kernel.plan()
+        lead = None if opposite is None else utility - opposite
+        return Plan(send, tuple(sends), utility, opposite, self.iterations, nodes, lead)
+
+    def tree(self) -> list[tree.Row] | list[best.Row]:
+        """Every node in the order of creation, to compare engines."""
+        return self._kernel.tree()

@@ -1,0 +1,88 @@
+"""A planning problem: the messages of one window, what they are worth, and what the channel allows.
+
+Everything here is frozen data. Times are seconds on one monotonic clock of the caller's choice, sizes are
+bytes. The terms are those of the model: a *stream* is one key of one robot, a *message* is a sample as the
+planner sees it, a *constraint* limits what the messages sent within a sliding window may use together (Eq. 5
+and 6).
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from planner.utility import MessageUtility
+
+
+class Aggregation(StrEnum):
+    """How the messages of one stream combine at a time t."""
+
+    MOST_RECENT = "most_recent"
+    """The utility is that of the message received last (Markovian, §3.2.2)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """The samples of one key from one robot."""
+
+    robot: int
+    aggregation: Aggregation = Aggregation.MOST_RECENT
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """A sample as the planner sees it.
+
+    `use[k]` is what sending it uses of constraint `k` (bytes for `throughput`; 0 where the constraint does
+    not concern it). `scale` multiplies the message utility: weight × scale expression × receivers × expected
+    arrival. A message with `sent` is a fact: it is counted and never decided. All others are decisions of the
+    tree.
+    """
+
+    stream: int
+    t_gen: float
+    t_sent: float
+    t_rcv: float
+    utility: MessageUtility
+    scale: float
+    use: tuple[float, ...]
+    sent: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Constraint:
+    """What is sent within any closed window of `window` seconds may use at most `limit` (Eq. 5, 6).
+
+    A message that alone uses more than `limit` is checked against the window stretched to `use / limit ×
+    window`: it may be sent when nothing else was sent within that.
+    """
+
+    name: str
+    window: float
+    limit: float
+
+
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """Something that was sent and uses the constraints, but is not a message of any stream of the problem."""
+
+    t_sent: float
+    use: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One decision: whether to send message `current`.
+
+    `messages` are ordered by `t_gen` (ties by robot, then stream). Messages of `sent` are facts; `current` is
+    never one. `t_start` is t_0 of Eq. 2's progress ψ, `t_end` ends every integral of utility. `t_sent` of the
+    open messages does not decrease. `goes_on` tells that streams and constraints are in use after the window, too;
+    without it the channel is left over at its end (the last window of a mission).
+    """
+
+    streams: tuple[Stream, ...]
+    messages: tuple[Message, ...]
+    current: int
+    constraints: tuple[Constraint, ...]
+    traffic: tuple[Traffic, ...]
+    t_start: float
+    t_end: float
+    goes_on: bool = True

@@ -1,0 +1,1 @@
+"""The engine to read beside the paper; the native one grows the same trees."""

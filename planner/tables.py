@@ -1,0 +1,65 @@
+"""Everything a search needs to know of a problem, as plain arrays that both engines share.
+
+Both engines read the same numbers from here and add them in the same order, so they round alike.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.beyond import look_beyond
+from planner.constraints import Checks, tabulate_checks
+from planner.evaluation import Gains, tabulate_gains
+from planner.problem import Problem
+from planner.utility import Floats, Ints
+from planner.validation import check_problem
+
+SHORTEST_PROGRESS = 0.01
+"""The least time that counts as progress of the mission in ψ [s] (Eq. 2)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """One problem, tabulated. Level i of the tree decides its message `message[i]`; `current` is a level."""
+
+    message: Ints
+    current: int
+    streams: int
+    gains: Gains
+    aim: Floats
+    """What each of the gains adds to what the search maximises: U, or the objective of beyond.py [utility·s]."""
+    aim_facts: float
+    """The same of the facts alone [utility·s]."""
+    checks: Checks
+    scale: Floats
+    """scale[d]: what turns the utility of a node of level d into its score, ψ·U(M) of Eq. 2 [utility·s]."""
+
+    @property
+    def levels(self) -> int:
+        """The number of open messages."""
+        return len(self.message)
+
+
+def tabulate(problem: Problem, *, beyond: bool = False) -> Tables:
+    """Tabulate a problem, to maximise U or, with `beyond`, the objective; raise ProblemError without meaning."""
+    check_problem(problem)
+    opened = [index for index, m in enumerate(problem.messages) if not m.sent]
+    gains = tabulate_gains(problem)
+    aim, aim_facts = look_beyond(problem).aim(problem, gains) if beyond else (gains.gain, gains.facts)
+    return Tables(
+        message=np.array(opened),
+        current=opened.index(problem.current),
+        streams=len(problem.streams),
+        gains=gains,
+        aim=aim,
+        aim_facts=aim_facts,
+        checks=tabulate_checks(problem),
+        scale=_score_scale(problem, opened, gains.everything),
+    )
+
+
+def _score_scale(problem: Problem, opened: list[int], everything: float) -> Floats:
+    """ψ(v)·U(M) for every level; infinite when nothing has any utility, so that every score is 0."""
+    next_generated = np.array([problem.messages[index].t_gen for index in opened] + [problem.t_end])
+    progress = np.maximum(next_generated - problem.t_start, SHORTEST_PROGRESS) / (problem.t_end - problem.t_start)
+    return progress * everything if everything > 0 else np.full(len(progress), np.inf)

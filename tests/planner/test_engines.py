@@ -1,0 +1,77 @@
+"""Both engines grow the same tree and give the same answer."""
+
+import dataclasses
+import itertools
+
+import pytest
+
+from planner import Search, SearchSettings, start
+from tests.planner.windows import stale_window, window
+
+REDUCTIONS = ("off", "paper", "exact")
+
+
+def both(problem, settings) -> tuple[Search, Search]:
+    return tuple(start(problem, dataclasses.replace(settings, engine=engine)) for engine in ("python", "native"))
+
+
+def drawn(seed: int):
+    """A window of its own size, number of constraints and roundness for every seed."""
+    return window(seed, robots=1 + seed % 5, horizon=4 + seed % 13, constraints=seed % 3, grid=seed % 2 == 0)
+
+
+@pytest.mark.parametrize(("reduction", "block"), list(itertools.product(REDUCTIONS, range(4))))
+def test_same_tree_in_paper_mode(reduction, block):
+    """Paper mode grows the same tree node by node on either engine, whatever the reduction."""
+    for seed in range(30 * block, 30 * block + 30):
+        python, native = both(drawn(seed), SearchSettings(search="paper", reduction=reduction))
+        for _ in range(2):
+            assert python.run(60) == native.run(60)
+            assert python.tree() == native.tree()
+            assert python.plan() == native.plan()
+
+
+@pytest.mark.parametrize(("reduction", "exploration"), list(itertools.product(REDUCTIONS[1:], (0.35, 0.6))))
+def test_same_tree_while_subtrees_move(reduction, exploration):
+    """Also where better nodes take over what grew below tantamount ones, the trees stay the same."""
+    for seed in range(100):
+        settings = SearchSettings(search="paper", reduction=reduction, exploration=exploration)
+        python, native = both(stale_window(seed), settings)
+        python.run(200), native.run(200)
+        assert python.tree() == native.tree()
+        assert python.plan() == native.plan()
+
+
+@pytest.mark.parametrize("block", range(10))
+def test_same_tree_in_best_mode(block):
+    """The default mode grows the same tree node by node on either engine, with arenas small and large."""
+    for seed in range(30 * block, 30 * block + 30):
+        settings = SearchSettings(max_nodes=(65_536, 1, 7, 60)[seed % 4])
+        python, native = both(drawn(seed), settings)
+        for iterations in (0, 1, 5, 30):
+            assert python.run(iterations) == native.run(iterations)
+            assert python.tree() == native.tree()
+            assert python.plan() == native.plan()
+            assert python.done == native.done
+
+
+def test_same_tree_on_a_full_window():
+    """A window of a decision in flight, ten robots and sixty messages, gives the same tree on either engine."""
+    for seed, mode in itertools.product(range(2), ("best", "paper")):
+        python, native = both(window(seed, robots=10, horizon=60, constraints=2), SearchSettings(search=mode))
+        assert python.run(100) == native.run(100)
+        assert python.tree() == native.tree()
+        assert python.plan() == native.plan()
+
+
+@pytest.mark.parametrize("mode", ["best", "paper"])
+def test_seed_and_slices_change_nothing(mode):
+    """The tree depends on the problem and the number of iterations only, not on how they were cut into runs."""
+    for engine in ("python", "native"):
+        settings = SearchSettings(search=mode, engine=engine)
+        whole, sliced = start(drawn(8), settings, seed=1), start(drawn(8), settings, seed=1)
+        whole.run(40)
+        for _ in range(40):
+            sliced.run(1)
+        assert whole.tree() == sliced.tree()
+        assert whole.plan() == sliced.plan()
