@@ -1,0 +1,180 @@
+"""Specs in use: matching keys, extracting features, computing scales."""
+
+import math
+from dataclasses import dataclass
+
+import pytest
+import zenoh
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.problem import Aggregation
+from planner.utility import Video
+from utility_specs import ConstraintSpec, InformationType, Specs
+from utility_specs.expressions import Expression
+from utility_specs.features import Size
+from utility_specs.forecast import LastForecast
+from utility_specs.specs import MATCHES_KEPT
+
+
+@dataclass(frozen=True)
+class KeyLength:
+    """A feature that needs no payload."""
+
+    default: float = 0.0
+    reads_payload = False
+
+    def measure(self, key: str, payload: bytes) -> float:
+        return float(len(key) + len(payload))
+
+
+@dataclass(frozen=True)
+class Odd:
+    """A feature that always fails: it has no finite value, or raises."""
+
+    value: float | None
+    default: float = 0.5
+    reads_payload = True
+
+    def measure(self, _key: str, _payload: bytes) -> float:
+        if self.value is None:
+            raise RuntimeError("no value")
+        return self.value
+
+
+class Counted:
+    """A payload that counts its copies."""
+
+    def __init__(self, raw: bytes) -> None:
+        self.raw, self.copies = raw, 0
+
+    def to_bytes(self) -> bytes:
+        self.copies += 1
+        return self.raw
+
+
+class Broken:
+    def to_bytes(self) -> bytes:
+        raise ValueError("gone")
+
+
+def information_type(name="t", keys=("t/**",), weight=1.0, scale="1", **features) -> InformationType:
+    return InformationType(
+        name=name,
+        keys=keys,
+        aggregation=Aggregation.MOST_RECENT,
+        weight=weight,
+        utility=Video(),
+        expression=Expression.compile(scale, features),
+        features=tuple(features.items()),
+        forecast=LastForecast(),
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "name"),
+    [
+        ("robot/r1/camera", "camera"),
+        ("robot/r1/pose", "rest"),
+        ("robot/r1/arm/camera", "rest"),
+        ("front/camera", "camera"),
+        ("robot", "rest"),
+        ("map", None),
+        ("robot/@adv/x", None),
+        ("robot//camera", None),
+        ("", None),
+    ],
+)
+def test_a_key_belongs_to_the_first_type_that_includes_it(key, name):
+    """Zenoh's own rules decide; a key that is none belongs to no type."""
+    camera = information_type("camera", ("robot/*/camera", "front/camera"))
+    specs = Specs((camera, information_type("rest", ("robot/**",))), (), "")
+    for _ in range(2):
+        found = specs.match(key)
+        assert (found.name if found else None) == name
+
+
+def test_the_memory_of_matches_is_bounded_and_counts_what_it_forgets():
+    """Endless keys do not fill the memory."""
+    specs = Specs((information_type(),), (), "")
+    for number in range(MATCHES_KEPT + 5):
+        assert specs.match(f"t/{number}") is specs.types[0]
+    assert specs.matches_evicted == 5
+    assert specs.match("t/0") is specs.types[0]
+
+
+def test_empty_specs_cover_nothing():
+    """Without specs every key passes."""
+    assert Specs.empty().match("robot/r1/camera") is None
+    assert Specs.empty() == Specs.empty()
+
+
+def test_the_limit_of_a_constraint_is_what_its_window_holds():
+    """Rate times window [B]."""
+    assert ConstraintSpec("air", "throughput", rate=250_000.0, window=0.5).limit == 125_000.0
+
+
+def test_the_scale_is_weight_times_expression():
+    """Features that are missing take their defaults, unknown ones are ignored."""
+    each = information_type(weight=2.0, scale="1 + 10 * red", red=Size(default=0.3))
+    assert each.scale({"red": 0.5, "blue": 9.0}) == 12.0
+    assert each.scale({}) == 8.0
+    assert each.failures.counts() == {}
+
+
+def test_a_scale_below_zero_means_worth_nothing():
+    """A negative value is not a failure."""
+    each = information_type(scale="1 - size", size=Size())
+    assert each.scale({"size": 9.0}) == 0.0
+    assert each.failures.counts() == {}
+
+
+@pytest.mark.parametrize("size", [0.0, math.nan, math.inf, 1e-308])
+def test_a_scale_without_a_finite_value_is_the_weight_and_is_counted(size):
+    """Division by zero, NaN and overflow never reach the planner."""
+    each = information_type(weight=30.0, scale="1e308 * size if size > 1 else 1 / size", size=Size())
+    assert each.scale({"size": size}) == 30.0
+    assert each.failures.counts() == {"scale": 1}
+
+
+@given(st.dictionaries(st.sampled_from(["size", "x"]), st.floats()))
+def test_a_scale_is_always_finite_and_never_negative(features):
+    """Whatever a peer claims its features to be."""
+    scale = information_type(weight=3.0, scale="size ** 3 / (1 - size)", size=Size()).scale(features)
+    assert 0.0 <= scale < math.inf
+
+
+@pytest.mark.parametrize("payload", [b"abc", bytearray(b"abc"), memoryview(b"abc"), zenoh.ZBytes(b"abc")])
+def test_features_are_extracted_from_any_kind_of_payload(payload):
+    """Bytes, their views and Zenoh's own bytes are alike."""
+    each = information_type(size=Size())
+    assert each.needs_payload
+    assert each.extract("t/1", payload) == {"size": 3.0}
+
+
+def test_a_payload_is_copied_once_and_only_when_a_feature_reads_it():
+    """Copies are made when needed."""
+    payload = Counted(b"abc")
+    assert information_type().extract("t", payload) == {}
+    keyed = information_type(length=KeyLength())
+    assert not keyed.needs_payload
+    assert keyed.extract("t/1", payload) == {"length": 3.0}
+    assert payload.copies == 0
+    assert information_type(a=Size(), b=Size()).extract("t/1", payload) == {"a": 3.0, "b": 3.0}
+    assert payload.copies == 1
+
+
+@pytest.mark.parametrize("feature", [Odd(None), Odd(math.nan), Odd(math.inf)])
+def test_a_feature_that_fails_takes_its_default_and_is_counted(feature):
+    """The others are not affected."""
+    each = information_type(odd=feature, size=Size())
+    for _ in range(2):
+        assert each.extract("t/1", b"abc") == {"odd": 0.5, "size": 3.0}
+    assert each.failures.counts() == {"odd": 2}
+
+
+def test_a_payload_that_cannot_be_copied_fails_the_features_that_read_it():
+    """What does not need the payload still has its value."""
+    each = information_type(size=Size(default=7.0), length=KeyLength())
+    assert each.extract("t", Broken()) == {"size": 7.0, "length": 1.0}
+    assert each.failures.counts() == {"size": 1}

@@ -1,0 +1,154 @@
+"""From files to specs: all files are read as one set, and all their problems are reported at once."""
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from planner.problem import Aggregation
+from utility_specs.errors import SpecProblem, SpecsError, TomlError
+from utility_specs.expressions import Expression
+from utility_specs.forecast import LastForecast
+from utility_specs.schema import InformationTypeTable, SpecFile
+from utility_specs.specs import ConstraintSpec, InformationType, Specs
+from utility_specs.suggestions import quoted
+from utility_specs.toml_source import MOST_PROBLEMS, TomlSource, problems_of
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedFile:
+    """What one file of a set contributes."""
+
+    path: Path
+    types: tuple[InformationType, ...]
+    constraints: tuple[ConstraintSpec, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SpecSet:
+    """Specs and the files that they come from."""
+
+    files: tuple[LoadedFile, ...]
+    specs: Specs
+
+
+def load_specs(path: Path) -> Specs:
+    """Load a file, or all `*.toml` of a folder sorted by name; raises SpecsError with every problem."""
+    return load_set([path]).specs
+
+
+def load_set(paths: Sequence[Path]) -> SpecSet:
+    """Load files and folders as one set of specs; raises SpecsError with every problem of all of them."""
+    problems: list[SpecProblem] = []
+    sources: list[TomlSource] = []
+    tables: list[SpecFile] = []
+    for path in _files_of(paths, problems):
+        try:
+            sources.append(TomlSource.read(path))
+            tables.append(SpecFile.model_validate(sources[-1].data))
+        except TomlError as error:
+            problems += error.problems
+        except ValidationError as error:
+            problems += problems_of(error, sources[-1], SpecFile)
+    problems += _repeated(sources, "information_type") + _repeated(sources, "constraint")
+    if not problems and not any(table.information_type for table in tables):
+        where = sources[0].path if len(sources) == 1 else paths[0]
+        problems.append(SpecProblem(where, None, "information_type", "is missing; a spec needs at least one"))
+    if problems:
+        order = {source.path: number for number, source in enumerate(sources)}
+        raise SpecsError(sorted(problems, key=lambda problem: (order.get(problem.file, -1), problem.line or 0)))
+    return _assembled(sources, tables)
+
+
+def _files_of(paths: Iterable[Path], problems: list[SpecProblem]) -> list[Path]:
+    """Return the files that the paths name, each once; folders stand for their `*.toml`, sorted by name."""
+    files: dict[Path, Path] = {}
+    for path in paths:
+        try:
+            found = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+            files |= {file.resolve(): file for file in found if file.resolve() not in files}
+        except (
+            OSError,
+            RuntimeError,
+            ValueError,
+        ) as error:  # RuntimeError: links in a circle; ValueError: a NUL
+            problems.append(SpecProblem(path, None, "", f"cannot be read: {error}"))
+        else:
+            if not found:
+                problems.append(SpecProblem(path, None, "", "has no *.toml file in it"))
+    return list(files.values())
+
+
+def _repeated(sources: Iterable[TomlSource], key: str) -> list[SpecProblem]:
+    """Return a problem for each name that an earlier table has too; files with other problems count."""
+    seen: dict[str, str] = {}
+    problems = []
+    for source in sources:
+        for path, name in _names(source, key):
+            if name in seen:
+                problems.append(source.problem(path, f"{quoted(name)} is already the name of the one at {seen[name]}"))
+            else:
+                seen[name] = f"{source.path}:{source.line_of(path)}"
+    return problems[:MOST_PROBLEMS]
+
+
+def _names(source: TomlSource, key: str) -> Iterator[tuple[tuple[str | int, ...], str]]:
+    tables = source.data.get(key)
+    for index, table in enumerate(tables if isinstance(tables, list) else ()):
+        if isinstance(table, dict) and isinstance(table.get("name"), str):
+            yield (key, index, "name"), table["name"]
+
+
+def _assembled(sources: Iterable[TomlSource], tables: Sequence[SpecFile]) -> SpecSet:
+    names = _constraint_names(tables)
+    files = tuple(
+        LoadedFile(
+            source.path,
+            tuple(map(_information_type, table.information_type)),
+            tuple(ConstraintSpec(next(names), c.kind, c.limit, c.window) for c in table.constraint),
+        )
+        for source, table in zip(sources, tables, strict=True)
+    )
+    types = tuple(each for file in files for each in file.types)
+    constraints = tuple(each for file in files for each in file.constraints)
+    return SpecSet(files, Specs(types, constraints, _generation(tables)))
+
+
+def _information_type(table: InformationTypeTable) -> InformationType:
+    return InformationType(
+        name=table.name,
+        keys=tuple(table.keys),
+        aggregation=Aggregation(table.aggregation),
+        weight=table.weight,
+        utility=table.utility.utility(),
+        expression=Expression.compile(table.scale, table.features),
+        features=tuple((name, feature.feature()) for name, feature in table.features.items()),
+        forecast=LastForecast(),
+    )
+
+
+def _constraint_names(tables: Iterable[SpecFile]) -> Iterator[str]:
+    """Yield a name for every constraint in turn: its own, or its kind, numbered from the second on."""
+    constraints = [each for table in tables for each in table.constraint]
+    taken = {each.name for each in constraints}
+    nameless: Counter[str] = Counter()
+    for each in constraints:
+        name = each.name
+        while name is None:
+            nameless[each.kind] += 1
+            count = nameless[each.kind]
+            proposal = each.kind if count == 1 else f"{each.kind} {count}"
+            name = None if proposal in taken else proposal
+        yield name
+
+
+def _generation(tables: Iterable[SpecFile]) -> str:
+    """Return a hash of what the specs say, whatever files they stand in and whatever their comments."""
+    types = [each.model_dump() for table in tables for each in table.information_type]
+    constraints = [each.model_dump() for table in tables for each in table.constraint]
+    said = json.dumps([types, constraints], sort_keys=True, allow_nan=False)
+    return hashlib.sha256(said.encode()).hexdigest()[:12]

@@ -1,0 +1,173 @@
+"""Specs as the daemon uses them: frozen, checked, swapped as a whole."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from threading import Lock
+from typing import Any, Protocol, Self
+
+import zenoh
+
+from planner.problem import Aggregation
+from planner.utility import MessageUtility
+from utility_specs.errors import ExpressionError
+from utility_specs.expressions import Expression
+from utility_specs.features import Feature
+from utility_specs.forecast import FeatureForecast
+
+MATCHES_KEPT = 4096
+"""Keys whose information type is remembered."""
+
+
+class Payload(Protocol):
+    """A payload that copies itself only when asked, like `zenoh.ZBytes`."""
+
+    def to_bytes(self) -> bytes:
+        """Return the payload."""
+
+
+AnyPayload = bytes | bytearray | memoryview | Payload
+
+
+class _Copied:
+    """A payload as bytes, copied once and only when a feature reads it."""
+
+    def __init__(self, payload: AnyPayload) -> None:
+        self._payload = payload
+
+    @cached_property
+    def raw(self) -> bytes:
+        """The payload."""
+        payload = self._payload
+        return bytes(payload) if isinstance(payload, bytes | bytearray | memoryview) else payload.to_bytes()
+
+
+class Failures:
+    """How often each feature, or the scale, had to be replaced by its default."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[str] = Counter()
+        self._lock = Lock()
+
+    def note(self, what: str) -> None:
+        """Count one failure of a feature (by name) or of `scale`."""
+        with self._lock:
+            self._counts[what] += 1
+
+    def counts(self) -> dict[str, int]:
+        """Return all counts above 0."""
+        with self._lock:
+            return dict(self._counts)
+
+
+@dataclass(frozen=True, slots=True)
+class ConstraintSpec:
+    """A limit on what the channel carries: `rate` [B/s] in any `window` [s] (Eq. 5 and 6)."""
+
+    name: str
+    kind: str
+    rate: float
+    window: float
+
+    @property
+    def limit(self) -> float:
+        """What one window may hold [B]."""
+        return self.rate * self.window
+
+
+@dataclass(frozen=True, slots=True)
+class InformationType:
+    """What a spec says about a group of keys; each key of each robot is a stream of its own."""
+
+    name: str
+    keys: tuple[str, ...]
+    aggregation: Aggregation
+    weight: float
+    utility: MessageUtility
+    expression: Expression
+    features: tuple[tuple[str, Feature], ...]
+    forecast: FeatureForecast
+    failures: Failures = field(default_factory=Failures, repr=False, compare=False)
+
+    @property
+    def needs_payload(self) -> bool:
+        """Whether any feature reads the payload; if not, an empty one will do."""
+        return any(feature.reads_payload for _, feature in self.features)
+
+    def scale(self, features: Mapping[str, float]) -> float:
+        """Return weight × expression, which multiplies the utility of a message; always finite and >= 0.
+
+        Features that are not given take their defaults. An expression below 0 means: worth nothing. One
+        without a finite value is taken as 1 and counted as a failure.
+        """
+        try:
+            values = {name: features.get(name, feature.default) for name, feature in self.features}
+            scale = self.weight * max(0.0, self.expression.evaluate(values))
+        except ExpressionError:
+            scale = math.inf
+        if math.isfinite(scale):
+            return scale
+        self.failures.note("scale")
+        return self.weight
+
+    def extract(self, key: str, payload: AnyPayload) -> dict[str, float]:
+        """Return all features of a sample; one that cannot be computed takes its default and is counted."""
+        if not self.features:
+            return {}
+        copied = _Copied(payload)
+        return {name: self._measured(name, feature, key, copied) for name, feature in self.features}
+
+    def _measured(self, name: str, feature: Feature, key: str, payload: _Copied) -> float:
+        try:
+            value = float(feature.measure(key, payload.raw if feature.reads_payload else b""))
+        except Exception:  # noqa: BLE001 - the data path survives any payload and any feature
+            value = math.nan
+        if math.isfinite(value):
+            return value
+        self.failures.note(name)
+        return feature.default
+
+
+@dataclass(frozen=True, slots=True)
+class Specs:
+    """All specs in force. `generation` is a hash of what they say: equal specs have equal generations."""
+
+    types: tuple[InformationType, ...]
+    constraints: tuple[ConstraintSpec, ...]
+    generation: str
+    _matching: Any = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_matching", lru_cache(MATCHES_KEPT)(_matcher(self.types)))
+
+    @classmethod
+    def empty(cls) -> Self:
+        """Return specs that cover nothing and limit nothing."""
+        return cls((), (), "0" * 12)
+
+    def match(self, key: str) -> InformationType | None:
+        """Return the first type with a key expression that includes the key; None when no type covers it."""
+        found: InformationType | None = self._matching(key)
+        return found
+
+    @property
+    def matches_evicted(self) -> int:
+        """How many keys had to be forgotten, because there are more than `MATCHES_KEPT`."""
+        cache = self._matching.cache_info()
+        return int(cache.misses - cache.currsize)
+
+
+def _matcher(types: tuple[InformationType, ...]) -> Callable[[str], InformationType | None]:
+    """Return the search for a key's type that `Specs.match` remembers the results of."""
+    expressions = [(zenoh.KeyExpr(text), each) for each in types for text in each.keys]
+
+    def match(key: str) -> InformationType | None:
+        try:
+            concrete = zenoh.KeyExpr(key)
+        except zenoh.ZError:
+            return None
+        return next((each for expression, each in expressions if expression.includes(concrete)), None)
+
+    return match

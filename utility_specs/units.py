@@ -1,0 +1,99 @@
+"""Quantities as people write them: `"2 Mbit/s"`, `"200 ms"`. Inside, everything is bytes and seconds.
+
+Prefixes are decimal (1 kbit = 1000 bit), as everywhere in networking; `KiB` and its kin are powers of 1024.
+"""
+
+import math
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from utility_specs.errors import QuantityError
+from utility_specs.suggestions import described, listed, quoted
+
+_WRITTEN = re.compile(r"\s*([+-]?(?:\d[\d_]*)(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
+
+_PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+_BINARY = {"Ki": 1024.0, "Mi": 1024.0**2, "Gi": 1024.0**3}
+
+_OTHER_WORDS = {
+    **{f"{prefix.lower()}{bits}": f"{prefix}bit/s" for prefix in _PREFIXES for bits in ("bps", "b/s")},
+    **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("msec", "millis", "milliseconds"), "ms"),
+    **dict.fromkeys(("m", "minute", "minutes"), "min"),
+}
+"""What people also call units, in lower case."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dimension:
+    """A kind of quantity: factors of its units to the base unit, and whether a number alone will do."""
+
+    name: str
+    units: Mapping[str, float]
+    example: str
+    plain: bool
+
+    def parse(self, written: Any) -> float:
+        """Return a quantity above 0 in the base unit; raises QuantityError, which says what to write."""
+        if isinstance(written, bool) or not isinstance(written, str | int | float):
+            raise QuantityError(f"must be a {self.name} such as {quoted(self.example)}, not {described(written)}")
+        quantity = self._of_text(written) if isinstance(written, str) else self._of_number(written)
+        if not (math.isfinite(quantity) and quantity > 0.0):
+            raise QuantityError(f"must be a finite {self.name} above 0, not {described(written)}")
+        return quantity
+
+    def _of_text(self, text: str) -> float:
+        found = _WRITTEN.fullmatch(text)
+        if found is None:
+            raise QuantityError(f"{described(text)} is not a {self.name}; write for example {quoted(self.example)}")
+        if found[2] is None:
+            return self._of_number(float(found[1]))
+        unit = unicodedata.normalize("NFKC", found[2])  # there are two µ
+        if unit not in self.units:
+            raise QuantityError(f"unknown unit {quoted(unit)} ({self._hint(unit)})")
+        return float(found[1]) * self.units[unit]
+
+    def _hint(self, unit: str) -> str:
+        """Return what to write for an unknown unit; a guess by likeness could be wrong by a factor of 8."""
+        same = {known.lower(): known for known in self.units} | _OTHER_WORDS
+        meant = same.get(unit.lower(), "")
+        return f"did you mean {quoted(meant)}?" if meant in self.units else f"known units: {listed(self.units)}"
+
+    def _of_number(self, number: float) -> float:
+        if not self.plain:
+            raise QuantityError(f"needs a unit; write for example {quoted(self.example)}")
+        try:
+            return float(number)
+        except OverflowError:
+            return math.inf
+
+
+def _bits_and_bytes(per: str) -> dict[str, float]:
+    bits = {f"{prefix}bit{per}": factor / 8.0 for prefix, factor in _PREFIXES.items()}
+    return bits | {f"{prefix}B{per}": factor for prefix, factor in (_PREFIXES | _BINARY).items()}
+
+
+RATE = Dimension("rate", _bits_and_bytes("/s"), "2 Mbit/s", plain=False)
+SIZE = Dimension("size", _bits_and_bytes(""), "50 kB", plain=False)
+DURATION = Dimension(
+    "duration",
+    {"s": 1.0, "ms": 1e-3, "us": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0},
+    "200 ms",
+    plain=True,
+)
+
+Rate = Annotated[float, BeforeValidator(RATE.parse, json_schema_input_type=str)]
+"""[B/s], written with a unit: bits and bytes are mixed up too easily."""
+
+Size = Annotated[float, BeforeValidator(SIZE.parse, json_schema_input_type=str)]
+"""[B], written with a unit."""
+
+Duration = Annotated[
+    float, BeforeValidator(DURATION.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])
+]
+"""[s], written with a unit or as a number of seconds."""
