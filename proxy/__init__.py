@@ -1,0 +1,1 @@
+"""The daemon: sessions, shared view, gate, status, command line."""

@@ -1,0 +1,39 @@
+"""What every stream of the shared view could do with a constraint."""
+
+from planner import Constraint
+from proxy.core.allocation import Claim
+from proxy.core.limits import use_of
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+
+NEVER = 1e6
+"""Age of what was never sent [s]."""
+
+
+def claims(view: SharedView, now: float, k: int, limits: tuple[Constraint, ...]) -> list[Claim]:
+    """Return a claim on constraint `k` for each stream that is wanted and goes on; robots are named by their tags."""
+    tags = view.tags()
+    return [
+        _claim(
+            view, stream, now, robot=tags[stream.robot], use=use_of(stream.newest.size, view.copies(stream), limits)[k]
+        )
+        for stream in view.streams()
+        if stream.robot in tags and view.competes(now, stream)
+    ]
+
+
+def _claim(view: SharedView, stream: Stream, now: float, *, robot: str, use: float) -> Claim:
+    last, sent = stream.newest, stream.sent
+    upcoming = stream.schedule.forecast(now, now + view.settings.horizon_time, 1)
+    t_next = upcoming[0] if upcoming else now
+    return Claim(
+        robot=robot,
+        use=use,
+        scale=last.scale * view.receivers(stream),
+        utility=stream.information_type.utility,
+        period=stream.schedule.period,
+        latency=view.latency(stream.robot),
+        age=t_next - sent.t_gen if sent else NEVER,
+        last_scale=sent.scale * view.receivers(stream) if sent else 0.0,
+        wait=t_next - now,
+    )

@@ -1,0 +1,186 @@
+"""Digests and states as versioned msgpack; whatever does not fit is malformed and changes nothing.
+
+Times travel as integer microseconds, most of them as the distance to the send time, scales as single-precision
+floats, records as lists: a digest is sent several times a second by every robot, over the channel it is there to save.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import msgpack
+
+from proxy.core.errors import MalformedWireError
+from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState
+
+VERSION = 1
+MAX_BYTES = 65_536
+MAX_TIME = 1e10
+MAX_COUNT = 2**53
+T = TypeVar("T")
+
+
+def pack_digest(digest: Digest) -> bytes:
+    """Return the wire form of a digest."""
+    sent = _ticks(digest.sent)
+    return _pack(
+        [
+            VERSION,
+            digest.robot,
+            digest.tag,
+            sent,
+            digest.epoch,
+            digest.messages,
+            digest.bytes,
+            [
+                [
+                    s.id,
+                    s.generated,
+                    s.forwarded,
+                    sent - _ticks(s.t_generated),
+                    sent - _ticks(s.t_forwarded),
+                    s.size,
+                    s.scale,
+                ]
+                for s in digest.streams
+            ],
+            [[g.peer, g.constraint, round(g.total)] for g in digest.grants],
+            [[e.peer, _ticks(e.sent), sent - _ticks(e.received), e.samples, _ticks(e.latency)] for e in digest.echoes],
+        ]
+    )
+
+
+def unpack_digest(data: bytes) -> Digest:
+    """Return the digest in `data`; raise `MalformedWireError` when it is none."""
+    return _unpack(data, 10, _digest)
+
+
+def pack_state(state: State) -> bytes:
+    """Return the wire form of a state."""
+    return _pack(
+        [
+            VERSION,
+            state.robot,
+            state.zid,
+            state.mode,
+            state.specs,
+            [[s.id, s.key, s.information_type, _ticks(s.period)] for s in state.streams],
+            list(state.subscriptions),
+            _ticks(state.wall_offset),
+            list(state.origins),
+        ]
+    )
+
+
+def unpack_state(data: bytes) -> State:
+    """Return the state in `data`; raise `MalformedWireError` when it is none."""
+    return _unpack(data, 9, _state)
+
+
+def _digest(f: list[Any]) -> Digest:
+    sent = _time(f[3])
+    return Digest(
+        robot=_name(f[1]),
+        tag=_name(f[2]),
+        sent=sent,
+        epoch=_count(f[4]),
+        messages=_count(f[5]),
+        bytes=_count(f[6]),
+        streams=_each(f[7], 7, lambda s: _stream_digest(f[3], s)),
+        grants=_each(f[8], 3, lambda g: Grant(_name(g[0]), _count(g[1]), float(_count(g[2])))),
+        echoes=_each(f[9], 5, lambda e: _echo(f[3], e)),
+    )
+
+
+def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
+    return StreamDigest(
+        _count(f[0]),
+        _count(f[1]),
+        _count(f[2]),
+        _before(sent, f[3]),
+        _before(sent, f[4]),
+        _count(f[5]),
+        _amount(f[6]),
+    )
+
+
+def _echo(sent: int, f: list[Any]) -> Echo:
+    return Echo(_name(f[0]), _time(f[1]), _before(sent, f[2]), _count(f[3]), _time(f[4]))
+
+
+def _before(sent: int, f: object) -> float:
+    """A time that travels as its distance to the send time, which is short."""
+    return (sent - round(_time(f) * 1e6)) / 1e6
+
+
+def _state(f: list[Any]) -> State:
+    return State(
+        robot=_name(f[1]),
+        zid=_name(f[2]),
+        mode=_name(f[3]),
+        specs=_name(f[4]),
+        streams=_each(f[5], 4, lambda s: StreamState(_count(s[0]), _name(s[1]), _name(s[2]), abs(_time(s[3])))),
+        subscriptions=tuple(_name(key) for key in _list(f[6])),
+        wall_offset=_time(f[7]),
+        origins=tuple(_name(origin) for origin in _list(f[8])),
+    )
+
+
+def _pack(fields: list[Any]) -> bytes:
+    packed: bytes = msgpack.packb(fields, use_single_float=True)
+    return packed
+
+
+def _unpack(data: bytes, length: int, build: Callable[[list[Any]], T]) -> T:
+    if len(data) > MAX_BYTES:
+        raise MalformedWireError(f"{len(data)} bytes are more than the {MAX_BYTES} that a message may have")
+    try:
+        fields = msgpack.unpackb(data, max_array_len=MAX_BYTES, max_str_len=1024)
+    except (ValueError, msgpack.UnpackException, RecursionError) as error:
+        raise MalformedWireError(f"no msgpack: {error}") from error
+    if not isinstance(fields, list) or not fields or fields[0] != VERSION:
+        raise MalformedWireError(f"not version {VERSION}")
+    if len(fields) < length:
+        raise MalformedWireError(f"{len(fields)} fields where {length} are due")
+    return build(fields)
+
+
+def _each(value: object, length: int, build: Callable[[list[Any]], T]) -> tuple[T, ...]:
+    items = _list(value)
+    if not all(isinstance(item, list) and len(item) >= length for item in items):
+        raise MalformedWireError(f"an entry that is no list of {length}")
+    return tuple(build(item) for item in items)
+
+
+def _list(value: object) -> list[Any]:
+    if not isinstance(value, list):
+        raise MalformedWireError(f"{value!r} is no list")
+    return value
+
+
+def _name(value: object) -> str:
+    if not isinstance(value, str):
+        raise MalformedWireError(f"{value!r} is no string")
+    return value
+
+
+def _count(value: object) -> int:
+    if type(value) is not int or not 0 <= value <= MAX_COUNT:
+        raise MalformedWireError(f"{value!r} is no count")
+    return value
+
+
+def _time(value: object) -> float:
+    if type(value) is not int or abs(value) > MAX_TIME * 1e6:
+        raise MalformedWireError(f"{value!r} is no time")
+    return value / 1e6
+
+
+def _amount(value: object) -> float:
+    if type(value) is not float or not math.isfinite(value) or value < 0.0:
+        raise MalformedWireError(f"{value!r} is no amount")
+    return value
+
+
+def _ticks(seconds: float) -> int:
+    return round(seconds * 1e6)

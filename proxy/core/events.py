@@ -1,0 +1,182 @@
+"""What can happen to the core. Times are seconds on the daemon's monotonic clock, sizes are bytes.
+
+A sample's payload stays with the driver; the core speaks of it by the integer `sample` the driver gave it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from planner import Plan
+from proxy.core.mode import Mode
+from proxy.core.wire import Digest, State
+from utility_specs import Specs
+
+
+@dataclass(frozen=True, slots=True)
+class SamplePublished:
+    """An app on this robot published a sample that an information type covers.
+
+    `t_gen` is its generation time, `origin` the id inside its timestamp (hex, None: unstamped by the app),
+    `priority` is Zenoh's (1 real time … 7 background), `features` what its type extracts. `delete` marks a
+    deletion of the key: it passes.
+    """
+
+    now: float
+    sample: int
+    key: str
+    size: int
+    t_gen: float
+    origin: str | None
+    priority: int
+    features: Mapping[str, float]
+    delete: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SamplesPassed:
+    """Samples went straight to the mesh session: no spec covers them, or the mode is `pass`."""
+
+    now: float
+    reason: str
+    count: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class SampleHanded:
+    """A sample that the core forwarded was handed to the mesh session."""
+
+    now: float
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class SampleRefused:
+    """A sample that the core forwarded could not be handed over (queue full, session closed, error)."""
+
+    now: float
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class SampleHeard:
+    """A sample arrived from the mesh. `stamp` is its timestamp as wall time [s], `origin` the id in it (hex)."""
+
+    now: float
+    key: str
+    size: int
+    origin: str | None
+    stamp: float | None
+    features: Mapping[str, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class DigestHeard:
+    """Another robot's digest arrived."""
+
+    now: float
+    digest: Digest
+
+
+@dataclass(frozen=True, slots=True)
+class StateHeard:
+    """Another robot's state arrived (published on change, or fetched from a robot that was there before us)."""
+
+    now: float
+    state: State
+
+
+@dataclass(frozen=True, slots=True)
+class MalformedHeard:
+    """Something on a Sendworthy key was no digest and no state."""
+
+    now: float
+    robot: str
+
+
+@dataclass(frozen=True, slots=True)
+class PeerAppeared:
+    """A robot's presence token appeared on the mesh."""
+
+    now: float
+    robot: str
+    zid: str
+
+
+@dataclass(frozen=True, slots=True)
+class PeerGone:
+    """A robot's presence token vanished."""
+
+    now: float
+    robot: str
+    zid: str
+
+
+@dataclass(frozen=True, slots=True)
+class InterestChanged:
+    """The apps of this robot now subscribe to these key expressions (all of them)."""
+
+    now: float
+    keys: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MatchingChanged:
+    """Whether anybody on the mesh subscribes to one of our keys, as Zenoh itself knows it."""
+
+    now: float
+    key: str
+    matching: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SpecsChanged:
+    """The utility specs were swapped whole."""
+
+    now: float
+    specs: Specs
+
+
+@dataclass(frozen=True, slots=True)
+class ModeChanged:
+    """An operator switched the mode."""
+
+    now: float
+    mode: Mode
+
+
+@dataclass(frozen=True, slots=True)
+class DecisionReady:
+    """The worker's answer to a `Decide`; `plan` is None when the planner failed with `error`."""
+
+    now: float
+    ticket: int
+    plan: Plan | None
+    error: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TimePassed:
+    """Nothing happened but time; the driver sends it at the core's `wake_at` at the latest."""
+
+    now: float
+
+
+Event = (
+    SamplePublished
+    | SamplesPassed
+    | SampleHanded
+    | SampleRefused
+    | SampleHeard
+    | DigestHeard
+    | StateHeard
+    | MalformedHeard
+    | PeerAppeared
+    | PeerGone
+    | InterestChanged
+    | MatchingChanged
+    | SpecsChanged
+    | ModeChanged
+    | DecisionReady
+    | TimePassed
+)

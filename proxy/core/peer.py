@@ -1,0 +1,52 @@
+"""What is known of another robot."""
+
+from dataclasses import dataclass, field
+
+from proxy.core.offset import ClockOffset
+from proxy.core.wire import Digest, State, StreamDigest
+
+PENDING = 1024
+"""Stream news kept of streams whose key is not known yet."""
+
+
+@dataclass(slots=True)
+class Peer:
+    """Another robot that runs Sendworthy."""
+
+    robot: str
+    zid: str
+    since: float
+    offset: ClockOffset = field(default_factory=ClockOffset)
+    keys: dict[int, str] = field(default_factory=dict)
+    periods: dict[str, float] = field(default_factory=dict)
+    subscriptions: tuple[str, ...] = ()
+    origins: tuple[str, ...] = ()
+    mode: str = ""
+    specs: str = ""
+    digest: Digest | None = None
+    digest_received: float = 0.0
+    pending: dict[int, StreamDigest] = field(default_factory=dict)
+    wall_offset: float = 0.0
+    samples: int = 0
+    """Samples heard from it."""
+    latency_in: float = 0.0
+    """Mean time from generation there to receipt here [s]; 0.0 while unknown."""
+    latency_out: float = 0.0
+    """The same for our samples, as the peer tells it."""
+    received_of_ours: int = 0
+
+    def take_state(self, state: State) -> None:
+        """The peer's state replaces what it said before."""
+        self.keys = {stream.id: stream.key for stream in state.streams}
+        self.periods = {stream.key: stream.period for stream in state.streams}
+        self.subscriptions, self.origins = state.subscriptions, state.origins
+        self.mode, self.specs, self.wall_offset = state.mode, state.specs, state.wall_offset
+
+    def postpone(self, news: StreamDigest) -> None:
+        """Keep news of a stream whose key is not known yet."""
+        if len(self.pending) < PENDING or news.id in self.pending:
+            self.pending[news.id] = news
+
+    def note_latency(self, latency: float) -> None:
+        """A sample of the peer took this long [s]."""
+        self.latency_in = latency if self.latency_in == 0.0 else 0.9 * self.latency_in + 0.1 * latency

@@ -1,0 +1,93 @@
+"""The core's part of `sendworthy status`: plain JSON data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from proxy.core.peer import Peer
+from proxy.core.stream import Stream
+
+if TYPE_CHECKING:
+    from proxy.core.core import Core
+
+
+def report(core: Core, now: float) -> dict[str, Any]:
+    """All that the core knows, by topic. Times are ages or durations [s], sizes are bytes."""
+    return {
+        "robot": core.settings.robot,
+        "zid": core.settings.zid,
+        "mode": core.gate.mode.value,
+        "specs": core.view.specs.generation,
+        "coordination": core.settings.coordination,
+        "uptime": now - core.started,
+        "counts": _counts(core),
+        "decisions": _decisions(core),
+        "budget": _budget(core, now),
+        "streams": [_stream(core, stream, now) for stream in core.view.streams()],
+        "peers": [_peer(peer, now) for peer in core.view.peers.values()],
+        "malformed": core.malformed,
+        "evicted": core.view.evicted,
+    }
+
+
+def _counts(core: Core) -> dict[str, Any]:
+    counts = core.counts
+    return {
+        "in": counts.received,
+        "forwarded": counts.forwarded,
+        "dropped": counts.dropped,
+        "queued": counts.queued,
+        "conserved": counts.conserved,
+        "by_reason": dict(sorted(counts.by_reason.items())),
+    }
+
+
+def _decisions(core: Core) -> dict[str, Any]:
+    gate = core.gate
+    return {"made": gate.decisions, "iterations": gate.iterations, "would_drop": gate.would_drop}
+
+
+def _budget(core: Core, now: float) -> list[dict[str, Any]]:
+    return [
+        {
+            "constraint": limit.name,
+            "window": limit.window,
+            "limit": limit.limit,
+            "held": core.shares.held(now, k),
+            "used": core.shares.used(now, k),
+            "members": len(core.shares.members),
+            "confirmed": core.shares.confirmed(now),
+        }
+        for k, limit in enumerate(core.gate.limits)
+    ]
+
+
+def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
+    last, sent = stream.last, stream.sent
+    return {
+        "robot": stream.robot,
+        "key": stream.key,
+        "type": stream.information_type.name,
+        "period": stream.schedule.period,
+        "size": last.size if last else 0,
+        "scale": last.scale if last else 0.0,
+        "generated": stream.generated,
+        "forwarded": stream.forwarded,
+        "receivers": core.view.receivers(stream),
+        "last_generated": now - last.t_gen if last else None,
+        "last_forwarded": now - sent.t_sent if sent else None,
+    }
+
+
+def _peer(peer: Peer, now: float) -> dict[str, Any]:
+    return {
+        "robot": peer.robot,
+        "zid": peer.zid,
+        "mode": peer.mode,
+        "specs": peer.specs,
+        "latency": peer.latency_in or peer.offset.latency,
+        "clock_offset": peer.offset.offset,
+        "digest_age": now - peer.digest_received if peer.digest else None,
+        "samples": peer.samples,
+        "received_of_ours": peer.received_of_ours,
+    }

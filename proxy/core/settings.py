@@ -1,0 +1,30 @@
+"""What the core is told once, at start."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from proxy.core.mode import Mode
+
+
+@dataclass(frozen=True, slots=True)
+class CoreSettings:
+    """Settings of one robot's core.
+
+    `horizon` counts messages, `horizon_time` and `settle` are seconds, `allowance` is the share of every limit that
+    all digests together may use (at least 100 B/s per robot), `floor` the part of a limit that a newcomer may use
+    before all others know of it.
+    """
+
+    robot: str
+    zid: str
+    mode: Mode = Mode.ENFORCE
+    horizon: int = 60
+    horizon_time: float = 60.0
+    iterations: int = 300
+    coordination: Literal["shares", "overhear"] = "shares"
+    allowance: float = 0.02
+    floor: float = 0.01
+    settle: float = 0.5
+    inbox: int = 256
+    streams: int = 4096
+    wall_offset: float = 0.0

@@ -1,0 +1,227 @@
+"""The shared view: every stream, every peer, and what the channel carries, as far as this robot knows."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+
+import zenoh
+
+from proxy.core.events import SampleHeard
+from proxy.core.peer import Peer
+from proxy.core.settings import CoreSettings
+from proxy.core.stream import Generated, Sent, Stream
+from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
+from utility_specs import Specs
+
+STALE = 10.0
+"""Streams without news for this long, or for this many periods, take no part in plans [s]."""
+
+
+@lru_cache(maxsize=65_536)
+def intersects(expression: str, key: str) -> bool:
+    """Whether a subscription's key expression matches the key; an invalid one matches nothing."""
+    try:
+        return bool(zenoh.KeyExpr(expression).intersects(zenoh.KeyExpr(key)))
+    except zenoh.ZError:
+        return False
+
+
+class SharedView:
+    """Everything overheard, bounded: `evicted` counts what had to be forgotten."""
+
+    def __init__(self, settings: CoreSettings, specs: Specs) -> None:
+        self.settings = settings
+        self.specs = specs
+        self.peers: dict[str, Peer] = {}
+        """The other robots, by tag."""
+        self.interest: tuple[str, ...] = ()
+        self.origins: dict[str, None] = {settings.zid: None}
+        self.messages = 0
+        self.bytes = 0
+        self.evicted = 0
+        self._streams: dict[tuple[str, str], Stream] = {}
+        self._wanting: dict[tuple[str, str], int] = {}
+        self._ids = 0
+
+    def set_interest(self, keys: tuple[str, ...]) -> None:
+        """The apps of this robot now subscribe to these key expressions."""
+        self.interest = keys
+        self._wanting.clear()
+
+    def aired(self, messages: int, size: int) -> None:
+        """So many messages of so many bytes in all, copies counted, go on the air."""
+        self.messages += messages
+        self.bytes += size
+
+    def streams(self) -> Iterator[Stream]:
+        """All streams, own ones and others'."""
+        return iter(self._streams.values())
+
+    def own(self) -> Iterator[Stream]:
+        """The streams of this robot."""
+        return (s for s in self._streams.values() if s.robot == self.settings.robot)
+
+    def stream(self, now: float, robot: str, key: str) -> Stream | None:
+        """The stream of a robot and key, made when new; None when no spec covers the key."""
+        found = self._streams.get((robot, key))
+        if found is None:
+            information_type = self.specs.match(key)
+            if information_type is None:
+                return None
+            self._ids += 1
+            found = self._streams[robot, key] = Stream(self._ids, robot, key, information_type)
+            if len(self._streams) > self.settings.streams:
+                oldest = min(self._streams.values(), key=lambda s: (s is found, s.touched))
+                del self._streams[oldest.robot, oldest.key]
+                self._wanting.pop((oldest.robot, oldest.key), None)
+                self.evicted += 1
+        found.touched = now
+        return found
+
+    def set_specs(self, specs: Specs) -> None:
+        """Swap the specs whole: streams keep what was observed and get the type that covers them now."""
+        self.specs = specs
+        for place, stream in list(self._streams.items()):
+            information_type = specs.match(stream.key)
+            if information_type is None:
+                del self._streams[place]
+            else:
+                stream.information_type = information_type
+
+    def receivers(self, stream: Stream) -> int:
+        """How many robots want the stream; one when Zenoh knows of somebody whom no state names."""
+        place = (stream.robot, stream.key)
+        if place not in self._wanting:
+            self._wanting[place] = self._count_wanting(stream)
+        return self._wanting[place] or int(stream.matching)
+
+    def copies(self, stream: Stream) -> int:
+        """Transmissions that one sample costs: one per receiver."""
+        return max(1, self.receivers(stream))
+
+    def competes(self, now: float, stream: Stream) -> bool:
+        """Whether somebody wants more of the stream and more is to be expected."""
+        return stream.last is not None and self._active(now, stream) and self.receivers(stream) > 0
+
+    def tags(self) -> dict[str, str]:
+        """The tags of all robots by their names, our own included."""
+        return {peer.robot: name for name, peer in self.peers.items()} | {self.settings.robot: tag(self.settings.zid)}
+
+    def latency(self, robot: str) -> float:
+        """Mean time from sending to receipt of a robot's samples [s]."""
+        peers = self.peers.values()
+        if robot != self.settings.robot:
+            return next((p.latency_in or p.offset.latency for p in peers if p.robot == robot), 0.0)
+        known = [p.latency_out or p.offset.latency for p in peers if p.latency_out or p.offset.known]
+        return sum(known) / len(known) if known else 0.0
+
+    def robot_of(self, origin: str | None) -> str:
+        """The robot whose app side an origin entered; an unknown origin is a provisional plain node."""
+        if origin is None or origin in self.origins:
+            return self.settings.robot
+        for peer in self.peers.values():
+            if origin == peer.zid or origin in peer.origins:
+                return peer.robot
+        return f"?{origin}"
+
+    def claim(self, origin: str | None) -> bool:
+        """A sample with this origin entered our app side; True when that made it newly ours."""
+        if origin is None or origin in self.origins or not self.robot_of(origin).startswith("?"):
+            return False
+        if len(self.origins) >= 256:
+            self.evicted += 1
+            self.origins.pop(next(o for o in self.origins if o != self.settings.zid))
+        self.origins[origin] = None
+        return True
+
+    def heard_sample(self, event: SampleHeard) -> None:
+        """A sample of another robot arrived from the mesh."""
+        now, stamp, robot = event.now, event.stamp, self.robot_of(event.origin)
+        peer = next((p for p in self.peers.values() if p.robot == robot), None)
+        if peer is not None and peer.digest is not None and stamp is not None:
+            peer.samples += 1
+            age = now - peer.offset.ours(stamp - peer.wall_offset)
+            if 0.0 <= age < STALE:
+                peer.note_latency(age)
+        elif robot.startswith("?") and (stream := self.stream(now, robot, event.key)) is not None:
+            scale = stream.information_type.scale(event.features or {})
+            stream.note_generated(stream.generated + 1, Generated(now, event.size, scale))
+            stream.note_sent(stream.forwarded + 1, Sent(now, now, event.size, scale))
+
+    def heard_digest(self, now: float, digest: Digest) -> bool:
+        """A peer's digest arrived; False when it is unknown, old or our own."""
+        peer = self.peers.get(digest.tag)
+        if peer is None or (peer.digest is not None and digest.sent <= peer.digest.sent):
+            return False
+        peer.digest, peer.digest_received = digest, now
+        peer.offset.heard(digest.sent, now)
+        for echo in digest.echoes:
+            if echo.peer == tag(self.settings.zid):
+                peer.offset.echoed(echo.sent, echo.received)
+                peer.received_of_ours, peer.latency_out = echo.samples, echo.latency
+        for news in digest.streams:
+            self._take(now, peer, news)
+        return True
+
+    def heard_state(self, now: float, state: State) -> None:
+        """A peer's state arrived; news of its streams that waited for their keys is taken in."""
+        peer = self.peers.get(tag(state.zid))
+        if peer is None:
+            return
+        peer.take_state(state)
+        self._wanting.clear()
+        for number in [n for n in peer.pending if n in peer.keys]:
+            self._take(now, peer, peer.pending.pop(number))
+
+    def add_peer(self, now: float, robot: str, zid: str) -> bool:
+        """A robot's presence token appeared; False when we know it already."""
+        if tag(zid) in self.peers:
+            return False
+        self.peers[tag(zid)] = Peer(robot, zid, now)
+        self._wanting.clear()
+        return True
+
+    def gone(self, zid: str) -> None:
+        """A robot left: it and its streams take no part in plans any more."""
+        peer = self.peers.pop(tag(zid), None)
+        self._wanting.clear()
+        if peer is not None and all(other.robot != peer.robot for other in self.peers.values()):
+            for place in [p for p in self._streams if p[0] == peer.robot]:
+                del self._streams[place]
+
+    def echoes(self) -> tuple[Echo, ...]:
+        """What we tell every peer of its last digest and of its samples."""
+        return tuple(
+            Echo(name, peer.digest.sent, peer.digest_received, peer.samples, peer.latency_in)
+            for name, peer in self.peers.items()
+            if peer.digest is not None
+        )
+
+    def _count_wanting(self, stream: Stream) -> int:
+        """Return how many robots' apps subscribe to the stream, those of this robot included."""
+        own = self.settings.robot
+        robots = [(peer.robot, peer.subscriptions) for peer in self.peers.values()] + [(own, self.interest)]
+        return sum(
+            any(intersects(expression, stream.key) for expression in expressions)
+            for robot, expressions in robots
+            if robot != stream.robot
+        )
+
+    def _take(self, now: float, peer: Peer, news: StreamDigest) -> None:
+        key = peer.keys.get(news.id)
+        if key is None:
+            peer.postpone(news)
+            return
+        stream = self.stream(now, peer.robot, key)
+        if stream is None:
+            return
+        stream.schedule.assume(peer.periods.get(key, 0.0))
+        t_gen = peer.offset.ours(news.t_generated)
+        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale))
+        if news.forwarded > stream.forwarded:
+            t_sent = peer.offset.ours(news.t_forwarded)
+            stream.note_sent(news.forwarded, Sent(t_sent, t_sent, news.size, news.scale))
+
+    def _active(self, now: float, stream: Stream) -> bool:
+        """Whether more samples are to be expected of the stream."""
+        last = stream.schedule.last
+        return last is not None and now - last < max(STALE, 5.0 * stream.schedule.period)

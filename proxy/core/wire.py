@@ -1,0 +1,98 @@
+"""What daemons tell each other beside the data: digests and states, as frozen data.
+
+`proxy.core.codec` packs them as versioned msgpack. Times are on the sender's monotonic clock [s], sizes are bytes.
+All counters are cumulative, so a lost digest costs nothing.
+"""
+
+from dataclasses import dataclass
+
+
+def tag(zid: str) -> str:
+    """The short form of an id, enough to tell the robots of a team apart within a digest."""
+    return zid[:8]
+
+
+@dataclass(frozen=True, slots=True)
+class StreamDigest:
+    """The news of one stream: `id` is the sender's number for its key (see `State.streams`)."""
+
+    id: int
+    generated: int
+    forwarded: int
+    t_generated: float
+    """Generation time of the last generated."""
+    t_forwarded: float
+    """When the last forwarded was sent (0.0: none yet)."""
+    size: int
+    """Size of the last generated."""
+    scale: float
+    """Value of the last generated: weight times the scale expression over its features."""
+
+
+@dataclass(frozen=True, slots=True)
+class Echo:
+    """For the four-timestamp clock offset: the last digest heard from `peer` (a tag), and how its samples arrive."""
+
+    peer: str
+    sent: float
+    """Send time of that digest, on the peer's clock."""
+    received: float
+    """Its receipt time, on our clock."""
+    samples: int
+    """Samples received from the peer since we know it."""
+    latency: float
+    """Mean time from generation to receipt of the peer's recent samples [s]; 0.0 when unknown."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grant:
+    """Budget given to `peer` (a tag) of constraint `constraint` in this epoch, cumulative [units of the constraint]."""
+
+    peer: str
+    constraint: int
+    total: float
+
+
+@dataclass(frozen=True, slots=True)
+class Digest:
+    """One robot's news. `tag` is the short form of its id."""
+
+    robot: str
+    tag: str
+    sent: float
+    epoch: int
+    messages: int
+    """Messages put on the air so far, copies counted."""
+    bytes: int
+    """Bytes put on the air so far, copies counted."""
+    streams: tuple[StreamDigest, ...] = ()
+    grants: tuple[Grant, ...] = ()
+    echoes: tuple[Echo, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class StreamState:
+    """What seldom changes of a stream."""
+
+    id: int
+    key: str
+    information_type: str
+    period: float
+    """[s]; 0.0 when not known yet."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What newcomers need to know of a robot; published when it changes, and answered to queries."""
+
+    robot: str
+    zid: str
+    mode: str
+    specs: str
+    """Generation of the utility specs in force."""
+    streams: tuple[StreamState, ...] = ()
+    subscriptions: tuple[str, ...] = ()
+    wall_offset: float = 0.0
+    """Its wall clock minus its monotonic clock [s], to read the timestamps of its samples."""
+    origins: tuple[str, ...] = ()
+    """Ids seen in timestamps of samples that entered on this robot's app side."""

@@ -1,0 +1,31 @@
+"""Fixtures of the core's transcripts."""
+
+import pytest
+
+from proxy.core.core import Core
+from proxy.core.settings import CoreSettings
+from tests.proxy.core.talk import SPEC, Talk
+from utility_specs import load_specs
+
+
+@pytest.fixture
+def make_specs(tmp_path):
+    """Specs of one camera type under a throughput limit, or of the given text."""
+
+    def make(limit="80 kbit/s", window=1.0, text=None):
+        path = tmp_path / "spec.toml"
+        path.write_text(SPEC.format(limit=limit, window=window) if text is None else text)
+        return load_specs(path)
+
+    return make
+
+
+@pytest.fixture
+def make_talk(make_specs):
+    """A core of robot r1 to talk to; digests cost nothing unless a test says otherwise."""
+
+    def make(specs=None, **settings):
+        settings = {"coordination": "overhear", "allowance": 0.0} | settings
+        return Talk(Core(CoreSettings("r1", "z-r1", **settings), specs or make_specs(), 0.0))
+
+    return make

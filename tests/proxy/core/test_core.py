@@ -1,0 +1,283 @@
+"""The core as transcripts of events and commands."""
+
+import pytest
+
+from proxy.core import events as ev
+from proxy.core.commands import Decide, Drop, Forward, Notice, SendDigest, SendState
+from proxy.core.mode import Mode
+from proxy.core.wire import Digest, State, StreamDigest, StreamState
+from tests.proxy.core.talk import UNLIMITED, only
+
+
+def test_a_sample_is_decided_and_forwarded(make_talk):
+    """Publish, decide, forward, hand over: counted once, as forwarded."""
+    talk = make_talk()
+    talk.want(0.0)
+    sample, commands = talk.publish(0.1)
+    (decide,) = only(commands)
+    assert isinstance(decide, Decide)
+    assert decide.iterations == 300
+    assert only(talk.answer(0.11, decide, send=True)) == [Forward(sample)]
+    assert talk.core.counts.queued == 1
+    talk.tell(ev.SampleHanded(0.12, sample))
+    assert talk.core.counts.by_reason == {"forwarded": 1}
+    assert talk.core.counts.conserved
+
+
+def test_a_sample_that_the_plan_drops_never_goes_out(make_talk):
+    """The reason says who dropped it."""
+    talk = make_talk()
+    talk.want(0.0)
+    sample, commands = talk.publish(0.1)
+    assert only(talk.answer(0.11, only(commands)[0], send=False)) == [Drop(sample, "dropped:planner")]
+    assert talk.core.counts.by_reason == {"dropped:planner": 1}
+
+
+def test_while_one_is_decided_the_latest_of_a_stream_wins(make_talk):
+    """Two more samples arrive during a decision: the older of them is superseded."""
+    talk = make_talk()
+    talk.want(0.0)
+    _, commands = talk.publish(0.1)
+    second, nothing = talk.publish(0.2)
+    assert only(nothing) == []
+    third, commands_of_third = talk.publish(0.3)
+    assert only(commands_of_third) == [Drop(second, "dropped:superseded")]
+    after = only(talk.answer(0.31, only(commands)[0], send=False))
+    assert [type(command) for command in after] == [Drop, Decide]
+    current = after[1].problem.messages[after[1].problem.current]
+    assert current.t_gen == 0.3
+    assert talk.core.gate.pending.sample.sample == third
+
+
+def test_what_does_not_fit_is_dropped_without_a_search(make_talk):
+    """A limit of 10 kB per second, less what digests may use, carries 9 samples of 1 kB."""
+    talk = make_talk()
+    talk.want(0.0)
+    outcomes = []
+    for i in range(12):
+        _, commands = talk.publish(0.1 + 0.01 * i)
+        decisions = only(commands, Decide)
+        outcomes += only(talk.answer(0.105 + 0.01 * i, decisions[0], send=True) if decisions else commands)
+    assert [type(outcome) for outcome in outcomes] == [Forward] * 9 + [Drop] * 3
+    assert outcomes[-1].reason == "dropped:constraint"
+
+
+@pytest.mark.parametrize("coordination", ["overhear", "shares"])
+def test_the_limit_is_checked_again_when_the_answer_comes(make_talk, coordination):
+    """What others sent during the search counts."""
+    talk = make_talk(coordination=coordination, settle=0.0, floor=0.0)
+    talk.tell(ev.MatchingChanged(0.0, "robot/r1/camera", matching=True))
+    sample, commands = talk.publish(0.1, size=6000)
+    talk.tell(ev.SamplesPassed(0.11, "passed:no-spec", 1, 6000))
+    (decide,) = only(commands, Decide)[:1]
+    assert only(talk.answer(0.12, decide, send=True), Drop) == [Drop(sample, "dropped:constraint")]
+
+
+def test_in_shadow_everything_goes_and_the_decision_is_counted(make_talk):
+    """A team starts by watching."""
+    talk = make_talk(mode=Mode.SHADOW)
+    talk.want(0.0)
+    sample, commands = talk.publish(0.1)
+    assert only(talk.answer(0.11, only(commands)[0], send=False)) == [Forward(sample)]
+    talk.tell(ev.SampleHanded(0.12, sample))
+    assert talk.core.counts.by_reason == {"passed:shadow": 1}
+    assert talk.core.status(0.2)["decisions"] == {"made": 1, "iterations": 10, "would_drop": 1}
+
+
+def test_in_pass_nothing_is_decided(make_talk):
+    """A plain bridge; switching to it releases what waits."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.publish(0.1)
+    waiting, _ = talk.publish(0.2)
+    assert only(talk.tell(ev.ModeChanged(0.21, Mode.PASS))) == [Forward(waiting)]
+    sample, commands = talk.publish(0.3)
+    assert only(commands) == [Forward(sample)]
+    assert talk.core.status(0.3)["mode"] == "pass"
+
+
+@pytest.mark.parametrize(
+    ("prepare", "publish", "reason"),
+    [
+        (None, {}, "passed:unwanted"),
+        ("want", {"key": "other/key"}, "passed:no-spec"),
+        ("want", {"delete": True}, "passed:delete"),
+        ("want", {"origin": "z-op"}, "passed:relayed"),
+    ],
+)
+def test_what_needs_no_decision_passes_with_its_reason(make_talk, prepare, publish, reason):
+    """Nobody wants it, no spec covers it, it deletes, or another robot already sent it."""
+    talk = make_talk()
+    if prepare:
+        talk.want(0.0)
+    sample, commands = talk.publish(0.1, **publish)
+    assert only(commands) == [Forward(sample)]
+    talk.tell(ev.SampleHanded(0.2, sample))
+    assert talk.core.counts.by_reason == {reason: 1}
+
+
+def test_a_delete_follows_what_was_published_before_it(make_talk):
+    """It waits for the sample being decided, and supersedes the one that waits behind it."""
+    talk = make_talk()
+    talk.want(0.0)
+    first, commands = talk.publish(0.1)
+    second, _ = talk.publish(0.2)
+    delete, meanwhile = talk.publish(0.21, delete=True)
+    assert only(meanwhile) == [Drop(second, "dropped:superseded")]
+    assert only(talk.answer(0.3, only(commands)[0], send=True)) == [Forward(first), Forward(delete)]
+    later, alone = talk.publish(0.4, delete=True)
+    assert only(alone) == [Forward(later)]
+    assert talk.core.counts.conserved
+
+
+def test_without_a_constraint_covered_samples_are_forwarded_at_once(make_talk, make_specs):
+    """Nothing is scarce."""
+    talk = make_talk(make_specs(text=UNLIMITED))
+    talk.want(0.0)
+    sample, commands = talk.publish(0.1)
+    assert only(commands) == [Forward(sample)]
+
+
+def test_a_failing_planner_falls_back_to_a_static_rule_loudly(make_talk):
+    """Urgent samples may use what is free, others half of it; never everything."""
+    talk = make_talk()
+    talk.want(0.0)
+    outcomes = []
+    for i, priority in enumerate([5, 5, 2, 2]):
+        _, commands = talk.publish(0.1 + 0.01 * i, size=3000, priority=priority)
+        decide = only(commands, Decide)
+        answer = talk.tell(ev.DecisionReady(0.105 + 0.01 * i, decide[0].ticket, None, "boom")) if decide else commands
+        outcomes += only(answer, Forward, Drop)
+    assert [type(outcome) for outcome in outcomes] == [Forward, Forward, Forward, Drop]
+    assert "boom" in next(notice.text for notice in talk.all(Notice) if notice.level == "error")
+    talk.tell(ev.SampleHanded(0.3, 1))
+    assert talk.core.counts.by_reason["passed:fallback"] == 1
+
+
+def test_a_sample_that_egress_refuses_is_counted_as_dropped(make_talk):
+    """The law of conservation holds whatever the mesh session does."""
+    talk = make_talk()
+    sample, _ = talk.publish(0.1)
+    talk.tell(ev.SampleRefused(0.2, sample))
+    assert talk.core.counts.by_reason == {"dropped:egress": 1}
+    assert talk.core.counts.conserved
+
+
+def test_a_backlog_shrinks_the_budget_of_iterations(make_talk, make_specs):
+    """A decision gets less time the more wait."""
+    talk = make_talk(make_specs(limit="80 Mbit/s"))
+    talk.want(0.0)
+    _, commands = talk.publish(0.1)
+    for i in range(20):
+        talk.publish(0.2 + 0.01 * i, key=f"robot/x{i}/camera")
+    after = only(talk.answer(0.5, only(commands)[0], send=True), Decide)
+    assert after[0].iterations == 300 // (1 + 19 // 4)
+
+
+def test_an_answer_nobody_waits_for_changes_nothing(make_talk):
+    """Tickets are matched."""
+    talk = make_talk()
+    assert only(talk.tell(ev.DecisionReady(0.1, 999, None, "late"))) == []
+
+
+def test_a_digest_tells_of_every_sample_also_of_dropped_ones(make_talk):
+    """Counts generated and forwarded, and the value of the last."""
+    talk = make_talk()
+    talk.want(0.0)
+    for i, send in enumerate([True, False]):
+        _, commands = talk.publish(1.0 + i, size=1000, red=0.2)
+        talk.answer(1.01 + i, only(commands, Decide)[0], send=send)
+    talk.tell(ev.TimePassed(4.0))
+    streams = [stream for command in talk.all(SendDigest) for stream in command.digest.streams]
+    assert streams[-1].generated == 2
+    assert streams[-1].forwarded == 1
+    assert streams[-1].scale == pytest.approx(3.0)
+    assert streams[-1].t_generated == 2.0
+    assert talk.all(SendDigest)[-1].digest.bytes == 1000
+
+
+def test_a_digest_goes_out_at_least_every_second(make_talk):
+    """The core asks to be woken for it."""
+    talk = make_talk()
+    talk.tell(ev.TimePassed(0.5))
+    before = len(talk.all(SendDigest))
+    wake = talk.core.wake_at(0.5)
+    assert 0.5 <= wake <= 1.5
+    talk.tell(ev.TimePassed(1.6))
+    assert len(talk.all(SendDigest)) == before + 1
+
+
+def test_the_state_is_told_when_it_changes_and_only_then(make_talk):
+    """A new stream, a subscription, a mode: yes. A period that moves by a percent: no."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(1.0))
+    told = len(talk.all(SendState))
+    for i in range(20):
+        talk.publish(2.0 + i * 0.5)
+    assert len(talk.all(SendState)) <= told + 3
+    told = len(talk.all(SendState))
+    talk.publish(12.02)
+    assert len(talk.all(SendState)) == told
+    talk.tell(ev.InterestChanged(13.0, ("a/**",)))
+    assert talk.all(SendState)[-1].state.subscriptions == ("a/**",)
+    talk.tell(ev.ModeChanged(14.0, Mode.SHADOW))
+    assert talk.all(SendState)[-1].state.mode == "shadow"
+
+
+def test_new_specs_are_in_force_whole_at_the_next_decision(make_talk, make_specs):
+    """Limits and types change together; streams that are no longer covered pass."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.publish(0.1)
+    other = UNLIMITED.replace("robot/*/camera", "other/*")
+    notices = only(talk.tell(ev.SpecsChanged(0.2, make_specs(text=other))), Notice)
+    assert "in force" in notices[0].text
+    assert talk.core.gate.limits == ()
+    sample, commands = talk.publish(0.3)
+    assert only(commands) == [Forward(sample)]
+
+
+def test_a_robot_that_leaves_is_out_of_the_plan(make_talk):
+    """Its streams are forgotten, and it wants nothing any more."""
+    talk = make_talk()
+    talk.want(0.0)
+    state = State("r2", "z-r2", "enforce", "", (StreamState(7, "robot/r2/camera", "camera", 0.5),))
+    talk.tell(ev.PeerAppeared(0.0, "r2", "z-r2"))
+    talk.tell(ev.StateHeard(0.0, state))
+    talk.tell(ev.DigestHeard(0.1, Digest("r2", "z-r2", 0.1, 0, 0, 0, (StreamDigest(7, 1, 1, 0.1, 0.1, 9, 1.0),))))
+    assert len(list(talk.core.view.streams())) == 1
+    talk.tell(ev.PeerGone(1.0, "r2", "z-r2"))
+    talk.tell(ev.PeerGone(1.0, "op", "z-op"))
+    assert list(talk.core.view.streams()) == []
+    _, commands = talk.publish(1.1)
+    assert isinstance(only(commands)[0], Forward)
+    assert talk.tell(ev.PeerGone(1.2, "op", "z-op")) == []
+
+
+def test_malformed_talk_is_counted_and_changes_nothing(make_talk):
+    """What is no digest is not taken in."""
+    talk = make_talk()
+    talk.tell(ev.MalformedHeard(0.1, "r2"))
+    assert talk.core.status(0.1)["malformed"] == 1
+
+
+def test_something_that_is_no_event_is_an_error(make_talk):
+    """The driver's mistakes are loud."""
+    with pytest.raises(TypeError, match="no event of the core"):
+        make_talk().core.handle("hello")
+
+
+def test_the_same_events_give_the_same_commands(make_talk):
+    """Determinism: a recording replays to the last decision."""
+
+    def transcript():
+        talk = make_talk(coordination="shares", settle=0.0, allowance=0.02)
+        talk.want(0.0)
+        for i in range(30):
+            _, commands = talk.publish(0.1 * i + 1.0, red=0.1 * (i % 3))
+            for decide in only(commands, Decide):
+                talk.answer(0.1 * i + 1.01, decide, send=i % 2 == 0)
+        return talk.said
+
+    assert transcript() == transcript()

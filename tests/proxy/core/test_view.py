@@ -1,0 +1,203 @@
+"""The shared view: streams, peers, origins, bounded."""
+
+import pytest
+
+from planner import Video
+from proxy.core.events import SampleHeard
+from proxy.core.settings import CoreSettings
+from proxy.core.stream import Generated, Sent, Stream
+from proxy.core.view import SharedView, intersects
+from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
+
+CAMERA = "robot/r2/camera"
+
+
+@pytest.fixture
+def view(make_specs):
+    return SharedView(CoreSettings("r1", "z-r1", streams=3), make_specs())
+
+
+def digest(sent, *streams, echoes=()):
+    return Digest("r2", "z-r2", sent, 0, 0, 0, streams, (), echoes)
+
+
+def meet(view, **rest):
+    """Robot r2 is there and told us of its camera, number 7."""
+    view.add_peer(0.0, "r2", "z-r2")
+    streams = (StreamState(7, CAMERA, "camera", 0.5), StreamState(8, "other/key", "x", 0.5))
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", streams, **rest))
+
+
+def test_news_of_a_stream_is_read_on_our_clock(view):
+    """The sender's times pass through its clock offset."""
+    meet(view)
+    assert view.heard_digest(100.0, digest(5.0, StreamDigest(7, 3, 1, 4.9, 4.5, 1000, 2.0)))
+    (stream,) = view.streams()
+    assert stream.last == Generated(pytest.approx(99.9), 1000, 2.0)
+    assert stream.sent == Sent(pytest.approx(99.5), pytest.approx(99.5), 1000, 2.0)
+    assert stream.schedule.forecast(99.9, 100.5, 5) == pytest.approx([100.4])
+
+
+def test_news_of_a_number_waits_for_its_key(view):
+    """Digests may arrive before the state that names their streams."""
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 0, 1.0, 0.0, 10, 1.0)))
+    assert list(view.streams()) == []
+    meet(view)
+    assert [stream.key for stream in view.streams()] == [CAMERA]
+
+
+@pytest.mark.parametrize("sent", [1.0, 0.5])
+def test_a_digest_heard_twice_or_late_changes_nothing(view, sent):
+    """Replays and reordering are harmless."""
+    meet(view)
+    assert view.heard_digest(1.0, digest(1.0))
+    assert not view.heard_digest(2.0, digest(sent, StreamDigest(7, 9, 9, 1.0, 1.0, 10, 1.0)))
+    assert list(view.streams()) == []
+
+
+def test_strangers_are_not_listened_to(view):
+    """A digest or a state of a robot without a presence token changes nothing."""
+    assert not view.heard_digest(1.0, digest(1.0))
+    view.heard_state(1.0, State("r2", "z-r2", "enforce", ""))
+    assert view.peers == {}
+    assert view.add_peer(0.0, "r2", "z-r2")
+    assert not view.add_peer(0.0, "r2", "z-r2")
+
+
+def test_echoes_give_offset_and_latency(view):
+    """What the peer says of our digest and our samples is kept."""
+    meet(view)
+    echo = Echo("z-r1", 9.0, -90.9, 12, 0.25)
+    view.heard_digest(10.1, digest(-90.0, echoes=(echo, Echo("z-xx", 0.0, 0.0, 0, 0.0))))
+    peer = view.peers["z-r2"]
+    assert peer.offset.offset == pytest.approx(100.0)
+    assert peer.offset.latency == pytest.approx(0.1)
+    assert (peer.received_of_ours, view.latency("r1")) == (12, 0.25)
+    assert view.latency("r2") == pytest.approx(0.1)
+    assert view.latency("unknown") == 0.0
+    (back,) = view.echoes()
+    assert (back.peer, back.sent, back.received) == ("z-r2", -90.0, 10.1)
+
+
+def test_samples_of_a_peer_tell_their_latency(view):
+    """Their timestamp is read through the peer's wall clock and clock offset; absurd ages are left out."""
+    meet(view, wall_offset=1000.0)
+    view.heard_digest(5.0, digest(5.0))
+    view.heard_sample(SampleHeard(6.3, CAMERA, 100, "z-r2", 1006.0, None))
+    view.heard_sample(SampleHeard(7.3, CAMERA, 100, "z-r2", 5.0, None))
+    view.heard_sample(SampleHeard(8.1, CAMERA, 100, "z-r2", 1008.0, None))
+    assert view.peers["z-r2"].samples == 3
+    assert view.peers["z-r2"].latency_in == pytest.approx(0.9 * 0.3 + 0.1 * 0.1)
+    assert view.latency("r2") == view.peers["z-r2"].latency_in
+
+
+def test_a_plain_node_is_estimated_from_what_is_heard(view):
+    """Its id is no robot's, so every sample of it counts as generated and sent."""
+    for now in (1.0, 1.5, 2.0):
+        view.heard_sample(SampleHeard(now, "robot/plain/camera", 100, "feed", None, None))
+    view.heard_sample(SampleHeard(2.0, "no/spec", 100, "feed", None, None))
+    (stream,) = view.streams()
+    assert (stream.robot, stream.generated, stream.forwarded) == ("?feed", 3, 3)
+    assert stream.schedule.period == pytest.approx(0.5)
+
+
+def test_an_origin_belongs_to_the_robot_whose_app_side_it_entered(view):
+    """Apps that stamp carry their own ids; what another robot claims is never ours."""
+    meet(view, origins=("app-2",))
+    assert view.robot_of(None) == view.robot_of("z-r1") == "r1"
+    assert view.robot_of("app-2") == view.robot_of("z-r2") == "r2"
+    assert view.robot_of("app-1") == "?app-1"
+    assert view.claim("app-1")
+    assert not view.claim("app-1")
+    assert not view.claim("app-2")
+    assert view.robot_of("app-1") == "r1"
+
+
+def test_origins_are_bounded(view):
+    """The oldest claim is forgotten, never our own id."""
+    for number in range(300):
+        view.claim(f"app-{number}")
+    assert len(view.origins) == 256
+    assert view.robot_of("z-r1") == "r1"
+    assert view.evicted == 300 - 255
+
+
+def test_streams_are_bounded(view):
+    """The one not heard of for longest is forgotten, and counted."""
+    for number in range(5):
+        view.stream(float(number), "r1", f"robot/{number}/camera")
+    assert [stream.key for stream in view.streams()] == [f"robot/{number}/camera" for number in (2, 3, 4)]
+    assert view.evicted == 2
+
+
+def test_receivers_are_the_robots_that_subscribe(view):
+    """Our own apps count for others' streams, Zenoh's matching for a plain node that wants ours."""
+    own = view.stream(0.0, "r1", "robot/r1/camera")
+    assert view.receivers(own) == 0
+    own.matching = True
+    assert view.receivers(own) == 1
+    view.add_peer(0.0, "r3", "z-r3")
+    view.heard_state(0.0, State("r3", "z-r3", "enforce", "", (), ("robot/**",)))
+    meet(view, subscriptions=("robot/*/camera", "robot/r1/**"))
+    assert view.receivers(own) == 2
+    others = view.stream(0.0, "r2", CAMERA)
+    assert view.receivers(others) == 1
+    view.set_interest(("robot/r2/*",))
+    assert (view.receivers(others), view.copies(others)) == (2, 2)
+
+
+def test_an_invalid_subscription_matches_nothing():
+    """What a peer says is not trusted to be a key expression."""
+    assert not intersects("a//b", "a/b")
+    assert intersects("a/*", "a/b")
+
+
+def test_a_stream_that_ended_takes_no_part(view):
+    """After ten seconds, or five periods, without news."""
+    stream = view.stream(0.0, "r1", "robot/r1/camera")
+    stream.matching = True
+    assert not view.competes(0.0, stream)
+    stream.note_generated(1, Generated(0.0, 10, 1.0))
+    assert view.competes(9.0, stream)
+    assert not view.competes(11.0, stream)
+    stream.note_generated(2, Generated(20.0, 10, 1.0))
+    assert view.competes(100.0, stream)
+
+
+def test_specs_are_swapped_whole(view, make_specs):
+    """Streams keep what was observed under their new type, or leave."""
+    stream = view.stream(0.0, "r1", "robot/r1/camera")
+    stream.note_generated(1, Generated(0.0, 10, 1.0))
+    view.set_specs(make_specs(limit="1 Mbit/s"))
+    assert next(view.streams()).generated == 1
+    assert next(view.streams()).information_type.utility == Video()
+    text = '[[information_type]]\nname = "x"\nkeys = ["x"]\naggregation = "most_recent"\nutility = { kind = "video" }\n'
+    view.set_specs(make_specs(text=text))
+    assert list(view.streams()) == []
+
+
+def test_a_robot_that_restarted_keeps_its_streams_when_its_old_self_leaves(view):
+    """The old presence token vanishes after the new one appeared."""
+    meet(view)
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0)))
+    view.add_peer(2.0, "r2", "z-new")
+    view.gone("z-r2")
+    assert len(list(view.streams())) == 1
+    view.gone("z-new")
+    assert list(view.streams()) == []
+    view.gone("z-new")
+
+
+def test_sends_nobody_told_us_of_are_spread_evenly():
+    """A lost digest leaves a gap in the counts, not in what the air carried."""
+    stream = Stream(1, "r2", CAMERA, None)
+    stream.note_sent(1, Sent(1.0, 1.0, 10, 1.0))
+    stream.note_sent(4, Sent(4.0, 4.0, 10, 1.0))
+    assert [sent.t_sent for sent in stream.recent] == [1.0, 2.0, 3.0, 4.0]
+    assert stream.mean_interval == 1.0
+    stream.note_sent(2, Sent(9.0, 9.0, 10, 1.0))
+    assert stream.forwarded == 4
+    stream.note_generated(0, Generated(1.0, 1, 1.0))
+    with pytest.raises(LookupError, match="nothing was generated"):
+        _ = stream.newest

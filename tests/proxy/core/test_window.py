@@ -1,0 +1,133 @@
+"""The planning window."""
+
+import pytest
+
+from planner import Constraint, SearchSettings, start
+from proxy.core.inbox import Waiting
+from proxy.core.limits import Limits, allowance_of, limits_of, use_of
+from proxy.core.settings import CoreSettings
+from proxy.core.stream import Generated, Sent
+from proxy.core.view import SharedView
+from proxy.core.window import WindowBuilder
+
+LIMIT = Constraint("throughput", 1.0, 10_000.0)
+
+
+def make_view(specs, **settings):
+    return SharedView(CoreSettings("r1", "z-r1", **settings), specs)
+
+
+def add_stream(view, robot, *, period=0.5, scale=1.0, size=1000, until=10.0, key=None):
+    """A wanted stream that generated from 5 s to `until`."""
+    stream = view.stream(until, robot, key or f"robot/{robot}/camera")
+    stream.matching = True
+    for count in range(int((until - 5.0) / period) + 1):
+        stream.note_generated(count + 1, Generated(5.0 + count * period, size, scale))
+    return stream
+
+
+def sample(t_gen, key="robot/r1/camera", scale=1.0, number=1):
+    return Waiting(number, key, 1000, t_gen, scale, 5, markovian=True)
+
+
+def union(sent=()):
+    return Limits((LIMIT,), (), sent)
+
+
+@pytest.fixture
+def crowd(make_specs):
+    """Our stream and those of two others, which the apps here want."""
+    view = make_view(make_specs())
+    view.set_interest(("robot/**",))
+    for robot in ("r1", "r2", "r3"):
+        add_stream(view, robot)
+    return view
+
+
+def test_the_window_holds_the_current_message_and_everyones_forecasts(crowd):
+    """At most `horizon` messages, in order of generation; the current one is ours, now."""
+    problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), union())
+    current = problem.messages[problem.current]
+    assert (current.t_gen, current.t_sent, current.use) == (10.0, 10.0, (1000.0,))
+    assert len(problem.streams) == 3
+    assert sum(not m.sent for m in problem.messages) <= 61
+    assert {m.stream for m in problem.messages} == {0, 1, 2}
+    assert problem.t_end > problem.messages[-1].t_gen
+    start(problem, SearchSettings()).run(10)
+
+
+def test_where_robots_hold_shares_only_our_own_streams_are_decided(crowd):
+    """What we leave nobody else can use; what we hold is a constraint of its own."""
+    held = Constraint("held", 1.0, 3000.0)
+    limits = Limits((LIMIT,), (held,), ((9.8, (1000.0,)),))
+    problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), limits)
+    assert len(problem.streams) == 1
+    assert problem.constraints == (LIMIT, held)
+    assert problem.traffic[0].use == (1000.0, 1000.0)
+    assert problem.messages[problem.current].use == (1000.0, 1000.0)
+
+
+def test_what_was_sent_is_a_fact(crowd):
+    """The last sent message counts for what it is still worth, all recent sends for what they use."""
+    for stream in list(crowd.streams()):
+        stream.note_sent(1, Sent(9.4, 9.4, 1000, 2.0))
+        stream.note_sent(2, Sent(9.7, 9.7, 1000, 2.0))
+    problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), union(((9.4, (1000.0,)), (9.7, (1000.0,)))))
+    facts = [m for m in problem.messages if m.sent]
+    assert [(m.t_gen, m.use) for m in facts] == [(9.7, (0.0,))] * 3
+    assert sum(t.use[0] for t in problem.traffic) == 6000.0
+
+
+def test_others_messages_of_unknown_fate_are_decisions(crowd):
+    """What they generated since we last heard of them may have been sent."""
+    problem = WindowBuilder(crowd, 0.0).build(10.8, sample(10.8), (), union())
+    past = [(m.stream, m.t_gen) for m in problem.messages if m.t_gen < 10.8]
+    assert past == [(1, pytest.approx(10.5)), (2, pytest.approx(10.5))]
+
+
+def test_samples_that_wait_are_decided_with_it(crowd):
+    """They are ours and generated; only one of them is the current one."""
+    add_stream(crowd, "r1", key="robot/x/camera")
+    waiting = [sample(9.9, "robot/x/camera", number=2), sample(9.9, "no/such/stream", number=3)]
+    problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), waiting, union())
+    assert problem.messages[0].t_gen == 9.9
+    assert problem.messages[0].t_sent == 10.0
+    assert problem.messages[problem.current].t_gen == 10.0
+
+
+def test_streams_of_low_value_are_thinned_not_time(make_specs):
+    """The window reaches two constraint windows ahead whatever the horizon; the best stream stays whole."""
+    view = make_view(make_specs(), horizon=20)
+    view.set_interest(("robot/**",))
+    add_stream(view, "r1", period=0.1, scale=1.0)
+    add_stream(view, "r2", period=0.1, scale=50.0)
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    times = [[m.t_gen for m in problem.messages if m.stream == stream] for stream in (0, 1)]
+    assert len(times[0]) + len(times[1]) <= 21
+    assert times[1][-1] >= 11.8
+    assert len(times[1]) > len(times[0])
+
+
+def test_one_forecast_of_every_stream_is_kept(make_specs):
+    """Even with a horizon of one message."""
+    view = make_view(make_specs(), horizon=1)
+    view.set_interest(("robot/**",))
+    for robot in ("r1", "r2", "r3"):
+        add_stream(view, robot)
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    assert {m.stream for m in problem.messages if not m.sent} == {0, 1, 2}
+
+
+def test_digests_are_always_counted_against_the_limit(make_specs):
+    """The larger of their share and 100 B/s per robot, but never nearly everything."""
+    specs = make_specs(limit="80 kbit/s")
+    assert limits_of(specs, 0.02, 1)[0].limit == pytest.approx(9_800.0)
+    assert limits_of(specs, 0.02, 5)[0].limit == pytest.approx(9_500.0)
+    assert limits_of(make_specs(limit="800 bit/s"), 0.02, 5)[0].limit == pytest.approx(10.0)
+    assert allowance_of(specs, 0.05, 2) == 250.0
+    assert allowance_of(specs, 0.02, 5) == 100.0
+
+
+def test_every_copy_counts():
+    """In unicast a sample costs a transmission per receiver."""
+    assert use_of(100, 3, (LIMIT, LIMIT)) == (300.0, 300.0)
