@@ -1,0 +1,1 @@
+"""Zenoh sessions and everything that crosses between the apps and the mesh."""

@@ -1,0 +1,148 @@
+"""Everything that crosses between the apps and the mesh, put together."""
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import zenoh
+
+from proxy import clock
+from proxy.bridge.delivery import Delivery
+from proxy.bridge.demand import Demand
+from proxy.bridge.egress import Egress
+from proxy.bridge.ingress import Ingress, Submit
+from proxy.bridge.lane import Lane
+from proxy.bridge.links import Links
+from proxy.bridge.passed import Passed
+from proxy.bridge.queries import Queries
+from proxy.bridge.voice import Voice
+from proxy.bridge.watch import Watch
+from proxy.core.events import Event, SampleRefused
+from proxy.core.mode import Mode
+from utility_specs import InformationType, Specs
+
+_PATIENCE = 0.15
+"""How long closing waits for a thread that is inside a call of Zenoh [s]."""
+
+
+class Bridge:
+    """Carries samples between the sessions `app` and `mesh`, queries and tokens between their voices.
+
+    What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by
+    itself. `post` gets what the core must know. In mode `enforce` forwarded samples are paced to the specs'
+    rate. The voices must have been opened with `wake.set` as what to call when something changed.
+    """
+
+    def __init__(
+        self,
+        *,
+        app: zenoh.Session,
+        mesh: zenoh.Session,
+        apps: Voice,
+        others: Voice,
+        wake: threading.Event,
+        specs: Specs,
+        mode: Mode,
+        connect: tuple[str, ...],
+        submit: Submit,
+        post: Callable[[Event], None],
+    ) -> None:
+        self._specs = specs
+        self._post = post
+        self.demand = Demand(mesh, post, wake.set)
+        passed = Passed()
+        self._egress = Egress(mesh, self.demand, passed, post, _pace(specs, mode))
+        self._ingress = Ingress(
+            app=app,
+            mesh=mesh,
+            match=self._match,
+            egress=self._egress,
+            demand=self.demand,
+            passed=passed,
+            submit=submit,
+            mode=mode,
+        )
+        self._delivery = Delivery(app, mesh, self._match, post)
+        self.lanes = (Lane("queries out"), Lane("queries in"))
+        # What a voice asks reaches all but itself, so a query never comes back to who mirrors it.
+        self._outward = Queries(apps.session, others.session, self.lanes[0])
+        self._inward = Queries(others.session, apps.session, self.lanes[1])
+        self._links = Links(mesh, connect, clock.monotonic())
+        self._watch = Watch(
+            apps=apps,
+            others=others,
+            delivery=self._delivery,
+            demand=self.demand,
+            outward=self._outward,
+            inward=self._inward,
+            links=self._links,
+            passed=passed,
+            post=post,
+            wake=wake,
+        )
+
+    def open(self) -> None:
+        """Let things cross."""
+        self._egress.start()
+        self._ingress.open()
+        self._watch.start()
+
+    def close(self) -> None:
+        """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
+        self._ingress.close()
+        self._watch.close(_PATIENCE)
+        for part in (self._delivery, self._outward, self._inward, self.demand):
+            part.close()
+        for thread in (self._egress, *self.lanes):
+            thread.close(_PATIENCE)
+
+    def forward(self, number: int) -> None:
+        """Send a covered sample to the mesh."""
+        held = self._ingress.release(number)
+        if held is None:
+            self._post(SampleRefused(clock.monotonic(), number))
+        else:
+            self._egress.forward(number, held)
+
+    def drop(self, number: int) -> None:
+        """Forget a covered sample."""
+        self._ingress.release(number)
+
+    def switch(self, mode: Mode) -> None:
+        """Change the mode for samples that come from now on."""
+        self._ingress.mode = mode
+        self._egress.rate = _pace(self._specs, mode)
+
+    def swap(self, specs: Specs) -> None:
+        """Put another generation of specs in force for samples that come from now on."""
+        self._specs = specs
+        self._egress.rate = _pace(specs, self._ingress.mode)
+
+    def flush(self) -> None:
+        """Report what passed without a decision up to now."""
+        self._watch.flush()
+
+    def describe(self) -> dict[str, Any]:
+        """Return what the status says of the bridge."""
+        return {
+            "links": self._links.describe(),
+            "held": self._ingress.held,
+            "egress": self._egress.waiting,
+            "delivered": self._delivery.delivered,
+            "subscriptions": list(self._delivery.expressions),
+            "wanted": self.demand.wanted,
+            "queries": {"outward": self._outward.crossed, "inward": self._inward.crossed},
+            "queryables": {
+                "outward": list(self._outward.expressions),
+                "inward": list(self._inward.expressions),
+            },
+        }
+
+    def _match(self, key: str) -> InformationType | None:
+        return self._specs.match(key)
+
+
+def _pace(specs: Specs, mode: Mode) -> float | None:
+    """Return the rate of the tightest limit [B/s]; None: as fast as it goes."""
+    rates = [constraint.rate for constraint in specs.constraints]
+    return min(rates) if rates and mode is Mode.ENFORCE else None

@@ -1,0 +1,72 @@
+"""Hands what arrives from the mesh to the apps: at once, in full, each sample once."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+import zenoh
+
+from proxy import clock
+from proxy.bridge.mirror import Mirror
+from proxy.bridge.owners import Owners
+from proxy.bridge.sample import origin_of, publish, wall_of
+from proxy.core.events import Event, SampleHeard
+
+
+class Delivery:
+    """Subscribes on the mesh to exactly what the apps subscribe to.
+
+    `covered` says whether an information type covers a key; for such samples `post` gets a `SampleHeard`.
+    """
+
+    def __init__(
+        self,
+        app: zenoh.Session,
+        mesh: zenoh.Session,
+        covered: Callable[[str], object | None],
+        post: Callable[[Event], None],
+    ) -> None:
+        self._app = app
+        self._mesh = mesh
+        self._covered = covered
+        self._post = post
+        self._owners = Owners()
+        self._mirror = Mirror(self._subscribe, self._owners.discard)
+        self.delivered = 0
+
+    @property
+    def expressions(self) -> tuple[str, ...]:
+        """What we subscribe to on the mesh for the apps."""
+        return self._mirror.expressions
+
+    def update(self, wanted: Mapping[str, bool]) -> bool:
+        """Subscribe to exactly `wanted`, as the apps do now; return whether that is news."""
+        return self._mirror.update(wanted)
+
+    def close(self) -> None:
+        """Subscribe to nothing."""
+        self._mirror.close()
+
+    def _subscribe(self, expression: str, _complete: bool) -> zenoh.Subscriber[None]:  # noqa: FBT001 - as Mirror calls it
+        self._owners.add(expression)
+        handler = zenoh.handlers.Callback(partial(self._deliver, expression), indirect=False)
+        return self._mesh.declare_subscriber(expression, handler, allowed_origin=zenoh.Locality.REMOTE)
+
+    def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
+        key = str(sample.key_expr)
+        if self._owners.owner(key) != expression:
+            return
+        stamp = sample.timestamp
+        publish(self._app, sample, stamp)
+        self.delivered += 1
+        if self._covered(key) is not None:
+            self._post(
+                SampleHeard(
+                    now=clock.monotonic(),
+                    key=key,
+                    size=len(sample.payload),
+                    origin=None if stamp is None else origin_of(stamp),
+                    stamp=None if stamp is None else wall_of(stamp),
+                    # The sender's digest carries their worth; decoding every frame again would cost a core.
+                    features=None,
+                )
+            )

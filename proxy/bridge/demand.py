@@ -1,0 +1,101 @@
+"""Who on the mesh wants a key. A unicast sample is transmitted once per node that does."""
+
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable
+from functools import partial
+
+import zenoh
+
+from proxy import clock
+from proxy.bridge.declaration import Declaration
+from proxy.core.events import MatchingChanged
+
+MOST = 1024
+"""Keys whose demand is followed; of more, one node is assumed to want them."""
+_CACHED = 8192
+
+
+class Demand:
+    """Follows the demand for our own keys.
+
+    Whether anybody wants a key Zenoh tells, by a publisher's matching status; how many do is known from what robots say
+    they subscribe to. `post` learns of every change for keys that an information type covers; `wake` is called when
+    `update` has something to do.
+    """
+
+    def __init__(self, mesh: zenoh.Session, post: Callable[[MatchingChanged], None], wake: Callable[[], None]) -> None:
+        self._mesh = mesh
+        self._post = post
+        self._wake = wake
+        self._lock = threading.Lock()
+        self._seen: dict[str, bool] = {}
+        self._new: deque[str] = deque()
+        self._matching: dict[str, bool] = {}
+        self._publishers: list[Declaration] = []
+        self._robots: dict[str, tuple[zenoh.KeyExpr, ...]] = {}
+        self._counts: dict[str, int] = {}
+
+    def note(self, key: str, *, covered: bool) -> None:
+        """Follow `key` from now on. Called for every sample: cheap when not new."""
+        if key not in self._seen and len(self._seen) < MOST:
+            self._seen[key] = covered
+            self._new.append(key)
+            self._wake()
+
+    def told(self, zid: str, subscriptions: Iterable[str]) -> None:
+        """Take in what a robot says that its apps subscribe to; nothing when it is gone."""
+        wanted = tuple(zenoh.KeyExpr(expression) for expression in subscriptions)
+        with self._lock:
+            robots = {robot: keys for robot, keys in self._robots.items() if robot != zid}
+            self._robots = robots | {zid: wanted} if wanted else robots
+            self._counts = {}
+
+    def copies(self, key: str) -> int:
+        """Return how many nodes of the mesh want `key`; at least 1 unless it is known that none does."""
+        if not self._matching.get(key, True):
+            return 0
+        counts = self._counts
+        if (count := counts.get(key)) is None:
+            if len(counts) >= _CACHED:
+                counts.clear()
+            robots = self._robots.values()
+            count = counts[key] = sum(any(each.intersects(key) for each in wanted) for wanted in robots)
+        return max(1, count)
+
+    def update(self) -> None:
+        """Declare publishers for the keys that are new. May block for as long as the mesh does."""
+        while self._new:
+            key = self._new.popleft()
+            publisher = self._mesh.declare_publisher(key, allowed_destination=zenoh.Locality.REMOTE)
+            self._publishers.append(publisher)
+            handler = zenoh.handlers.Callback(partial(self._hear, key), indirect=False)
+            publisher.declare_matching_listener(handler)
+            self._set(key, matching=_matches(publisher))
+
+    def close(self) -> None:
+        """Follow nothing more."""
+        publishers, self._publishers = self._publishers, []
+        for publisher in publishers:
+            publisher.undeclare()
+
+    @property
+    def wanted(self) -> int:
+        """How many of our keys somebody wants."""
+        return sum(self._matching.values())
+
+    def _hear(self, key: str, status: zenoh.MatchingStatus) -> None:
+        self._set(key, matching=status.matching)
+
+    def _set(self, key: str, *, matching: bool) -> None:
+        with self._lock:
+            news = self._matching.get(key) != matching
+            self._matching[key] = matching
+            if news and self._seen[key]:
+                self._post(MatchingChanged(clock.monotonic(), key, matching))
+
+
+def _matches(publisher: zenoh.Publisher) -> bool:
+    # The stubs promise a bool; the binding returns a MatchingStatus.
+    status: object = publisher.matching_status
+    return bool(getattr(status, "matching", status))

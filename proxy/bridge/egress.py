@@ -1,0 +1,152 @@
+"""Publishes on the mesh, on a thread of its own: a mesh that stalls holds up nothing else.
+
+Two lanes. What was forwarded by a decision is paced to the limit of the channel, so that the queues behind us
+stay empty. What passes without a decision goes at once and pushes the next decided sample back by what it
+used, up to a floor: decided samples are never starved.
+"""
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import zenoh
+
+from proxy import clock
+from proxy.bridge.demand import Demand
+from proxy.bridge.passed import EGRESS, Passed
+from proxy.bridge.sample import Held, publish
+from proxy.core.events import SampleHanded, SampleRefused
+
+log = logging.getLogger(__name__)
+
+MOST_SAMPLES = 8192
+"""Bound of each lane."""
+MOST_BYTES = 64 * 1024 * 1024
+"""Bound of both lanes together [B]."""
+_PUSHED_BACK = 0.05
+"""Passing traffic delays a decided sample by no more than this [s]."""
+
+
+class Egress:
+    """The only writer of samples onto the mesh.
+
+    `rate` is the pace of decided samples [B/s], copies counted; None: unpaced. `post` gets a `SampleHanded`
+    or a `SampleRefused` for each of them; the others are counted in `passed`.
+    """
+
+    def __init__(
+        self,
+        mesh: zenoh.Session,
+        demand: Demand,
+        passed: Passed,
+        post: Callable[[SampleHanded | SampleRefused], None],
+        rate: float | None,
+    ) -> None:
+        self.rate = rate
+        self._mesh = mesh
+        self._demand = demand
+        self._passed = passed
+        self._post = post
+        self._decided: deque[tuple[int, Held]] = deque()
+        self._passing: deque[tuple[str, Held]] = deque()
+        self._bytes = 0
+        self._free_at = 0.0
+        self._open = True
+        self._wake = threading.Condition()
+        self._thread = threading.Thread(target=self._run, name="egress", daemon=True)
+        self._failing = False
+
+    def start(self) -> None:
+        """Start writing."""
+        self._thread.start()
+
+    def close(self, timeout: float) -> None:
+        """Stop writing; what still waits is not sent. Waits at most `timeout` [s] for a put that stalls."""
+        with self._wake:
+            self._open = False
+            self._wake.notify()
+        if self._thread.is_alive():
+            self._thread.join(timeout)
+
+    def forward(self, number: int, held: Held) -> None:
+        """Send a decided sample as soon as the pace allows."""
+        if not self._enqueue(self._decided, (number, held)):
+            self._post(SampleRefused(clock.monotonic(), number))
+
+    def pass_on(self, reason: str, held: Held) -> None:
+        """Send a sample at once, counted under `reason`."""
+        if not self._enqueue(self._passing, (reason, held)):
+            self._passed.add(EGRESS, 0)
+
+    @property
+    def waiting(self) -> dict[str, int]:
+        """What waits: samples decided, samples passing, bytes."""
+        return {"decided": len(self._decided), "passing": len(self._passing), "bytes": self._bytes}
+
+    def _enqueue(self, lane: deque[tuple[Any, Held]], item: tuple[Any, Held]) -> bool:
+        with self._wake:
+            size = item[1].size
+            if not self._open or len(lane) >= MOST_SAMPLES or self._bytes + size > MOST_BYTES:
+                return False
+            lane.append(item)
+            self._bytes += size
+            self._wake.notify()
+            return True
+
+    def _run(self) -> None:
+        while True:
+            with self._wake:
+                while self._open and (pause := self._pause()) != 0.0:
+                    self._wake.wait(pause)
+                if not self._open:
+                    return
+                # Decided samples first when their time has come: they are paced and starve nobody.
+                decided = self._decided.popleft() if self._ripe() else None
+                passing = self._passing.popleft() if decided is None else None
+            if decided is not None:
+                self._send_decided(*decided)
+            elif passing is not None:
+                self._send_passing(*passing)
+
+    def _ripe(self) -> bool:
+        return bool(self._decided) and (self.rate is None or clock.monotonic() >= self._free_at)
+
+    def _pause(self) -> float | None:
+        """How long nothing can be sent [s]; None: until something comes."""
+        if self._passing or self._ripe():
+            return 0.0
+        return max(self._free_at - clock.monotonic(), 1e-4) if self._decided else None
+
+    def _send_decided(self, number: int, held: Held) -> None:
+        sent = self._send(held)
+        now = clock.monotonic()
+        if sent and self.rate is not None:
+            air = held.size * self._demand.copies(held.key)
+            self._free_at = max(self._free_at, now) + air / self.rate
+        self._post(SampleHanded(now, number) if sent else SampleRefused(now, number))
+
+    def _send_passing(self, reason: str, held: Held) -> None:
+        air = held.size * self._demand.copies(held.key)
+        if not self._send(held):
+            self._passed.add(EGRESS, 0)
+            return
+        self._passed.add(reason, air)
+        if self.rate is not None:
+            now = clock.monotonic()
+            pushed = max(self._free_at, now) + air / self.rate
+            self._free_at = max(self._free_at, min(pushed, now + _PUSHED_BACK))
+
+    def _send(self, held: Held) -> bool:
+        with self._wake:
+            self._bytes -= held.size
+        try:
+            publish(self._mesh, held.sample, held.stamp)
+        except zenoh.ZError as error:
+            if not self._failing:
+                log.error("the mesh session refuses %s: %s", held.key, error)
+            self._failing = True
+            return False
+        self._failing = False
+        return True

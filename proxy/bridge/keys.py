@@ -1,0 +1,54 @@
+"""Key expressions: which cross, and those of Sendworthy itself."""
+
+PREFIX = "@sendworthy"
+
+CROSSING = ("**", "**/@adv/**", "@ros2_lv/**")
+"""What crosses between apps and mesh: keys without verbatim chunks, which `**` matches, and those of advanced pub/sub
+and of ROS 2."""
+
+INGRESS = ("*/**", "**/@adv/*/**", "@ros2_lv/*/**")
+"""The same, in words that no app uses: so our own subscriptions are told from an app's `**`."""
+
+ALL_DIGESTS = f"{PREFIX}/*/digest"
+ALL_STATES = f"{PREFIX}/*/state"
+ALL_ALIVE = f"{PREFIX}/*/alive/*"
+
+
+def digest(robot: str) -> str:
+    """Where `robot` publishes its digests."""
+    return f"{PREFIX}/{robot}/digest"
+
+
+def state(robot: str) -> str:
+    """Where `robot` publishes its state and answers queries for it."""
+    return f"{PREFIX}/{robot}/state"
+
+
+def alive(robot: str, zid: str) -> str:
+    """Return the presence token of `robot` with the mesh session `zid`."""
+    return f"{PREFIX}/{robot}/alive/{zid}"
+
+
+def status(robot: str) -> str:
+    """Where the daemon answers its own robot with its status (app side only)."""
+    return f"{PREFIX}/{robot}/status"
+
+
+def mode(robot: str) -> str:
+    """Where the daemon takes a new mode (app side only)."""
+    return f"{PREFIX}/{robot}/mode"
+
+
+def robot_of(key: str) -> str:
+    """Return the robot of a Sendworthy key."""
+    return key.split("/", 2)[1]
+
+
+def zid_of(token: str) -> str:
+    """Return the mesh session of a presence token."""
+    return token.rsplit("/", 1)[1]
+
+
+def crosses(expression: str) -> bool:
+    """Whether declarations on `expression` are mirrored: all but ours and those of Zenoh's admin space."""
+    return not expression.startswith(("@/", f"{PREFIX}/")) and expression not in INGRESS

@@ -1,0 +1,58 @@
+"""A thread that does small jobs in order, so that no Zenoh callback has to wait for the other side."""
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable
+
+import zenoh
+
+log = logging.getLogger(__name__)
+
+MOST = 8192
+
+
+class Lane:
+    """Runs jobs in order. `offer` refuses when `MOST` wait; `insist`, for what must be done, does not."""
+
+    def __init__(self, name: str) -> None:
+        self._jobs: deque[Callable[[], None]] = deque()
+        self._wake = threading.Condition()
+        self._open = True
+        self.refused = 0
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def offer(self, job: Callable[[], None]) -> bool:
+        """Do `job` when its turn comes; whether there was room."""
+        if len(self._jobs) >= MOST:
+            self.refused += 1
+            return False
+        self.insist(job)
+        return True
+
+    def insist(self, job: Callable[[], None]) -> None:
+        """Do `job` when its turn comes, however many wait."""
+        with self._wake:
+            self._jobs.append(job)
+            self._wake.notify()
+
+    def close(self, timeout: float) -> None:
+        """Stop after the job in hand; wait for it at most `timeout` [s]."""
+        with self._wake:
+            self._open = False
+            self._wake.notify()
+        self._thread.join(timeout)
+
+    def _run(self) -> None:
+        while True:
+            with self._wake:
+                while self._open and not self._jobs:
+                    self._wake.wait()
+                if not self._open:
+                    return
+                job = self._jobs.popleft()
+            try:
+                job()
+            except zenoh.ZError as error:
+                log.warning("%s: %s", self._thread.name, error)

@@ -1,0 +1,62 @@
+"""Which of the endpoints to dial are linked, and one line in the log for each that is not."""
+
+import logging
+import re
+import socket
+from collections.abc import Iterable
+
+import zenoh
+
+log = logging.getLogger(__name__)
+
+GRACE = 2.0
+"""How long a link may take before it is missed [s]."""
+
+
+class Links:
+    """Watches the links of the mesh session. Zenoh itself keeps dialling what is missing."""
+
+    def __init__(self, mesh: zenoh.Session, connect: Iterable[str], started: float) -> None:
+        self._mesh = mesh
+        self._missing = dict.fromkeys(connect, started)
+        self._warned: set[str] = set()
+        self._next = started
+
+    def check(self, now: float) -> None:
+        """Say once what is missed after its grace, and when it is there after all."""
+        if now < self._next or not self._missing:
+            return
+        self._next = now + 0.5
+        links = self._remote()
+        linked = {link.dst for link in links}
+        # Two robots that dial each other keep one link: not every endpoint shows up, but every peer is there.
+        complete = len({str(link.zid) for link in links}) >= len(self._missing)
+        for endpoint, since in self._missing.items():
+            if complete or linked & _resolved(endpoint):
+                if endpoint in self._warned:
+                    log.info("mesh.connect: %s is linked now", endpoint)
+                self._warned.discard(endpoint)
+            elif endpoint not in self._warned and now - since > GRACE:
+                self._warned.add(endpoint)
+                log.warning("mesh.connect: no link to %s yet; still trying", endpoint)
+
+    def describe(self) -> list[dict[str, str]]:
+        """Return the links there are, for the status."""
+        return [{"zid": str(link.zid), "source": link.src, "destination": link.dst} for link in self._remote()]
+
+    def _remote(self) -> list[zenoh.Link]:
+        """All links but that of our own voice."""
+        return [link for link in self._mesh.info.links() if not link.src.startswith("unixsock-stream")]
+
+
+def _resolved(endpoint: str) -> frozenset[str]:
+    """Return the locators an endpoint may show up as in a link."""
+    locator = re.split("[#?]", endpoint, maxsplit=1)[0]
+    protocol, _, address = locator.partition("/")
+    host, _, port = address.rpartition(":")
+    try:
+        found = socket.getaddrinfo(host.strip("[]"), port, type=socket.SOCK_STREAM)
+    except OSError:
+        return frozenset({locator})
+    names = {f"[{where[0]}]" if family == socket.AF_INET6 else where[0] for family, *_, where in found}
+    return frozenset({locator, *(f"{protocol}/{name}:{port}" for name in names)})

@@ -1,0 +1,78 @@
+"""A Zenoh sample on its way across: nothing about it changes."""
+
+from typing import NamedTuple
+
+import zenoh
+
+MAX_STAMP_ERROR = 1.0
+"""A timestamp further than this from the arrival says nothing about when the sample was made [s]."""
+
+_PRIORITIES = {
+    "Priority.REAL_TIME": 1,
+    "Priority.INTERACTIVE_HIGH": 2,
+    "Priority.INTERACTIVE_LOW": 3,
+    "Priority.DATA_HIGH": 4,
+    "Priority.DATA": 5,
+    "Priority.DATA_LOW": 6,
+    "Priority.BACKGROUND": 7,
+}
+
+
+class Held(NamedTuple):
+    """A sample with the timestamp it leaves with. `size` is that of the payload [B]."""
+
+    sample: zenoh.Sample
+    stamp: zenoh.Timestamp | None
+    key: str
+    size: int
+
+
+def publish(session: zenoh.Session, sample: zenoh.Sample, stamp: zenoh.Timestamp | None) -> None:
+    """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`."""
+    if sample.kind == zenoh.SampleKind.DELETE:
+        session.delete(
+            sample.key_expr,
+            congestion_control=sample.congestion_control,
+            priority=sample.priority,
+            express=sample.express,
+            attachment=sample.attachment,
+            timestamp=stamp,
+            allowed_destination=zenoh.Locality.REMOTE,
+            source_info=sample.source_info,
+        )
+        return
+    session.put(
+        sample.key_expr,
+        sample.payload,  # the ZBytes itself: bytes() would copy it
+        encoding=sample.encoding,
+        congestion_control=sample.congestion_control,
+        priority=sample.priority,
+        express=sample.express,
+        attachment=sample.attachment,
+        timestamp=stamp,
+        allowed_destination=zenoh.Locality.REMOTE,
+        source_info=sample.source_info,
+    )
+
+
+def priority_of(sample: zenoh.Sample) -> int:
+    """Zenoh's number of the sample's priority: 1 real time … 7 background."""
+    return _PRIORITIES[str(sample.priority)]
+
+
+def wall_of(stamp: zenoh.Timestamp) -> float:
+    """Return the wall time inside a timestamp [s since 1970]."""
+    return stamp.get_time_as_ntp64().as_secs_f64()
+
+
+def origin_of(stamp: zenoh.Timestamp) -> str:
+    """Return the id inside a timestamp: the session that stamped."""
+    return str(stamp.get_id())
+
+
+def generated(stamp: zenoh.Timestamp | None, now: float, wall: float) -> float:
+    """When a sample was made, on the monotonic clock [s]: by its timestamp if that is plausible, else now."""
+    if stamp is None:
+        return now
+    age = wall - wall_of(stamp)
+    return now - age if abs(age) <= MAX_STAMP_ERROR else now

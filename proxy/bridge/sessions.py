@@ -1,0 +1,148 @@
+"""The two Zenoh sessions: a router for the apps on this robot, a peer for the mesh."""
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import zenoh
+
+from proxy.errors import PortInUseError, SessionError
+
+MESH_GROUP = "224.0.0.225:7448"
+"""Not Zenoh's default group: the mesh session would link to the robot's own app side."""
+SOCKET_BUFFER = 65536
+"""Socket buffers on the mesh [B]. Large ones hide seconds of queue from the daemon."""
+LEASE = 2000
+"""A robot that says nothing for this long is gone [ms]."""
+
+BATCH = 8192
+"""Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than `LEASE`, which ends the link."""
+THREADS = "(tx: (worker_threads: 8), rx: (worker_threads: 8), net: (worker_threads: 4))"
+"""Both sides share Zenoh's threads, and a link that stands still keeps one: with few, it would stop the apps' side."""
+os.environ.setdefault("ZENOH_RUNTIME", THREADS)  # read when the first session of the process opens
+
+PRIVATE = "sendworthy-private-"
+"""Marks endpoints that are nobody's business but ours."""
+
+_TCP = ("tcp/", "tls/")
+_BUFFERS = f"so_sndbuf={SOCKET_BUFFER};so_rcvbuf={SOCKET_BUFFER}"
+
+
+def app_options(listen: Iterable[str], zenoh_options: Mapping[str, Any]) -> dict[str, Any]:
+    """Zenoh configuration of the app side. `zenoh_options` wins over everything else.
+
+    Gossip stays on: without it peer-mode apps of one robot do not hear each other. Timestamping stays off: a
+    router that stamps also re-stamps what comes from its future.
+    """
+    options: dict[str, Any] = {
+        "mode": "router",
+        "listen": {"endpoints": list(listen)},
+        "open": _AT_ONCE,
+        "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": True}},
+        "timestamping": {"enabled": False},
+        "adminspace": {"enabled": True, "permissions": {"read": True, "write": False}},
+    }
+    return merged(options, zenoh_options)
+
+
+def mesh_options(
+    listen: Iterable[str],
+    connect: Iterable[str],
+    *,
+    scouting: bool,
+    interface: str,
+    zenoh_options: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Zenoh configuration of the mesh side. `zenoh_options` wins over everything else.
+
+    Without `scouting` only `connect` is dialled: gossip would make peers connect around what is between them.
+    The start waits for nobody: who cannot be reached is retried for ever.
+    """
+    autoconnect = ["peer"] if scouting else []
+    options: dict[str, Any] = {
+        "mode": "peer",
+        "listen": {"endpoints": [bounded(endpoint) for endpoint in listen]},
+        "connect": {
+            "endpoints": [bounded(endpoint) for endpoint in connect],
+            "timeout_ms": -1,
+            "exit_on_failure": False,
+            "retry": {"period_init_ms": 200, "period_max_ms": 2000, "period_increase_factor": 1.5},
+        },
+        "open": _AT_ONCE,
+        "scouting": {
+            "multicast": {
+                "enabled": scouting,
+                "address": MESH_GROUP,
+                "interface": interface,
+                "autoconnect": {"peer": autoconnect},
+            },
+            "gossip": {"enabled": True, "autoconnect": {"peer": autoconnect}},
+        },
+        "timestamping": {"enabled": False},
+        "transport": {
+            "shared_memory": {"enabled": False},
+            "link": {
+                "tx": {"lease": LEASE, "batch_size": BATCH},
+                # For links that scouting finds; endpoints carry their own.
+                "tcp": {"so_sndbuf": SOCKET_BUFFER, "so_rcvbuf": SOCKET_BUFFER},
+            },
+        },
+    }
+    return merged(options, zenoh_options)
+
+
+def voice_options(mode: str, endpoint: str, zenoh_options: Mapping[str, Any]) -> dict[str, Any]:
+    """Zenoh configuration of the voice beside a main session with `zenoh_options`, whose authentication it shares."""
+    auth = zenoh_options.get("transport", {}).get("auth", {})
+    return {
+        "mode": mode,
+        "listen": {"endpoints": []},
+        "connect": {"endpoints": [endpoint], "timeout_ms": 5000, "exit_on_failure": True},
+        "open": _AT_ONCE,
+        "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
+        "timestamping": {"enabled": False},
+        "transport": {"shared_memory": {"enabled": False}, "auth": auth},
+    }
+
+
+def bounded(endpoint: str) -> str:
+    """`endpoint` with small socket buffers, unless it is not TCP or says its own."""
+    if not endpoint.startswith(_TCP) or "so_sndbuf" in endpoint or "so_rcvbuf" in endpoint:
+        return endpoint
+    return f"{endpoint}{';' if '#' in endpoint else '#'}{_BUFFERS}"
+
+
+def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """Lay `over` upon `base`, table by table; anything but a table replaces what was there."""
+    result = dict(base)
+    for key, value in over.items():
+        below = result.get(key)
+        both = isinstance(below, Mapping) and isinstance(value, Mapping)
+        result[key] = merged(below, value) if both else value  # type: ignore[arg-type] # `both` says so
+    return result
+
+
+def open_session(options: Mapping[str, Any], side: str) -> zenoh.Session:
+    """Open a session; `side` ("app" or "mesh") names it in errors.
+
+    Raises `PortInUseError` when a listen endpoint is taken, `SessionError` for anything else Zenoh refuses.
+    """
+    shown = [endpoint for endpoint in options["listen"]["endpoints"] if PRIVATE not in endpoint]
+    endpoints = ", ".join(endpoint.split("#")[0] for endpoint in shown)
+    try:
+        return zenoh.open(zenoh.Config.from_json5(json.dumps(options)))
+    except zenoh.ZError as error:
+        if "in use" in str(error):
+            raise PortInUseError(
+                f"{side}.listen: {endpoints}: port in use; another Zenoh router or daemon runs here already"
+            ) from error
+        raise SessionError(f"{side}: cannot open a Zenoh session on {endpoints}: {_first_part(error)}") from error
+
+
+def _first_part(error: zenoh.ZError) -> str:
+    """Return what Zenoh says, without where in its sources it says so."""
+    return str(error).split(" at /")[0]
+
+
+_AT_ONCE = {"return_conditions": {"connect_scouted": False, "declares": False}}

@@ -1,0 +1,46 @@
+"""Opens all sessions of a daemon: one per side for the data, and a voice beside each."""
+
+import threading
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+import zenoh
+
+from proxy.bridge.sessions import app_options, mesh_options, open_session
+from proxy.bridge.voice import Door, Voice
+from proxy.config import AppConfig, MeshConfig
+
+
+@dataclass(frozen=True, slots=True)
+class Sides:
+    """The sessions of both sides. `wake` is set whenever somebody on either side declares something."""
+
+    app: zenoh.Session
+    mesh: zenoh.Session
+    apps: Voice
+    others: Voice
+    wake: threading.Event
+
+
+def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
+    """Open them; `closing` closes them again. Raises SessionError."""
+    doors = Door(), Door()
+    for door in doors:
+        closing.callback(door.close)
+    wake = threading.Event()
+    app_session = open_session(doors[0].added_to(app_options(app.listen, app.zenoh)), "app")
+    closing.callback(app_session.close)
+    options = mesh_options(
+        mesh.listen,
+        mesh.connect,
+        scouting=mesh.scouting,
+        interface=mesh.interface,
+        zenoh_options=mesh.zenoh,
+    )
+    mesh_session = open_session(doors[1].added_to(options), "mesh")
+    closing.callback(mesh_session.close)
+    apps = Voice(doors[0], "router", app.zenoh, wake.set)
+    closing.callback(apps.close)
+    others = Voice(doors[1], "client", mesh.zenoh, wake.set)
+    closing.callback(others.close)
+    return Sides(app_session, mesh_session, apps, others, wake)

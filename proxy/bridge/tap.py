@@ -1,0 +1,66 @@
+"""A local link that passes every byte on, and shows it to a ledger."""
+
+import socket
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+from proxy.bridge.ledger import Ledger
+
+_CHUNK = 65536
+
+
+class Tap:
+    """Listens on the socket `near`; whoever connects is connected with the socket `far`. One link at a time."""
+
+    def __init__(self, near: Path, far: Path, ledger: Ledger) -> None:
+        self._far = far
+        self._ledger = ledger
+        self._listener = socket.socket(socket.AF_UNIX)
+        self._listener.bind(str(near))
+        self._listener.listen()
+        self._open: tuple[socket.socket, ...] = ()
+        self._thread = threading.Thread(target=self._accept, name="tap", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Cut the link and take no other."""
+        for link in (self._listener, *self._open):
+            _cut(link)
+        self._thread.join(1.0)
+        self._listener.close()
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                near, _ = self._listener.accept()
+            except OSError:  # closed
+                return
+            with near, socket.socket(socket.AF_UNIX) as far:
+                self._open = (near, far)
+                with suppress(OSError):
+                    far.connect(str(self._far))
+                    self._carry(near, far)
+
+    def _carry(self, near: socket.socket, far: socket.socket) -> None:
+        self._ledger.reset()
+        outward = threading.Thread(target=self._pass_on, args=(near, far, False), name="tap out", daemon=True)
+        outward.start()
+        self._pass_on(far, near, inward=True)
+        outward.join()
+
+    def _pass_on(self, source: socket.socket, target: socket.socket, inward: bool) -> None:  # noqa: FBT001 - a thread's argument
+        try:
+            while data := source.recv(_CHUNK):
+                self._ledger.read(data, inward=inward)
+                target.sendall(data)
+        except OSError:
+            pass  # the link is gone, which the ends notice themselves
+        finally:
+            _cut(source)
+            _cut(target)
+
+
+def _cut(link: socket.socket) -> None:
+    with suppress(OSError):
+        link.shutdown(socket.SHUT_RDWR)

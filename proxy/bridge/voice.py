@@ -1,0 +1,90 @@
+"""A second session beside a main one, linked to it through a tap.
+
+Zenoh has no way to ask who subscribes to what that is safe: its admin space answers while it holds the routing tables,
+and a declaration that comes at that moment blocks the session for ever. But a node is told every declaration of all
+others, so one link on which we can read them tells everything, as it happens, and exactly: what a node declares
+itself it is not told. So the voice declares what mirrors the other side.
+"""
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Literal
+
+import zenoh
+
+from proxy.bridge.declaration import Declaration
+from proxy.bridge.keys import CROSSING
+from proxy.bridge.ledger import Ledger
+from proxy.bridge.sessions import PRIVATE, merged, open_session, voice_options
+from proxy.bridge.tap import Tap
+from proxy.bridge.wire import Kind
+
+
+class Door:
+    """A private place where a main session listens for its voice."""
+
+    def __init__(self) -> None:
+        self._folder = TemporaryDirectory(prefix=PRIVATE)
+        self.main = Path(self._folder.name, "main")
+        self.tap = Path(self._folder.name, "tap")
+
+    def added_to(self, options: dict[str, Any]) -> dict[str, Any]:
+        """Return the options of a main session, which listens here too."""
+        here = {"endpoints": [*options["listen"]["endpoints"], f"unixsock-stream/{self.main}"]}
+        return merged(options, {"listen": here})
+
+    def close(self) -> None:
+        """Remove the place."""
+        self._folder.cleanup()
+
+
+class Voice:
+    """The voice of the main session that listens at `door`.
+
+    On the app side it is a router, which is told everything; on the mesh, where peers route for nobody but their
+    clients, a client, which is told what it says it is interested in. `changed` is called when `declared` changes.
+    """
+
+    def __init__(
+        self,
+        door: Door,
+        mode: Literal["router", "client"],
+        zenoh_options: Mapping[str, Any],
+        changed: Callable[[], None],
+    ) -> None:
+        self.ledger = Ledger(changed)
+        self._closing = ExitStack()
+        tap = Tap(door.tap, door.main, self.ledger)
+        self._closing.callback(tap.close)
+        options = voice_options(mode, f"unixsock-stream/{door.tap}", zenoh_options)
+        self.session = open_session(options, "voice")
+        self._closing.callback(self.session.close)
+        self._interests: list[Declaration] = []
+        if mode == "client":
+            self._interests = [declare(key) for key in CROSSING for declare in (self._ask, self._attend)]
+
+    def declared(self, kind: Kind) -> dict[str, bool]:
+        """Return what others declared to the main session; for queryables whether complete."""
+        return self.ledger.declared(kind)
+
+    def close(self) -> None:
+        """Fall silent: everything declared with the voice is gone."""
+        for interest in self._interests:
+            interest.undeclare()
+        self._interests = []
+        self._closing.close()
+
+    def _ask(self, key: str) -> Declaration:
+        """Be told of queryables."""
+        return self.session.declare_querier(key)
+
+    def _attend(self, key: str) -> Declaration:
+        """Be told of tokens."""
+        handler = zenoh.handlers.Callback(_ignore, indirect=False)
+        return self.session.liveliness().declare_subscriber(key, handler, history=True)
+
+
+def _ignore(_: zenoh.Sample) -> None:
+    """The ledger has read it already."""

@@ -1,0 +1,21 @@
+"""What can go wrong with the daemon, each with what to do about it."""
+
+
+class ProxyError(Exception):
+    """Base of everything the daemon reports as one clear line instead of a traceback."""
+
+
+class SessionError(ProxyError):
+    """A Zenoh session could not be opened: an endpoint or a Zenoh setting that Zenoh refuses."""
+
+
+class PortInUseError(SessionError):
+    """A listen endpoint is taken by another process."""
+
+
+class ConfigError(ProxyError):
+    """The configuration cannot be used. `problems` names all mistakes, each with its line, variable or flag."""
+
+    def __init__(self, problems: tuple[str, ...]) -> None:
+        super().__init__("\n".join(problems))
+        self.problems = problems

@@ -1,0 +1,111 @@
+"""Robots whose decisions the test makes: two sessions and the bridge between them, without a core."""
+
+import itertools
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TypeVar
+
+import zenoh
+
+from proxy.bridge.bridge import Bridge
+from proxy.bridge.sides import open_sides
+from proxy.config import AppConfig, MeshConfig
+from proxy.core.events import Event, SamplePublished
+from proxy.core.mode import Mode
+from tests.proxy.nodes import closing, free_endpoint, plain_session
+from tests.waiting import wait_until
+from utility_specs import InformationType, Specs, load_specs
+
+SPECS = """
+version = 1
+[[information_type]]
+name = "covered"
+keys = ["covered/**"]
+utility = { kind = "video" }
+"""
+
+
+T = TypeVar("T")
+
+
+class Robot:
+    """One robot. `asked` are the samples that wait for the test's decision, `events` everything else posted."""
+
+    def __init__(self, stack: ExitStack, specs: Specs, connect: tuple[str, ...] = ()) -> None:
+        self._stack = stack
+        self.asked: list[SamplePublished] = []
+        self.events: list[Event] = []
+        self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
+        app = AppConfig(listen=(self.app_endpoint,))
+        mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False)
+        sides = open_sides(app, mesh, stack)
+        self.app, self.mesh, self.voice = sides.app, sides.mesh, sides.apps.session
+        self.bridge = Bridge(
+            app=sides.app,
+            mesh=sides.mesh,
+            apps=sides.apps,
+            others=sides.others,
+            wake=sides.wake,
+            specs=specs,
+            mode=Mode.ENFORCE,
+            connect=connect,
+            submit=self._submit,
+            post=self.events.append,
+        )
+        stack.callback(self.bridge.close)
+        self.bridge.open()
+
+    def _submit(self, event: SamplePublished, _covering: InformationType, _payload: zenoh.ZBytes) -> None:
+        self.asked.append(event)
+
+    def node(self, mode: str = "client", *, stamps: bool = False) -> zenoh.Session:
+        """An application of this robot."""
+        listen = () if mode == "client" else ("tcp/127.0.0.1:0",)
+        return closing(
+            self._stack, plain_session(mode, listen=listen, connect=(self.app_endpoint,), stamps=stamps, gossip=True)
+        )
+
+    def posted(self, kind: type[T]) -> list[T]:
+        """The events of one kind, in order."""
+        return [event for event in list(self.events) if isinstance(event, kind)]
+
+
+def team(stack: ExitStack, tmp_path: Path, size: int = 3, specs: str = SPECS) -> list[Robot]:
+    """Robots on a full mesh over loopback: each dials those before it."""
+    path = tmp_path / "specs.toml"
+    path.write_text(specs)
+    loaded = load_specs(path)
+    robots: list[Robot] = []
+    for _ in range(size):
+        robots.append(Robot(stack, loaded, tuple(robot.mesh_endpoint for robot in robots)))
+    wait_until(
+        lambda: all(len(robot.mesh.info.peers_zid()) == size - 1 for robot in robots), what="the full mesh of links"
+    )
+    return robots
+
+
+def wait_interest(robot: Robot, *others: Robot, keys: tuple[str, ...]) -> None:
+    """Wait until `others` know that apps of `robot` subscribe to `keys`."""
+    wait_until(lambda: set(keys) <= set(robot.bridge.describe()["subscriptions"]), what=f"the apps' {keys}")
+    fence(robot, *others)
+
+
+def fence(robot: Robot, *others: Robot) -> None:
+    """Wait until all that `robot` has declared on the mesh is known to `others`: links keep the order."""
+    _pass_fence(robot.mesh, *(other.mesh for other in others))
+
+
+def fence_apps(robot: Robot) -> None:
+    """Wait until all that is mirrored for the apps of `robot` is known to their router."""
+    _pass_fence(robot.voice, robot.app)
+
+
+def _pass_fence(declarer: zenoh.Session, *others: zenoh.Session) -> None:
+    key = f"@fence/{next(_fences)}"
+    token = declarer.liveliness().declare_token(key)
+    for other in others:
+        wait_until(lambda other=other: list(other.liveliness().get(key, timeout=5.0)), what="a fence")
+    token.undeclare()
+
+
+_fences = itertools.count()

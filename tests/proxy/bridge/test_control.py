@@ -1,0 +1,55 @@
+"""What an operator asks and tells the daemon."""
+
+import json
+
+import pytest
+
+from proxy.bridge import keys
+from proxy.bridge.control import Control
+from proxy.bridge.lane import Lane
+from proxy.core.mode import Mode
+from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
+
+
+@pytest.fixture
+def switched():
+    return []
+
+
+@pytest.fixture
+def operator(stack, switched):
+    endpoint = free_endpoint()
+    app = closing(stack, plain_session("router", listen=(endpoint,)))
+    lane = Lane("test")
+    stack.callback(lane.close, 1.0)
+    control = Control(
+        app=app,
+        robot="r1",
+        lane=lane,
+        on_loop=lambda job: job(),
+        status=lambda: {"robot": "r1", "counts": {"in": 3}},
+        switch=switched.append,
+    )
+    stack.callback(control.close)
+    return closing(stack, plain_session("client", connect=(endpoint,)))
+
+
+def test_the_status_is_json(operator):
+    """Whoever asks one robot or all gets one answer."""
+    for robot in ("r1", "*"):
+        (answer,) = answers(operator, keys.status(robot))
+        assert json.loads(answer) == {"robot": "r1", "counts": {"in": 3}}
+
+
+def test_a_mode_is_taken_and_confirmed(operator, switched):
+    """The answer to a mode is that mode."""
+    assert list(answers(operator, keys.mode("r1"), payload="shadow")) == ["shadow"]
+    assert switched == [Mode.SHADOW]
+
+
+@pytest.mark.parametrize("payload", ["fast", "", None, b"\xff"])
+def test_anything_else_is_refused_with_what_would_be_right(operator, switched, payload):
+    """An unknown mode changes nothing and says which there are."""
+    (answer,) = answers(operator, keys.mode("r1"), payload=payload)
+    assert answer == "error: a mode is one of pass, shadow, enforce"
+    assert not switched

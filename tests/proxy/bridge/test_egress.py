@@ -1,0 +1,143 @@
+"""What leaves for the mesh: paced, bounded, never lost without a word."""
+
+import itertools
+
+import pytest
+
+from proxy.bridge import egress as egress_module
+from proxy.bridge.demand import Demand
+from proxy.bridge.egress import Egress
+from proxy.bridge.passed import Passed
+from proxy.bridge.sample import Held
+from proxy.core.events import SampleHanded, SampleRefused
+from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
+from tests.waiting import wait_until
+
+
+class Bench:
+    """An egress onto a session that a peer listens to, and samples to send."""
+
+    def __init__(self, stack, rate):
+        endpoint = free_endpoint()
+        self.mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
+        peer = closing(stack, plain_session("peer", connect=(endpoint,)))
+        self.heard = Heard(peer, "**")
+        self.posted = []
+        self.passed = Passed()
+        demand = Demand(self.mesh, lambda _: None, lambda: None)
+        self.egress = Egress(self.mesh, demand, self.passed, self.posted.append, rate)
+        stack.callback(self.egress.close, 1.0)
+        publisher = self.mesh.declare_publisher("probe")
+        wait_until(lambda: publisher.matching_status.matching, what="the peer's subscription")
+        publisher.undeclare()
+        self._samples = Heard(self.mesh, "made")
+        self._numbers = itertools.count()
+
+    def held(self, payload):
+        """A sample as ingress holds it."""
+        before = len(self._samples.samples)
+        self.mesh.put("made", payload)
+        wait_until(lambda: len(self._samples.samples) > before, what="the sample")
+        sample = self._samples.samples[-1]
+        return Held(sample, self.mesh.new_timestamp(), "made", len(sample.payload))
+
+    def mine(self):
+        """What the peer heard from the egress: its samples are stamped."""
+        return [s.payload.to_string() for s in self.heard.samples if s.timestamp is not None]
+
+
+@pytest.fixture
+def bench(stack):
+    return Bench(stack, None)
+
+
+def test_forwarded_samples_are_reported_when_handed_over(bench):
+    """Each sample reaches the mesh and is answered with its number, in order."""
+    for i in range(5):
+        bench.egress.forward(i, bench.held(str(i)))
+    assert bench.egress.waiting["decided"] == 5
+    bench.egress.start()
+    wait_until(lambda: len(bench.posted) == 5, what="five answers")
+    assert [(type(event), event.sample) for event in bench.posted] == [(SampleHanded, i) for i in range(5)]
+    wait_until(lambda: len(bench.mine()) == 5, what="five samples")
+    assert bench.egress.waiting == {"decided": 0, "passing": 0, "bytes": 0}
+
+
+def test_decided_samples_are_paced(stack):
+    """At 10 kB/s three samples of 1 kB are handed over at least 0.1 s apart."""
+    bench = Bench(stack, 10_000.0)
+    for i in range(3):
+        bench.egress.forward(i, bench.held("x" * 1000))
+    bench.egress.start()
+    wait_until(lambda: len(bench.posted) == 3, what="three answers")
+    times = [event.now for event in bench.posted]
+    assert all(later - earlier > 0.09 for earlier, later in itertools.pairwise(times))
+
+
+def test_passing_samples_do_not_wait_for_paced_ones(stack):
+    """What needs no decision overtakes what waits for its pace, and is counted with its bytes."""
+    bench = Bench(stack, 100.0)
+    for i in range(3):
+        bench.egress.forward(i, bench.held("x" * 1000))
+    passing = bench.held("urgent")
+    bench.egress.start()
+    wait_until(lambda: len(bench.posted) == 1, what="the first")
+    bench.egress.pass_on("passed:no-spec", passing)
+    wait_until(lambda: "urgent" in bench.mine(), what="the passing sample")
+    assert len(bench.posted) == 1
+    (report,) = bench.passed.take(0.0)
+    assert (report.reason, report.count, report.size) == ("passed:no-spec", 1, 6)
+
+
+def test_passing_traffic_does_not_starve_decided_samples(stack):
+    """However much passes, a decided sample is pushed back by a bounded time only."""
+    bench = Bench(stack, 1000.0)
+    for _ in range(20):
+        bench.egress.pass_on("passed:no-spec", bench.held("x" * 1000))
+    bench.egress.forward(1, bench.held("decided"))
+    bench.egress.start()
+    wait_until(lambda: bench.posted, timeout=2.0, what="the decided sample, not 20 s later")
+
+
+def test_a_full_egress_refuses(bench, monkeypatch):
+    """Beyond its bounds samples are refused: decided ones by number, passing ones by count."""
+    monkeypatch.setattr(egress_module, "MOST_SAMPLES", 1)
+    held = bench.held("x")
+    for number in (1, 2):
+        bench.egress.forward(number, held)
+        bench.egress.pass_on("passed:no-spec", held)
+    assert [(type(event), event.sample) for event in bench.posted] == [(SampleRefused, 2)]
+    assert [(r.reason, r.count, r.size) for r in bench.passed.take(0.0)] == [("dropped:egress", 1, 0)]
+
+
+def test_bytes_are_bounded_too(bench, monkeypatch):
+    """A few large samples fill it as many small ones do."""
+    monkeypatch.setattr(egress_module, "MOST_BYTES", 1500)
+    for number in (1, 2):
+        bench.egress.forward(number, bench.held("x" * 1000))
+    assert [event.sample for event in bench.posted] == [2]
+
+
+def test_a_closed_session_refuses_and_is_said_once(bench, caplog):
+    """Errors of the session are answers, not silence, and one line in the log."""
+    held = bench.held("x")
+    bench.mesh.close()
+    bench.egress.start()
+    for number in (1, 2):
+        bench.egress.forward(number, held)
+    bench.egress.pass_on("passed:no-spec", held)
+    wait_until(lambda: len(bench.posted) == 2, what="both refusals")
+    assert {type(event) for event in bench.posted} == {SampleRefused}
+    counted = []
+    wait_until(lambda: counted.extend(bench.passed.take(0.0)) or counted, what="the count")
+    assert counted[0].reason == "dropped:egress"
+    assert sum("refuses" in record.message for record in caplog.records) == 1
+
+
+def test_a_closed_egress_takes_nothing(bench):
+    """After closing, forwarding is refused at once."""
+    held = bench.held("x")
+    bench.egress.start()
+    bench.egress.close(1.0)
+    bench.egress.forward(7, held)
+    assert [event.sample for event in bench.posted] == [7]

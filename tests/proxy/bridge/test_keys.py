@@ -1,0 +1,37 @@
+"""Keys of Sendworthy itself, and which expressions cross."""
+
+import zenoh
+
+from proxy.bridge import keys
+
+
+def test_keys_tell_their_robot_and_session():
+    """What is put into a key can be read from it."""
+    token = keys.alive("r1", "ab12")
+    assert (keys.robot_of(token), keys.zid_of(token)) == ("r1", "ab12")
+    assert {keys.robot_of(make("r1")) for make in (keys.digest, keys.state, keys.status, keys.mode)} == {"r1"}
+
+
+def test_subscriptions_to_all_robots_match_each():
+    """The expressions for all robots include the keys of one."""
+    for all_robots, one in (
+        (keys.ALL_DIGESTS, keys.digest("r1")),
+        (keys.ALL_STATES, keys.state("r1")),
+        (keys.ALL_ALIVE, keys.alive("r1", "ab12")),
+    ):
+        assert zenoh.KeyExpr(all_robots).includes(one)
+
+
+def test_no_wildcard_of_an_app_matches_own_keys():
+    """Verbatim chunks keep Sendworthy's keys apart."""
+    assert not zenoh.KeyExpr("**").intersects(keys.digest("r1"))
+
+
+def test_ingress_receives_every_key_that_crosses_in_words_of_its_own():
+    """The expressions of ingress are canonical, cover what crosses, and are not what an app would write."""
+    covered = [zenoh.KeyExpr(expression) for expression in keys.INGRESS]
+    for key in ("a", "a/b", "a/@adv/pub/x", "@ros2_lv/0/x"):
+        assert sum(expression.includes(key) for expression in covered) == 1
+    assert not set(keys.INGRESS) & set(keys.CROSSING)
+    assert not any(keys.crosses(expression) for expression in keys.INGRESS)
+    assert all(keys.crosses(expression) for expression in keys.CROSSING)

@@ -1,0 +1,48 @@
+"""One clear line for an endpoint that cannot be reached, and one when it can."""
+
+import pytest
+
+from proxy.bridge.links import GRACE, Links, _resolved
+from tests.proxy.nodes import closing, free_endpoint, plain_session
+from tests.waiting import wait_until
+
+
+def test_an_unreachable_endpoint_is_said_once_and_again_when_linked(stack, caplog):
+    """After its grace a missing link is one warning, however long it lasts; the link is one line too."""
+    caplog.set_level("INFO")
+    endpoint = free_endpoint()
+    mesh = closing(stack, plain_session("peer", connect=()))
+    links = Links(mesh, (endpoint,), 0.0)
+    links.check(GRACE / 2)
+    assert not caplog.records
+    for i in range(5):
+        links.check(GRACE + 1.0 + i)
+    assert [record.message for record in caplog.records] == [f"mesh.connect: no link to {endpoint} yet; still trying"]
+    closing(stack, plain_session("peer", listen=(endpoint,)))
+    linked = closing(stack, plain_session("peer", connect=(endpoint,)))
+    wait_until(linked.info.links, what="the link")
+    links._mesh = linked
+    links.check(100.0)
+    links.check(200.0)
+    assert [record.levelname for record in caplog.records] == ["WARNING", "INFO"]
+    assert links.describe()[0]["destination"] == endpoint
+
+
+def test_nothing_is_said_without_endpoints(stack, caplog):
+    """With scouting only there is nothing to miss."""
+    Links(closing(stack, plain_session("peer")), (), 0.0).check(100.0)
+    assert not caplog.records
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "locator"),
+    [
+        ("tcp/127.0.0.1:7500", "tcp/127.0.0.1:7500"),
+        ("tcp/localhost:7500#so_sndbuf=1", "tcp/127.0.0.1:7500"),
+        ("tls/[::1]:7500", "tls/[::1]:7500"),
+        ("tcp/no.such.host.invalid:1", "tcp/no.such.host.invalid:1"),
+    ],
+)
+def test_endpoints_are_found_by_the_locators_of_links(endpoint, locator):
+    """Names are resolved, options left out; a name that cannot be resolved stands for itself."""
+    assert locator in _resolved(endpoint)

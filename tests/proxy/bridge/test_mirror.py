@@ -1,0 +1,81 @@
+"""One declaration for each wanted key expression, and none for any other."""
+
+import zenoh
+
+from proxy.bridge import mirror as mirror_module
+from proxy.bridge.mirror import Mirror
+
+
+class Made:
+    """Records what is declared, as (expression, complete)."""
+
+    def __init__(self):
+        self.now = []
+        self.log = []
+
+    def __call__(self, expression, complete):
+        if expression == "refused":
+            raise zenoh.ZError("no")
+        made = self
+
+        class One:
+            def undeclare(self):
+                made.now.remove((expression, complete))
+
+        self.now.append((expression, complete))
+        self.log.append(expression)
+        return One()
+
+
+def test_it_follows_what_is_wanted():
+    """New ones are declared, old ones taken back, those that stay are not touched."""
+    made = Made()
+    mirror = Mirror(made)
+    assert mirror.update({"a": False, "b": True})
+    assert not mirror.update({"a": False, "b": True})
+    assert mirror.update({"b": True, "c": False})
+    assert sorted(made.now) == [("b", True), ("c", False)]
+    assert made.log.count("b") == 1
+    assert mirror.expressions == ("b", "c")
+    mirror.close()
+    assert not made.now
+
+
+def test_a_changed_completeness_is_declared_anew():
+    """A queryable that becomes complete is mirrored as complete."""
+    made = Made()
+    mirror = Mirror(made)
+    mirror.update({"a": False})
+    assert mirror.update({"a": True})
+    assert made.now == [("a", True)]
+
+
+def test_the_owner_is_told_before_an_undeclaration():
+    """Others take over while the old declaration still exists."""
+    made = Made()
+    told = []
+    mirror = Mirror(made, lambda expression: told.append((expression, list(made.now))))
+    mirror.update({"a": False})
+    mirror.update({})
+    assert told == [("a", [("a", False)])]
+
+
+def test_what_zenoh_refuses_is_said_once_and_tried_again_when_wanted_anew(caplog):
+    """A refused key expression neither stops the others nor fills the log."""
+    mirror = Mirror(Made())
+    for _ in range(3):
+        mirror.update({"refused": False, "a": False})
+    assert mirror.expressions == ("a",)
+    assert len(caplog.records) == 1
+    mirror.update({})
+    mirror.update({"refused": False})
+    assert len(caplog.records) == 2
+
+
+def test_the_number_of_declarations_is_bounded(monkeypatch, caplog):
+    """Beyond the bound declarations are refused and said."""
+    monkeypatch.setattr(mirror_module, "MOST", 2)
+    mirror = Mirror(Made())
+    mirror.update(dict.fromkeys("abc", False))
+    assert mirror.expressions == ("a", "b")
+    assert "c is not mirrored" in caplog.text

@@ -1,0 +1,39 @@
+"""What of a sample the core is told."""
+
+import pytest
+import zenoh
+
+from proxy.bridge.sample import generated, origin_of, priority_of, wall_of
+from tests.proxy.nodes import Heard, plain_session
+from tests.waiting import wait_until
+
+
+def stamp(seconds):
+    return zenoh.Timestamp(zenoh.NTP64(int(seconds), round(seconds % 1 * 1e9)), b"\xab")
+
+
+def test_a_timestamp_holds_a_time_and_an_id():
+    """The id is hex, the time is seconds since 1970."""
+    assert origin_of(stamp(1000.25)) == "ab"
+    assert wall_of(stamp(1000.25)) == pytest.approx(1000.25, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "expected"),
+    [(None, 50.0), (999.4, 49.4), (1000.9, 50.9), (998.9, 50.0), (1001.1, 50.0)],
+)
+def test_generation_time_is_the_timestamps_when_it_is_plausible(seconds, expected):
+    """Within a second of the arrival the timestamp counts, otherwise (or without one) the arrival itself."""
+    given = None if seconds is None else stamp(seconds)
+    assert generated(given, now=50.0, wall=1000.0) == pytest.approx(expected, abs=1e-6)
+
+
+def test_priorities_have_zenohs_numbers():
+    """From 1, real time, to 7, background."""
+    names = ("REAL_TIME", "INTERACTIVE_HIGH", "INTERACTIVE_LOW", "DATA_HIGH", "DATA", "DATA_LOW", "BACKGROUND")
+    with plain_session("peer") as session:
+        heard = Heard(session, "p")
+        for name in names:
+            session.put("p", name, priority=getattr(zenoh.Priority, name))
+        wait_until(lambda: len(heard.samples) == 7, what="all priorities")
+        assert [priority_of(sample) for sample in heard.samples] == list(range(1, 8))

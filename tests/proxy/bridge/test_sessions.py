@@ -1,0 +1,97 @@
+"""Configurations of both sessions, and what happens when one cannot be opened."""
+
+import json
+
+import pytest
+import zenoh
+
+from proxy.bridge.sessions import MESH_GROUP, app_options, bounded, merged, mesh_options, open_session
+from proxy.errors import PortInUseError, SessionError
+from tests.proxy.nodes import closing, free_endpoint
+from tests.waiting import wait_until
+
+
+def mesh(listen, connect=(), **changes):
+    options = {"scouting": False, "interface": "auto", "zenoh_options": {}} | changes
+    return mesh_options([listen], connect, **options)
+
+
+def test_tables_are_merged_deeply_and_everything_else_is_replaced():
+    """The user's tables are laid upon ours key by key; lists and values of theirs replace ours."""
+    base = {"a": {"b": 1, "c": {"d": 2}}, "e": [1, 2]}
+    assert merged(base, {"a": {"c": {"x": 3}}, "e": [4], "f": 5}) == {
+        "a": {"b": 1, "c": {"d": 2, "x": 3}},
+        "e": [4],
+        "f": 5,
+    }
+    assert merged(base, {"a": 7}) == {"a": 7, "e": [1, 2]}
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "expected"),
+    [
+        ("tcp/[::]:7500", "tcp/[::]:7500#so_sndbuf=65536;so_rcvbuf=65536"),
+        ("tls/r2:7500#iface=wlan0", "tls/r2:7500#iface=wlan0;so_sndbuf=65536;so_rcvbuf=65536"),
+        ("tcp/r2:7500#so_sndbuf=1000", "tcp/r2:7500#so_sndbuf=1000"),
+        ("udp/r2:7500", "udp/r2:7500"),
+    ],
+)
+def test_tcp_endpoints_get_small_buffers_unless_they_say_their_own(endpoint, expected):
+    """Large socket buffers hide seconds of queue; who names one knows what they do."""
+    assert bounded(endpoint) == expected
+
+
+@pytest.mark.parametrize("scouting", [True, False])
+def test_zenoh_accepts_the_options_and_reads_what_is_meant(scouting):
+    """Zenoh's own reader takes both configurations; without scouting nothing is connected by itself."""
+    zenoh.Config.from_json5(json.dumps(app_options(["tcp/127.0.0.1:7447"], {})))
+    options = mesh("tcp/0.0.0.0:7500", ["tcp/r2:7500"], scouting=scouting)
+    config = zenoh.Config.from_json5(json.dumps(options))
+    multicast = json.loads(config.get_json("scouting/multicast"))
+    assert (multicast["enabled"], multicast["address"]) == (scouting, MESH_GROUP)
+    gossip = json.loads(config.get_json("scouting/gossip"))
+    assert gossip["autoconnect"] == multicast["autoconnect"] == {"peer": ["peer"] if scouting else []}
+    assert json.loads(config.get_json("transport/link/tx/lease")) == 2000
+    assert not json.loads(config.get_json("transport/shared_memory/enabled"))
+
+
+def test_the_users_zenoh_options_win(stack):
+    """`[mesh.zenoh]` is merged last, as far down as it goes."""
+    options = mesh(free_endpoint(), zenoh_options={"transport": {"link": {"tx": {"lease": 5000}}}})
+    assert options["transport"]["link"]["tx"]["lease"] == 5000
+    assert options["transport"]["link"]["tcp"]["so_sndbuf"] == 65536
+    closing(stack, open_session(options, "mesh"))
+
+
+def test_a_port_in_use_is_said_as_such(stack):
+    """The error names the side, the endpoint and what is probably wrong."""
+    endpoint = free_endpoint()
+    closing(stack, open_session(app_options([endpoint], {}), "app"))
+    with pytest.raises(PortInUseError, match=rf"^app\.listen: {endpoint}: port in use; another Zenoh router"):
+        open_session(app_options([endpoint], {}), "app")
+
+
+def test_options_that_zenoh_refuses_are_an_error_of_one_line():
+    """An unknown key in `[app.zenoh]` names the side and Zenoh's complaint."""
+    with pytest.raises(SessionError, match=r"^app: .*unknown field `wrong`") as raised:
+        open_session(app_options([free_endpoint()], {"wrong": 1}), "app")
+    assert "\n" not in str(raised.value)
+
+
+def test_only_named_endpoints_are_dialled(stack):
+    """Without scouting two peers that both know a third one do not connect to each other."""
+    endpoints = [free_endpoint() for _ in range(3)]
+    middle = closing(stack, open_session(mesh(endpoints[0]), "mesh"))
+    ends = [closing(stack, open_session(mesh(endpoint, endpoints[:1]), "mesh")) for endpoint in endpoints[1:]]
+    wait_until(lambda: len(middle.info.peers_zid()) == 2, what="both links")
+    heard = [str(zid) for end in ends for zid in end.info.peers_zid()]
+    assert heard == [str(middle.zid())] * 2
+
+
+def test_an_unreachable_peer_does_not_hold_up_the_start_and_is_dialled_later(stack):
+    """The session opens at once, and links as soon as the peer is there."""
+    endpoint = free_endpoint()
+    early = closing(stack, open_session(mesh(free_endpoint(), [endpoint]), "mesh"))
+    assert not early.info.peers_zid()
+    late = closing(stack, open_session(mesh(endpoint), "mesh"))
+    wait_until(lambda: early.info.peers_zid() and late.info.peers_zid(), what="the link")

@@ -1,0 +1,70 @@
+"""Zenoh nodes for tests: plain applications and endpoints nobody else uses."""
+
+import json
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import zenoh
+
+from tests.ports import free_port
+
+
+def free_endpoint() -> str:
+    """A TCP endpoint on loopback that was free a moment ago."""
+    return f"tcp/127.0.0.1:{free_port()}"
+
+
+def plain_session(
+    mode: str,
+    *,
+    listen: tuple[str, ...] = (),
+    connect: tuple[str, ...] = (),
+    stamps: bool = False,
+    gossip: bool = False,
+) -> zenoh.Session:
+    """An unmodified Zenoh node that knows nothing of Sendworthy and dials only what it is told."""
+    options = {
+        "mode": mode,
+        "listen": {"endpoints": list(listen)},
+        "connect": {"endpoints": list(connect), "timeout_ms": 5000, "exit_on_failure": False},
+        "timestamping": {"enabled": stamps},
+        "scouting": {"multicast": {"enabled": False}, "gossip": {} if gossip else {"autoconnect": {"peer": []}}},
+    }
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(options)))
+
+
+class Heard:
+    """What a subscriber received, in order."""
+
+    def __init__(self, session: zenoh.Session, expression: str) -> None:
+        self._lock = threading.Lock()
+        self._samples: list[zenoh.Sample] = []
+        handler = zenoh.handlers.Callback(self._take, indirect=False)
+        self.subscriber: Any = session.declare_subscriber(expression, handler)
+
+    def _take(self, sample: zenoh.Sample) -> None:
+        with self._lock:
+            self._samples.append(sample)
+
+    @property
+    def samples(self) -> list[zenoh.Sample]:
+        with self._lock:
+            return list(self._samples)
+
+    @property
+    def payloads(self) -> list[str]:
+        return [sample.payload.to_string() for sample in self.samples]
+
+
+def closing(stack: ExitStack, session: zenoh.Session) -> zenoh.Session:
+    """Close `session` with `stack`."""
+    stack.callback(session.close)
+    return session
+
+
+def answers(session: zenoh.Session, selector: str, **options: Any) -> Iterator[str]:
+    """The payloads of all replies, errors as "error: …"."""
+    for reply in session.get(selector, timeout=5.0, **options):
+        yield reply.ok.payload.to_string() if reply.ok else f"error: {reply.err.payload.to_string()}"
