@@ -1,0 +1,111 @@
+"""`sendworthy`: the command line.
+
+Each subcommand is a function `command(subparsers)` that adds its own parser and sets `run=`, a function from
+the parsed arguments to the exit code. Ours are in `proxy.commands`; others come through the entry-point group
+`sendworthy.commands`. Only the command that was asked for is imported.
+"""
+
+import argparse
+import difflib
+import os
+import re
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module, metadata
+from typing import NoReturn, TypeAlias
+
+from proxy import exit_codes
+
+Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - it has no other name
+Command = Callable[[Subparsers], None]
+
+GROUP = "sendworthy.commands"
+BUILT_IN = ("run", "check", "status", "mode")
+
+EXAMPLES = """\
+examples:
+  sendworthy check specs.d/*.toml                  are these utility specs right?
+  sendworthy run --config sendworthy.toml          run the daemon of this robot
+  sendworthy run --robot r1 --mode shadow          the same without a file
+  sendworthy status                                what the daemon here does
+  sendworthy mode enforce                          switch it live
+
+`sendworthy COMMAND --help` tells more.
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; return its exit code."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    wanted = next((word for word in arguments if not word.startswith("-")), None)
+    parser = argparse.ArgumentParser(
+        prog="sendworthy",
+        description="Decides, sample by sample, what is worth sending over a robot team's radio channel.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"sendworthy {metadata.version('sendworthy')}")
+    subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    failure = add_commands(subparsers, wanted)
+    if failure:
+        print(f"sendworthy: {failure}", file=sys.stderr)
+        return exit_codes.FAILED
+    parsed, unknown = parser.parse_known_args(arguments)
+    if unknown:
+        refuse(unknown[0], subparsers.choices[wanted] if wanted else parser)
+    return run(parsed)
+
+
+def add_commands(subparsers: Subparsers, wanted: str | None) -> str | None:
+    """Add the wanted command, or all when there is no such; return why the wanted one cannot be loaded."""
+    known = commands()
+    chosen = {wanted: known[wanted]} if wanted in known else known
+    for name, load in chosen.items():
+        try:
+            load()(subparsers)
+        except Exception as error:  # noqa: BLE001 - a broken add-on must not take the others with it
+            if name == wanted:
+                return f'the command "{name}" cannot be loaded: {error}'
+    return None
+
+
+def refuse(word: str, parser: argparse.ArgumentParser) -> NoReturn:
+    """Exit 2 because of a word that `parser` does not know, and suggest the flag that was meant."""
+    flags = re.findall(r"(?<![\w-])--[\w.-]+", parser.format_help())
+    near = difflib.get_close_matches(word.partition("=")[0], flags, n=1) if word.startswith("--") else []
+    hint = f" (did you mean {near[0]}?)" if near else ""
+    parser.error(f"unknown argument {word}{hint}")
+
+
+def run(parsed: argparse.Namespace) -> int:
+    """Run what was asked for; Ctrl-C and a closed pipe are no tracebacks."""
+    try:
+        code: int = parsed.run(parsed)
+    except KeyboardInterrupt:
+        return exit_codes.INTERRUPTED
+    except BrokenPipeError:
+        # Python flushes standard output once more at its exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return exit_codes.OK
+    return code
+
+
+def commands() -> dict[str, Callable[[], Command]]:
+    """Return every command by name, each as a function that imports it."""
+    others = {entry.name: entry.load for entry in metadata.entry_points(group=GROUP)}
+    return others | {name: built_in(name) for name in BUILT_IN}
+
+
+def built_in(name: str) -> Callable[[], Command]:
+    """Return a function that imports our command `name`."""
+
+    def load() -> Command:
+        command: Command = import_module(f"proxy.commands.{name}").command
+        return command
+
+    return load
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,127 @@
+"""Asking a running daemon, over Zenoh, as one of its robot's applications."""
+
+import argparse
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import zenoh
+
+from proxy.bridge import keys
+from proxy.config_values import endpoint, robot_name
+from proxy.errors import ProxyError
+
+DAEMON = "tcp/127.0.0.1:7447"
+TIMEOUT = 2.0
+"""A daemon answers within this time [s] or not at all."""
+
+
+class NoAnswerError(ProxyError):
+    """No daemon answers, or not one alone."""
+
+
+def add_client_flags(parser: argparse.ArgumentParser) -> None:
+    """Add the flags of every command that asks a daemon."""
+    parser.add_argument(
+        "--connect",
+        metavar="ENDPOINT",
+        type=endpoint_flag,
+        default=DAEMON,
+        help="where the daemon listens for applications (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--robot",
+        metavar="NAME",
+        type=robot_flag,
+        help="the robot whose daemon is meant, should several answer",
+    )
+
+
+def endpoint_flag(text: str) -> str:
+    """Read an endpoint for argparse."""
+    try:
+        return endpoint(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def robot_flag(text: str) -> str:
+    """Read a robot's name for argparse."""
+    try:
+        return robot_name(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+class Client:
+    """A session with the daemon at `where`."""
+
+    def __init__(self, session: zenoh.Session, where: str) -> None:
+        self._session = session
+        self._where = where
+
+    def status(self, robot: str | None) -> list[dict[str, object]]:
+        """Return the status of `robot`, or of all that answer, by name. Raises NoAnswerError."""
+        answers = self._ask(keys.status(robot or "*"), None)
+        try:
+            return sorted(map(json.loads, answers), key=lambda status: str(status["robot"]))
+        except (ValueError, TypeError, KeyError):
+            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
+
+    def switch(self, robot: str, mode: str) -> str:
+        """Switch `robot` to `mode`; return the daemon's answer. Raises NoAnswerError."""
+        return self._ask(keys.mode(robot), mode)[0]
+
+    def only_robot(self) -> str:
+        """Return the name of the one robot whose daemon answers. Raises NoAnswerError."""
+        robots = [str(status["robot"]) for status in self.status(None)]
+        if len(robots) > 1:
+            raise NoAnswerError(f"several daemons answer at {self._where}: choose with --robot {'|'.join(robots)}")
+        return robots[0]
+
+    def _ask(self, key: str, payload: str | None) -> list[str]:
+        replies = self._session.get(
+            key,
+            payload=payload,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=TIMEOUT,
+        )
+        answers, late = [], ""
+        for reply in replies:
+            if reply.ok is not None:
+                answers.append(reply.ok.payload.to_string())
+            else:
+                late = _late(reply.err)
+        if not answers:
+            who = f'of robot "{key.split("/")[1]}" ' if "*" not in key else ""
+            raise NoAnswerError(f"no daemon {who}answers at {self._where}{late}")
+        return answers
+
+
+def _late(error: zenoh.ReplyError | None) -> str:
+    """Word a time-out, which Zenoh tells like a refusal. Raises NoAnswerError for a real refusal."""
+    refusal = error.payload.to_string() if error else "no reason given"
+    if refusal != "Timeout":
+        raise NoAnswerError(f"the daemon refuses: {refusal}")
+    return f" within {TIMEOUT:g} s"
+
+
+@contextmanager
+def connected(where: str) -> Iterator[Client]:
+    """Connect to the daemon at `where`. Raises NoAnswerError."""
+    config = zenoh.Config()
+    for key, value in {
+        "mode": "client",
+        "connect/endpoints": [where],
+        "scouting/multicast/enabled": False,
+        "transport/unicast/open_timeout": int(TIMEOUT * 1000),
+    }.items():
+        config.insert_json5(key, json.dumps(value))
+    try:
+        session = zenoh.open(config)
+    except zenoh.ZError:
+        # Zenoh's own text is the trace of an internal error.
+        raise NoAnswerError(f"no daemon answers at {where}; is `sendworthy run` running?") from None
+    with session:
+        yield Client(session, where)

@@ -1,0 +1,51 @@
+"""`sendworthy mode`: switch a running daemon between pass, shadow and enforce."""
+
+import argparse
+import sys
+
+from proxy import exit_codes
+from proxy.commands.client import NoAnswerError, add_client_flags, connected
+from proxy.core.mode import Mode
+
+DESCRIPTION = """\
+Switches a running daemon, at once and without a restart.
+
+  pass      a plain bridge: no decisions
+  shadow    decides, counts and explains, but forwards everything
+  enforce   decides and acts on it
+
+The mode lasts until the daemon ends; `mode` in the configuration is what it starts with.
+"""
+EXAMPLES = """\
+examples:
+  sendworthy mode shadow
+  sendworthy mode enforce --connect tcp/192.168.1.7:7447
+"""
+
+
+def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command."""
+    parser = subparsers.add_parser(
+        "mode",
+        help="switch the daemon to pass, shadow or enforce",
+        description=DESCRIPTION,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("mode", metavar="MODE", choices=[mode.value for mode in Mode], help="pass, shadow or enforce")
+    add_client_flags(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Switch and say so; return the exit code."""
+    try:
+        with connected(arguments.connect) as daemon:
+            robot = arguments.robot or daemon.only_robot()
+            daemon.switch(robot, arguments.mode)
+    except NoAnswerError as error:
+        print(f"sendworthy mode: {error}", file=sys.stderr)
+        return exit_codes.FAILED
+    print(f"{robot}: {arguments.mode}")
+    return exit_codes.OK

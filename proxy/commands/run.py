@@ -1,0 +1,134 @@
+"""`sendworthy run`: the daemon of this robot."""
+
+import argparse
+import logging
+import os
+import signal
+import sys
+from importlib.metadata import version
+from pathlib import Path
+from queue import Empty, SimpleQueue
+
+from proxy import exit_codes
+from proxy.config import Config
+from proxy.config_loading import SETTINGS, load_config
+from proxy.errors import ConfigError, ProxyError
+from proxy.log import set_up_logging
+from utility_specs import Specs, SpecsError, load_specs
+
+log = logging.getLogger("sendworthy")
+
+DESCRIPTION = """\
+Runs the daemon of this robot until SIGTERM or Ctrl-C.
+
+Every key of the configuration is also a flag and an environment variable; flags win over variables,
+variables over the file, the file over the defaults. `planner.iterations` is --planner.iterations and
+SENDWORTHY_PLANNER__ITERATIONS. Values are written as in TOML; text needs no quotes.
+"""
+EXAMPLES = """\
+examples:
+  sendworthy run --config sendworthy.toml
+  sendworthy run --config sendworthy.toml --mode shadow --log.level debug
+  sendworthy run --robot r1 --mesh.scouting false --mesh.connect '["tcp/10.0.0.2:7500"]'
+  SENDWORTHY_PLANNER__ITERATIONS=500 sendworthy run --config sendworthy.toml
+
+exit codes:
+  0   stopped by SIGTERM or Ctrl-C
+  69  a port is in use, or Zenoh cannot start
+  78  the configuration or the utility specs are wrong
+"""
+
+
+def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the command, with a flag for every key of the configuration."""
+    parser = subparsers.add_parser(
+        "run",
+        help="run the daemon of this robot",
+        usage="sendworthy run [--config FILE] [--KEY VALUE ...]",
+        description=DESCRIPTION,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--config", metavar="FILE", type=Path, help="the configuration (TOML)")
+    keys = parser.add_argument_group("keys of the configuration")
+    for setting in SETTINGS.values():
+        keys.add_argument(
+            f"--{setting.key}", metavar="VALUE", dest=setting.key, help=setting.description.replace("%", "%%")
+        )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the daemon; return the exit code."""
+    asked = stop_requests()
+    flags = {setting.key: getattr(arguments, setting.key) for setting in SETTINGS.values()}
+    given = {key: text for key, text in flags.items() if text is not None}
+    try:
+        config = load_config(arguments.config, os.environ, given)
+    except ConfigError as error:
+        print(error, file=sys.stderr)
+        return exit_codes.CONFIG
+    specs = read_specs(config)
+    if specs is None:
+        return exit_codes.CONFIG
+    set_up_logging(config.log.level, os.environ)
+    try:
+        serve(config, specs, asked)
+    except ProxyError as error:
+        log.error("%s", error)
+        return exit_codes.UNAVAILABLE
+    return exit_codes.OK
+
+
+def read_specs(config: Config) -> Specs | None:
+    """Read the utility specs; None after printing what is wrong. Without the default folder, none."""
+    if not config.specs.path.exists():
+        return Specs.empty()
+    try:
+        return load_specs(config.specs.path)
+    except SpecsError as error:
+        print(error, file=sys.stderr)
+        return None
+
+
+def stop_requests() -> SimpleQueue[str]:
+    """Return a queue that gets the name of every signal that asks us to stop."""
+    asked: SimpleQueue[str] = SimpleQueue()  # its `put` may interrupt its own `get`: safe in a signal handler
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda caught, _frame: asked.put(signal.Signals(caught).name))
+    return asked
+
+
+def serve(config: Config, specs: Specs, asked: SimpleQueue[str]) -> None:
+    """Run the daemon until it is `asked` to stop. Raises ProxyError when it cannot start."""
+    from proxy.daemon import Daemon  # noqa: PLC0415 - Zenoh only when the configuration is right
+
+    daemon = Daemon(config, specs)
+    daemon.start()
+    log.info("%s", started(config, specs))
+    try:
+        log.info("stopping on %s", next_of(asked))
+    finally:
+        daemon.stop()
+
+
+def next_of(asked: SimpleQueue[str]) -> str:
+    """Wait for a request to stop; look up often, for Python runs a signal's handler only when its main thread wakes."""
+    while True:
+        try:
+            return asked.get(timeout=0.2)
+        except Empty:
+            continue
+
+
+def started(config: Config, specs: Specs) -> str:
+    """Describe the daemon in one line."""
+    types = len(specs.types)
+    covered = f"{types} information type{'s' * (types != 1)} from {config.specs.path}"
+    specs_in_force = f"specs {specs.generation} ({covered})" if types else "no specs: everything passes"
+    return (
+        f"sendworthy {version('sendworthy')}: robot {config.robot}, mode {config.mode.value}, "
+        f"apps on {' '.join(config.app.listen)}, mesh on {' '.join(config.mesh.listen) or 'nothing'}"
+        f"{' with scouting' * config.mesh.scouting}, {specs_in_force}"
+    )

@@ -1,0 +1,126 @@
+"""The configuration of the daemon, as people write it. `deploy/sendworthy.toml` is its manual.
+
+Every field has a default; the description of a field is the help of its flag.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_origin
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from proxy.config_values import (
+    Interface,
+    ListenEndpoints,
+    RemoteEndpoints,
+    RobotName,
+    SomeListenEndpoints,
+    SpecsPath,
+    this_robot,
+)
+from proxy.core.mode import Mode
+
+ZenohTable = dict[str, Any]
+"""Any part of a Zenoh configuration, deep-merged over ours."""
+
+
+class Section(BaseModel):
+    """What all tables share: frozen, strictly typed, no unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class AppConfig(Section):
+    """`[app]`: the side of the robot's own applications."""
+
+    listen: SomeListenEndpoints = Field(
+        default=("tcp/127.0.0.1:7447",), description="endpoints where this robot's applications connect"
+    )
+    zenoh: ZenohTable = Field(default={}, description="further Zenoh configuration of the application side")
+
+
+class MeshConfig(Section):
+    """`[mesh]`: the side of the other robots."""
+
+    listen: ListenEndpoints = Field(default=("tcp/0.0.0.0:7500",), description="endpoints where other robots connect")
+    connect: RemoteEndpoints = Field(default=(), description="endpoints of other robots to dial")
+    scouting: bool = Field(
+        default=True, description="find other robots by multicast; false: only named endpoints are dialled"
+    )
+    interface: Interface = Field(default="auto", description="network interface of the radio, for scouting")
+    allowance: float = Field(
+        default=0.02, ge=0.0, le=0.5, description="share of every limit for what the daemons tell each other"
+    )
+    zenoh: ZenohTable = Field(default={}, description="further Zenoh configuration of the mesh side")
+
+
+class SpecsConfig(Section):
+    """`[specs]`: where the utility specs are."""
+
+    path: SpecsPath = Field(default=Path("specs.d"), description="a file or a folder of *.toml with the utility specs")
+
+
+class PlannerConfig(Section):
+    """`[planner]`: how decisions are made."""
+
+    iterations: int = Field(default=300, ge=1, le=1_000_000, description="iterations of the tree search per decision")
+    deadline: float = Field(default=0.02, gt=0.0, le=10.0, description="a decision takes at most this long [s]")
+    horizon: int = Field(default=60, ge=1, le=10_000, description="how far a decision looks ahead [messages]")
+    search: Literal["best", "paper"] = Field(default="best", description="kind of search")
+    engine: Literal["native", "python"] = Field(default="native", description="who searches")
+    coordination: Literal["auto", "shares", "overhear"] = Field(
+        default="auto", description="how robots divide the limit; auto: shares on a unicast mesh"
+    )
+
+
+class LogConfig(Section):
+    """`[log]`: what the daemon writes to standard error."""
+
+    level: Literal["debug", "info", "warning", "error"] = Field(
+        default="info", description="least level that is logged"
+    )
+
+
+class Config(Section):
+    """All settings of one daemon."""
+
+    robot: RobotName = Field(default_factory=this_robot, description="name of this robot (default: the host name)")
+    mode: Annotated[Mode, Field(strict=False)] = Field(default=Mode.ENFORCE, description="pass, shadow or enforce")
+    app: AppConfig = AppConfig()
+    mesh: MeshConfig = MeshConfig()
+    specs: SpecsConfig = SpecsConfig()
+    planner: PlannerConfig = PlannerConfig()
+    log: LogConfig = LogConfig()
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One key of the configuration: path, default, description, and what a flag or variable holds."""
+
+    path: tuple[str, ...]
+    default: Any
+    description: str
+    takes_text: bool
+    takes_table: bool
+
+    @property
+    def key(self) -> str:
+        """The path as people write it: `planner.iterations`."""
+        return ".".join(self.path)
+
+
+def settings(model: type[BaseModel] = Config, path: tuple[str, ...] = ()) -> Iterator[Setting]:
+    """Yield every key of the configuration in the order of the manual."""
+    for name, field in model.model_fields.items():
+        kind = field.annotation
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            yield from settings(kind, (*path, name))
+        else:
+            yield Setting(
+                path=(*path, name),
+                default=field.get_default(call_default_factory=True),
+                description=field.description or "",
+                takes_text=kind not in (bool, int, float) and get_origin(kind) not in (tuple, dict),
+                takes_table=get_origin(kind) is dict,
+            )

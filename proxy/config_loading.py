@@ -1,0 +1,133 @@
+"""Reads the configuration: defaults, under the file, under the environment, under the flags.
+
+All mistakes are reported at once, each with its file, line and key, its variable or its flag.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from proxy.config import Config, SpecsConfig, settings
+from proxy.config_layers import Layers, Override, flags, variables
+from proxy.errors import ConfigError
+from utility_specs.errors import TomlError
+from utility_specs.suggestions import hint
+from utility_specs.toml_lines import KeyPath
+from utility_specs.toml_source import TomlSource
+from utility_specs.wording import Place, message_of
+
+SETTINGS = {setting.path: setting for setting in settings()}
+SPECS = ("specs", "path")
+
+
+def load_config(path: Path | None, environ: Mapping[str, str], overrides: Mapping[str, str]) -> Config:
+    """Read the file (None: none), `SENDWORTHY_…` of `environ`, and flags by key (`{"mode": "shadow"}`).
+
+    A relative `specs.path` of the file, and the default one, is relative to the file. Raises ConfigError.
+    """
+    problems = _Problems()
+    source = _read(path, problems)
+    layers = Layers(source.data)
+    for override in [*variables(environ), *flags(overrides)]:
+        _apply(override, layers, problems)
+    problems.source, problems.layers = replace(source, data=layers.values), layers
+    config = _validated(layers.values, problems)
+    _check_zenoh(layers.values, problems)
+    specs = _specs_path(source.path.parent, layers, problems)
+    if config is None or problems.found:
+        raise ConfigError(problems.sorted())
+    return config.model_copy(update={"specs": config.specs.model_copy(update={"path": specs})})
+
+
+@dataclass(slots=True)
+class _Problems:
+    """Collects mistakes; those of the file come first, by line."""
+
+    source: TomlSource = field(default_factory=lambda: TomlSource(Path(), {}))
+    layers: Layers = field(default_factory=lambda: Layers({}))
+    found: list[tuple[int, str]] = field(default_factory=list)
+
+    def add(self, text: str, line: int = 0) -> None:
+        self.found.append((line, text))
+
+    def at(self, path: KeyPath, message: str) -> None:
+        """Add a mistake in the merged values, where it was made."""
+        origin = self.layers.origin(path)
+        if origin is None:
+            problem = self.source.problem(path, message)
+            self.add(str(problem), problem.line or 0)
+            return
+        label = self.source.label(path)
+        place = "" if origin == f"--{label}" else f"{label}: "
+        self.add(f"{origin}: {place}{message}", _AFTER_THE_FILE)
+
+    def sorted(self) -> tuple[str, ...]:
+        return tuple(text for _, text in sorted(self.found, key=lambda problem: problem[0]))
+
+
+_AFTER_THE_FILE = 1 << 30
+
+
+def _read(path: Path | None, problems: _Problems) -> TomlSource:
+    """Read the file; without one, nothing is set and relative paths are relative to the working directory."""
+    if path is None:
+        return TomlSource(Path("sendworthy.toml"), {})
+    try:
+        return TomlSource.read(path)
+    except TomlError as error:
+        problems.add(str(error))
+        return TomlSource(path, {})
+
+
+def _apply(override: Override, layers: Layers, problems: _Problems) -> None:
+    """Lay a variable or flag on top, if it names a setting or something inside an open table."""
+    setting = SETTINGS.get(override.path)
+    inside = next((s for s in SETTINGS.values() if s.takes_table and override.path[: len(s.path)] == s.path), None)
+    if setting is None and inside is None:
+        key = ".".join(override.path)
+        suggestion = hint(key, (s.key for s in SETTINGS.values()), "known keys")
+        problems.add(f"{override.origin}: unknown key {key}{suggestion}", _AFTER_THE_FILE)
+    else:
+        layers.put(override, takes_text=setting is not None and setting.takes_text)
+
+
+def _validated(values: Mapping[str, Any], problems: _Problems) -> Config | None:
+    try:
+        return Config.model_validate(values)
+    except ValidationError as error:
+        schema = Config.model_json_schema()
+        for detail in error.errors(include_url=False):
+            place = Place.find(schema, detail["loc"], detail["type"])
+            problems.at(place.path, message_of(detail, place))
+        return None
+
+
+def _check_zenoh(values: Mapping[str, Any], problems: _Problems) -> None:
+    for path, table in _zenoh_tables(values):
+        from proxy.config_zenoh import zenoh_problems  # noqa: PLC0415 - few configurations need it
+
+        for inner, message in zenoh_problems(table):
+            problems.at((*path, *inner), message)
+
+
+def _zenoh_tables(values: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], Mapping[str, Any]]]:
+    for setting in SETTINGS.values():
+        section = values.get(setting.path[0])
+        table = section.get(setting.path[-1]) if isinstance(section, Mapping) else None
+        if setting.takes_table and isinstance(table, Mapping):
+            yield setting.path, table
+
+
+def _specs_path(folder: Path, layers: Layers, problems: _Problems) -> Path:
+    """Resolve `specs.path`. One that is configured must exist; the default one may be missing: no specs."""
+    section = layers.values.get(SPECS[0])
+    given = section.get(SPECS[1]) if isinstance(section, Mapping) else None
+    if not isinstance(given, str):
+        return folder / SpecsConfig().path
+    path = Path(given) if layers.origin(SPECS) else folder / given
+    if not path.exists():
+        problems.at(SPECS, f"{path} does not exist")
+    return path

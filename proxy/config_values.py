@@ -1,0 +1,97 @@
+"""The syntax of single configuration values: robot names, endpoints, interfaces."""
+
+import re
+import socket
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from utility_specs.suggestions import described, hint, quoted
+
+FORBIDDEN = "/*$#?"
+"""Characters that no chunk of a key may hold."""
+
+HOST_AND_PORT = re.compile(r"(?P<host>\[[0-9A-Fa-f:.%\w]+\]|[^\[\]:\s]+):(?P<port>\d+)")
+ON_HOSTS = ("tcp", "udp", "tls", "quic", "ws")
+ELSEWHERE = ("unixsock-stream", "unixpipe", "vsock", "serial")
+
+
+def robot_name(name: str) -> str:
+    """Return `name` if it is one valid key chunk; ValueError otherwise."""
+    if not name:
+        raise ValueError("must not be empty")
+    if name.startswith("@"):
+        raise ValueError(f'must not start with "@": {quoted(name)}')
+    bad = sorted({c for c in name if c in FORBIDDEN or c.isspace() or not c.isprintable()})
+    if bad:
+        shown = " ".join(c if c.isprintable() and not c.isspace() else repr(c) for c in bad)
+        raise ValueError(f"must be one chunk of a key, without {shown}: {quoted(name)}")
+    return name
+
+
+def robot_of_host(host: str) -> str:
+    """Make a valid robot name of a host name: what a key chunk cannot hold becomes a dash."""
+    chunk = "".join("-" if c in FORBIDDEN or c.isspace() or not c.isprintable() else c for c in host)
+    return chunk.lstrip("@") or "robot"
+
+
+def this_robot() -> str:
+    """Name the robot after the host that this process runs on."""
+    return robot_of_host(socket.gethostname())
+
+
+def endpoint(text: str) -> str:
+    """Return `text` if it is an endpoint as Zenoh writes them; ValueError otherwise."""
+    wrong = f'must be an endpoint like "tcp/192.168.1.2:7500", not {quoted(text)}'
+    protocol, slash, rest = text.partition("/")
+    address = re.split("[?#]", rest, maxsplit=1)[0]
+    if not slash or not address:
+        raise ValueError(wrong)
+    if protocol not in ON_HOSTS + ELSEWHERE:
+        raise ValueError(f"{wrong}: unknown protocol {quoted(protocol)}{hint(protocol, ON_HOSTS + ELSEWHERE)}")
+    if protocol in ELSEWHERE:
+        return text
+    found = HOST_AND_PORT.fullmatch(address)
+    if found is None:
+        raise ValueError(f"{wrong}: the address must be HOST:PORT or [IPv6]:PORT")
+    if int(found["port"]) > 65535:
+        raise ValueError(f"{wrong}: a port is at most 65535")
+    return text
+
+
+def remote_endpoint(text: str) -> str:
+    """Return `text` if it is an endpoint that can be dialled; ValueError otherwise."""
+    found = HOST_AND_PORT.fullmatch(re.split("[?#]", endpoint(text).partition("/")[2], maxsplit=1)[0])
+    if found is not None and int(found["port"]) == 0:
+        raise ValueError(f"port 0 cannot be dialled: {quoted(text)}")
+    return text
+
+
+def interface(text: str) -> str:
+    """Return `text` if it can name a network interface: "auto", a name, an address; else ValueError."""
+    if not text or any(c.isspace() or c == "/" for c in text):
+        raise ValueError(f'must be "auto" or an interface like "wlan0", not {quoted(text)}')
+    return text
+
+
+def path_text(value: object) -> object:
+    """Return `value` if it can be a path; ValueError otherwise, in the words of the other settings."""
+    if not isinstance(value, str | Path):
+        raise ValueError(f"must be a string, not {described(value)}")  # noqa: TRY004 - pydantic wants ValueError
+    return value
+
+
+def at_least_one(endpoints: tuple[str, ...]) -> tuple[str, ...]:
+    """Return `endpoints` unless there are none: ValueError."""
+    if not endpoints:
+        raise ValueError("must not be empty")
+    return endpoints
+
+
+RobotName = Annotated[str, AfterValidator(robot_name)]
+ListenEndpoints = Annotated[tuple[Annotated[str, AfterValidator(endpoint)], ...], Field(strict=False)]
+SomeListenEndpoints = Annotated[ListenEndpoints, AfterValidator(at_least_one)]
+RemoteEndpoints = Annotated[tuple[Annotated[str, AfterValidator(remote_endpoint)], ...], Field(strict=False)]
+SpecsPath = Annotated[Path, Field(strict=False), BeforeValidator(path_text)]
+Interface = Annotated[str, AfterValidator(interface)]

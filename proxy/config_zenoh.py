@@ -1,0 +1,53 @@
+"""Checks `[app.zenoh]` and `[mesh.zenoh]` against what Zenoh knows: mistakes are found before the start."""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import zenoh
+
+from utility_specs.suggestions import hint
+
+ZenohPath = tuple[str, ...]
+
+_WORDS = re.compile(r'(?:msg: |Str\()"(?P<message>(?:[^"\\]|\\.)*)"')
+
+
+def zenoh_problems(table: Mapping[str, Any], path: ZenohPath = ()) -> Iterator[tuple[ZenohPath, str]]:
+    """Yield the place and the message of every mistake in a part of a Zenoh configuration."""
+    for key, value in table.items():
+        here = (*path, key)
+        refusal = _refusal(here, value)
+        if refusal is None:
+            continue
+        within = list(zenoh_problems(value, here)) if isinstance(value, Mapping) and _knows(here) else []
+        yield from within or [(here, refusal)]
+
+
+def _refusal(path: ZenohPath, value: Any) -> str | None:
+    """Say why Zenoh refuses a value; None when it takes it."""
+    try:
+        zenoh.Config().insert_json5("/".join(path), json.dumps(value, default=str))
+    except zenoh.ZError as error:
+        words = _WORDS.search(str(error))
+        # Zenoh ends its errors with places in its own source.
+        message = (words["message"].replace("\\", "") if words else str(error)).split(" at /")[0]
+    else:
+        return None
+    if not _knows(path):
+        return "unknown key of Zenoh" + hint(path[-1], _siblings(path), "known keys")
+    return f"Zenoh refuses it: {message}"
+
+
+def _knows(path: ZenohPath) -> bool:
+    return path[-1] in _siblings(path)
+
+
+def _siblings(path: ZenohPath) -> list[str]:
+    """Return the keys that Zenoh knows where the last key of `path` is."""
+    known = json.loads(zenoh.Config().get_json("/".join(path[:-1]))) if path[1:] else _TOP
+    return list(known) if isinstance(known, Mapping) else []
+
+
+_TOP = json.loads(str(zenoh.Config()))

@@ -1,0 +1,177 @@
+"""The daemon of one robot: the core, the bridge and their threads, started and stopped together."""
+
+import logging
+import threading
+from contextlib import ExitStack
+from typing import Any
+
+import zenoh
+
+from planner import SearchSettings
+from proxy import clock
+from proxy.bridge.bridge import Bridge
+from proxy.bridge.control import Control
+from proxy.bridge.presence import Presence, free_name
+from proxy.bridge.sides import open_sides
+from proxy.config import Config
+from proxy.core.commands import Command, Decide, Drop, Forward, Notice, SendDigest, SendState
+from proxy.core.core import Core
+from proxy.core.events import ModeChanged, SpecsChanged
+from proxy.core.mode import Mode
+from proxy.core.settings import CoreSettings
+from proxy.features import Extractor
+from proxy.loop import Loop
+from proxy.worker import Worker
+from utility_specs import Specs
+
+log = logging.getLogger(__name__)
+
+_PATIENCE = 0.15
+"""How long a stop waits for each thread [s]."""
+
+
+STOP = 0.7
+"""How long a stop may take [s]."""
+
+
+class Daemon:
+    """Start it, stop it. `start` raises `ProxyError` when a session cannot be opened."""
+
+    def __init__(self, config: Config, specs: Specs) -> None:
+        self._config = config
+        self._specs = specs
+        self._stopped = threading.Event()
+        self._closing = ExitStack()
+
+    def start(self) -> None:
+        """Open both sessions and let things cross. After an error nothing is left open."""
+        with ExitStack() as opening:
+            self._open(opening)
+            self._closing = opening.pop_all()
+
+    def stop(self) -> None:
+        """Stop in order: what comes in first, the sessions last. Does nothing the second time.
+
+        Takes no longer than `STOP` even when the mesh stands still: Zenoh would wait 10 s for it.
+        """
+        stopping = threading.Thread(target=self._close, name="stop", daemon=True)
+        stopping.start()
+        stopping.join(STOP)
+        if stopping.is_alive():
+            log.warning("the mesh stands still and takes no farewell; leaving without")
+        self._stopped.set()
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Wait until somebody stops the daemon, at most `timeout` [s]; whether it is stopped."""
+        return self._stopped.wait(timeout)
+
+    def swap_specs(self, specs: Specs) -> None:
+        """Put another generation of specs in force."""
+
+        def swap() -> None:
+            self._specs = specs
+            self._bridge.swap(specs)
+            self._loop.handle(SpecsChanged(clock.monotonic(), specs))
+
+        self._loop.post(swap)
+
+    def _close(self) -> None:
+        closing, self._closing = self._closing, ExitStack()
+        try:
+            closing.close()
+        except zenoh.ZError as error:
+            log.warning("stopping: %s", error)
+
+    def _open(self, opening: ExitStack) -> None:
+        """Build everything between the sessions, and start it from the core outwards."""
+        config = self._config
+        sides = open_sides(config.app, config.mesh, opening)
+        self._zids = {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())}
+        robot = free_name(sides.mesh, config.robot)
+        core = Core(_core_settings(config, robot, self._zids["mesh"]), self._specs, clock.monotonic())
+        loop = self._loop = Loop(core, self._execute)
+        planner = config.planner
+        # The paper's search comes with the paper's reduction; `best` has its own and ignores this.
+        search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
+        self._worker = Worker(search, planner.deadline, loop.post)
+        self._extractor = Extractor(loop.post)
+        self._bridge = Bridge(
+            app=sides.app,
+            mesh=sides.mesh,
+            apps=sides.apps,
+            others=sides.others,
+            wake=sides.wake,
+            specs=self._specs,
+            mode=config.mode,
+            connect=config.mesh.connect,
+            submit=self._extractor.submit,
+            post=loop.post,
+        )
+        self._presence = Presence(sides.mesh, robot, self._bridge.lanes[0], loop.post, self._bridge.demand)
+        for part in (self._worker, self._extractor, loop):
+            part.start()
+            opening.callback(part.close, _PATIENCE)
+        opening.callback(self._bridge.close)
+        self._bridge.open()
+        opening.callback(self._presence.close)
+        self._presence.open()
+        control = Control(
+            app=sides.app,
+            robot=robot,
+            lane=self._bridge.lanes[1],
+            on_loop=loop.post,
+            status=self._status,
+            switch=self._switch,
+        )
+        opening.callback(control.close)
+
+    def _execute(self, command: Command) -> None:
+        match command:
+            case Decide():
+                self._worker.submit(command)
+            case Forward(sample):
+                self._bridge.forward(sample)
+            case Drop(sample):
+                self._bridge.drop(sample)
+            case SendDigest(digest):
+                self._presence.send_digest(digest)
+            case SendState(state):
+                self._presence.send_state(state)
+            case Notice(level, text):
+                log.log(_LEVELS[level], "%s", text)
+
+    def _switch(self, mode: Mode) -> None:
+        self._bridge.switch(mode)
+        self._loop.handle(ModeChanged(clock.monotonic(), mode))
+
+    def _status(self) -> dict[str, Any]:
+        self._bridge.flush()
+        return self._loop.core.status(clock.monotonic()) | {
+            "daemon": {
+                "sessions": self._zids,
+                "app": list(self._config.app.listen),
+                "mesh": list(self._config.mesh.listen),
+                "waiting": self._loop.waiting,
+                "faults": self._loop.faults,
+                "features": {"skipped": self._extractor.skipped},
+                **self._bridge.describe(),
+            }
+        }
+
+
+def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
+    planner = config.planner
+    return CoreSettings(
+        robot=robot,
+        zid=zid,
+        mode=config.mode,
+        horizon=planner.horizon,
+        iterations=planner.iterations,
+        # A unicast mesh, the only one there is yet, overhears nothing.
+        coordination="shares" if planner.coordination == "auto" else planner.coordination,
+        allowance=config.mesh.allowance,
+        wall_offset=clock.wall() - clock.monotonic(),
+    )
+
+
+_LEVELS = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}

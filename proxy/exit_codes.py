@@ -1,0 +1,13 @@
+"""What the command line's exit codes mean."""
+
+OK = 0
+FAILED = 1
+"""A check failed, or nobody answered."""
+USAGE = 2
+"""The command line makes no sense."""
+UNAVAILABLE = 69
+"""The daemon cannot run here now: a port is in use (sysexits' EX_UNAVAILABLE)."""
+CONFIG = 78
+"""The configuration or the utility specs are wrong (sysexits' EX_CONFIG)."""
+INTERRUPTED = 130
+"""Ctrl-C ended a client command."""

@@ -1,0 +1,179 @@
+"""A daemon's status as text for people. Its JSON form is made in `proxy.core.report`."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+Status = Mapping[str, Any]
+Row = Sequence[str]
+
+UNKNOWN = "-"
+
+
+def table(status: Status) -> str:
+    """Describe a daemon: what it is, its counts, budget, streams, peers and warnings."""
+    parts = [
+        _headline(status),
+        _counts(status.get("counts", {}), status.get("decisions", {})),
+        _budget(status.get("budget", ())),
+        _streams(status.get("streams", ())),
+        _peers(status.get("peers", ())),
+        _warnings(status),
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _headline(status: Status) -> str:
+    return "   ".join(
+        (
+            f"robot {status.get('robot', UNKNOWN)}",
+            f"mode {status.get('mode', UNKNOWN)}",
+            f"specs {status.get('specs', UNKNOWN)}",
+            f"coordination {status.get('coordination', UNKNOWN)}",
+            f"up {duration(status.get('uptime'))}",
+        )
+    )
+
+
+def _counts(counts: Status, decisions: Status) -> str:
+    reasons = counts.get("by_reason", {})
+    law = " + ".join(f"{counts.get(name, 0)} {name}" for name in ("forwarded", "dropped", "queued"))
+    made = decisions.get("made", 0)
+    rows = [("", reason, str(n)) for reason, n in sorted(reasons.items(), key=lambda pair: -pair[1])]
+    lines = [f"samples  {counts.get('in', 0)} in = {law}", *_columns(rows, "llr")]
+    if made:
+        mean = decisions.get("iterations", 0) / made
+        lines.append(f"decided  {made} times, {mean:.0f} iterations each, {decisions.get('would_drop', 0)} to drop")
+    return "\n".join(lines)
+
+
+def _budget(budget: Iterable[Status]) -> str:
+    rows = [
+        (
+            str(limit.get("constraint", UNKNOWN)),
+            f"{limit.get('window', 0.0):g} s",
+            amount(limit.get("limit"), limit.get("unit", "B")),
+            amount(limit.get("held"), limit.get("unit", "B")),
+            share(limit.get("held"), limit.get("limit")),
+            amount(limit.get("used"), limit.get("unit", "B")),
+            share(limit.get("used"), limit.get("limit")),
+            str(limit.get("members", 1)),
+        )
+        for limit in budget
+    ]
+    return _section(("BUDGET", "WINDOW", "LIMIT", "OURS", "", "USED", "", "ROBOTS"), "lrrrrrrr", rows)
+
+
+def _streams(streams: Iterable[Status]) -> str:
+    rows = [
+        (
+            str(stream.get("key", UNKNOWN)),
+            str(stream.get("robot", UNKNOWN)),
+            str(stream.get("type", UNKNOWN)),
+            duration(stream.get("period") or None),
+            amount(stream.get("size"), "B"),
+            f"{stream.get('scale', 0.0):.3g}",
+            str(stream.get("generated", 0)),
+            str(stream.get("forwarded", 0)),
+            str(stream.get("generated", 0) - stream.get("forwarded", 0)),
+            rate(stream),
+            str(stream.get("receivers", 0)),
+        )
+        for stream in streams
+    ]
+    head = (
+        "STREAM",
+        "ROBOT",
+        "TYPE",
+        "PERIOD",
+        "SIZE",
+        "SCALE",
+        "MADE",
+        "SENT",
+        "UNSENT",
+        "SENT/S",
+        "WANTED BY",
+    )
+    return _section(head, "lllrrrrrrrr", rows)
+
+
+def _peers(peers: Iterable[Status]) -> str:
+    rows = [
+        (
+            str(peer.get("robot", UNKNOWN)),
+            str(peer.get("mode") or UNKNOWN),
+            duration(peer.get("latency") or None),
+            duration(peer.get("clock_offset")),
+            duration(peer.get("digest_age")),
+            str(peer.get("samples", 0)),
+            str(peer.get("received_of_ours", 0)),
+        )
+        for peer in peers
+    ]
+    return _section(("PEER", "MODE", "LATENCY", "CLOCK", "HEARD", "GOT", "GOT OURS"), "llrrrrr", rows)
+
+
+def _warnings(status: Status) -> str:
+    found = [str(warning) for warning in status.get("warnings", ())]
+    if not status.get("counts", {}).get("conserved", True):
+        found.append("the counts do not add up: please report this")
+    if status.get("malformed"):
+        found.append(f"{status['malformed']} malformed messages on Sendworthy's keys were ignored")
+    if status.get("evicted"):
+        found.append(f"{status['evicted']} streams or robots were forgotten: there are too many")
+    if status.get("daemon", {}).get("faults"):
+        found.append(f"internal errors: {status['daemon']['faults']}, see the log")
+    found += [
+        f"{limit.get('constraint')}: not all robots have agreed on the shares yet"
+        for limit in status.get("budget", ())
+        if not limit.get("confirmed", True)
+    ]
+    return "\n".join(f"warning: {warning}" for warning in found)
+
+
+def _section(head: Row, alignment: str, rows: Sequence[Row]) -> str:
+    return "\n".join(_columns([head, *rows], alignment)) if rows else ""
+
+
+def _columns(rows: Sequence[Row], alignment: str) -> list[str]:
+    """Align columns, "l" left and "r" right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.ljust(width) if side == "l" else cell.rjust(width)
+            for cell, width, side in zip(row, widths, alignment, strict=True)
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def duration(seconds: float | None) -> str:
+    """Write a time [s] with a unit that suits it."""
+    if seconds is None:
+        return UNKNOWN
+    if abs(seconds) < 1.0:
+        return f"{seconds * 1e3:.3g} ms"
+    if abs(seconds) < 60.0:
+        return f"{seconds:.3g} s"
+    minutes, rest = divmod(int(seconds), 60)
+    return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def amount(value: float | None, unit: str) -> str:
+    """Write a quantity with three digits and a decimal prefix."""
+    if value is None:
+        return UNKNOWN
+    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+        if abs(value) >= factor:
+            return f"{value / factor:.3g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"
+
+
+def share(part: float | None, whole: float | None) -> str:
+    """Write a part of a whole in percent."""
+    return f"{part / whole:.0%}" if part is not None and whole else UNKNOWN
+
+
+def rate(stream: Status) -> str:
+    """Write how many samples of a stream were sent per second, as far as its period is known."""
+    period, generated = stream.get("period"), stream.get("generated", 0)
+    return f"{stream.get('forwarded', 0) / generated / period:.2g}" if period and generated else UNKNOWN

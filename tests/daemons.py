@@ -1,0 +1,61 @@
+"""Daemons as processes of their own, as an operator starts them."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+from tests.ports import free_port
+
+ROOT = Path(__file__).parent.parent
+
+
+class Running:
+    """A daemon process. `endpoint` is its application side, `lines` what it has logged so far."""
+
+    def __init__(self, *arguments, endpoint=None, **environ):
+        self.endpoint = endpoint or f"tcp/127.0.0.1:{free_port()}"
+        command = [
+            *(sys.executable, "-m", "proxy.cli", "run"),
+            *("--app.listen", f'["{self.endpoint}"]'),
+            *("--mesh.listen", "[]", "--mesh.scouting", "false"),
+            *arguments,
+        ]
+        self.process = subprocess.Popen(command, cwd=ROOT, env=os.environ | environ, stderr=subprocess.PIPE, text=True)
+        self.lines = []
+
+    def wait_for(self, text):
+        """Read the log up to a line that holds `text`; return the line. A daemon that never says it is killed."""
+        patience = threading.Timer(20.0, self.process.kill)
+        patience.start()
+        try:
+            for line in self.process.stderr:
+                self.lines.append(line)
+                if text in line:
+                    return line
+        finally:
+            patience.cancel()
+        raise AssertionError(f'no "{text}" in the log:\n{"".join(self.lines)}')
+
+    def end(self, number=signal.SIGTERM):
+        """Ask the daemon to stop; return its exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        try:
+            self.lines += self.process.communicate(timeout=10)[1].splitlines(keepends=True)
+        finally:
+            self.process.kill()
+        return self.process.returncode
+
+
+def specs_file(folder):
+    """Write a small set of specs."""
+    file = folder / "camera.toml"
+    file.write_text(
+        '[[constraint]]\nkind = "throughput"\nlimit = "2 Mbit/s"\nwindow = 0.5\n'
+        '[[information_type]]\nname = "camera"\nkeys = ["robot/*/camera"]\naggregation = "most_recent"\n'
+        'weight = 1.0\nutility = { kind = "video" }\n'
+    )
+    return file

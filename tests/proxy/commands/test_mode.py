@@ -1,0 +1,39 @@
+"""`sendworthy mode` against a running daemon."""
+
+import json
+
+import pytest
+
+from proxy import exit_codes
+from proxy.cli import main
+
+
+@pytest.mark.parametrize("mode", ["pass", "shadow", "enforce"])
+def test_the_mode_is_switched(daemon, capsys, mode):
+    """The daemon is in the new mode when the command returns."""
+    assert main(["mode", mode, "--connect", daemon.endpoint]) == exit_codes.OK
+    assert capsys.readouterr().out == f"r1: {mode}\n"
+    main(["status", "--json", "--connect", daemon.endpoint])
+    assert json.loads(capsys.readouterr().out)["mode"] == mode
+
+
+def test_a_robot_may_be_named(daemon, capsys):
+    """Only that robot's daemon is asked."""
+    assert main(["mode", "pass", "--robot", "r1", "--connect", daemon.endpoint]) == exit_codes.OK
+    assert main(["mode", "pass", "--robot", "r2", "--connect", daemon.endpoint]) == exit_codes.FAILED
+    assert 'no daemon of robot "r2" answers' in capsys.readouterr().err
+
+
+def test_of_several_daemons_one_must_be_chosen(stand_in, capsys):
+    """Nothing is switched by accident."""
+
+    def answer(query):
+        for robot in ("r1", "r2"):
+            query.reply(f"@sendworthy/{robot}/status", json.dumps({"robot": robot}))
+        query.drop()
+
+    where = stand_in({"@sendworthy/*/status": answer})
+    assert main(["mode", "pass", "--connect", where]) == exit_codes.FAILED
+    assert capsys.readouterr().err == (
+        f"sendworthy mode: several daemons answer at {where}: choose with --robot r1|r2\n"
+    )

@@ -1,0 +1,89 @@
+"""`sendworthy run`: start, stop and refuse."""
+
+import json
+import signal
+import time
+
+import pytest
+
+from proxy import exit_codes
+from proxy.cli import main
+from proxy.commands.run import started
+from proxy.config import Config
+from tests.daemons import specs_file
+from utility_specs import Specs
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_stops_the_daemon_cleanly_in_under_a_second(start, number):
+    """The exit code is 0 and the log says why it stopped."""
+    daemon = start("--robot", "r1")
+    daemon.wait_for("sendworthy ")
+    asked = time.monotonic()
+    assert daemon.end(number) == exit_codes.OK
+    assert time.monotonic() - asked < 1.0
+    assert any(f"stopping on {number.name}" in line for line in daemon.lines)
+
+
+def test_the_start_is_one_line_with_everything(start, tmp_path):
+    """The log says who runs where, in which mode, with which specs."""
+    specs = specs_file(tmp_path)
+    daemon = start("--robot", "r7", "--mode", "shadow", "--specs.path", str(specs))
+    line = daemon.wait_for("sendworthy ")
+    assert f"robot r7, mode shadow, apps on {daemon.endpoint}, mesh on nothing, specs " in line
+    assert line.endswith(f" (1 information type from {specs})\n")
+
+
+def test_without_specs_everything_passes():
+    """The line at the start says that nothing is filtered, and how others are found."""
+    line = started(Config(robot="r1"), Specs.empty())
+    assert line.endswith(
+        "robot r1, mode enforce, apps on tcp/127.0.0.1:7447, mesh on tcp/0.0.0.0:7500 with scouting, "
+        "no specs: everything passes"
+    )
+
+
+def test_the_environment_configures_the_daemon(start, capsys):
+    """A variable does what a key of the file does."""
+    daemon = start(SENDWORTHY_ROBOT="r9", SENDWORTHY_MODE="pass", JOURNAL_STREAM="8:1")
+    assert daemon.wait_for("sendworthy ").startswith("INFO sendworthy: sendworthy ")
+    assert main(["status", "--json", "--connect", daemon.endpoint]) == exit_codes.OK
+    status = json.loads(capsys.readouterr().out)
+    assert (status["robot"], status["mode"]) == ("r9", "pass")
+
+
+def test_bad_specs_keep_the_daemon_from_starting(start, tmp_path):
+    """The exit code is 78, and each mistake has its file, line and key."""
+    specs = specs_file(tmp_path)
+    specs.write_text(specs.read_text().replace('"video"', '"vidoe"').replace("2 Mbit/s", "2 Mbot/s"))
+    daemon = start("--robot", "r1", "--specs.path", str(specs))
+    assert daemon.process.wait(20) == exit_codes.CONFIG
+    daemon.end()
+    assert [line.split(": ")[0] for line in daemon.lines] == [f"{specs}:3", f"{specs}:10"]
+
+
+def test_a_missing_configuration_is_a_bad_one(start, tmp_path):
+    """Who asks for a file means it."""
+    daemon = start("--config", str(tmp_path / "gone.toml"))
+    assert daemon.process.wait(20) == exit_codes.CONFIG
+    daemon.end()
+    assert daemon.lines == [f"{tmp_path}/gone.toml: does not exist\n"]
+
+
+def test_a_port_in_use_is_one_clear_line(start):
+    """The second daemon on a robot gives up and says which port is taken."""
+    first = start("--robot", "r1")
+    first.wait_for("sendworthy ")
+    second = start("--robot", "r2", endpoint=first.endpoint)
+    assert second.process.wait(20) == exit_codes.UNAVAILABLE
+    second.end()
+    (line,) = second.lines
+    assert first.endpoint in line
+    assert "port in use" in line
+
+
+def test_an_unreachable_peer_does_not_hinder_the_start(start):
+    """Robots come and go; the daemon serves its own applications meanwhile."""
+    daemon = start("--robot", "r1", "--mesh.connect", '["tcp/127.0.0.1:1"]')
+    daemon.wait_for("sendworthy ")
+    assert main(["mode", "pass", "--connect", daemon.endpoint]) == exit_codes.OK

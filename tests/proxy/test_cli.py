@@ -1,0 +1,182 @@
+"""The command line: what it knows, how it refuses, what it suggests."""
+
+import os
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+from proxy import cli, exit_codes
+from proxy.cli import main
+
+ROOT = Path(__file__).parent.parent.parent
+
+
+def sendworthy(*arguments, **environ):
+    """Run the command line as a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "proxy.cli", *arguments],
+        cwd=ROOT,
+        env=os.environ | environ,
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+
+
+class EntryPoint:
+    """A command that another package brings along."""
+
+    def __init__(self, name, load):
+        self.name = name
+        self.load = load
+
+
+@pytest.fixture
+def add_on(monkeypatch):
+    """Let the command line find a command from elsewhere."""
+
+    def add(name, load):
+        monkeypatch.setattr(cli.metadata, "entry_points", lambda group: [EntryPoint(name, load)] if group else [])
+
+    return add
+
+
+def test_version():
+    """The version is that of the package."""
+    shown = sendworthy("--version")
+    assert (shown.returncode, shown.stdout) == (0, f"sendworthy {metadata.version('sendworthy')}\n")
+
+
+def test_help_lists_every_command(capsys):
+    """The first page names all commands and shows examples."""
+    with pytest.raises(SystemExit) as left:
+        main(["--help"])
+    assert left.value.code == 0
+    out = capsys.readouterr().out
+    for command in cli.BUILT_IN:
+        assert f"\n    {command} " in out
+    assert "sendworthy run --config sendworthy.toml" in out
+
+
+@pytest.mark.parametrize("command", cli.BUILT_IN)
+def test_every_command_has_help_with_examples(capsys, command):
+    """Nobody has to guess how a command is used."""
+    with pytest.raises(SystemExit) as left:
+        main([command, "--help"])
+    assert left.value.code == 0
+    assert f"examples:\n  sendworthy {command}" in capsys.readouterr().out
+
+
+def test_run_has_a_flag_for_every_key(capsys):
+    """The help of `run` is complete."""
+    with pytest.raises(SystemExit):
+        main(["run", "--help"])
+    out = capsys.readouterr().out
+    assert "--planner.iterations VALUE" in out
+    assert "--mesh.zenoh VALUE" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "the following arguments are required: COMMAND"),
+        (["fly"], "invalid choice: 'fly'"),
+        (
+            ["run", "--planner.iteration", "5"],
+            "unknown argument --planner.iteration (did you mean --planner.iterations?)",
+        ),
+        (["run", "--mesh.conect=[]"], "unknown argument --mesh.conect=[] (did you mean --mesh.connect?)"),
+        (["run", "sendworthy.toml"], "unknown argument sendworthy.toml"),
+        (["check"], "the following arguments are required: FILE"),
+        (["mode", "fast"], "invalid choice: 'fast'"),
+        (
+            ["status", "--connect", "localhost"],
+            'must be an endpoint like "tcp/192.168.1.2:7500", not "localhost"',
+        ),
+        (["status", "--robot", "a/b"], 'must be one chunk of a key, without /: "a/b"'),
+        (["--verbose"], "required: COMMAND"),
+    ],
+)
+def test_a_wrong_command_line_is_refused(capsys, arguments, message):
+    """Exit code 2, what is wrong, and what was probably meant."""
+    with pytest.raises(SystemExit) as left:
+        main(arguments)
+    assert left.value.code == exit_codes.USAGE
+    assert message in capsys.readouterr().err
+
+
+def test_commands_from_elsewhere_are_found(add_on, capsys):
+    """A command of another package works like ours."""
+
+    def command(subparsers):
+        parser = subparsers.add_parser("dance", help="dance")
+        parser.add_argument("--turns", type=int, default=1)
+        parser.set_defaults(run=lambda arguments: print("dancing" * arguments.turns) or 7)
+
+    add_on("dance", lambda: command)
+    assert main(["dance", "--turns", "2"]) == 7
+    assert capsys.readouterr().out == "dancingdancing\n"
+
+
+def test_a_broken_command_from_elsewhere_fails_alone(add_on, capsys):
+    """It is named when it is asked for, and in nobody's way otherwise."""
+
+    def load():
+        raise ImportError("No module named 'scipy'")
+
+    add_on("dance", load)
+    assert main(["dance"]) == exit_codes.FAILED
+    assert capsys.readouterr().err == ("sendworthy: the command \"dance\" cannot be loaded: No module named 'scipy'\n")
+    with pytest.raises(SystemExit) as left:
+        main(["--help"])
+    assert left.value.code == 0
+    assert "dance" not in capsys.readouterr().out
+
+
+def test_ctrl_c_is_no_traceback(add_on):
+    """Who interrupts a command knows that it was interrupted."""
+
+    def command(subparsers):
+        def interrupted(_arguments):
+            raise KeyboardInterrupt
+
+        subparsers.add_parser("wait").set_defaults(run=interrupted)
+
+    add_on("wait", lambda: command)
+    assert main(["wait"]) == exit_codes.INTERRUPTED
+
+
+def test_a_reader_that_leaves_is_no_error(tmp_path):
+    """`sendworthy … | head -1` ends quietly."""
+    program = (
+        "import sys, argparse; from proxy import cli\n"
+        "def run(_):\n"
+        "    for _ in range(100000): print('x' * 100)\n"
+        "sys.exit(cli.run(argparse.Namespace(run=run)))"
+    )
+    errors = tmp_path / "errors"
+    with errors.open("w") as stderr:
+        writer = subprocess.Popen(
+            [sys.executable, "-c", program], cwd=ROOT, stdout=subprocess.PIPE, stderr=stderr, text=True
+        )
+        assert writer.stdout.readline() == "x" * 100 + "\n"
+        writer.stdout.close()
+        assert writer.wait(30) == exit_codes.OK
+    assert errors.read_text() == ""
+
+
+def test_a_bad_configuration_is_named_with_file_line_and_key(tmp_path):
+    """The process exits 78 and says where to look."""
+    file = tmp_path / "sendworthy.toml"
+    file.write_text('robot = "r1"\n[mesh]\nscouting = "maybe"\n')
+    ended = sendworthy("run", "--config", str(file), "--planner.horizon", "0", SENDWORTHY_MODE="on")
+    assert (ended.returncode, ended.stdout) == (exit_codes.CONFIG, "")
+    assert ended.stderr.splitlines() == [
+        f'{file}:3: mesh.scouting: must be true or false, not "maybe"',
+        'SENDWORTHY_MODE: mode: unknown "on" (known: "pass", "shadow", "enforce")',
+        "--planner.horizon: must be at least 1, not 0",
+    ]

@@ -1,0 +1,71 @@
+"""The model of the configuration: its defaults and its list of settings."""
+
+import pytest
+from pydantic import ValidationError
+
+from proxy.config import Config, settings
+from proxy.core.mode import Mode
+
+
+def test_defaults_are_those_of_the_manual():
+    """A robot without any configuration filters between localhost and a scouted mesh."""
+    config = Config(robot="r1")
+    assert config.model_dump(mode="json") == {
+        "robot": "r1",
+        "mode": "enforce",
+        "app": {"listen": ["tcp/127.0.0.1:7447"], "zenoh": {}},
+        "mesh": {
+            "listen": ["tcp/0.0.0.0:7500"],
+            "connect": [],
+            "scouting": True,
+            "interface": "auto",
+            "allowance": 0.02,
+            "zenoh": {},
+        },
+        "specs": {"path": "specs.d"},
+        "planner": {
+            "iterations": 300,
+            "deadline": 0.02,
+            "horizon": 60,
+            "search": "best",
+            "engine": "native",
+            "coordination": "auto",
+        },
+        "log": {"level": "info"},
+    }
+
+
+def test_config_is_frozen():
+    """Nobody changes the configuration of a running daemon behind its back."""
+    with pytest.raises(ValidationError):
+        Config().mode = Mode.PASS
+
+
+def test_settings_name_every_key_with_a_description():
+    """Every key of the model is a setting, so it has a flag, a variable and a help text."""
+    found = {setting.key: setting for setting in settings()}
+    dumped = Config().model_dump(mode="json")
+    keys = {
+        f"{name}.{inner}" if isinstance(value, dict) else name
+        for name, value in dumped.items()
+        for inner in (value if isinstance(value, dict) else [""])
+    }
+    assert set(found) == keys
+    assert all(setting.description for setting in found.values())
+
+
+def test_settings_tell_what_a_flag_may_hold():
+    """Text needs no quotes, tables may be gone into, everything else is TOML."""
+    found = {setting.key: setting for setting in settings()}
+    text = {key for key, setting in found.items() if setting.takes_text}
+    assert text == {
+        "robot",
+        "mode",
+        "mesh.interface",
+        "specs.path",
+        "planner.search",
+        "planner.engine",
+        "planner.coordination",
+        "log.level",
+    }
+    assert {key for key, setting in found.items() if setting.takes_table} == {"app.zenoh", "mesh.zenoh"}

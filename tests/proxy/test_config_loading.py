@@ -1,0 +1,301 @@
+"""Reading the configuration: layers and every mistake at its place."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from proxy.config import Config
+from proxy.config_loading import load_config
+from proxy.core.mode import Mode
+from proxy.errors import ConfigError
+
+ENDPOINT = 'must be an endpoint like "tcp/192.168.1.2:7500", not'
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Load a configuration from its text."""
+
+    def load_text(text, environ=None, overrides=None):
+        file = tmp_path / "sendworthy.toml"
+        file.write_text(text)
+        return load_config(file, environ or {}, overrides or {})
+
+    return load_text
+
+
+@pytest.fixture
+def problems(load, tmp_path):
+    """Load a broken configuration; return its problems without the folder of the file."""
+
+    def load_broken(text, environ=None, overrides=None):
+        with pytest.raises(ConfigError) as refused:
+            load(text, environ, overrides)
+        assert str(refused.value) == "\n".join(refused.value.problems)
+        return [problem.replace(f"{tmp_path}/", "") for problem in refused.value.problems]
+
+    return load_broken
+
+
+def test_nothing_set_means_defaults():
+    """Without file, variables and flags everything has its default."""
+    assert load_config(None, {}, {}) == Config()
+
+
+def test_flags_win_over_variables_over_the_file(load):
+    """Each layer hides the one below, key by key."""
+    text = "[planner]\niterations = 1\nhorizon = 1\ndeadline = 1"
+    environ = {"SENDWORTHY_PLANNER__ITERATIONS": "2", "SENDWORTHY_PLANNER__HORIZON": "2"}
+    planner = load(text, environ, {"planner.iterations": "3"}).planner
+    assert (planner.iterations, planner.horizon, planner.deadline) == (3, 2, 1.0)
+
+
+@settings(max_examples=40)
+@given(
+    file=st.none() | st.integers(1, 9999),
+    variable=st.none() | st.integers(1, 9999),
+    flag=st.none() | st.integers(1, 9999),
+)
+def test_the_highest_layer_that_speaks_decides(tmp_path_factory, file, variable, flag):
+    """Whatever subset of the layers sets a key, the highest of them has its way."""
+    path = tmp_path_factory.mktemp("config") / "sendworthy.toml"
+    path.write_text("" if file is None else f"planner.iterations = {file}")
+    environ = {} if variable is None else {"SENDWORTHY_PLANNER__ITERATIONS": str(variable)}
+    flags = {} if flag is None else {"planner.iterations": str(flag)}
+    expected = next((n for n in (flag, variable, file) if n is not None), 300)
+    assert load_config(path, environ, flags).planner.iterations == expected
+
+
+def test_text_needs_no_quotes(load):
+    """A name that looks like a number is a name; a list is written as in TOML."""
+    config = load("", {"SENDWORTHY_ROBOT": "7", "SENDWORTHY_MODE": "shadow"}, {"mesh.connect": '["tcp/10.0.0.2:7500"]'})
+    assert config.robot == "7"
+    assert config.mode is Mode.SHADOW
+    assert config.mesh.connect == ("tcp/10.0.0.2:7500",)
+
+
+def test_zenoh_tables_are_merged_through_the_layers(load):
+    """A flag adds to the table of the file instead of replacing it."""
+    zenoh = load(
+        "[mesh.zenoh.transport.link.tx]\nlease = 5000",
+        {"SENDWORTHY_MESH__ZENOH__TRANSPORT__LINK__TX__BATCH_SIZE": "9000"},
+        {"mesh.zenoh": "{ transport.unicast.max_links = 2 }"},
+    ).mesh.zenoh
+    tx = {"lease": 5000, "batch_size": 9000}
+    assert zenoh == {"transport": {"link": {"tx": tx}, "unicast": {"max_links": 2}}}
+
+
+def test_specs_are_beside_the_file(load, tmp_path):
+    """A relative path is relative to the file that says it."""
+    (tmp_path / "mine").mkdir()
+    assert load('[specs]\npath = "mine"').specs.path == tmp_path / "mine"
+
+
+def test_default_specs_may_be_missing(load, tmp_path):
+    """The default folder is beside the file, and need not exist."""
+    assert load("").specs.path == tmp_path / "specs.d"
+
+
+def test_specs_of_a_flag_are_relative_to_the_working_directory(load, tmp_path, monkeypatch):
+    """Who types a path means it from where they are."""
+    (tmp_path / "work" / "here").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "work")
+    assert load('[specs]\npath = "gone"', {}, {"specs.path": "here"}).specs.path == Path("here")
+
+
+BROKEN = {
+    "robot empty": ('robot = ""', "1: robot: must not be empty"),
+    "robot with slash": ('robot = "a/b"', '1: robot: must be one chunk of a key, without /: "a/b"'),
+    "robot verbatim": ('robot = "@a"', '1: robot: must not start with "@": "@a"'),
+    "robot no text": ("robot = true", "1: robot: must be a string, not true"),
+    "mode misspelt": ('\nmode = "enforced"', '2: mode: unknown "enforced" (did you mean "enforce"?)'),
+    "mode no text": ("mode = false", '1: mode: must be "pass", "shadow", "enforce", not false'),
+    "unknown key": ('robto = "r1"', '1: robto: unknown key (did you mean "robot"?)'),
+    "unknown table": ("\n\n[planer]", '3: planer: unknown key (did you mean "planner"?)'),
+    "unknown inner key": (
+        "[mesh]\nscoutin = true",
+        '2: mesh.scoutin: unknown key (did you mean "scouting"?)',
+    ),
+    "table is a value": ("app = true", "1: app: must be a table, not true"),
+    "listen no list": ('[app]\nlisten = "tcp/a:1"', '2: app.listen: must be an array, not "tcp/a:1"'),
+    "listen empty": ("[app]\nlisten = []", "2: app.listen: must not be empty"),
+    "listen item no text": ("[app]\nlisten = [\n\nfalse]", "4: app.listen[0]: must be a string, not false"),
+    "endpoint without protocol": ('[mesh]\nlisten = ["a:1"]', f'2: mesh.listen[0]: {ENDPOINT} "a:1"'),
+    "endpoint of unknown protocol": (
+        '[mesh]\nlisten = ["tcp/a:1", "tpc/a:1"]',
+        f'2: mesh.listen[1]: {ENDPOINT} "tpc/a:1": unknown protocol "tpc" (did you mean "tcp"?)',
+    ),
+    "endpoint without port": (
+        '[mesh]\nconnect = ["tcp/a"]',
+        f'2: mesh.connect[0]: {ENDPOINT} "tcp/a": the address must be HOST:PORT or [IPv6]:PORT',
+    ),
+    "port too large": (
+        '[mesh]\nconnect = ["tcp/a:99999"]',
+        f'2: mesh.connect[0]: {ENDPOINT} "tcp/a:99999": a port is at most 65535',
+    ),
+    "port 0 dialled": (
+        '[mesh]\nconnect = ["tcp/a:0"]',
+        '2: mesh.connect[0]: port 0 cannot be dialled: "tcp/a:0"',
+    ),
+    "scouting maybe": ('[mesh]\nscouting = "maybe"', '2: mesh.scouting: must be true or false, not "maybe"'),
+    "interface empty": (
+        '[mesh]\ninterface = ""',
+        '2: mesh.interface: must be "auto" or an interface like "wlan0", not ""',
+    ),
+    "allowance too large": ("[mesh]\nallowance = 0.75", "2: mesh.allowance: must be at most 0.5, not 0.75"),
+    "allowance negative": ("[mesh]\nallowance = -0.1", "2: mesh.allowance: must be at least 0, not -0.1"),
+    "iterations no number": (
+        '[planner]\niterations = "many"',
+        '2: planner.iterations: must be a whole number, not "many"',
+    ),
+    "iterations broken": (
+        "[planner]\niterations = 1.5",
+        "2: planner.iterations: must be a whole number, not 1.5",
+    ),
+    "iterations none": ("[planner]\niterations = 0", "2: planner.iterations: must be at least 1, not 0"),
+    "iterations too many": (
+        "[planner]\niterations = 1000001",
+        "2: planner.iterations: must be at most 1000000, not 1000001",
+    ),
+    "deadline none": ("[planner]\ndeadline = 0.0", "2: planner.deadline: must be more than 0, not 0"),
+    "deadline infinite": (
+        "[planner]\ndeadline = inf",
+        "2: planner.deadline: must be a finite number, not inf",
+    ),
+    "horizon true": ("[planner]\nhorizon = true", "2: planner.horizon: must be a whole number, not true"),
+    "search unknown": (
+        '[planner]\nsearch = "bets"',
+        '2: planner.search: unknown "bets" (did you mean "best"?)',
+    ),
+    "engine unknown": (
+        '[planner]\nengine = "c"',
+        '2: planner.engine: unknown "c" (known: "native", "python")',
+    ),
+    "coordination unknown": (
+        '[planner]\ncoordination = "share"',
+        '2: planner.coordination: unknown "share" (did you mean "shares"?)',
+    ),
+    "level unknown": ('[log]\nlevel = "warn"', '2: log.level: unknown "warn" (did you mean "warning"?)'),
+    "specs missing": ('[specs]\npath = "none.d"', "2: specs.path: none.d does not exist"),
+    "specs no text": ("[specs]\npath = false", "2: specs.path: must be a string, not false"),
+    "specs no table": ("specs = false", "1: specs: must be a table, not false"),
+    "zenoh no table": ("[mesh]\nzenoh = false", "2: mesh.zenoh: must be a table, not false"),
+    "zenoh unknown key": (
+        "[mesh.zenoh.transport.link.tx]\nlese = 5",
+        '2: mesh.zenoh.transport.link.tx.lese: unknown key of Zenoh (did you mean "lease"?)',
+    ),
+    "zenoh wrong value": (
+        '[app.zenoh]\nmode = "boss"',
+        ("2: app.zenoh.mode: Zenoh refuses it: unknown variant `boss`, expected one of `router`, `peer`, `client`"),
+    ),
+    "no TOML": ("robot = r1", "1: not valid TOML: Invalid value (column 9)"),
+    "key twice": (
+        'robot = "a"\nrobot = "b"\n[log]',
+        "2: not valid TOML: Cannot overwrite a value (column 12)",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_mistake_in_the_file_is_named_with_its_line_and_key(problems, name):
+    """The message says where the mistake is, what is wrong and what would be right."""
+    text, message = BROKEN[name]
+    assert problems(text) == [f"sendworthy.toml:{message}"]
+
+
+def test_a_missing_file_is_a_mistake(tmp_path):
+    """A configuration that was asked for must be there."""
+    with pytest.raises(ConfigError) as refused:
+        load_config(tmp_path / "gone.toml", {}, {})
+    assert refused.value.problems == (f"{tmp_path}/gone.toml: does not exist",)
+
+
+@pytest.mark.parametrize(
+    ("environ", "message"),
+    [
+        (
+            {"SENDWORTHY_MESH__SCOUTING": "maybe"},
+            'SENDWORTHY_MESH__SCOUTING: mesh.scouting: must be true or false, not "maybe"',
+        ),
+        (
+            {"SENDWORTHY_MESH__CONNECT": "tcp/a:1"},
+            'SENDWORTHY_MESH__CONNECT: mesh.connect: must be an array, not "tcp/a:1"',
+        ),
+        (
+            {"SENDWORTHY_MESH__CONNECT": '["tcp/a:1", "b"]'},
+            f'SENDWORTHY_MESH__CONNECT: mesh.connect[1]: {ENDPOINT} "b"',
+        ),
+        (
+            {"SENDWORTHY_PLANNER__ITERATION": "5"},
+            ('SENDWORTHY_PLANNER__ITERATION: unknown key planner.iteration (did you mean "planner.iterations"?)'),
+        ),
+        (
+            {"SENDWORTHY_ROBOT__NAME": "r1"},
+            'SENDWORTHY_ROBOT__NAME: unknown key robot.name (did you mean "robot"?)',
+        ),
+        (
+            {"SENDWORTHY_APP__ZENOH__MODE": "boss"},
+            (
+                "SENDWORTHY_APP__ZENOH__MODE: app.zenoh.mode: Zenoh refuses it: unknown variant `boss`, "
+                "expected one of `router`, `peer`, `client`"
+            ),
+        ),
+        ({"SENDWORTHY_SPECS__PATH": "/gone"}, "SENDWORTHY_SPECS__PATH: specs.path: /gone does not exist"),
+    ],
+)
+def test_a_mistake_in_a_variable_names_the_variable(problems, environ, message):
+    """The file is not to blame for what the environment says."""
+    assert problems('robot = "r1"', environ) == [message]
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ({"mesh.scouting": "maybe"}, '--mesh.scouting: must be true or false, not "maybe"'),
+        ({"mesh.connect": '["b"]'}, f'--mesh.connect: mesh.connect[0]: {ENDPOINT} "b"'),
+        ({"planner.iteration": "5"}, "--planner.iteration: unknown key planner.iteration (did you mean"),
+        ({"robot": ""}, "--robot: must not be empty"),
+    ],
+)
+def test_a_mistake_in_a_flag_names_the_flag(problems, overrides, message):
+    """A flag is called by its name, without repeating its key."""
+    (problem,) = problems("", {}, overrides)
+    assert problem.startswith(message)
+
+
+def test_all_mistakes_are_reported_at_once_in_the_order_of_the_file(problems):
+    """One run shows everything that is to be mended: the file by lines, then variables and flags."""
+    found = problems(
+        '[planner]\nsearch = "bad"\n[mesh]\nscouting = 1.5\n[mesh.zenoh]\nmod = "peer"\n[specs]\npath = "gone"',
+        {"SENDWORTHY_LOG__LEVEL": "loud"},
+        {"mode": "on"},
+    )
+    assert [problem.split(": ")[0] for problem in found] == [
+        "sendworthy.toml:2",
+        "sendworthy.toml:4",
+        "sendworthy.toml:6",
+        "sendworthy.toml:8",
+        "--mode",
+        "SENDWORTHY_LOG__LEVEL",
+    ]
+
+
+def test_a_flag_mends_a_mistake_of_the_file(load):
+    """What a higher layer replaces is not looked at."""
+    assert load('mode = "bad"', {}, {"mode": "pass"}).mode is Mode.PASS
+
+
+@settings(max_examples=40)
+@given(st.text(max_size=60))
+def test_any_text_is_a_configuration_or_a_clear_error(tmp_path_factory, text):
+    """No file makes the reader fail in any other way."""
+    path = tmp_path_factory.mktemp("config") / "sendworthy.toml"
+    path.write_bytes(text.encode("utf-8", "surrogatepass"))
+    problems = ()
+    try:
+        load_config(path, {}, {})
+    except ConfigError as error:
+        problems = error.problems
+    assert all(problem.startswith(str(path)) for problem in problems)

@@ -1,0 +1,286 @@
+"""Whole daemons with their cores, on real sessions over loopback."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import ExitStack
+
+import pytest
+import zenoh
+
+from proxy import clock
+from proxy.bridge import keys
+from proxy.config import AppConfig, Config, MeshConfig, PlannerConfig
+from proxy.core.mode import Mode
+from proxy.daemon import Daemon
+from proxy.errors import PortInUseError
+from tests.daemons import Running
+from tests.proxy.nodes import Heard, answers, closing, free_endpoint, plain_session
+from tests.waiting import wait_until
+from utility_specs import Specs, load_specs
+
+SPECS = """
+[[constraint]]
+kind = "throughput"
+limit = "80 kbit/s"
+window = 0.5
+[[information_type]]
+name = "covered"
+keys = ["covered/**"]
+utility = { kind = "video" }
+"""
+
+
+class Robot:
+    """A running daemon and its applications."""
+
+    def __init__(self, stack, name, specs, connect=(), mode=Mode.ENFORCE):
+        self._stack = stack
+        self.name = name
+        self.app, self.mesh = free_endpoint(), free_endpoint()
+        self.daemon = Daemon(
+            Config(
+                robot=name,
+                mode=mode,
+                app=AppConfig(listen=(self.app,)),
+                mesh=MeshConfig(listen=(self.mesh,), connect=connect, scouting=False),
+                planner=PlannerConfig(iterations=50),
+            ),
+            specs,
+        )
+        self.daemon.start()
+        stack.callback(self.daemon.stop)
+        self.operator = self.node()
+
+    def node(self):
+        return closing(self._stack, plain_session("client", connect=(self.app,)))
+
+    def status(self):
+        (answer,) = answers(self.operator, keys.status(self.name))
+        return json.loads(answer)
+
+
+@pytest.fixture
+def stack():
+    with ExitStack() as opened:
+        yield opened
+
+
+@pytest.fixture
+def specs(tmp_path):
+    path = tmp_path / "specs.toml"
+    path.write_text(SPECS)
+    return load_specs(path)
+
+
+@pytest.fixture
+def pair(stack, specs):
+    first = Robot(stack, "r1", specs)
+    second = Robot(stack, "r2", specs, (first.mesh,))
+    for robot in (first, second):
+        wait_until(lambda robot=robot: robot.status()["peers"], what=f"{robot.name} to see the other")
+    return first, second
+
+
+def known(robot, key):
+    """Whether another robot is known to want `key`."""
+    streams = [s for s in robot.status()["streams"] if s["key"] == key and s["robot"] == robot.name]
+    return streams and streams[0]["receivers"]
+
+
+def test_too_much_is_dropped_and_local_apps_hear_everything(pair):
+    """Ten times the limit: all of it is heard locally, part of it remotely, and every sample is accounted for."""
+    publisher, local = pair[0].node(), Heard(pair[0].node(), "covered/**")
+    remote = Heard(pair[1].node(), "covered/**")
+    wait_until(lambda: publisher.put("covered/a", "first") or known(pair[0], "covered/a"), what="the receiver")
+    wait_until(lambda: not pair[0].status()["counts"]["queued"], what="the first ones to be decided")
+    before = pair[0].status()["counts"]["forwarded"]
+    for i in range(100):
+        publisher.put("covered/a", bytes([i]) * 1000, congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: bytes(local.samples[-1].payload)[:1] == b"\x63", what="local delivery")
+    assert sum(len(sample.payload) == 1000 for sample in local.samples) == 100
+
+    def settled():
+        counts = pair[0].status()["counts"]
+        return counts["in"] == len(local.samples) and not counts["queued"]
+
+    wait_until(settled, what="every sample to be decided")
+    counts = pair[0].status()["counts"]
+    assert counts["conserved"]
+    assert counts["in"] == counts["forwarded"] + counts["dropped"]
+    assert counts["dropped"] > 50
+
+    def arrived():
+        return [bytes(sample.payload) for sample in remote.samples if len(sample.payload) == 1000]
+
+    wait_until(lambda: len(arrived()) == counts["forwarded"] - before, what="what was forwarded")
+    assert len(set(arrived())) == len(arrived()) < 50
+
+
+def test_a_mode_switch_works_within_100_ms_and_keeps_the_counts(pair):
+    """In `pass` everything crosses; the switch is confirmed, shown in the status, and nothing is lost by it."""
+    publisher, remote = pair[0].node(), Heard(pair[1].node(), "covered/**")
+    wait_until(lambda: publisher.put("covered/a", "first") or known(pair[0], "covered/a"), what="the receiver")
+    started = clock.monotonic()
+    assert list(answers(pair[0].operator, keys.mode("r1"), payload="pass")) == ["pass"]
+    assert clock.monotonic() - started < 0.1
+    for i in range(50):
+        publisher.put("covered/a", f"{i:03}" * 400, congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: sum(len(p) == 1200 for p in remote.payloads) == 50, what="all of them")
+    wait_until(lambda: pair[0].status()["counts"]["by_reason"].get("passed:mode") == 50, what="the count")
+    status = pair[0].status()
+    assert (status["mode"], status["counts"]["conserved"]) == ("pass", True)
+    assert list(answers(pair[0].operator, keys.mode("r1"), payload="enforce")) == ["enforce"]
+    assert pair[0].status()["mode"] == "enforce"
+
+
+def test_the_status_tells_of_the_daemon(pair):
+    """Beside what the core knows it shows sessions, endpoints, links and what waits."""
+    daemon = pair[0].status()["daemon"]
+    assert daemon["app"] == [pair[0].app]
+    assert daemon["mesh"] == [pair[0].mesh]
+    assert set(daemon["sessions"]) == {"app", "mesh"}
+    assert [link["zid"] for link in daemon["links"]] == [pair[1].status()["zid"]]
+    assert daemon["faults"] == 0
+    assert daemon["egress"] == {"decided": 0, "passing": 0, "bytes": 0}
+
+
+def test_specs_are_swapped_while_running(pair, tmp_path):
+    """A key that no type covered is decided upon after the swap; the generation shows it."""
+    before = pair[0].status()["specs"]
+    path = tmp_path / "others.toml"
+    path.write_text(SPECS.replace("covered/**", "other/**"))
+    pair[0].daemon.swap_specs(load_specs(path))
+    wait_until(lambda: pair[0].status()["specs"] != before, what="the new generation")
+    pair[0].node().put("other/a", "x")
+    wait_until(lambda: [s["key"] for s in pair[0].status()["streams"]] == ["other/a"], what="the stream")
+
+
+def test_a_daemon_stops_within_a_second_and_its_peers_notice(pair):
+    """Both ports are free again, and the other robot knows that it is alone."""
+    started = clock.monotonic()
+    pair[1].daemon.stop()
+    assert clock.monotonic() - started < 1.0
+    assert pair[1].daemon.wait(0.0)
+    pair[1].daemon.stop()
+    wait_until(lambda: not pair[0].status()["peers"], what="the other to notice")
+    closing(pair[0]._stack, plain_session("router", listen=(pair[1].app, pair[1].mesh)))
+
+
+def test_a_port_in_use_leaves_nothing_open(stack, specs):
+    """The error is one clear line, and the side that did open is closed again."""
+    first = Robot(stack, "r1", specs)
+    app = free_endpoint()
+    config = Config(app=AppConfig(listen=(app,)), mesh=MeshConfig(listen=(first.mesh,), scouting=False))
+    with pytest.raises(PortInUseError, match=rf"mesh\.listen: {first.mesh}: port in use"):
+        Daemon(config, specs).start()
+    closing(stack, plain_session("router", listen=(app,)))
+
+
+def test_an_unreachable_peer_is_one_line_and_no_obstacle(stack, specs, caplog):
+    """The daemon runs alone, says once what it misses, and links when the peer appears."""
+    caplog.set_level("INFO")
+    nobody = free_endpoint()
+    first = Robot(stack, "r1", specs, (nobody,))
+    wait_until(lambda: "still trying" in caplog.text, what="the line")
+    assert caplog.text.count(f"no link to {nobody} yet") == 1
+    late = Daemon(
+        Config(robot="r2", app=AppConfig(listen=(free_endpoint(),)), mesh=MeshConfig(listen=(nobody,), scouting=False)),
+        Specs.empty(),
+    )
+    late.start()
+    stack.callback(late.stop)
+    wait_until(lambda: first.status()["peers"], what="the peer")
+
+
+def test_a_second_daemon_of_one_name_runs_under_another(stack, specs, caplog):
+    """It says so, and answers under the name it runs as."""
+    first = Robot(stack, "r1", specs)
+    endpoint = free_endpoint()
+    mesh = MeshConfig(listen=(free_endpoint(),), connect=(first.mesh,), scouting=False)
+    second = Daemon(Config(robot="r1", app=AppConfig(listen=(endpoint,)), mesh=mesh), specs)
+    second.start()
+    stack.callback(second.stop)
+    asker = closing(stack, plain_session("client", connect=(endpoint,)))
+    (answer,) = answers(asker, keys.status("*"))
+    zid = json.loads(answer)["zid"]
+    assert json.loads(answer)["robot"] == f"r1-{zid[:4]}"
+    assert "give it a name of its own" in caplog.text
+
+
+FROZEN = """
+import sys
+from contextlib import ExitStack
+from tests.proxy.nodes import Heard, plain_session
+with plain_session("peer", connect=(sys.argv[1],)) as session:
+    heard = Heard(session, "**")
+    print("ready", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_mesh_that_stands_still_delays_nothing_local(stack, specs):
+    """With a peer that stops reading, blocking samples pile up at egress; local apps, status and stop do not wait."""
+    robot = Robot(stack, "r1", specs, mode=Mode.PASS)
+    frozen = subprocess.Popen(
+        [sys.executable, "-c", FROZEN, robot.mesh], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert frozen.stdout.readline() == "ready\n"
+        publisher, local = robot.node(), Heard(robot.node(), "free/**")
+        wait_until(lambda: publisher.put("free/x", "x") or robot.status()["daemon"]["wanted"], what="the demand")
+        os.kill(frozen.pid, signal.SIGSTOP)
+        before = len(local.samples)
+        for _ in range(100):
+            publisher.put("free/x", b"x" * 100_000, congestion_control=zenoh.CongestionControl.BLOCK)
+        wait_until(lambda: len(local.samples) >= before + 100, timeout=1.0, what="local delivery")
+        assert robot.status()["daemon"]["egress"]["passing"] > 0
+        started = clock.monotonic()
+        robot.daemon.stop()
+        assert clock.monotonic() - started < 1.0
+    finally:
+        frozen.kill()
+        frozen.communicate()
+
+
+def test_waiting_ends_with_a_stop(stack, specs):
+    """Whoever waits for the daemon goes on when somebody stops it."""
+    robot = Robot(stack, "r1", specs)
+    assert not robot.daemon.wait(0.01)
+    stopper = threading.Thread(target=robot.daemon.stop)
+    stopper.start()
+    assert robot.daemon.wait(5.0)
+    stopper.join()
+
+
+def test_the_process_ends_within_a_second_although_the_mesh_stands_still(stack):
+    """A daemon process with a frozen peer obeys SIGTERM at once."""
+    mesh = free_endpoint()
+    daemon = Running("--mesh.listen", f'["{mesh}"]', "--mode", "pass")
+    frozen = subprocess.Popen(
+        [sys.executable, "-c", FROZEN, mesh], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        daemon.wait_for("sendworthy")
+        assert frozen.stdout.readline() == "ready\n"
+        publisher = closing(stack, plain_session("client", connect=(daemon.endpoint,)))
+
+        def egress():
+            (answer,) = answers(publisher, keys.status("*"))
+            return json.loads(answer)["daemon"]
+
+        wait_until(lambda: publisher.put("free/x", "x") or egress()["wanted"], what="the demand")
+        os.kill(frozen.pid, signal.SIGSTOP)
+        for _ in range(100):
+            publisher.put("free/x", b"x" * 100_000, congestion_control=zenoh.CongestionControl.BLOCK)
+        wait_until(lambda: egress()["egress"]["passing"] > 10, what="the jam")
+        started = clock.monotonic()
+        assert daemon.end() == 0
+        assert clock.monotonic() - started < 1.5
+    finally:
+        daemon.end()
+        frozen.kill()
+        frozen.communicate()

@@ -1,0 +1,89 @@
+"""The loop feeds the core, in order, and lets time pass."""
+
+import threading
+from contextlib import ExitStack
+
+import pytest
+
+from proxy import clock
+from proxy.core.commands import Notice, SendState
+from proxy.core.core import Core
+from proxy.core.events import PeerAppeared, TimePassed
+from proxy.core.settings import CoreSettings
+from proxy.loop import Loop
+from tests.waiting import wait_until
+from utility_specs import Specs
+
+
+@pytest.fixture
+def executed():
+    return []
+
+
+@pytest.fixture
+def loop(executed):
+    core = Core(CoreSettings("r1", "z1"), Specs.empty(), clock.monotonic())
+    with ExitStack() as stack:
+        made = Loop(core, executed.append)
+        made.start()
+        stack.callback(made.close, 1.0)
+        yield made
+
+
+def texts(executed):
+    return [command.text for command in executed if isinstance(command, Notice)]
+
+
+def test_events_become_commands_in_order(loop, executed):
+    """What the core answers is carried out, event by event."""
+    for name in ("r2", "r3"):
+        loop.post(PeerAppeared(clock.monotonic(), name, f"z-{name}"))
+    wait_until(lambda: len(texts(executed)) == 2, what="both notices")
+    assert texts(executed) == ["robot r2 is on the mesh", "robot r3 is on the mesh"]
+
+
+@pytest.mark.usefixtures("loop")
+def test_time_passes_without_events(executed):
+    """The first state is sent though nothing has happened."""
+    wait_until(lambda: any(isinstance(command, SendState) for command in executed), what="a state")
+
+
+def test_jobs_run_on_the_loops_thread_and_may_make_events(loop, executed):
+    """A function is run by the loop; what it returns is handled as an event."""
+    ran = []
+
+    def job():
+        ran.append(threading.current_thread().name)
+        return PeerAppeared(clock.monotonic(), "r2", "z2")
+
+    loop.post(job)
+    loop.post(lambda: ran.append("nothing"))
+    wait_until(lambda: len(ran) == 2 and texts(executed), what="the jobs")
+    assert ran == ["loop", "nothing"]
+    assert texts(executed) == ["robot r2 is on the mesh"]
+
+
+def test_what_cannot_be_handled_is_counted_and_the_loop_goes_on(loop, executed, caplog):
+    """A fault is logged and counted, and the next event is handled."""
+
+    def broken():
+        raise RuntimeError("broken")
+
+    loop.post(broken)
+    loop.post(PeerAppeared(clock.monotonic(), "r2", "z2"))
+    wait_until(lambda: texts(executed), what="the event after it")
+    assert loop.faults == 1
+    assert "broken" in caplog.text
+
+
+def test_closing_handles_what_waits(executed):
+    """Events posted before the end are handled; afterwards the thread is gone."""
+    loop = Loop(Core(CoreSettings("r1", "z1"), Specs.empty(), 0.0), executed.append)
+    for i in range(20):
+        loop.post(PeerAppeared(clock.monotonic(), f"p{i}", f"z-p{i}"))
+    loop.post(TimePassed(clock.monotonic()))
+    assert loop.waiting == 21
+    loop.start()
+    loop.close(5.0)
+    assert len(texts(executed)) == 20
+    assert not loop._thread.is_alive()

@@ -1,0 +1,155 @@
+"""The status as a table."""
+
+import pytest
+
+from proxy.core.core import Core
+from proxy.core.settings import CoreSettings
+from proxy.status_table import amount, duration, rate, share, table
+from utility_specs import Specs
+
+STATUS = {
+    "robot": "r1",
+    "mode": "enforce",
+    "specs": "50b2553b9f23",
+    "coordination": "shares",
+    "uptime": 200.0,
+    "counts": {
+        "in": 120,
+        "forwarded": 70,
+        "dropped": 49,
+        "queued": 1,
+        "conserved": True,
+        "by_reason": {"dropped:planner": 49, "forwarded": 10, "passed:no-spec": 60},
+    },
+    "decisions": {"made": 60, "iterations": 18000, "would_drop": 49},
+    "budget": [
+        {
+            "constraint": "throughput",
+            "window": 0.5,
+            "limit": 125000.0,
+            "held": 62500.0,
+            "used": 31250,
+            "members": 2,
+            "confirmed": True,
+        }
+    ],
+    "streams": [
+        {
+            "robot": "r1",
+            "key": "robot/r1/camera",
+            "type": "camera",
+            "period": 0.1,
+            "size": 36500,
+            "scale": 3.5,
+            "generated": 60,
+            "forwarded": 30,
+            "receivers": 1,
+        }
+    ],
+    "peers": [
+        {
+            "robot": "r2",
+            "mode": "shadow",
+            "latency": 0.0421,
+            "clock_offset": -3.25,
+            "digest_age": 0.2,
+            "samples": 12,
+            "received_of_ours": 30,
+        }
+    ],
+    "malformed": 0,
+    "evicted": 0,
+}
+
+TABLE = """\
+robot r1   mode enforce   specs 50b2553b9f23   coordination shares   up 3 min 20 s
+
+samples  120 in = 70 forwarded + 49 dropped + 1 queued
+  passed:no-spec   60
+  dropped:planner  49
+  forwarded        10
+decided  60 times, 300 iterations each, 49 to drop
+
+BUDGET      WINDOW   LIMIT     OURS          USED       ROBOTS
+throughput   0.5 s  125 kB  62.5 kB  50%  31.2 kB  25%       2
+
+STREAM           ROBOT  TYPE    PERIOD     SIZE  SCALE  MADE  SENT  UNSENT  SENT/S  WANTED BY
+robot/r1/camera  r1     camera  100 ms  36.5 kB    3.5    60    30      30       5          1
+
+PEER  MODE    LATENCY    CLOCK   HEARD  GOT  GOT OURS
+r2    shadow  42.1 ms  -3.25 s  200 ms   12        30"""
+
+
+def test_a_status_becomes_a_table():
+    """Everything is there, aligned, with units that suit."""
+    assert table(STATUS) == TABLE
+
+
+def test_the_status_of_a_new_core_is_short():
+    """A daemon that has seen nothing yet has no empty sections."""
+    core = Core(CoreSettings(robot="r1", zid="a1"), Specs.empty(), 0.0)
+    lines = table(core.status(1.5)).splitlines()
+    assert lines[0].startswith("robot r1   mode enforce   specs ")
+    assert lines[0].endswith("up 1.5 s")
+    assert lines[1:] == ["", "samples  0 in = 0 forwarded + 0 dropped + 0 queued"]
+
+
+@pytest.mark.parametrize(
+    ("change", "warning"),
+    [
+        ({"counts": {"conserved": False}}, "the counts do not add up: please report this"),
+        ({"malformed": 3}, "3 malformed messages on Sendworthy's keys were ignored"),
+        ({"evicted": 2}, "2 streams or robots were forgotten: there are too many"),
+        ({"daemon": {"faults": 1}}, "internal errors: 1, see the log"),
+        ({"warnings": ["the disk is full"]}, "the disk is full"),
+        (
+            {"budget": [{"constraint": "throughput", "confirmed": False}]},
+            "throughput: not all robots have agreed on the shares yet",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_at_the_end(change, warning):
+    """Nothing that needs attention is hidden in a number."""
+    assert table({**STATUS, **change}).splitlines()[-1] == f"warning: {warning}"
+
+
+def test_a_status_of_another_version_is_shown_as_far_as_it_goes():
+    """What is missing is a dash."""
+    assert table({"robot": "r1"}).splitlines()[0] == ("robot r1   mode -   specs -   coordination -   up -")
+    assert "robot/x  -      -          -     -      0     0     0       0       -          0" in table(
+        {"streams": [{"key": "robot/x"}]}
+    )
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (None, "-"),
+        (0.0, "0 ms"),
+        (0.0125, "12.5 ms"),
+        (-0.5, "-500 ms"),
+        (1.5, "1.5 s"),
+        (61.0, "1 min 1 s"),
+        (7260.0, "2 h 1 min"),
+    ],
+)
+def test_durations_have_units_that_suit(seconds, text):
+    """Milliseconds below a second, minutes and hours above a minute."""
+    assert duration(seconds) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, "-"), (0, "0 B"), (999, "999 B"), (1000, "1 kB"), (2.5e6, "2.5 MB"), (3e9, "3 GB")],
+)
+def test_amounts_have_prefixes(value, text):
+    """Three digits are enough."""
+    assert amount(value, "B") == text
+
+
+def test_shares_and_rates_need_something_to_divide_by():
+    """What is not known is a dash, not a zero."""
+    assert share(1.0, 4.0) == "25%"
+    assert share(1.0, None) == share(None, 1.0) == "-"
+    assert rate({"period": 0.5, "generated": 10, "forwarded": 5}) == "1"
+    assert rate({"period": 0.0, "generated": 10, "forwarded": 5}) == "-"

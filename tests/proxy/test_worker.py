@@ -1,0 +1,63 @@
+"""Decisions under a deadline."""
+
+import dataclasses
+import queue
+
+import pytest
+
+from planner import Aggregation, Constraint, Message, Problem, SearchSettings, Stream, Video
+from proxy import clock
+from proxy.core.commands import Decide
+from proxy.worker import Worker, decide
+
+FOREVER = 10.0
+
+
+@pytest.fixture
+def command():
+    messages = tuple(
+        Message(
+            stream=0, t_gen=0.1 * i, t_sent=0.1 * i, t_rcv=0.1 * i + 0.01, utility=Video(), scale=1.0, use=(1000.0,)
+        )
+        for i in range(30)
+    )
+    limit = Constraint("throughput", 0.5, 2500.0)
+    problem = Problem((Stream(0, Aggregation.MOST_RECENT),), messages, 0, (limit,), (), 0.0, 3.0)
+    return Decide(7, problem, 1, 200)
+
+
+@pytest.mark.parametrize("engine", ["native", "python"])
+def test_the_iterations_asked_for_are_the_most_that_run(command, engine):
+    """With time enough the search ends by its budget, or because the decision is certain."""
+    ready = decide(command, SearchSettings(engine=engine), FOREVER)
+    assert (ready.ticket, ready.error) == (7, "")
+    assert 0 < ready.plan.iterations <= 200
+
+
+def test_past_its_deadline_the_best_found_stands(command):
+    """A decision of a million iterations that may take 20 ms takes little more."""
+    before = clock.monotonic()
+    search = SearchSettings(search="paper", engine="python")
+    ready = decide(dataclasses.replace(command, iterations=1_000_000), search, 0.02)
+    assert clock.monotonic() - before < 1.0
+    assert ready.plan.iterations < 1_000_000
+
+
+def test_a_planner_that_fails_is_told_as_such(command):
+    """An error becomes an answer, so that the core can fall back."""
+    broken = dataclasses.replace(command, problem=dataclasses.replace(command.problem, current=99))
+    ready = decide(broken, SearchSettings(), FOREVER)
+    assert ready.plan is None
+    assert ready.error.startswith("ProblemError: ")
+
+
+def test_the_worker_answers_in_order_and_stops(command):
+    """Each order is answered with its ticket; a closed worker has finished."""
+    answers = queue.SimpleQueue()
+    worker = Worker(SearchSettings(), 0.1, answers.put)
+    worker.start()
+    for ticket in (1, 2):
+        worker.submit(dataclasses.replace(command, ticket=ticket))
+    assert [answers.get(timeout=10.0).ticket for _ in range(2)] == [1, 2]
+    worker.close(5.0)
+    assert not worker._thread.is_alive()
