@@ -1,0 +1,57 @@
+"""Tables of results, for the terminal and as markdown with machine and date."""
+
+import os
+import platform
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table: a row starts with its name; the other cells are ready to print."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+
+    def text(self) -> str:
+        """Return the table for a terminal, the first column left-aligned, the others right-aligned."""
+        return "\n".join([self.title, "", *(f"  {line}" for line in self._lines("  ")), "", self.note]).rstrip()
+
+    def markdown(self) -> str:
+        """Return the table as a section of a markdown page."""
+        head, *body = (f"| {line} |" for line in self._lines(" | "))
+        rule = "|".join(["", *(("---" if i == 0 else "--:") for i in range(len(self.columns))), ""])
+        return "\n".join([f"## {self.title}", "", head, rule, *body, "", self.note]).rstrip()
+
+    def _lines(self, between: str) -> list[str]:
+        widths = [max(map(len, cells)) for cells in zip(self.columns, *self.rows, strict=True)]
+        lines = []
+        for cells in (self.columns, *self.rows):
+            padded = [cells[0].ljust(widths[0])]
+            padded += [cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True)]
+            lines.append(between.join(padded))
+        return lines
+
+
+def machine() -> str:
+    """Describe the machine in one line."""
+    model = platform.machine()
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        names = [line.split(":", 1)[1].strip() for line in cpuinfo.read_text().splitlines() if "model name" in line]
+        model = names[0] if names else model
+    versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
+    return f"{model}, {os.cpu_count()} cores, {platform.system()}, {versions}"
+
+
+def write_page(path: Path, title: str, tables: Sequence[Table], now: datetime) -> None:
+    """Write the tables to a markdown page; folders are made as needed."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    head = f"# {title}\n\nWritten by `python -m studies.benchmarks` on {now:%Y-%m-%d %H:%M} UTC. {machine()}.\n"
+    path.write_text("\n\n".join([head.rstrip(), *(table.markdown() for table in tables)]) + "\n")

@@ -1,0 +1,100 @@
+"""One central decider that flies a whole mission: it decides every message when it is generated.
+
+It sees what the planner would see: what was sent before, the current message, and the next ones up to its horizon.
+These are the true ones, so that what it loses against the offline optimum is lost by the decisions alone, not by
+forecasts or a channel; or, with `forecast`, those that a team would expect from periods and means.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from planner import Message, Problem
+from studies.forecast import Forecaster
+
+Policy = Callable[[Problem], bool]
+"""Decides the current message of a window: send it?"""
+
+
+@dataclass(slots=True)
+class CentralDecider:
+    """Flies one mission with windows of `horizon` open messages."""
+
+    mission: Problem
+    horizon: int
+    forecast: bool = False
+    sends: list[int] = field(default_factory=list)
+    """What was sent so far, by index in the mission."""
+    _last: dict[int, int] = field(default_factory=dict)
+    _facts: dict[int, Message] = field(default_factory=dict)
+    _reach: float = 0.0
+    _life: float = 0.0
+    _forecaster: Forecaster | None = None
+
+    def __post_init__(self) -> None:
+        self._reach = longest_window(self.mission)
+        self._life = mean_interval(self.mission)
+        self._forecaster = Forecaster(self.mission) if self.forecast else None
+
+    def fly(self, policy: Policy) -> tuple[int, ...]:
+        """Decide all messages in turn; return the indices of those sent."""
+        for index in range(len(self.mission.messages)):
+            if policy(self.window(index)):
+                self.send(index)
+        return tuple(self.sends)
+
+    def send(self, index: int) -> None:
+        """Make the message a fact of all later windows."""
+        message = self.mission.messages[index]
+        self.sends.append(index)
+        self._last[message.stream] = index
+        self._facts[index] = replace(message, sent=True)
+
+    def window(self, index: int) -> Problem:
+        """Build the window that decides message `index`.
+
+        Facts are what a constraint may still count and the last message of each stream. The window ends one mean
+        interval between sends of a stream after its last message, so that this one has a life, too.
+        """
+        mission, now = self.mission, self.mission.messages[index].t_sent
+        still_counted = now - self._reach
+        kept = {i for i in self._facts if mission.messages[i].t_sent >= still_counted} | set(self._last.values())
+        self._facts = {i: self._facts[i] for i in sorted(kept)}
+        ahead = self._ahead(index)
+        complete = len(ahead) < self.horizon or index + self.horizon >= len(mission.messages)
+        return replace(
+            mission,
+            messages=(*self._facts.values(), *ahead),
+            current=len(self._facts),
+            t_end=mission.t_end if complete else min(mission.t_end, ahead[-1].t_gen + self._life),
+            goes_on=not complete,
+        )
+
+    def _ahead(self, index: int) -> tuple[Message, ...]:
+        """Return the message to decide and the next ones, up to the horizon."""
+        if self._forecaster is None:
+            return self.mission.messages[index : index + self.horizon]
+        return (self.mission.messages[index], *self._forecaster.expect(index, self.horizon - 1))
+
+
+def longest_window(mission: Problem) -> float:
+    """Return how far back any constraint looks, stretched windows of oversized messages included [s]."""
+    return max(
+        (
+            constraint.window * max(1.0, max(m.use[k] for m in mission.messages) / constraint.limit)
+            for k, constraint in enumerate(mission.constraints)
+            if constraint.limit > 0
+        ),
+        default=0.0,
+    )
+
+
+def mean_interval(mission: Problem) -> float:
+    """Return the mean time between two sends of a stream when the tightest constraint is used up [s]."""
+    messages, streams = mission.messages, len(mission.streams)
+    generated = (mission.t_end - mission.t_start) * streams / len(messages)
+    limited = (
+        streams * sum(m.use[k] for m in messages) / len(messages) * constraint.window / constraint.limit
+        for k, constraint in enumerate(mission.constraints)
+        if constraint.limit > 0
+    )
+    return max(generated, *limited)

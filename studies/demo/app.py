@@ -1,0 +1,28 @@
+"""What the demo's apps share: they are plain Zenoh clients of whatever listens on localhost."""
+
+import struct
+
+import zenoh
+
+_STAMP = struct.Struct("<Qd")
+
+
+def open_client(endpoint: str) -> zenoh.Session:
+    """Open a client session to the router at `endpoint`."""
+    config = zenoh.Config()
+    config.insert_json5("mode", '"client"')
+    config.insert_json5("connect/endpoints", f'["{endpoint}"]')
+    config.insert_json5("connect/timeout_ms", "10000")
+    config.insert_json5("scouting/multicast/enabled", "false")
+    return zenoh.open(config)
+
+
+def stamp(number: int, t_gen: float) -> bytes:
+    """Return the attachment with which a camera numbers a frame and says when it was taken [s]."""
+    return _STAMP.pack(number, t_gen)
+
+
+def read_stamp(attachment: bytes) -> tuple[int, float]:
+    """Return the number and the time [s] of a frame."""
+    number, t_gen = _STAMP.unpack(attachment)
+    return number, t_gen

@@ -1,0 +1,37 @@
+"""How the demo's processes follow its lead: they say when ready, are told when to start, stop on a signal.
+
+The demo reads a line of JSON from a process's standard output once it is ready and writes one to its standard
+input. Times are seconds of CLOCK_MONOTONIC, which all processes of a machine share.
+"""
+
+import json
+import signal
+import sys
+import threading
+from types import FrameType
+from typing import Any
+
+
+def ready(**facts: Any) -> None:
+    """Tell the demo that this process is ready, and what it has to know of it."""
+    print(json.dumps(facts), flush=True)
+
+
+def start_time() -> float:
+    """Wait for the demo to say when the run starts; leave when it has gone."""
+    line = sys.stdin.readline()
+    if not line:
+        sys.exit(0)
+    return float(json.loads(line))
+
+
+def stop_on_signal() -> threading.Event:
+    """Return an event that SIGTERM and SIGINT set."""
+    stop = threading.Event()
+
+    def handle(_signal: int, _frame: FrameType | None) -> None:
+        stop.set()
+
+    signal.signal(signal.SIGTERM, handle)
+    signal.signal(signal.SIGINT, handle)
+    return stop

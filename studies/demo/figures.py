@@ -1,0 +1,127 @@
+"""The demo's figures, from its events alone: `python -m studies.demo.figures EVENTS` prints them as JSON.
+
+Red frames are those taken while their robot saw red. Ages are in seconds: a frame's from publication to
+receipt, the screen's staleness from the publication of what is shown to the moment one looks.
+"""
+
+import json
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from planner.utility import Floats
+from studies.demo.events import Counts, Event, Links, Serve, read_events
+from studies.demo.layout import OPERATOR
+from studies.demo.optimum import find_optimum
+from studies.demo.recording import Feed, Recording, recordings
+
+Figures = dict[str, float | None]
+"""By name; counts and truth values are numbers too."""
+
+
+def figures(events: Iterable[Event]) -> dict[str, Figures]:
+    """Return the figures of every run, by phase. What lacks frames, or SciPy, to be said is None."""
+    return {phase: _figures(recording) for phase, recording in recordings(events).items()}
+
+
+def _figures(recording: Recording) -> Figures:
+    classes: Figures = {}
+    for name, red in (("red", True), ("other", False)):
+        classes |= _of_class(recording.feeds, name, red=red)
+    return classes | _of_medium(recording) | _of_utility(recording, classes) | _of_checks(recording)
+
+
+def _of_class(feeds: Sequence[Feed], name: str, *, red: bool) -> Figures:
+    ages = np.concatenate([feed.ages[feed.sees_red[feed.frame] == red] for feed in feeds])
+    looks = [feed.staleness() for feed in feeds]
+    staleness = np.concatenate([age[sees_red == red] for age, sees_red in looks])
+    seconds = sum(feed.seconds(red=red) for feed in feeds)
+    return {
+        f"seconds_{name}": seconds,
+        f"fps_{name}": len(ages) / seconds if seconds else None,
+        f"age_p50_{name}": _percentile(ages, 50),
+        f"age_p95_{name}": _percentile(ages, 95),
+        f"staleness_p50_{name}": _percentile(staleness, 50),
+        f"staleness_p95_{name}": _percentile(staleness, 95),
+    }
+
+
+def _of_medium(recording: Recording) -> Figures:
+    """Bytes, and the most that any window of the constraint saw as a share of what the spec allows.
+
+    Offered is what was let through, frame by frame at the time of its publication: without the filter
+    everything, with it what was received.
+    """
+    run = recording.run
+    served = [e for e in recording.of(Serve) if run.start <= e.t <= run.start + run.seconds]
+    filtered = bool(recording.of(Counts))
+    sent = [feed.frame if filtered else np.arange(len(feed.t_gen)) for feed in recording.feeds]
+    offered_at = np.concatenate([feed.t_gen[i] for feed, i in zip(recording.feeds, sent, strict=True)])
+    offered = np.concatenate([feed.size[i] for feed, i in zip(recording.feeds, sent, strict=True)])
+    allowed = run.limit / 8 * run.window
+    times, sizes = np.array([e.t for e in served]), np.array([e.size for e in served], dtype=np.float64)
+    return {
+        "published_bytes": int(sum(feed.size.sum() for feed in recording.feeds)),
+        "received_bytes": int(sum(feed.size[feed.frame].sum() for feed in recording.feeds)),
+        "medium_bytes": int(sizes.sum()),
+        "medium_max_share": _fullest(times, sizes, run.window) / allowed,
+        "offered_max_share": _fullest(offered_at, offered, run.window) / allowed,
+    }
+
+
+def _of_utility(recording: Recording, classes: Figures) -> Figures:
+    gained = sum(feed.utility() for feed in recording.feeds)
+    shares: Figures = {
+        "utility": gained,
+        "utility_share": gained / sum(feed.utility_undelayed() for feed in recording.feeds),
+        "utility_share_optimum": None,
+        "fps_ratio": _ratio(classes["fps_red"], classes["fps_other"]),
+        "fps_ratio_optimum": None,
+    }
+    optimum = find_optimum(recording)
+    if optimum is not None:
+        shares["utility_share_optimum"] = gained / optimum.utility
+        shares["fps_ratio_optimum"] = _ratio(optimum.fps_red, optimum.fps_other)
+    return shares
+
+
+def _of_checks(recording: Recording) -> Figures:
+    """Do the counts add up, and did all bytes go through the medium? Stock routers count nothing: None."""
+    counts = recording.of(Counts)
+    to_operator = sum(e.size for e in recording.of(Serve) if e.sink == OPERATOR)
+    received = sum(int(feed.size[feed.frame].sum()) for feed in recording.feeds)
+    published = {feed.robot: len(feed.t_gen) for feed in recording.feeds}
+    conserved = all(c.received == c.forwarded + c.dropped + c.queued == published.get(c.robot, 0) for c in counts)
+    return {
+        "conserved": conserved if counts else None,
+        "direct_links": max((look.direct for look in recording.of(Links)), default=0),
+        "direct_bytes": max(0, received - to_operator),
+    }
+
+
+def _percentile(values: Floats, q: float) -> float | None:
+    return float(np.percentile(values, q)) if len(values) else None
+
+
+def _ratio(red: float | None, other: float | None) -> float | None:
+    return red / other if red is not None and other else None
+
+
+def _fullest(times: Floats, sizes: Floats, window: float) -> float:
+    """Return the most bytes in any closed window [B]."""
+    order = np.argsort(times, kind="stable")
+    times, total = times[order], np.append(0.0, np.cumsum(sizes[order]))
+    first = np.searchsorted(times, times - window, side="left")
+    return float((total[1:] - total[first]).max(initial=0.0))
+
+
+def main() -> None:
+    """Recompute the figures of a file of events."""
+    json.dump(figures(read_events(Path(sys.argv[1]))), sys.stdout, indent=2)
+    print()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,117 @@
+"""What stands between a robot's apps and the medium: a stock Zenoh router, or our daemon."""
+
+import json
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from proxy.commands.client import NoAnswerError, connected
+from studies.demo.events import Counts, Event
+from studies.demo.layout import Node
+from studies.demo.processes import DemoError, Process, Troupe
+
+WITHOUT, WITH = "without", "with"
+SHARE = 0.9
+"""The spec's limit as a share of the medium."""
+WINDOW = 0.95
+"""The window of the spec's constraint [s]: no multiple of the frame period, which would cost a frame per window."""
+ASSEMBLY = 20.0
+"""How long the nodes may take to find each other [s]."""
+
+SPEC = """\
+# What a camera frame is worth to the operator: more when it shows something red (Eq. 9).
+version = 1
+
+[[constraint]]
+kind = "throughput"
+limit = "{limit:.0f} bit/s"
+window = {window}
+
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+aggregation = "most_recent"
+weight = 1.0
+utility = {{ kind = "video" }}
+scale = "1 + 10 * red"
+features.red = {{ kind = "color_fraction", color = "red" }}
+forecast = {{ features = "last" }}
+"""
+
+
+def start_routers(troupe: Troupe, nodes: Sequence[Node], dials: Mapping[str, list[str]]) -> list[Process]:
+    """Start a stock router for each node; return when all are linked. `dials`: endpoints by node."""
+    routers = []
+    for node in nodes:
+        command = ["-m", "studies.demo.stock_router", "--others", str(len(nodes) - 1)]
+        command += ["--listen", node.app_endpoint, "--listen", node.mesh_endpoint]
+        for endpoint in dials[node.name]:
+            command += ["--connect", endpoint]
+        routers.append(troupe.start(f"router-{node.name}", *command))
+    for router in routers:
+        router.hear(ASSEMBLY)
+    return routers
+
+
+def start_daemons(
+    troupe: Troupe, nodes: Sequence[Node], dials: Mapping[str, list[str]], limit: float, folder: Path
+) -> list[Process]:
+    """Start our daemon for each node, with `limit` [bit/s] in the spec; return when they know each other."""
+    spec = folder / "surveillance.toml"
+    spec.write_text(SPEC.format(limit=limit, window=WINDOW))
+    daemons = []
+    for node in nodes:
+        config = folder / f"{node.name}.toml"
+        config.write_text(_config(node, dials[node.name], spec))
+        daemons.append(troupe.start(f"daemon-{node.name}", "-m", "proxy.cli", "run", "--config", str(config)))
+    deadline = time.monotonic() + ASSEMBLY
+    for node in nodes:
+        while not _assembled(node, len(nodes) - 1):
+            troupe.check()
+            if time.monotonic() > deadline:
+                words = " ".join(daemon.last_words() for daemon in daemons)
+                raise DemoError(f"the daemons did not find each other within {ASSEMBLY:.0f} s: {words}")
+            time.sleep(0.1)
+    return daemons
+
+
+def count(phase: str, nodes: Sequence[Node]) -> list[Event]:
+    """Ask every robot's daemon what it counted."""
+    events: list[Event] = []
+    for node in nodes[1:]:
+        with connected(node.app_endpoint) as client:
+            counts = client.status(node.name)[0]["counts"]
+        if not isinstance(counts, dict):
+            raise DemoError(f"the status of {node.name} holds no counts")
+        numbers = (int(counts[name]) for name in ("in", "forwarded", "dropped", "queued"))
+        events.append(Counts(phase, node.name, *numbers))
+    return events
+
+
+def _config(node: Node, dials: Sequence[str], spec: Path) -> str:
+    """Return the daemon's configuration; a JSON string or list is a TOML one too."""
+    return "\n".join(
+        [
+            f"robot = {json.dumps(node.name)}",
+            'mode = "enforce"',
+            "[app]",
+            f"listen = {json.dumps([node.app_endpoint])}",
+            "[mesh]",
+            f"listen = {json.dumps([node.mesh_endpoint])}",
+            f"connect = {json.dumps(dials)}",
+            "scouting = false",
+            "[specs]",
+            f"path = {json.dumps(str(spec))}",
+            "",
+        ]
+    )
+
+
+def _assembled(node: Node, others: int) -> bool:
+    """Whether the node's daemon answers and knows all others."""
+    try:
+        with connected(node.app_endpoint) as client:
+            peers = client.status(node.name)[0]["peers"]
+    except NoAnswerError:
+        return False
+    return isinstance(peers, list) and len(peers) >= others

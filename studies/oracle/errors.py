@@ -1,0 +1,16 @@
+"""What can keep the oracle from answering."""
+
+
+class OracleError(Exception):
+    """Base of all errors that the oracle raises."""
+
+
+class OracleUnavailable(OracleError):  # noqa: N818 - a state of the installation, not a fault of the caller
+    """SciPy is not installed; a report leaves the figure out and says why."""
+
+    def __init__(self) -> None:
+        super().__init__('the offline optimum needs SciPy: pip install "sendworthy[study]"')
+
+
+class OracleFailed(OracleError):  # noqa: N818 - as above
+    """The solver gave no answer, for example because its time was up before it found any plan."""

@@ -1,0 +1,31 @@
+"""The command that runs the benchmarks."""
+
+import sys
+
+import pytest
+
+from studies.benchmarks.__main__ import main
+
+
+def test_quick_run_prints_and_writes_all_pages(tmp_path, capsys):
+    """A quick run of everything ends well and leaves a page for each benchmark where it is told."""
+    assert main(["--quick", "--output", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert "Utility lost against the integer optimum" in printed
+    assert "Search alone" in printed
+    assert sorted(page.name for page in tmp_path.iterdir()) == ["grid.md", "quality.md", "speed.md"]
+    assert "| best, 300 iterations, horizon 60" in (tmp_path / "quality.md").read_text()
+
+
+def test_quality_without_scipy_is_left_out(monkeypatch, capsys):
+    """Without SciPy the other benchmarks run, and the exit says that one did not."""
+    monkeypatch.setitem(sys.modules, "scipy.sparse", None)
+    assert main(["--quick", "quality"]) == 1
+    assert "sendworthy[study]" in capsys.readouterr().err
+
+
+def test_unknown_benchmarks_are_refused(capsys):
+    """The message names those that exist."""
+    with pytest.raises(SystemExit):
+        main(["speeed"])
+    assert "'speeed' is not one of speed, quality, grid" in capsys.readouterr().err

@@ -1,0 +1,39 @@
+"""Tables for people."""
+
+from datetime import UTC, datetime
+
+from studies.benchmarks.report import Table, machine, write_page
+
+TABLE = Table("Speed", ("search", "rate"), (("paper", "1,500"), ("b", "2")), "A note.")
+
+
+def test_text_is_aligned():
+    """Names to the left, numbers to the right, the note below."""
+    assert TABLE.text() == "Speed\n\n  search   rate\n  paper   1,500\n  b           2\n\nA note."
+
+
+def test_markdown_is_a_table():
+    """The page is readable as text, too."""
+    expected = [
+        "## Speed",
+        "",
+        "| search |  rate |",
+        "|---|--:|",
+        "| paper  | 1,500 |",
+        "| b      |     2 |",
+        "",
+        "A note.",
+    ]
+    assert TABLE.markdown().splitlines() == expected
+
+
+def test_pages_name_machine_and_date(tmp_path):
+    """A figure is worth nothing without them."""
+    path = tmp_path / "results" / "speed.md"
+    write_page(path, "Speed of it", [TABLE, TABLE], datetime(2026, 5, 4, 3, 2, tzinfo=UTC))
+    page = path.read_text()
+    assert page.startswith("# Speed of it\n")
+    assert "2026-05-04 03:02 UTC" in page
+    assert machine() in page
+    assert page.count("## Speed") == 2
+    assert page.endswith("A note.\n")

@@ -1,0 +1,21 @@
+"""The speed benchmark measures what it says; how fast it is belongs to no test."""
+
+from studies.benchmarks.speed import TEAMS, measure_speed
+
+
+def test_both_tables_are_measured():
+    """Every search on both engines has a rate and decision times, p50 <= p99 <= max."""
+    alone, decisions = measure_speed(quick=True)
+    assert [row[0] for row in alone.rows] == ["paper, native", "best, native", "paper, python", "best, python"]
+    assert all(float(row[1].split()[0].replace(",", "")) > 0 for row in alone.rows)
+    assert len(decisions.rows) == 4
+    for row in decisions.rows:
+        p50, p99, longest = map(float, row[-3:])
+        assert 0 < p50 <= p99 <= longest
+
+
+def test_windows_come_from_the_middle_of_a_mission():
+    """They hold facts and as many open messages as the horizon."""
+    for window in TEAMS[0].windows(4):
+        assert any(message.sent for message in window.messages)
+        assert sum(not message.sent for message in window.messages) == 30

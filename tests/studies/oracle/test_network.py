@@ -1,0 +1,54 @@
+"""The network of a stream: few arcs, every plan a path."""
+
+from dataclasses import replace
+
+from planner import Linear
+from studies.oracle.network import build_network
+from tests.studies.oracle.problems import one_stream
+
+
+def arcs_of(problem):
+    network = build_network(problem)
+    return {(int(t), int(h)): float(g) for t, h, g in zip(network.tail, network.head, network.gain, strict=True)}
+
+
+def test_short_lives_need_few_arcs():
+    """A message that is worthless before the next one is received has one arc out: to an empty node."""
+    problem = one_stream([float(i) for i in range(50)], window=1.0, limit=1.0)
+    short = replace(problem, messages=tuple(replace(m, utility=Linear(1.0, 2.0)) for m in problem.messages))
+    arcs = arcs_of(short)
+    assert len(arcs) == 3 * 50
+    assert all(arcs[i, 50 + i + 1] == 0.25 for i in range(50))
+    assert len(arcs_of(problem)) > 5 * 50
+
+
+def test_an_arc_gains_the_area_between_two_receipts():
+    """From message 0 to message 2 the stream lives on message 0."""
+    arcs = arcs_of(one_stream([0.0, 1.0, 2.0], window=1.0, limit=1.0))
+    assert arcs[0, 2] == 2.0 - 0.125 * 2.0
+    assert arcs[0, 1] == 1.0 - 0.125 * 0.5
+    assert (3, 4) in arcs
+
+
+def test_no_arc_passes_a_fact():
+    """Every path goes through a message that is known to be sent."""
+    problem = one_stream([0.0, 1.0, 2.0], window=1.0, limit=3.0)
+    first, second, third = problem.messages
+    arcs = arcs_of(replace(problem, messages=(first, replace(second, sent=True), third)))
+    assert (0, 2) not in arcs
+    assert (4, 5) not in arcs
+    assert (0, 1) in arcs
+    assert (1, 2) in arcs
+
+
+def test_each_stream_has_a_source_and_a_sink():
+    """Streams that have messages get a path of their own, the others none."""
+    problem = one_stream([0.0, 1.0, 2.0], window=1.0, limit=3.0)
+    first, second, third = problem.messages
+    network = build_network(
+        replace(problem, streams=problem.streams * 3, messages=(first, replace(second, stream=2), third))
+    )
+    assert network.message.tolist() == [0, 2, 1]
+    assert network.source.tolist() == [3, 6]
+    assert network.sink.tolist() == [5, 7]
+    assert network.nodes == 8

@@ -1,0 +1,116 @@
+"""A team of the daemon's cores on one simulated medium."""
+
+import numpy as np
+import pytest
+
+from planner import SearchSettings
+from proxy.core.settings import CoreSettings
+from studies.simulation.medium import Medium
+from studies.simulation.team import Frame, Team
+from utility_specs import load_specs
+
+RATE = 100_000.0
+WINDOW = 0.95
+SPEC = f"""
+[[constraint]]
+kind = "throughput"
+limit = "{RATE * 0.9 / 1000} kB/s"
+window = {WINDOW}
+
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+aggregation = "most_recent"
+weight = 1.0
+utility = {{ kind = "video" }}
+scale = "1 + 10 * red"
+features.red = {{ kind = "color_fraction", color = "red" }}
+"""
+
+
+@pytest.fixture
+def specs(tmp_path):
+    path = tmp_path / "spec.toml"
+    path.write_text(SPEC)
+    return load_specs(path)
+
+
+def scene(robots=4, seconds=12.0, rate=10.0, red=0.3):
+    """Frames of 10 kB; r1 sees red from 4 to 8 s."""
+    frames = [
+        Frame(
+            f"r{r}",
+            f"robot/r{r}/camera",
+            1.0 + 0.023 * r + k / rate,
+            9_000 + 300 * r,
+            {"red": red if r == 1 and 4.0 <= 1.0 + k / rate < 8.0 else 0.0},
+        )
+        for r in range(1, robots + 1)
+        for k in range(int(seconds * rate))
+    ]
+    return sorted(frames, key=lambda frame: frame.t_gen)
+
+
+def team(specs, *, robots=4, **changes):
+    interests = {f"r{r}": () for r in range(1, robots + 1)} | {"op": ("robot/*/camera",)}
+    medium = changes.pop("medium", Medium(RATE))
+    return Team(specs, interests, medium, search=SearchSettings(search="best"), **changes)
+
+
+def worst_window(deliveries):
+    """The most bytes sent by all robots within any closed window."""
+    sent = np.array([d.t_sent for d in deliveries])
+    sizes = np.cumsum([0] + [d.frame.size for d in deliveries])
+    first = np.searchsorted(sent, sent - WINDOW, "left")
+    return max(sizes[i + 1] - sizes[first[i]] for i in range(len(sent)))
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.2])
+def test_the_union_of_all_robots_keeps_the_limit(specs, loss):
+    """In every window, also when a fifth of all messages is lost; and nothing goes uncounted."""
+    flight = team(specs, medium=Medium(RATE, loss=loss))
+    deliveries = flight.run(scene(), 14.0)
+    assert len(deliveries) > 60
+    assert worst_window(deliveries) <= 0.9 * RATE * WINDOW
+    for core in flight.cores.values():
+        assert core.counts.conserved
+    assert sum(core.counts.received for core in flight.cores.values()) == len(scene())
+
+
+def test_who_sees_red_sends_at_least_twice_as_often(specs):
+    """The share follows the value within a second of its change."""
+    deliveries = team(specs).run(scene(), 14.0)
+    during = [d.frame for d in deliveries if 5.0 <= d.frame.t_gen < 8.0]
+    red = sum(frame.robot == "r1" for frame in during)
+    others = sum(frame.robot != "r1" for frame in during) / 3
+    assert red >= 2 * others > 0
+
+
+def test_digests_stay_within_their_allowance(specs):
+    """Two percent of the limit for all robots together, or 100 B/s each."""
+    flight = team(specs)
+    flight.run(scene(), 14.0)
+    assert flight.digest_bytes / 14.0 <= 1.1 * max(0.02 * 0.9 * RATE, 100.0 * 5)
+
+
+def test_wrong_clocks_change_nothing(specs):
+    """Robots whose clocks are minutes apart send the same frames."""
+    right = team(specs).run(scene(), 14.0)
+    wrong = team(specs, clocks={"r1": 600.0, "r2": -300.0, "op": 77.0}).run(scene(), 14.0)
+    sent = [{(d.frame.robot, d.frame.t_gen) for d in deliveries} for deliveries in (right, wrong)]
+    assert len(sent[0] & sent[1]) >= 0.99 * len(sent[0])
+
+
+def test_a_robot_alone_uses_what_the_limit_gives(specs):
+    """One robot and an operator: nearly all of the limit is used."""
+    deliveries = team(specs, robots=1).run(scene(robots=1, rate=20.0, red=0.0), 14.0)
+    sent = sum(d.frame.size for d in deliveries if 3.0 <= d.t_sent <= 13.0)
+    assert sent >= 0.8 * 0.9 * RATE * 10.0
+
+
+def test_in_overhear_robots_plan_for_the_union(specs):
+    """Without shares the union may exceed, but digests keep the mean use below the limit."""
+    flight = team(specs, settings=CoreSettings("", "", coordination="overhear"))
+    deliveries = flight.run(scene(), 14.0)
+    sent = sum(d.frame.size for d in deliveries if 3.0 <= d.t_sent <= 13.0)
+    assert 0.3 * 0.9 * RATE * 10.0 <= sent <= 1.05 * 0.9 * RATE * 10.0

@@ -1,0 +1,76 @@
+"""Forecasts from periods and means: what they know and what they do not."""
+
+from dataclasses import replace
+
+import pytest
+
+from planner import Linear, Video
+from planner.constraints import violations
+from planner.validation import check_problem
+from studies.central import CentralDecider
+from studies.forecast import EARLY, Forecaster
+from studies.policies import whenever_it_fits
+from studies.workload import FEW_IMPORTANT, MOST_IMPORTANT, mission
+
+
+def test_regular_streams_are_foreseen_exactly():
+    """Without jitter and once every stream was heard, the forecast is what comes."""
+    flown = mission(MOST_IMPORTANT, seed=2, seconds=20.0)
+    expected = Forecaster(flown).expect(50, 30)
+    for message, truth in zip(expected, flown.messages[51:81], strict=True):
+        assert message.stream == truth.stream
+        assert message.t_gen == pytest.approx(truth.t_gen, abs=1e-5)
+        assert message.t_rcv - message.t_sent == pytest.approx(0.01)
+
+
+def test_jittered_streams_are_expected_early_by_their_deviation():
+    """On average a message comes by a part of the standard deviation later than expected, never before now."""
+    flown = mission(FEW_IMPORTANT, seed=2, seconds=100.0)
+    forecaster, late = Forecaster(flown), []
+    for index in range(200, 900, 10):
+        now = flown.messages[index].t_gen
+        expected = forecaster.expect(index, 40)
+        assert all(now < m.t_gen for m in expected)
+        for stream in range(10):
+            coming = [m.t_gen for m in flown.messages[index + 1 :] if m.stream == stream][1]
+            foreseen = [m.t_gen for m in expected if m.stream == stream]
+            late += [coming - foreseen[1]] if len(foreseen) > 1 else []
+    assert sum(late) / len(late) == pytest.approx(EARLY * 0.1, abs=0.03)
+
+
+def test_slopes_are_means_and_other_utilities_those_of_the_first():
+    """Of single messages to come nothing is known."""
+    flown = mission(FEW_IMPORTANT, seed=1, seconds=10.0)
+    own = [m for m in flown.messages if m.stream == 4]
+    expected = [m for m in Forecaster(flown).expect(30, 20) if m.stream == 4]
+    slope = sum(m.utility.slope for m in own) / len(own)
+    assert {type(m.utility) for m in expected} == {Linear}
+    assert [m.utility.slope for m in expected] == pytest.approx([slope] * len(expected))
+    mixed = replace(flown, messages=(replace(flown.messages[0], utility=Video()), *flown.messages[1:]))
+    first = flown.messages[0].stream
+    assert {m.utility for m in Forecaster(mixed).expect(30, 20) if m.stream == first} == {Video()}
+
+
+def test_streams_are_expected_before_they_are_heard():
+    """A stream not heard yet comes somewhere in its first period; one without rhythm is not foreseen."""
+    flown = mission(MOST_IMPORTANT, seed=4, seconds=10.0)
+    assert {m.stream for m in Forecaster(flown).expect(0, 10)} == set(range(10))
+    silent = flown.messages[-1].stream
+    rare = replace(flown, messages=tuple(m for m in flown.messages[:-1] if m.stream != silent))
+    rare = replace(rare, messages=(*rare.messages, flown.messages[-1]))
+    assert silent not in {m.stream for m in Forecaster(rare).expect(5, 50)}
+
+
+def test_flights_by_forecast_keep_constraints_and_end_with_the_mission():
+    """Windows are valid problems; the last ones say that nothing comes after them."""
+    flown = mission(FEW_IMPORTANT, seed=0, seconds=12.0)
+    decider = CentralDecider(flown, horizon=20, forecast=True)
+    for index in range(len(flown.messages)):
+        window = decider.window(index)
+        check_problem(window)
+        assert window.t_end <= flown.t_end
+        assert window.goes_on or window.t_end == flown.t_end
+        if whenever_it_fits(window):
+            decider.send(index)
+    assert not window.goes_on
+    assert violations(flown, decider.sends) == []
