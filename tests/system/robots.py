@@ -1,0 +1,154 @@
+"""Robots on hosts of their own: the daemon as an operator starts it, and applications beside it."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from tests.waiting import wait_until
+
+APPLICATION = Path(__file__).with_name("application.py")
+SENDWORTHY = (sys.executable, "-m", "proxy.cli")
+SPECS = """
+[[constraint]]
+kind = "throughput"
+limit = "{limit}"
+window = 0.5
+
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+aggregation = "most_recent"
+weight = 1.0
+utility = {{ kind = "video" }}
+"""
+
+
+class Robot:
+    """A daemon on a host, with everything by default but its name, its specs and the interface of its radio."""
+
+    def __init__(self, host, folder, *, limit, interface):
+        self.host = host
+        self.name = host.name
+        self._folder = folder
+        self._log = folder / "log"
+        self._apps = []
+        (folder / "specs.toml").write_text(SPECS.format(limit=limit))
+        (folder / "sendworthy.toml").write_text(
+            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
+        )
+        self.start()
+
+    def start(self):
+        """Start the daemon."""
+        command = (*SENDWORTHY, "run", "--config", str(self._folder / "sendworthy.toml"))
+        with self._log.open("w") as log:
+            self.daemon = self.host.start(*command, stderr=log)
+
+    def serves(self):
+        """Whether the daemon has started."""
+        assert self.daemon.poll() is None, self.log()
+        return "sendworthy: sendworthy " in self.log()
+
+    def log(self):
+        """What the daemon has logged."""
+        return self._log.read_text()
+
+    def status(self):
+        """What `sendworthy status --json` says here."""
+        asked = self.host.run(*SENDWORTHY, "status", "--json")
+        assert asked.returncode == 0, asked.stderr
+        return json.loads(asked.stdout)
+
+    def peers(self):
+        """The names of the robots that this one knows."""
+        return {peer["robot"] for peer in self.status()["peers"]}
+
+    def hear(self, key):
+        """Start an application that subscribes to `key`."""
+        return self._started(Listener(self.host, self._folder / f"app{len(self._apps)}", "hear", key))
+
+    def say(self, key, *, size, rate, block=False):
+        """Start an application that publishes on `key`: `rate` samples a second of `size` bytes."""
+        words = ("say", key, str(size), str(rate), *(("block",) if block else ()))
+        return self._started(Speaker(self.host, self._folder / f"app{len(self._apps)}", *words))
+
+    def stop(self, number=signal.SIGTERM):
+        """Ask the daemon to stop; return its exit code and how long it took [s]."""
+        asked = time.monotonic()
+        self.daemon.send_signal(number)
+        code = self.daemon.wait(10)
+        return code, time.monotonic() - asked
+
+    def kill(self):
+        """End the daemon as a power cut does."""
+        self.daemon.kill()
+        self.daemon.wait()
+
+    def close(self):
+        """End everything on the robot, however it fares."""
+        for app in self._apps:
+            app.close()
+        self.kill()
+        print(f"--- log of {self.name}\n{self.log()}")
+
+    def _started(self, app):
+        self._apps.append(app)
+        wait_until(app.ready, what=f"start of an application on {self.name}")
+        return app
+
+
+class Application:
+    """A program of `application.py` on a host."""
+
+    def __init__(self, host, output, *words):
+        self._output = output
+        with output.open("w") as written:
+            self._process = host.start(
+                *(sys.executable, str(APPLICATION), *words), stdin=subprocess.PIPE, stdout=written
+            )
+
+    def ready(self):
+        """Whether it is connected."""
+        assert self._process.poll() is None, "the application ended early"
+        return bool(self.told())
+
+    def told(self):
+        """What it has printed."""
+        lines = self._output.read_text().splitlines(keepends=True)
+        return [json.loads(line) for line in lines if line.endswith("\n")]
+
+    def close(self):
+        """End it."""
+        self._process.kill()
+        self._process.communicate()
+
+
+class Listener(Application):
+    """An application that subscribes."""
+
+    def heard(self, key=None):
+        """What it heard so far (of `key`), in order."""
+        return [sample for sample in self.told()[1:] if key in (None, sample["key"])]
+
+    def numbers(self, key):
+        """The numbers of the samples of `key` that it heard so far, in order."""
+        return [sample["number"] for sample in self.heard(key)]
+
+
+class Speaker(Application):
+    """An application that publishes."""
+
+    def stop(self):
+        """Let it end; return how many samples it published."""
+        self._process.communicate(timeout=10)
+        return self.told()[-1]
+
+
+def wait_until_met(robots, timeout=20.0):
+    """Wait until each robot knows all the others and only them."""
+    names = {robot.name for robot in robots}
+    for robot in robots:
+        wait_until(lambda robot=robot: robot.peers() == names - {robot.name}, timeout, f"{names} met by {robot.name}")

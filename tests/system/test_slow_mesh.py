@@ -1,0 +1,47 @@
+"""Applications of one robot hear each other at once, whatever state the mesh is in."""
+
+import pytest
+
+from tests.waiting import wait_until
+
+pytestmark = pytest.mark.system
+
+LATE = 0.5
+"""No local sample may take this long [s]; it takes milliseconds."""
+RATE = 50
+"""Local samples a second."""
+
+
+@pytest.fixture(params=[False, True], ids=["drop", "block"])
+def saturated(request, team):
+    """A robot whose applications say much more than its radio carries, in samples that may be dropped or not."""
+    robot, listening, _ = team()
+    robot.host.slow_down("200kbit")
+    heard = listening.hear("bulk")
+    speaker = robot.say("bulk", size=40_000, rate=10, block=request.param)
+    wait_until(lambda: heard.numbers("bulk"), 30, "a first sample over the slow radio")
+    yield robot
+    assert len(heard.numbers("bulk")) < speaker.stop() / 2, "the radio was not too slow"
+
+
+def test_a_slow_mesh_delays_nothing_local(saturated):
+    """While the radio is saturated local samples arrive at once, all of them."""
+    exchange(saturated, 5 * RATE)
+
+
+def test_a_dead_mesh_delays_nothing_local(saturated):
+    """Nor does a radio that dies under load delay local samples, before or after the others are given up."""
+    saturated.host.radio("down")
+    exchange(saturated, 5 * RATE)
+    assert saturated.peers() == set()
+
+
+def exchange(robot, count):
+    """Let two applications of `robot` exchange so many samples, and check that all come and none is late."""
+    listener = robot.hear("local")
+    speaker = robot.say("local", size=1000, rate=RATE, block=True)
+    wait_until(lambda: len(listener.numbers("local")) >= count, 3 * count / RATE, f"{count} local samples")
+    total = speaker.stop()
+    wait_until(lambda: len(listener.numbers("local")) == total, what=f"all {total} local samples")
+    assert listener.numbers("local") == list(range(total))
+    assert max(sample["heard"] - sample["sent"] for sample in listener.heard("local")) < LATE
