@@ -11,6 +11,7 @@ from planner import SearchSettings
 from proxy import clock
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
+from proxy.bridge.lane import Lane
 from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
@@ -40,6 +41,8 @@ class Daemon:
     def __init__(self, config: Config, specs: Specs) -> None:
         self._config = config
         self._specs = specs
+        self.robot = config.robot
+        """Our name on the mesh; another one than configured when that was taken."""
         self._stopped = threading.Event()
         self._closing = ExitStack()
 
@@ -87,7 +90,7 @@ class Daemon:
         config = self._config
         sides = open_sides(config.app, config.mesh, opening)
         self._zids = {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())}
-        robot = free_name(sides.mesh, config.robot)
+        robot = self.robot = free_name(sides.mesh, config.robot)
         core = Core(_core_settings(config, robot, self._zids["mesh"]), self._specs, clock.monotonic())
         loop = self._loop = Loop(core, self._execute)
         planner = config.planner
@@ -115,10 +118,12 @@ class Daemon:
         self._bridge.open()
         opening.callback(self._presence.close)
         self._presence.open()
+        lane = Lane("control")  # of its own: what waits for the mesh must not keep the operator waiting
+        opening.callback(lane.close, _PATIENCE)
         control = Control(
             app=sides.app,
             robot=robot,
-            lane=self._bridge.lanes[1],
+            lane=lane,
             on_loop=loop.post,
             status=self._status,
             switch=self._switch,

@@ -106,7 +106,7 @@ def serve(config: Config, specs: Specs, asked: SimpleQueue[str]) -> None:
 
     daemon = Daemon(config, specs)
     daemon.start()
-    log.info("%s", started(config, specs))
+    log.info("%s", started(config, specs, daemon.robot))
     try:
         log.info("stopping on %s", next_of(asked))
     finally:
@@ -122,13 +122,13 @@ def next_of(asked: SimpleQueue[str]) -> str:
             continue
 
 
-def started(config: Config, specs: Specs) -> str:
+def started(config: Config, specs: Specs, robot: str) -> str:
     """Describe the daemon in one line."""
     types = len(specs.types)
     covered = f"{types} information type{'s' * (types != 1)} from {config.specs.path}"
     specs_in_force = f"specs {specs.generation} ({covered})" if types else "no specs: everything passes"
     return (
-        f"sendworthy {version('sendworthy')}: robot {config.robot}, mode {config.mode.value}, "
+        f"sendworthy {version('sendworthy')}: robot {robot}, mode {config.mode.value}, "
         f"apps on {' '.join(config.app.listen)}, mesh on {' '.join(config.mesh.listen) or 'nothing'}"
         f"{' with scouting' * config.mesh.scouting}, {specs_in_force}"
     )

@@ -14,7 +14,8 @@ from proxy.core.errors import MalformedWireError
 from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState
 
 VERSION = 1
-MAX_BYTES = 65_536
+MAX_BYTES = 262_144
+"""A state of as many streams as a view holds fits, with keys of ordinary length."""
 MAX_TIME = 1e10
 MAX_COUNT = 2**53
 T = TypeVar("T")

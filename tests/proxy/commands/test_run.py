@@ -36,9 +36,9 @@ def test_the_start_is_one_line_with_everything(start, tmp_path):
 
 def test_without_specs_everything_passes():
     """The line at the start says that nothing is filtered, and how others are found."""
-    line = started(Config(robot="r1"), Specs.empty())
+    line = started(Config(robot="r1"), Specs.empty(), "r1-ab12")
     assert line.endswith(
-        "robot r1, mode enforce, apps on tcp/127.0.0.1:7447, mesh on tcp/0.0.0.0:7500 with scouting, "
+        "robot r1-ab12, mode enforce, apps on tcp/127.0.0.1:7447, mesh on tcp/0.0.0.0:7500 with scouting, "
         "no specs: everything passes"
     )
 
