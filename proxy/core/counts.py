@@ -36,10 +36,6 @@ class Counts:
         self.received += count
         self.by_reason[reason] += count
 
-    def knows(self, sample: int) -> bool:
-        """Whether the sample is queued here."""
-        return sample in self._queued
-
     @property
     def queued(self) -> int:
         """Samples that wait for a decision or to be handed over."""
