@@ -18,8 +18,8 @@ LEASE = 2000
 
 BATCH = 8192
 """Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than `LEASE`, which ends the link."""
-THREADS = "(tx: (worker_threads: 8), rx: (worker_threads: 8), net: (worker_threads: 4))"
-"""Both sides share Zenoh's threads, and a link that stands still keeps one: with few, it would stop the apps' side."""
+THREADS = "(tx: (worker_threads: 8), rx: (worker_threads: 64), net: (worker_threads: 4))"
+"""Both sides share Zenoh's threads, and a lost link keeps one for 10 s: with few, it would stop the apps' side."""
 os.environ.setdefault("ZENOH_RUNTIME", THREADS)  # read when the first session of the process opens
 
 PRIVATE = "sendworthy-private-"
