@@ -35,6 +35,10 @@ class Door:
         here = {"endpoints": [*options["listen"]["endpoints"], f"unixsock-stream/{self.main}"]}
         return merged(options, {"listen": here})
 
+    def hide(self) -> None:
+        """Move the socket from where the main session announces it: only its voice shall link here."""
+        self.main = self.main.rename(self.main.with_name("hidden"))
+
     def close(self) -> None:
         """Remove the place."""
         self._folder.cleanup()
@@ -54,6 +58,7 @@ class Voice:
         zenoh_options: Mapping[str, Any],
         changed: Callable[[], None],
     ) -> None:
+        door.hide()
         self.ledger = Ledger(changed)
         self._closing = ExitStack()
         tap = Tap(door.tap, door.main, self.ledger)
