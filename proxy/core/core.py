@@ -6,7 +6,6 @@
 The same events and settings give the same commands, whoever drives: the daemon, a simulation, a test.
 """
 
-from collections.abc import Callable
 from functools import singledispatchmethod
 from typing import Any
 
@@ -266,8 +265,7 @@ class Core:
             stream.id not in periods or abs(stream.period - periods[stream.id]) > 0.1 * max(stream.period, 1e-9)
             for stream in state.streams
         )
-        rest: Callable[[State], object] = lambda s: (s.mode, s.specs, s.subscriptions, s.origins, len(s.streams))  # noqa: E731
-        return moved or rest(told) != rest(state)
+        return moved or _without_periods(told) != _without_periods(state)
 
     def _own_state(self) -> State:
         return State(
@@ -280,6 +278,10 @@ class Core:
             wall_offset=self.settings.wall_offset,
             origins=tuple(self.view.origins),
         )
+
+
+def _without_periods(state: State) -> tuple[object, ...]:
+    return (state.mode, state.specs, state.subscriptions, state.origins, len(state.streams))
 
 
 def _stream_state(stream: Stream) -> StreamState:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from planner import Constraint, Plan
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice
 from proxy.core.counts import Counts
-from proxy.core.inbox import Inbox, Waiting
+from proxy.core.inbox import Evicted, Inbox, Waiting
 from proxy.core.limits import Limits, use_of
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
@@ -54,13 +54,11 @@ class Gate:
 
     def put(self, waiting: Waiting) -> list[Command]:
         """Queue a sample for its decision; it may evict another one."""
-        evicted = self.inbox.put(waiting)
-        return [] if evicted is None else [self._drop(evicted.sample, evicted.reason)]
+        return self._leave(self.inbox.put(waiting))
 
     def delete(self, key: str, sample: int) -> list[Command]:
         """A deletion of the key passes, behind what was published before it: never before a sample being decided."""
-        evicted = self.inbox.evict(key)
-        commands = [] if evicted is None else [self._drop(evicted.sample, evicted.reason)]
+        commands = self._leave(self.inbox.evict(key))
         if self.pending is not None and self.pending.sample.key == key:
             self._deletes.append(sample)
             return commands
@@ -156,8 +154,7 @@ class Gate:
         stream = self._own(now, sample)
         if stream is not None:
             stream.note_sent(stream.forwarded + 1, Sent(min(sample.t_gen, now), now, sample.size, sample.scale))
-            copies = self._view.copies(stream)
-            self._view.aired(copies, copies * sample.size)
+        self._tell(stream, sample.size)
         self._shares.use(now, use)
         return self.pass_on(sample.sample, reason)
 
@@ -166,10 +163,16 @@ class Gate:
         if self.mode is not Mode.SHADOW:
             return self._drop(sample.sample, reason)
         self.would_drop += 1
-        stream = self._own(now, sample)
-        copies = self._view.copies(stream) if stream is not None else 1
-        self._view.aired(copies, copies * sample.size)
+        self._tell(self._own(now, sample), sample.size)
         return self.pass_on(sample.sample, "passed:shadow")
+
+    def _tell(self, stream: Stream | None, size: int) -> None:
+        """Count a sample in what we tell others that we put on the air."""
+        copies = self._view.copies(stream) if stream is not None else 1
+        self._view.aired(copies, copies * size)
+
+    def _leave(self, evicted: Evicted | None) -> list[Command]:
+        return [] if evicted is None else [self._drop(evicted.sample, evicted.reason)]
 
     def _drop(self, sample: int, reason: str) -> Command:
         self._counts.drop(sample, reason)
