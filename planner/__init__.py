@@ -2,12 +2,22 @@
 
 from planner.engines import start
 from planner.errors import PlannerError, ProblemError, SearchError
-from planner.problem import Aggregation, Constraint, Message, Problem, Stream, Traffic
+from planner.problem import (
+    Aggregation,
+    AggregationModel,
+    Constraint,
+    Message,
+    Problem,
+    Receiver,
+    Stream,
+    Traffic,
+)
 from planner.search import Plan, Search, SearchSettings
 from planner.utility import Linear, MessageUtility, Video
 
 __all__ = [
     "Aggregation",
+    "AggregationModel",
     "Constraint",
     "Linear",
     "Message",
@@ -16,6 +26,7 @@ __all__ = [
     "PlannerError",
     "Problem",
     "ProblemError",
+    "Receiver",
     "Search",
     "SearchError",
     "SearchSettings",

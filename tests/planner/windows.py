@@ -2,23 +2,44 @@
 
 import itertools
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
-from planner import Constraint, Linear, Message, Problem, Stream, Traffic, Video
+from planner import (
+    Aggregation,
+    AggregationModel,
+    Constraint,
+    Linear,
+    Message,
+    Problem,
+    Receiver,
+    Stream,
+    Traffic,
+    Video,
+)
 from planner.beyond import look_beyond
 from planner.constraints import violations
-from planner.evaluation import utility
+from planner.definition import utility
+
+MARKOVIAN = (Aggregation.MOST_RECENT,)
 
 
 def window(
-    seed: int, *, robots: int = 4, horizon: int = 8, constraints: int = 1, grid: bool = False, goes_on: bool = True
+    seed: int,
+    *,
+    robots: int = 4,
+    horizon: int = 8,
+    constraints: int = 1,
+    grid: bool = False,
+    goes_on: bool = True,
+    aggregations: Sequence[Aggregation | AggregationModel] = MARKOVIAN,
 ) -> Problem:
     """Draw a window: some messages known to be sent, the current one in the midst of the rest.
 
-    With `grid` all times, sizes and values are round numbers, so that ties and closed window edges abound.
+    With `grid` all times, sizes and values are round numbers, so that ties and closed window edges abound. The streams
+    take the `aggregations` in turn; where there are several, streams have several receivers, too.
     """
     draw = random.Random(seed)
-    streams = tuple(Stream(robot) for robot in range(robots))
+    streams = tuple(_stream(seed, robot, aggregations) for robot in range(robots))
     past = draw.randint(0, 3)
     limits = tuple(_constraint(draw, k, grid=grid) for k in range(constraints))
     latency = 0.25 if grid else draw.uniform(0.0, 0.5)
@@ -54,6 +75,16 @@ def window(
         t_end=messages[-1].t_gen + draw.uniform(0.1, 1.5),
         goes_on=goes_on,
     )
+
+
+def _stream(seed: int, robot: int, aggregations: Sequence[Aggregation | AggregationModel]) -> Stream:
+    if len(aggregations) == 1:
+        return Stream(robot, aggregations[0])
+    draw = random.Random(1000 * seed + robot)
+    receivers = tuple(
+        Receiver(draw.choice((0.0, 0.1, 0.35)), draw.choice((0.5, 1.0, 2.0))) for _ in range(draw.randint(1, 3))
+    )
+    return Stream(robot, aggregations[(seed + robot) % len(aggregations)], receivers)
 
 
 def stale_window(seed: int) -> Problem:
