@@ -3,6 +3,7 @@
 import itertools
 import random
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 from planner import (
     Aggregation,
@@ -136,12 +137,28 @@ def open_messages(problem: Problem) -> list[int]:
 
 
 def objective(problem: Problem, sends: Iterable[int]) -> float:
-    """U, what the last message of each stream is worth beyond the window, less what all sent are charged there."""
+    """U, and what every stream leaves behind by its aggregation, less what all sent are charged beyond the window."""
     chosen, beyond = set(sends), look_beyond(problem)
-    received = [i for i, m in enumerate(problem.messages) if m.sent or i in chosen]
-    last = {problem.messages[i].stream: i for i in sorted(received, key=lambda i: problem.messages[i].t_rcv)}
-    left = sum(beyond.worth[i] for i in last.values()) - sum(beyond.charge[i] for i in chosen)
-    return utility(problem, chosen) + float(left)
+    total = -float(sum(beyond.charge[i] for i in chosen))
+    for number, stream in enumerate(problem.streams):
+        received = [i for i, m in enumerate(problem.messages) if m.stream == number and (m.sent or i in chosen)]
+        received.sort(key=lambda i: problem.messages[i].t_rcv)
+        match stream.aggregation:
+            case Aggregation.MOST_RECENT:
+                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received[-1:]])
+            case Aggregation.SUM:
+                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received])
+            case Aggregation.ONCE:
+                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received[:1]])
+            case _:
+                total += _of(problem, number, chosen, float(beyond.until[number]))
+    return float(total)
+
+
+def _of(problem: Problem, stream: int, chosen: set[int], t_end: float) -> float:
+    """U of one stream up to `t_end`."""
+    silent = tuple(s if at == stream else replace(s, receivers=()) for at, s in enumerate(problem.streams))
+    return utility(replace(problem, streams=silent, t_end=t_end), chosen)
 
 
 def optimum(problem: Problem, value: Callable[[Problem, Iterable[int]], float] = utility) -> tuple[float, float, float]:
