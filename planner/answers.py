@@ -1,5 +1,6 @@
 """From what a search found, levels of the tree, to the plan that it answers with and what explains it."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -41,7 +42,7 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
         iterations=iterations,
         nodes=found.nodes,
         lead=None if other is None else aim - other[0],
-        gap=None if found.bound is None else max(found.bound - aim, 0.0),
+        gap=None if found.bound is None or math.isinf(found.bound) else max(found.bound - aim, 0.0),
         prices=prices,
         binding=tuple(
             constraint.name for k, constraint in enumerate(tables.problem.constraints) if prices[k] > 0 or k in too_much

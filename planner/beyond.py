@@ -95,10 +95,10 @@ def look_beyond(problem: Problem) -> Beyond:
     if not problem.goes_on:
         free = np.zeros(len(problem.constraints))
         return Beyond(nothing, nothing[:, None] * free, free, np.zeros(streams), np.full(streams, problem.t_end))
-    columns = _columns(problem)
-    use = np.array([m.use for m in problem.messages]).reshape(len(columns), len(problem.constraints))
-    interval = _intervals(problem, columns)
     with np.errstate(over="ignore", invalid="ignore"):
+        columns = _columns(problem)
+        use = np.array([m.use for m in problem.messages]).reshape(len(columns), len(problem.constraints))
+        interval = _intervals(problem, columns)
         steady = _steady(problem, columns, use, interval)
         price = _prices(problem, steady)
         net = steady.value - steady.rate * (steady.use @ price)[:, None]
@@ -107,9 +107,10 @@ def look_beyond(problem: Problem) -> Beyond:
         worth = _worth(problem, columns, rent, interval)
         _extend(problem, columns, worth, steady.use_of(streams) @ price, interval)
         charges = _charges(problem, columns, use, price)
-    if not (np.isfinite(worth).all() and np.isfinite(charges).all()):
+        until = _until(problem, columns, steady, net, interval)
+    if not (np.isfinite(worth).all() and np.isfinite(charges).all() and np.isfinite(until).all()):
         raise ProblemError("the utility beyond the window is not finite: scale or utility parameters are too large")
-    return Beyond(worth, charges, price, rent, _until(problem, columns, steady, net, interval))
+    return Beyond(worth, charges, price, rent, until)
 
 
 def _columns(problem: Problem) -> Floats:

@@ -15,21 +15,21 @@ def utility(problem: Problem, sends: Iterable[int]) -> float:
     """U of the facts and the open messages `sends` up to t_end [utility·s]."""
     chosen = set(sends)
     total = 0.0
-    for number, stream in enumerate(problem.streams):
+    for number in sorted({m.stream for m in problem.messages}):
+        stream = problem.streams[number]
         received = [m for i, m in enumerate(problem.messages) if m.stream == number and (m.sent or i in chosen)]
         received.sort(key=lambda m: m.t_rcv)
         for receiver in stream.receivers:
             arrived = [replace(m, t_rcv=m.t_rcv + receiver.delay) for m in received]
             before_end = [m for m in arrived if m.t_rcv < problem.t_end]
-            if before_end:
-                total += receiver.share * _aggregated(stream.aggregation, before_end, problem.t_end)
+            total += receiver.share * _aggregated(stream.aggregation, before_end, problem.t_end)
     return total
 
 
 def _aggregated(aggregation: Aggregation | AggregationModel, received: Sequence[Message], t_end: float) -> float:
-    """Return what messages in the order of receipt are worth to one receiver; at least one of them."""
+    """Return what messages in the order of receipt are worth to one receiver."""
     if isinstance(aggregation, Aggregation):
-        return STANDARD[aggregation](received, t_end)
+        return STANDARD[aggregation](received, t_end) if received else 0.0
     state = aggregation.empty()
     for message in received:
         state = aggregation.add(state, message)
