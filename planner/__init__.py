@@ -13,24 +13,30 @@ from planner.problem import (
     Traffic,
 )
 from planner.search import Plan, Search, SearchSettings
-from planner.utility import Linear, MessageUtility, Video
+from planner.utility import Custom, Exponential, Linear, MessageUtility, Polynomial, Power, Step, Table, Video
 
 __all__ = [
     "Aggregation",
     "AggregationModel",
     "Constraint",
+    "Custom",
+    "Exponential",
     "Linear",
     "Message",
     "MessageUtility",
     "Plan",
     "PlannerError",
+    "Polynomial",
+    "Power",
     "Problem",
     "ProblemError",
     "Receiver",
     "Search",
     "SearchError",
     "SearchSettings",
+    "Step",
     "Stream",
+    "Table",
     "Traffic",
     "Video",
     "start",

@@ -7,7 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
@@ -31,20 +31,22 @@ _OTHER_WORDS = {
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """A kind of quantity: factors of its units to the base unit, and whether a number alone will do."""
+    """A kind of quantity: factors of its units to the base unit, whether a number alone will do, whether 0 will."""
 
     name: str
     units: Mapping[str, float]
     example: str
     plain: bool
+    zero: bool = False
 
     def parse(self, written: Any) -> float:
-        """Return a quantity above 0 in the base unit; raises QuantityError, which says what to write."""
+        """Return a quantity in the base unit; raises QuantityError, which says what to write."""
         if isinstance(written, bool) or not isinstance(written, str | int | float):
             raise QuantityError(f"must be a {self.name} such as {quoted(self.example)}, not {described(written)}")
         quantity = self._of_text(written) if isinstance(written, str) else self._of_number(written)
-        if not (math.isfinite(quantity) and quantity > 0.0):
-            raise QuantityError(f"must be a finite {self.name} above 0, not {described(written)}")
+        if not (math.isfinite(quantity) and (quantity > 0.0 or (self.zero and quantity == 0.0))):
+            least = "of at least 0" if self.zero else "above 0"
+            raise QuantityError(f"must be a finite {self.name} {least}, not {described(written)}")
         return quantity
 
     def _of_text(self, text: str) -> float:
@@ -86,6 +88,7 @@ DURATION = Dimension(
     "200 ms",
     plain=True,
 )
+AGE = replace(DURATION, zero=True)
 
 Rate = Annotated[float, BeforeValidator(RATE.parse, json_schema_input_type=str)]
 """[B/s], written with a unit: bits and bytes are mixed up too easily."""
@@ -97,3 +100,6 @@ Duration = Annotated[
     float, BeforeValidator(DURATION.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])
 ]
 """[s], written with a unit or as a number of seconds."""
+
+Age = Annotated[float, BeforeValidator(AGE.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])]
+"""[s], a duration that may be 0."""

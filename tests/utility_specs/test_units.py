@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from utility_specs.errors import QuantityError
-from utility_specs.units import DURATION, RATE, SIZE, Duration, Rate, Size
+from utility_specs.units import AGE, DURATION, RATE, SIZE, Duration, Rate, Size
 
 
 @pytest.mark.parametrize(
@@ -29,6 +29,9 @@ from utility_specs.units import DURATION, RATE, SIZE, Duration, Rate, Size
         (DURATION, "0.5", 0.5),
         (DURATION, 3, 3.0),
         (DURATION, 0.25, 0.25),
+        (AGE, "0 s", 0.0),
+        (AGE, 0, 0.0),
+        (AGE, "200 ms", 0.2),
     ],
 )
 def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
@@ -52,6 +55,8 @@ def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
         (DURATION, "0.5 sec", 'unknown unit "sec" (did you mean "s"?)'),
         (DURATION, "1 day", 'unknown unit "day" (known units: "s", "ms", "us", "μs", "min", "h")'),
         (DURATION, 0, "must be a finite duration above 0, not 0"),
+        (AGE, "-1 s", 'must be a finite duration of at least 0, not "-1 s"'),
+        (AGE, math.nan, "must be a finite duration of at least 0, not nan"),
         (DURATION, math.nan, "must be a finite duration above 0, not nan"),
         (DURATION, 10**400, "must be a finite duration above 0, not a huge number"),
     ],
