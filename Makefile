@@ -3,7 +3,9 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: setup demo test lint bench qualify test-system lock clean
+PACKAGES := planner proxy utility_specs studies
+
+.PHONY: setup demo test lint bench qualify test-system lock clean FORCE
 
 setup: .venv/ready
 
@@ -14,7 +16,12 @@ setup: .venv/ready
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock
 	touch $@
 
-.venv/ready: .venv/locked pyproject.toml CMakeLists.txt $(wildcard planner/native/*)
+# The editable installation knows the modules that there were; it is renewed when one comes or goes.
+.venv/modules: FORCE | .venv/bin/python
+	@find $(PACKAGES) -name '*.py' | sort > $@.new
+	@if cmp -s $@ $@.new; then rm $@.new; else mv $@.new $@; fi
+
+.venv/ready: .venv/locked .venv/modules pyproject.toml CMakeLists.txt $(wildcard planner/native/*)
 	$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps -e .
 	touch $@
 

@@ -24,9 +24,10 @@ from planner.utility import Flags, Floats, Ints
 class Gains:
     """What sending each open message adds, by level and state of its stream.
 
-    Level i decides the i-th open message. Every stream begins in state 0 and keeps its state when a message is
-    dropped. At level i the stream `stream[i]` may be in the first `start[i + 1] − start[i]` states; sending in state
-    s gains `gain[start[i] + s]` [utility·s] and leads to the state `after[start[i] + s]`.
+    Level i decides the i-th open message. Only streams that have any are counted here, in the order of the problem.
+    Each begins in state 0 and keeps its state when a message is dropped. At level i the stream `stream[i]` may be in
+    the first `start[i + 1] − start[i]` states; sending in state s gains `gain[start[i] + s]` [utility·s] and leads to
+    the state `after[start[i] + s]`.
     """
 
     stream: Ints
@@ -83,7 +84,7 @@ class _Tabulation:
         self._beyond = beyond
         self._stream = np.array([m.stream for m in problem.messages])
         self._opened = np.flatnonzero([not m.sent for m in problem.messages])
-        self._open_ended: list[custom.CustomStream | None] = [None] * len(problem.streams)
+        self._open_ended: dict[int, custom.CustomStream] = {}
 
     def gains(self) -> Gains:
         """Join the tables."""
@@ -92,8 +93,10 @@ class _Tabulation:
         aim = part.aim
         if beyond is not None:
             aim = aim - np.repeat(beyond.charge[self._opened], part.states)
+        streams, stream = np.unique(self._stream[self._opened], return_inverse=True)
+        kinds = [problem.streams[each].aggregation for each in streams]
         return Gains(
-            stream=self._stream[self._opened],
+            stream=stream,
             start=np.concatenate(([0], np.cumsum(part.states))),
             after=part.after,
             gain=part.gain,
@@ -101,8 +104,8 @@ class _Tabulation:
             everything=part.everything,
             aim=aim,
             aim_facts=part.aim_facts,
-            markovian=np.array([s.aggregation is Aggregation.MOST_RECENT for s in problem.streams], dtype=np.bool_),
-            open_ended=tuple(self._open_ended),
+            markovian=np.array([kind is Aggregation.MOST_RECENT for kind in kinds], dtype=np.bool_),
+            open_ended=tuple(self._open_ended.get(each) for each in streams.tolist()),
         )
 
     def _parts(self) -> Iterator[Part]:

@@ -25,7 +25,6 @@ class Tables:
     problem: Problem
     message: Ints
     current: int
-    streams: int
     gains: Gains
     beyond: Beyond | None
     checks: Checks
@@ -36,6 +35,11 @@ class Tables:
     def levels(self) -> int:
         """The number of open messages."""
         return len(self.message)
+
+    @property
+    def streams(self) -> int:
+        """The number of streams that have open messages."""
+        return len(self.gains.markovian)
 
     @property
     def states(self) -> Ints:
@@ -57,7 +61,6 @@ def tabulate(problem: Problem, *, beyond: bool = False) -> Tables:
         problem=problem,
         message=np.array(opened),
         current=opened.index(problem.current),
-        streams=len(problem.streams),
         gains=gains,
         beyond=left,
         checks=tabulate_checks(problem),

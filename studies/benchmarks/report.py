@@ -1,4 +1,4 @@
-"""Tables of results, for the terminal and as markdown with machine and date."""
+"""Results for the terminal, and as pages of markdown with machine and date."""
 
 import os
 import platform
@@ -8,6 +8,8 @@ from datetime import datetime
 from pathlib import Path
 
 import numpy as np
+
+from studies.benchmarks.charts import Chart
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +52,16 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores, {platform.system()}, {versions}"
 
 
-def write_page(path: Path, title: str, tables: Sequence[Table], now: datetime) -> None:
-    """Write the tables to a markdown page; folders are made as needed."""
+def write_page(path: Path, title: str, results: Sequence[Table | Chart], now: datetime) -> None:
+    """Write tables and charts to a markdown page, the pictures beside it; folders are made as needed."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    head = f"# {title}\n\nWritten by `python -m studies.benchmarks` on {now:%Y-%m-%d %H:%M} UTC. {machine()}.\n"
-    path.write_text("\n\n".join([head.rstrip(), *(table.markdown() for table in tables)]) + "\n")
+    origin = f"{now:%Y-%m-%d %H:%M} UTC. {machine()}"
+    sections = [f"# {title}", f"Written by `python -m studies.benchmarks` on {origin}."]
+    for result in results:
+        if isinstance(result, Table):
+            sections.append(result.markdown())
+        else:
+            picture = path.with_name(f"{path.stem}-{result.file_name()}")
+            result.draw(picture, origin)
+            sections.append(f"![{result.title}]({picture.name})")
+    path.write_text("\n\n".join(sections) + "\n")

@@ -5,10 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from planner import SearchSettings, start
+from planner import Aggregation, SearchSettings, start
 from planner.tables import tabulate
 from studies.central import CentralDecider
 from studies.workload import SCENARIOS, mission
+from tests.planner.windows import window
 
 pytestmark = pytest.mark.system
 
@@ -31,7 +32,7 @@ def kernel(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def windows():
-    """Windows of all scenarios as they come up in flight, with what was sent before as facts."""
+    """Windows of all scenarios as they come up in flight, and some of all aggregations side by side."""
     collected = []
     for seed, scenario in enumerate(SCENARIOS):
         decider = CentralDecider(mission(scenario, seed, seconds=12.0), horizon=40)
@@ -43,7 +44,11 @@ def windows():
             return search.plan().send
 
         decider.fly(policy)
-    return collected[::EVERY]
+    mixed = [
+        window(seed, robots=4, horizon=12, constraints=1 + seed % 3, aggregations=tuple(Aggregation))
+        for seed in range(20)
+    ]
+    return collected[::EVERY] + mixed
 
 
 def test_plans_are_those_of_the_module_and_memory_is_clean(kernel, windows):

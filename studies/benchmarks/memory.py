@@ -1,0 +1,83 @@
+"""Memory: what one search holds at most, and whether decisions leave anything behind."""
+
+import gc
+from pathlib import Path
+
+import planner
+from planner import Problem, SearchSettings
+from studies.benchmarks.report import Table
+from studies.benchmarks.speed import Team
+
+ITERATIONS = 10_000
+MEGABYTE = 1_000_000
+WARM = 2_000
+"""Decisions after which the interpreter has all that it keeps."""
+
+SETTINGS = (
+    SearchSettings(search="best"),
+    SearchSettings(search="paper"),
+    SearchSettings(search="paper", reduction="paper"),
+    SearchSettings(search="paper", reduction="exact"),
+)
+
+
+def measure_memory(*, quick: bool) -> list[Table]:
+    """Measure and return both tables; `quick` makes thousands of decisions instead of a million."""
+    return [_searches(), _growth(3_000 if quick else 1_000_000)]
+
+
+def resident() -> int:
+    """Return the memory of this process that is in use [B]; raise OSError where the system does not tell."""
+    gc.collect()
+    status = Path("/proc/self/status").read_text()
+    return next(int(line.split()[1]) for line in status.splitlines() if line.startswith("RssAnon")) * 1024
+
+
+def _searches() -> Table:
+    window = Team(10, 60).windows(1)[0]
+    rows = []
+    for settings in SETTINGS:
+        _decide(window, settings, ITERATIONS)
+        before = resident()
+        search = planner.start(window, settings)
+        search.run(ITERATIONS)
+        held = resident() - before
+        rows.append((_name(settings), f"{search.iterations:,}", f"{search.plan().nodes:,}", f"{held / MEGABYTE:.1f}"))
+        del search
+    return Table(
+        "A search of 10,000 iterations [MB]",
+        ("search", "iterations", "nodes", "memory"),
+        tuple(rows),
+        "10 robots, horizon 60; the tables of the window are in it. Best mode ends when its answer is proven, any mode"
+        " when its nodes are used up.",
+    )
+
+
+def _growth(decisions: int) -> Table:
+    windows = Team(10, 12).windows(50)
+    rows = []
+    for settings in SETTINGS[:2]:
+        grown = _grown(windows, settings, decisions)
+        rows.append((_name(settings), f"{decisions:,}", f"{grown / MEGABYTE:+.2f}"))
+    note = "Memory in use after so many decisions, less that after the first two thousand. Small windows."
+    return Table("What decisions leave behind [MB]", ("search", "decisions", "grown"), tuple(rows), note)
+
+
+def _grown(windows: list[Problem], settings: SearchSettings, decisions: int) -> int:
+    for at in range(WARM):
+        _decide(windows[at % len(windows)], settings, 30)
+    before = resident()
+    for at in range(decisions):
+        _decide(windows[at % len(windows)], settings, 30)
+    return resident() - before
+
+
+def _decide(window: Problem, settings: SearchSettings, iterations: int) -> None:
+    search = planner.start(window, settings)
+    search.run(iterations)
+    search.plan()
+
+
+def _name(settings: SearchSettings) -> str:
+    reduction = f", reduction {settings.reduction}" if settings.reduction != "off" else ""
+    return f"{settings.search}{reduction}"
