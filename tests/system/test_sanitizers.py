@@ -9,7 +9,7 @@ from planner import Aggregation, SearchSettings, start
 from planner.tables import tabulate
 from studies.central import CentralDecider
 from studies.workload import SCENARIOS, mission
-from tests.planner.windows import window
+from tests.planner.windows import window as drawn
 
 pytestmark = pytest.mark.system
 
@@ -45,7 +45,7 @@ def windows():
 
         decider.fly(policy)
     mixed = [
-        window(seed, robots=4, horizon=12, constraints=1 + seed % 3, aggregations=tuple(Aggregation))
+        drawn(seed, robots=4, horizon=12, constraints=1 + seed % 3, aggregations=tuple(Aggregation))
         for seed in range(20)
     ]
     return collected[::EVERY] + mixed
