@@ -1,4 +1,4 @@
-"""Quantities as people write them: `"2 Mbit/s"`, `"200 ms"`. Inside, everything is bytes and seconds.
+"""Quantities as people write them: `"2 Mbit/s"`, `"200 ms"`. Inside, everything is bytes, seconds and joules.
 
 Prefixes are decimal (1 kbit = 1000 bit), as everywhere in networking; `KiB` and its kin are powers of 1024.
 """
@@ -25,18 +25,21 @@ _OTHER_WORDS = {
     **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
     **dict.fromkeys(("msec", "millis", "milliseconds"), "ms"),
     **dict.fromkeys(("m", "minute", "minutes"), "min"),
+    **dict.fromkeys(("percent", "pct"), "%"),
+    **dict.fromkeys(("joule", "joules", "ws"), "J"),
 }
 """What people also call units, in lower case."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """A kind of quantity: factors of its units to the base unit, and whether a number alone will do."""
+    """A kind of quantity: factors of its units to the base unit, whether a number alone will do, the most it can be."""
 
     name: str
     units: Mapping[str, float]
     example: str
     plain: bool
+    most: float = math.inf
 
     def parse(self, written: Any) -> float:
         """Return a quantity above 0 in the base unit; raises QuantityError, which says what to write."""
@@ -45,6 +48,8 @@ class Dimension:
         quantity = self._of_text(written) if isinstance(written, str) else self._of_number(written)
         if not (math.isfinite(quantity) and quantity > 0.0):
             raise QuantityError(f"must be a finite {self.name} above 0, not {described(written)}")
+        if quantity > self.most:
+            raise QuantityError(f"must be a {self.name} of at most {self.most:g}, not {described(written)}")
         return quantity
 
     def _of_text(self, text: str) -> float:
@@ -86,6 +91,13 @@ DURATION = Dimension(
     "200 ms",
     plain=True,
 )
+FRACTION = Dimension("fraction", {"%": 0.01}, "40 %", plain=True, most=1.0)
+JOULE = Dimension(
+    "quantity of energy",
+    {"J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "μJ": 1e-6, "nJ": 1e-9, "kJ": 1e3, "mWh": 3.6, "Wh": 3600.0},
+    "0.5 J",
+    plain=False,
+)
 
 Rate = Annotated[float, BeforeValidator(RATE.parse, json_schema_input_type=str)]
 """[B/s], written with a unit: bits and bytes are mixed up too easily."""
@@ -97,3 +109,11 @@ Duration = Annotated[
     float, BeforeValidator(DURATION.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])
 ]
 """[s], written with a unit or as a number of seconds."""
+
+Fraction = Annotated[
+    float, BeforeValidator(FRACTION.parse, json_schema_input_type=float | str), Field(examples=["40 %"])
+]
+"""A part of a whole, above 0 and at most 1, written in percent or as a number."""
+
+Joule = Annotated[float, BeforeValidator(JOULE.parse, json_schema_input_type=str)]
+"""[J], written with a unit: batteries are rated in watt hours, radios in millionths of a joule."""
