@@ -2,24 +2,41 @@
 
 from planner.engines import start
 from planner.errors import PlannerError, ProblemError, SearchError
-from planner.problem import Aggregation, Constraint, Message, Problem, Stream, Traffic
+from planner.problem import (
+    Aggregation,
+    AggregationModel,
+    Constraint,
+    Message,
+    Problem,
+    Receiver,
+    Stream,
+    Traffic,
+)
 from planner.search import Plan, Search, SearchSettings
-from planner.utility import Linear, MessageUtility, Video
+from planner.utility import Custom, Exponential, Linear, MessageUtility, Polynomial, Power, Step, Table, Video
 
 __all__ = [
     "Aggregation",
+    "AggregationModel",
     "Constraint",
+    "Custom",
+    "Exponential",
     "Linear",
     "Message",
     "MessageUtility",
     "Plan",
     "PlannerError",
+    "Polynomial",
+    "Power",
     "Problem",
     "ProblemError",
+    "Receiver",
     "Search",
     "SearchError",
     "SearchSettings",
+    "Step",
     "Stream",
+    "Table",
     "Traffic",
     "Video",
     "start",

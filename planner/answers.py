@@ -1,36 +1,77 @@
-"""From what a search found, levels of the tree, to the plan that it answers with."""
+"""From what a search found, levels of the tree, to the plan that it answers with and what explains it."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
+from planner.constraints import overfilled
+from planner.definition import utility
+from planner.python_engine.path import Path
 from planner.search import Plan
 from planner.tables import Tables
 
 
-def answer(
-    tables: Tables, sends: Sequence[int], opposite: Sequence[int] | None, *, iterations: int, nodes: int
-) -> Plan:
-    """Return the plan that sends the levels `sends`, beside the best that decides the current message otherwise."""
-    taken = _entries(tables, sends)
-    other = None if opposite is None else _entries(tables, opposite)
-    aim = tables.aim
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What a search found: the levels that its plan sends, and those of the best plan that decides otherwise.
+
+    No plan exceeds `bound`; None when that is not known. `asked[k]` is what constraint k charges for sending the
+    current message within the window. Both are of what the search maximises [utility·s].
+    """
+
+    sends: Sequence[int]
+    opposite: Sequence[int] | None
+    bound: float | None
+    asked: Sequence[float]
+    nodes: int
+
+
+def answer(tables: Tables, found: Found, iterations: int) -> Plan:
+    """Return the plan, beside the best that decides the current message otherwise."""
+    send = tables.current in found.sends
+    aim, value = _worth(tables, found.sends)
+    other = None if found.opposite is None else _worth(tables, found.opposite)
+    charges = [0.0] * len(found.asked) if tables.beyond is None else tables.beyond.charges[_current(tables)].tolist()
+    prices = tuple(now + later for now, later in zip(found.asked, charges, strict=True))
+    too_much = () if send else overfilled(tables.checks, [*found.sends, tables.current])
     return Plan(
-        send=tables.current in sends,
-        sends=tuple(int(tables.message[level]) for level in sends),
-        utility=tables.gains.facts + float(tables.gains.gain[taken].sum()),
-        opposite=None if other is None else tables.gains.facts + float(tables.gains.gain[other].sum()),
+        send=send,
+        sends=tuple(int(tables.message[level]) for level in found.sends),
+        utility=value,
+        opposite=None if other is None else other[1],
         iterations=iterations,
-        nodes=nodes,
-        lead=None if other is None else float(aim[taken].sum() - aim[other].sum()),
+        nodes=found.nodes,
+        lead=None if other is None else aim - other[0],
+        gap=None if found.bound is None or math.isinf(found.bound) else max(found.bound - aim, 0.0),
+        prices=prices,
+        binding=tuple(
+            constraint.name for k, constraint in enumerate(tables.problem.constraints) if prices[k] > 0 or k in too_much
+        ),
     )
 
 
-def _entries(tables: Tables, sends: Sequence[int]) -> list[int]:
-    """Return where the gains of these levels, in order, stand in the tables."""
+def _current(tables: Tables) -> int:
+    return int(tables.message[tables.current])
+
+
+def _worth(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
+    """Return what the search maximises, and U, of the plan that sends these levels, in order [utility·s]."""
     gains = tables.gains
+    if not gains.closed:
+        return _walked(tables, sends)
     state = [0] * tables.streams
     entries = []
     for level in sends:
-        stream = gains.stream[level]
-        entries.append(int(gains.start[level]) + state[stream])
-        state[stream] = int(gains.number[level]) + 1
-    return entries
+        entry = int(gains.start[level]) + state[gains.stream[level]]
+        state[gains.stream[level]] = int(gains.after[entry])
+        entries.append(entry)
+    return gains.aim_facts + float(gains.aim[entries].sum()), gains.facts + float(gains.gain[entries].sum())
+
+
+def _walked(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
+    """Return the same where a stream is open ended and the table does not say it."""
+    path, aim = Path(tables), tables.gains.aim_facts
+    for level in range(tables.levels):
+        aim += path.gain(level) if level in sends else 0.0
+        path.step(level, send=level in sends)
+    return aim, utility(tables.problem, tables.message[list(sends)].tolist())

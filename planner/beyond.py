@@ -17,15 +17,22 @@ best when a unit of each constraint has a price. That gives, in closed form,
   the windows to come that hold m.
 
     objective = U up to t_c + Σ worth of the last message of each stream − Σ charges of the messages sent
+
+That is for `most_recent`. With `sum` every message goes on to earn what it has left after the window. With `once` the
+first does, less what the stream would earn by sending its first message after the window. With `best`, and where the
+caller defines the aggregation, what was received goes on to earn up to the time `until`: when the stream, sending as
+often as it pays, will have replaced it.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from planner.aggregations.custom import alone
 from planner.errors import ProblemError
-from planner.evaluation import Gains, integrals
-from planner.problem import Problem
+from planner.problem import Aggregation, AggregationModel, Problem
+from planner.received import integrals, receivers
 from planner.utility import Floats, Ints
 
 INTERVALS = np.array([1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 50, 100, 300], dtype=np.float64)
@@ -40,27 +47,24 @@ SWEEPS = 3
 
 @dataclass(frozen=True, slots=True)
 class Beyond:
-    """What a plan leaves behind, by message of the problem [utility·s].
+    """What a plan leaves behind [utility·s].
 
-    `worth[m]` is added to U when m is the last message of its stream, `charge[m]` taken off when m is sent. The
-    `price[k]` is that of a unit of constraint k, the `rent[i]` what stream i earns a second, net of it [utility].
+    By message of the problem: `worth[m]` is added to U when m is the message of its stream that counts at the end of
+    the window, `charges[m, k]` taken off for constraint k when m is sent. The `price[k]` is that of a unit of
+    constraint k. By stream: `rent[i]` is what it earns a second, net of prices [utility], `until[i]` when its utility
+    ends [s].
     """
 
     worth: Floats
-    charge: Floats
+    charges: Floats
     price: Floats
     rent: Floats
+    until: Floats
 
-    def aim(self, problem: Problem, gains: Gains) -> tuple[Floats, float]:
-        """Return what each of the gains adds to the objective, and the objective of the facts alone [utility·s]."""
-        opened = np.flatnonzero([not m.sent for m in problem.messages])
-        level = np.repeat(np.arange(len(opened)), np.diff(gains.start))
-        worth = np.append(self.worth, 0.0)
-        left = np.where(gains.lasts[level], worth[opened[level]] - worth[gains.replaced], 0.0)
-        facts = [i for i, m in enumerate(problem.messages) if m.sent]
-        last = {problem.messages[i].stream: i for i in sorted(facts, key=lambda i: problem.messages[i].t_rcv)}
-        charged = self.charge[opened[level]]
-        return gains.gain + left - charged, gains.facts + float(self.worth[list(last.values())].sum())
+    @property
+    def charge(self) -> Floats:
+        """What all constraints together take off for each message."""
+        return np.asarray(self.charges.sum(axis=1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,29 +79,49 @@ class _Steady:
     rate: Floats
     use: Floats
 
+    def use_of(self, streams: int) -> Floats:
+        """Return what a message uses, for all `streams`, those that do not go on included."""
+        use = np.zeros((streams, self.use.shape[1]))
+        use[self.stream] = self.use
+        return use
+
 
 def look_beyond(problem: Problem) -> Beyond:
     """Weigh what the messages of a valid problem leave behind: nothing when the mission ends with the window.
 
     Raises ProblemError when that is not finite.
     """
-    nothing = np.zeros(len(problem.messages))
+    streams, nothing = len(problem.streams), np.zeros(len(problem.messages))
     if not problem.goes_on:
-        return Beyond(nothing, nothing, np.zeros(len(problem.constraints)), np.zeros(len(problem.streams)))
-    columns = np.array([(m.stream, m.sent, m.t_gen, m.t_sent, m.t_rcv, m.scale) for m in problem.messages])
-    use = np.array([m.use for m in problem.messages]).reshape(len(columns), len(problem.constraints))
-    interval = _intervals(problem, columns)
+        free = np.zeros(len(problem.constraints))
+        return Beyond(nothing, nothing[:, None] * free, free, np.zeros(streams), np.full(streams, problem.t_end))
     with np.errstate(over="ignore", invalid="ignore"):
+        columns = _columns(problem)
+        use = np.array([m.use for m in problem.messages]).reshape(len(columns), len(problem.constraints))
+        interval = _intervals(problem, columns)
         steady = _steady(problem, columns, use, interval)
         price = _prices(problem, steady)
-        net = (steady.value - steady.rate * (steady.use @ price)[:, None]).max(axis=1)
-        rent = np.zeros(len(problem.streams))
-        rent[steady.stream] = np.maximum(net, 0.0)
+        net = steady.value - steady.rate * (steady.use @ price)[:, None]
+        rent = np.zeros(streams)
+        rent[steady.stream] = np.maximum(net.max(axis=1), 0.0)
         worth = _worth(problem, columns, rent, interval)
-        charge = _charge(problem, columns, use, price)
-    if not (np.isfinite(worth).all() and np.isfinite(charge).all()):
+        _extend(problem, columns, worth, steady.use_of(streams) @ price, interval)
+        charges = _charges(problem, columns, use, price)
+        until = _until(problem, columns, steady, net, interval)
+    if not (np.isfinite(worth).all() and np.isfinite(charges).all() and np.isfinite(until).all()):
         raise ProblemError("the utility beyond the window is not finite: scale or utility parameters are too large")
-    return Beyond(worth, charge, price, rent)
+    return Beyond(worth, charges, price, rent, until)
+
+
+def _columns(problem: Problem) -> Floats:
+    """Return stream, sent, t_gen, t_sent, t_rcv and scale of all messages, those of all receivers taken together."""
+    columns = np.array([(m.stream, m.sent, m.t_gen, m.t_sent, m.t_rcv, m.scale) for m in problem.messages])
+    delay, share = receivers(problem)
+    total = share.sum(axis=1)
+    of = columns[:, 0].astype(np.int64)
+    columns[:, 4] += ((delay * share).sum(axis=1) / np.where(total > 0, total, 1.0))[of]
+    columns[:, 5] *= total[of]
+    return columns
 
 
 def _steady(problem: Problem, columns: Floats, use: Floats, interval: Floats) -> _Steady:
@@ -106,6 +130,15 @@ def _steady(problem: Problem, columns: Floats, use: Floats, interval: Floats) ->
     of, t_gen, t_rcv = columns[opened, 0].astype(np.int64), columns[opened, 2], columns[opened, 4]
     age, apart = (t_rcv - t_gen)[:, None], interval[:, None] * INTERVALS
     area = _areas(problem, np.flatnonzero(opened), age, age + apart[of]) * columns[opened, 5][:, None]
+    for other, aggregation in _others(problem):
+        own = of == other
+        if aggregation is Aggregation.SUM:
+            area[own] = area[own, -1:]
+        elif aggregation is Aggregation.ONCE:
+            area[own] = 0.0
+        elif isinstance(aggregation, AggregationModel) and own.any():
+            first = problem.messages[np.flatnonzero(opened)[own.argmax()]]
+            area[own] = alone(problem, other, first, apart[other])
     mean = _means(of, len(interval))
     stream = np.flatnonzero(mean.any(axis=1))
     apart = apart[stream]
@@ -186,13 +219,55 @@ def _worth(problem: Problem, columns: Floats, rent: Floats, interval: Floats) ->
     return np.where(t_rcv < problem.t_end, worth, 0.0)
 
 
-def _charge(problem: Problem, columns: Floats, use: Floats, price: Floats) -> Floats:
-    """What the windows after the last decision charge for a message."""
+def _extend(problem: Problem, columns: Floats, worth: Floats, price: Floats, interval: Floats) -> None:
+    """Put in what messages are worth beyond the window where they do not count as the last of their stream.
+
+    `price[i]` is that of a message of stream i.
+    """
+    of, opened = columns[:, 0].astype(np.int64), columns[:, 1] == 0
+    for stream, aggregation in _others(problem):
+        own = np.flatnonzero(of == stream)
+        worth[own] = 0.0
+        if aggregation in (Aggregation.SUM, Aggregation.ONCE) and len(own):
+            begin = np.maximum(columns[own, 4], problem.t_end) - columns[own, 2]
+            life = _areas(problem, own, begin[:, None], (begin + INTERVALS[-1] * interval[stream])[:, None])
+            worth[own] = life[:, 0] * columns[own, 5]
+            coming = own[opened[own]]
+            if aggregation is Aggregation.ONCE and len(coming) > 1:
+                age = (columns[coming, 4] - columns[coming, 2])[:, None]
+                whole = _areas(problem, coming, age, age + INTERVALS[-1] * interval[stream])[:, 0] * columns[coming, 5]
+                worth[own] -= max(float(whole.mean() - price[stream]), 0.0)
+
+
+def _until(problem: Problem, columns: Floats, steady: _Steady, net: Floats, interval: Floats) -> Floats:
+    """Return when what was received of each stream will have been replaced, at t_end or later [s].
+
+    In the middle of the interval at which sending pays best, but not before its next message.
+    """
+    pause = INTERVALS[-1] * interval
+    pays = net.max(axis=1) > 0
+    pause[steady.stream[pays]] = 1.0 / steady.rate[pays, net.argmax(axis=1)[pays]]
+    of, opened, t_rcv = columns[:, 0].astype(np.int64), columns[:, 1] == 0, columns[:, 4]
+    coming = np.zeros(len(interval))
+    np.maximum.at(coming, of[opened], (t_rcv + interval[of])[opened])
+    t_c = min(problem.t_end, float(t_rcv[opened].max()))
+    return np.asarray(np.maximum(problem.t_end, np.maximum(coming, t_c + 0.5 * pause)))
+
+
+def _others(problem: Problem) -> Iterator[tuple[int, Aggregation | AggregationModel]]:
+    """Yield the streams whose message received last is not all that counts."""
+    for stream, each in enumerate(problem.streams):
+        if each.aggregation is not Aggregation.MOST_RECENT:
+            yield stream, each.aggregation
+
+
+def _charges(problem: Problem, columns: Floats, use: Floats, price: Floats) -> Floats:
+    """What the windows after the last decision charge for a message, by constraint."""
     sent, t_last = columns[:, 3], float(columns[columns[:, 1] == 0, 3].max())
-    charge = np.zeros(len(sent))
+    charges = np.zeros((len(sent), len(price)))
     for k, constraint in enumerate(problem.constraints):
         if price[k] > 0 and constraint.limit > 0:
             share = np.minimum(use[:, k], constraint.limit)
             length = constraint.window * np.maximum(use[:, k] / constraint.limit, 1.0)
-            charge += price[k] * share * np.maximum(sent + length - t_last, 0.0) / constraint.window
-    return charge
+            charges[:, k] = price[k] * share * np.maximum(sent + length - t_last, 0.0) / constraint.window
+    return charges

@@ -7,7 +7,7 @@ already known to be sent later. Both ask the same question: *what was sent since
 `room`*. The search keeps running totals along its path, so a check is one subtraction: constant time a step.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -179,6 +179,16 @@ def _binding(share: Floats, rows: Rows) -> Rows:
     implied = (of[1:] == of[:-1]) & (first[1:] == first[:-1]) & (capacity[1:] <= capacity[:-1])
     keep[:-1] &= ~implied
     return Rows(of[keep], first[keep], last[keep], capacity[keep])
+
+
+def overfilled(checks: Checks, sends: Sequence[int]) -> frozenset[int]:
+    """Return the constraints that sending these levels breaks."""
+    sent = np.zeros(len(checks.use), dtype=np.bool_)
+    sent[list(sends)] = True
+    used = np.concatenate((np.zeros((1, checks.use.shape[1])), np.cumsum(checks.use * sent[:, None], axis=0)))
+    level = np.repeat(np.arange(len(sent)), np.diff(checks.start))
+    broken = sent[level] & (used[level, checks.of] - used[checks.first, checks.of] > checks.room)
+    return frozenset(checks.of[broken].tolist())
 
 
 def violations(problem: Problem, sends: Iterable[int]) -> list[str]:

@@ -13,11 +13,12 @@ def start(problem: Problem, settings: SearchSettings, seed: int = 0) -> Search:
     """Start a search; raise ProblemError or SearchError when it has no meaning.
 
     The same problem, settings and seed give the same tree on either engine. Neither search draws random
-    numbers today, so that equal views give equal plans; the seed is for evaluation models that sample.
+    numbers today, so that equal views give equal plans; the seed is for evaluation models that sample. A stream
+    whose own aggregation has more states than a table holds is for the Python engine, whatever the settings say.
     """
     del seed
     check_settings(settings)
     tables = tabulate(problem, beyond=settings.search == "best")
-    if settings.engine == "native":
+    if settings.engine == "native" and tables.gains.closed:
         return NativeSearch(tables, settings)
     return PaperSearch(tables, settings) if settings.search == "paper" else BestSearch(tables, settings)

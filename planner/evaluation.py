@@ -1,175 +1,134 @@
 """The evaluation model: what a set of messages is worth, as gains that a search adds up (§2.2).
 
-For `most_recent` the utility of a stream is a sum over consecutive received messages, so adding message m' to
-what was received changes it by an amount that depends only on the last message before m' and the first after
-it. The messages that are known to be sent are fixed, and the open ones are decided in the order in which they
-are received. So the gain of sending m' depends only on the stream's *state*: which of its open messages was
-the last one sent. All gains of a window are tabulated at once before the search starts.
+U is a sum over streams, and a stream's part of it depends on which of its messages were received. The messages that
+are known to be sent are fixed, and the open ones are decided in the order in which they are received. So the gain of
+sending one depends only on the *state* of its stream: what matters of the open messages sent before. All gains of a
+window are tabulated at once before the search starts; `aggregations/` holds how, for each aggregation.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import cast
 
 import numpy as np
 
+from planner.aggregations import best, custom, independent, most_recent, once
+from planner.aggregations.part import Part, join
+from planner.beyond import Beyond
 from planner.errors import ProblemError
-from planner.problem import Message, Problem
-from planner.utility import Batched, Flags, Floats, Ints, MessageUtility
-
-MAX_GAINS = 4_000_000
-"""The greatest number of tabulated gains (32 MB); beyond it the horizon is a mistake."""
+from planner.problem import Aggregation, Problem
+from planner.received import Received
+from planner.utility import Flags, Floats, Ints
 
 
 @dataclass(frozen=True, slots=True)
 class Gains:
     """What sending each open message adds, by level and state of its stream.
 
-    Level i decides the i-th open message. `number[i]` counts the open messages of its stream before it. The
-    state of a stream is 0 when none of its open messages was sent, else 1 + the number of the last one sent;
-    so level i has the states 0 to `number[i]`, and sending it gains `gain[start[i] + state]` [utility·s] and
-    leads to the state `number[i] + 1`.
+    Level i decides the i-th open message. Every stream begins in state 0 and keeps its state when a message is
+    dropped. At level i the stream `stream[i]` may be in the first `start[i + 1] − start[i]` states; sending in state
+    s gains `gain[start[i] + s]` [utility·s] and leads to the state `after[start[i] + s]`.
     """
 
     stream: Ints
-    number: Ints
     start: Ints
+    after: Ints
     gain: Floats
     facts: float
     """U of the messages that are known to be sent [utility·s]."""
     everything: float
     """U(M) of Eq. 2: all messages of the window received [utility·s]."""
-    replaced: Ints
-    """The message of the problem that each gain takes the place of; −1 for none."""
-    lasts: Flags
-    """By level: whether nothing known to be sent replaces the message when it was received."""
+    aim: Floats
+    """What each of the gains adds to what the search maximises: U, or the objective of beyond.py [utility·s]."""
+    aim_facts: float
+    """The same of the facts alone [utility·s]."""
+    markovian: Flags
+    """By stream: whether the message received last is all that counts."""
+    open_ended: tuple[custom.CustomStream | None, ...]
+    """By stream: what works out the gains of one with more states than the table holds; None for all others."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether the table holds all there is to know."""
+        return all(model is None for model in self.open_ended)
 
 
-def tabulate_gains(problem: Problem) -> Gains:
-    """Tabulate all gains of a valid problem; raise ProblemError when they are too many or not finite."""
+def tabulate_gains(problem: Problem, beyond: Beyond | None = None) -> Gains:
+    """Tabulate all gains of a valid problem, to maximise U or what is left `beyond` the window, too.
+
+    Raises ProblemError when they are too many or not finite, or when an aggregation of the caller fails.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
-        gains = _Received(problem).gains()
-    if not (np.isfinite(gains.gain).all() and np.isfinite(gains.everything) and np.isfinite(gains.facts)):
+        gains = _Tabulation(problem, beyond).gains()
+    numbers = (gains.gain, gains.aim, gains.everything, gains.facts, gains.aim_facts)
+    if not all(np.isfinite(number).all() for number in numbers):
         raise ProblemError("the utility of the window is not finite: scale or utility parameters are too large")
     return gains
 
 
-class _Received:
-    """The messages of a window in the order of receipt, stream by stream; ties as in the window."""
+Standard = Callable[[Received, Floats | None], Part]
 
-    def __init__(self, problem: Problem) -> None:
-        messages = problem.messages
-        columns = np.array([(m.stream, m.sent, m.t_gen, m.t_rcv, m.scale) for m in messages], dtype=np.float64)
-        order = np.lexsort((columns[:, 3], columns[:, 0]))
-        columns = columns[order]
-        self.utilities = [messages[index].utility for index in order]
-        self.stream = columns[:, 0].astype(np.int64)
-        self.fact = columns[:, 1] != 0
-        self.t_gen = columns[:, 2]
-        self.t_rcv = np.minimum(columns[:, 3], problem.t_end)
-        self.scale = columns[:, 4]
-        self.t_end = problem.t_end
-        self.order = order
-        place = np.empty_like(order)
-        place[order] = np.arange(len(order))
-        self.open = place[[index for index, m in enumerate(messages) if not m.sent]]
-        """Where the message of each level stands in the order of receipt."""
+BY_WORTH: dict[Aggregation, Standard] = {
+    Aggregation.MOST_RECENT: most_recent.tabulate,
+    Aggregation.SUM: independent.tabulate,
+    Aggregation.ONCE: once.tabulate,
+}
+"""The aggregations whose messages leave behind what each is worth beyond the window."""
+
+
+class _Tabulation:
+    """The tables of all streams, aggregation by aggregation."""
+
+    def __init__(self, problem: Problem, beyond: Beyond | None) -> None:
+        self._problem = problem
+        self._beyond = beyond
+        self._stream = np.array([m.stream for m in problem.messages])
+        self._opened = np.flatnonzero([not m.sent for m in problem.messages])
+        self._open_ended: list[custom.CustomStream | None] = [None] * len(problem.streams)
 
     def gains(self) -> Gains:
-        """Tabulate: a message adds its own utility and takes that of the one before, from its receipt on."""
-        count = len(self.stream)
-        places = np.arange(count)
-        fact_before, fact_after = self._facts_around(places)
-        open_in_order = np.sort(self.open)
-        first = np.searchsorted(self.stream[open_in_order], self.stream[self.open])
-        number = np.searchsorted(open_in_order, self.open) - first
-        start = np.concatenate(([0], np.cumsum(number + 1)))
-        if start[-1] > MAX_GAINS:
-            raise ProblemError(f"the window has {start[-1]:,} gains to tabulate, at most {MAX_GAINS:,} are possible")
-        level = np.repeat(np.arange(len(number)), number + 1)
-        state = np.arange(start[-1]) - start[level]
-        sent_before = np.where(state > 0, open_in_order[first[level] + np.maximum(state, 1) - 1], -1)
-        before = np.maximum(sent_before, fact_before[self.open[level]])
-        after = np.append(self.t_rcv, self.t_end)
-        next_received = np.append(np.where(self.stream[1:] == self.stream[:-1], places[1:], count), count)
-        facts = np.flatnonzero(self.fact)
-
-        which = np.concatenate((self.open, np.maximum(before, 0), places, facts))
-        begin = np.concatenate((self.t_rcv[self.open], self.t_rcv[self.open[level]], self.t_rcv, self.t_rcv[facts]))
-        until = np.concatenate((fact_after[self.open], fact_after[self.open[level]], next_received, fact_after[facts]))
-        worth = self._worth(which, begin, after[until])
-        own, lost, everything, known = np.split(worth, np.cumsum((len(self.open), len(level), count)))
+        """Join the tables."""
+        problem, beyond = self._problem, self._beyond
+        part = join(list(self._parts()))
+        aim = part.aim
+        if beyond is not None:
+            aim = aim - np.repeat(beyond.charge[self._opened], part.states)
         return Gains(
-            stream=self.stream[self.open],
-            number=number,
-            start=start,
-            gain=own[level] - np.where(before >= 0, lost, 0.0),
-            facts=float(known.sum()),
-            everything=float(everything.sum()),
-            replaced=np.where(before >= 0, self.order[before], -1),
-            lasts=fact_after[self.open] == count,
+            stream=self._stream[self._opened],
+            start=np.concatenate(([0], np.cumsum(part.states))),
+            after=part.after,
+            gain=part.gain,
+            facts=part.facts,
+            everything=part.everything,
+            aim=aim,
+            aim_facts=part.aim_facts,
+            markovian=np.array([s.aggregation is Aggregation.MOST_RECENT for s in problem.streams], dtype=np.bool_),
+            open_ended=tuple(self._open_ended),
         )
 
-    def _facts_around(self, places: Ints) -> tuple[Ints, Ints]:
-        """Return the places of the last fact before and the first after each; −1 and the count if none."""
-        count = len(places)
-        before = np.append(-1, np.maximum.accumulate(np.where(self.fact, places, -1))[:-1])
-        after = np.append(np.minimum.accumulate(np.where(self.fact, places, count)[::-1])[::-1][1:], count)
-        same_before = (before >= 0) & (self.stream[before] == self.stream)
-        same_after = (after < count) & (self.stream[np.minimum(after, count - 1)] == self.stream)
-        return np.where(same_before, before, -1), np.where(same_after, after, count)
+    def _parts(self) -> Iterator[Part]:
+        """Yield the table of each aggregation that has messages."""
+        kinds = [stream.aggregation for stream in self._problem.streams]
+        worth, until = (None, None) if self._beyond is None else (self._beyond.worth, self._beyond.until)
+        for kind in dict.fromkeys(kind for kind in kinds if isinstance(kind, Aggregation)):
+            received = self._received([stream for stream, own in enumerate(kinds) if own is kind])
+            if received is not None:
+                known = BY_WORTH.get(kind)
+                yield best.tabulate(received, until) if known is None else known(received, worth)
+        for stream, aggregation in enumerate(kinds):
+            if not isinstance(aggregation, Aggregation) and (self._stream == stream).any():
+                yield self._custom(stream, self._problem.t_end if until is None else float(until[stream]))
 
-    def _worth(self, which: Ints, begin: Floats, until: Floats) -> Floats:
-        """Scaled ∫ of the utility of message `which[j]` over the times `begin[j]` to `until[j]`."""
-        born = self.t_gen[which]
-        start = np.maximum(begin - born, 0.0)
-        end = np.maximum(until - born, start)
-        return self.scale[which] * integrals(self.utilities, which, start, end)
+    def _received(self, streams: list[int]) -> Received | None:
+        if len(streams) == len(self._problem.streams):
+            return Received(self._problem, np.arange(len(self._stream)), np.arange(len(self._opened)))
+        members = np.isin(self._stream, streams)
+        if not members.any():
+            return None
+        return Received(self._problem, np.flatnonzero(members), np.flatnonzero(members[self._opened]))
 
-
-def integrals(utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats) -> Floats:
-    """∫ of `utilities[which[j]]` over the ages `[start[j], end[j]]`, kind by kind [1]."""
-    kinds = set(map(type, utilities))
-    if len(kinds) == 1 and isinstance(utilities[0], Batched):
-        batched = cast("type[Batched]", type(utilities[0]))
-        return batched.integrals(cast("Sequence[Batched]", utilities), which, start, end)
-    result = np.zeros(len(which))
-    for kind in sorted(kinds, key=lambda kind: f"{kind.__module__}.{kind.__qualname__}"):
-        members = np.array([type(utility) is kind for utility in utilities])
-        chosen = members[which]
-        result[chosen] = _of_one_kind(kind, utilities, which[chosen], start[chosen], end[chosen])
-    return result
-
-
-def _of_one_kind(
-    kind: type[MessageUtility], utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats
-) -> Floats:
-    if issubclass(kind, Batched):
-        used, index = np.unique(which, return_inverse=True)
-        return kind.integrals([utilities[at] for at in used], index, start, end)
-    result = np.zeros(len(which))
-    for at in np.unique(which):
-        chosen = which == at
-        result[chosen] = utilities[at].integral(start[chosen], end[chosen])
-    return result
-
-
-def utility(problem: Problem, sends: Iterable[int]) -> float:
-    """U of the facts and the open messages `sends`, by the definition, message by message [utility·s]."""
-    chosen = set(sends)
-    total = 0.0
-    for stream in range(len(problem.streams)):
-        received = sorted(
-            (m.t_rcv, index)
-            for index, m in enumerate(problem.messages)
-            if m.stream == stream and (m.sent or index in chosen) and m.t_rcv < problem.t_end
-        )
-        for (t_rcv, index), (end, _) in pairwise([*received, (problem.t_end, -1)]):
-            total += _worth_between(problem.messages[index], t_rcv, end)
-    return total
-
-
-def _worth_between(message: Message, begin: float, end: float) -> float:
-    ages = np.array([begin - message.t_gen]), np.array([end - message.t_gen])
-    return message.scale * float(message.utility.integral(*ages)[0])
+    def _custom(self, stream: int, until: float) -> Part:
+        levels = np.flatnonzero(self._stream[self._opened] == stream).tolist()
+        part, whole = custom.tabulate(self._problem, stream, levels, until)
+        if not whole:
+            self._open_ended[stream] = custom.CustomStream(self._problem, stream, levels, until)
+        return part

@@ -1,7 +1,7 @@
 """The native engine behind the planner's interface: C++ searches that run without the GIL."""
 
 from planner import _native
-from planner.answers import answer
+from planner.answers import Found, answer
 from planner.python_engine import best, tree
 from planner.search import Plan, SearchSettings
 from planner.tables import Tables
@@ -34,12 +34,8 @@ class NativeSearch:
 
     def plan(self) -> Plan:
         """Return the best answer so far; defined after any number of iterations, zero included."""
-        if isinstance(self._kernel, _native.BestSearch):
-            sends, other, nodes = self._kernel.plan()
-            return answer(self._tables, sends, other, iterations=self.iterations, nodes=nodes)
-        send, sends, utility, opposite, nodes = self._kernel.plan()
-        lead = None if opposite is None else utility - opposite
-        return Plan(send, tuple(sends), utility, opposite, self.iterations, nodes, lead)
+        sends, opposite, bound, asked, nodes = self._kernel.plan()
+        return answer(self._tables, Found(sends, opposite, bound, asked, nodes), self.iterations)
 
     def tree(self) -> list[tree.Row] | list[best.Row]:
         """Every node in the order of creation, to compare engines."""

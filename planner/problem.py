@@ -6,8 +6,10 @@ planner sees it, a *constraint* limits what the messages sent within a sliding w
 and 6).
 """
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any, Protocol, runtime_checkable
 
 from planner.utility import MessageUtility
 
@@ -17,14 +19,12 @@ class Aggregation(StrEnum):
 
     MOST_RECENT = "most_recent"
     """The utility is that of the message received last (Markovian, §3.2.2)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Stream:
-    """The samples of one key from one robot."""
-
-    robot: int
-    aggregation: Aggregation = Aggregation.MOST_RECENT
+    BEST = "best"
+    """The utility is the greatest of all that was received."""
+    SUM = "sum"
+    """The utilities of all that was received add up."""
+    ONCE = "once"
+    """The utility is that of the message received first; nothing after it is worth anything."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +32,8 @@ class Message:
     """A sample as the planner sees it.
 
     `use[k]` is what sending it uses of constraint `k` (bytes for `throughput`; 0 where the constraint does
-    not concern it). `scale` multiplies the message utility: weight × scale expression × receivers × expected
-    arrival. A message with `sent` is a fact: it is counted and never decided. All others are decisions of the
-    tree.
+    not concern it). `scale` multiplies the message utility: weight × scale expression. A message with `sent` is a
+    fact: it is counted and never decided. All others are decisions of the tree.
     """
 
     stream: int
@@ -45,6 +44,46 @@ class Message:
     scale: float
     use: tuple[float, ...]
     sent: bool = False
+
+
+@runtime_checkable
+class AggregationModel(Protocol):
+    """An aggregation of the caller's own: what any set of received messages of a stream is worth ("any U", §2.2).
+
+    Messages are added in the order of receipt. Of equal states the planner keeps one, so states are best small and
+    hashable; they are never changed in place. A stream may hold the messages of several robots, where what one
+    sends makes the other's superfluous.
+    """
+
+    def empty(self) -> Hashable:
+        """Return the state in which nothing was received."""
+
+    def add(self, state: Any, message: Message) -> Hashable:
+        """Return the state once `message`, too, was received at its `t_rcv` [s]."""
+
+    def value(self, state: Any, t_end: float) -> float:
+        """Return what the messages of a state are worth until `t_end` [s], their scales included [utility·s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Receiver:
+    """Somebody who wants the messages of a stream, or several alike.
+
+    Each message arrives `delay` [s] after its `t_rcv`, and counts `share` times: how many they are × their weight ×
+    the part of messages that is expected to arrive.
+    """
+
+    delay: float = 0.0
+    share: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """The samples of one key from one robot. What nobody receives is worth nothing."""
+
+    robot: int
+    aggregation: Aggregation | AggregationModel = Aggregation.MOST_RECENT
+    receivers: tuple[Receiver, ...] = (Receiver(),)
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,13 +26,18 @@ class SearchSettings:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The answer of a search.
+    """The answer of a search, and what explains it.
 
     `send` decides the current message. `sends` are the indices of all open messages that the best plan found
     sends, the current one included when `send`. `utility` is U of that plan with the facts [utility·s];
     `opposite` is that of the best plan found with the opposite decision (None when there is none). `nodes`
-    counts the tree. The `lead` is what speaks for the decision: by how much the plan exceeds the other one in
-    what the search maximises, in best mode U and what is left behind at the end of the window (`beyond.py`).
+    counts the tree.
+
+    The others are of what the search maximises, in best mode U and what is left behind at the end of the window
+    (`beyond.py`) [utility·s]. The `lead` is what speaks for the decision: by how much the plan exceeds the other one.
+    No plan exceeds it by more than `gap`: 0 when it is proven to be the best, None when no bound is known.
+    `prices[k]` is what constraint k asks for sending the current message, and `binding` names the constraints that
+    ask anything or have no room for it in the plan. `seconds` is what the decision took, for the caller to fill in.
     """
 
     send: bool
@@ -42,6 +47,10 @@ class Plan:
     iterations: int
     nodes: int
     lead: float | None = None
+    gap: float | None = None
+    prices: tuple[float, ...] = ()
+    binding: tuple[str, ...] = ()
+    seconds: float | None = None
 
 
 class Search(Protocol):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.beyond import look_beyond
+from planner.beyond import Beyond, look_beyond
 from planner.constraints import Checks, tabulate_checks
 from planner.evaluation import Gains, tabulate_gains
 from planner.problem import Problem
@@ -22,14 +22,12 @@ SHORTEST_PROGRESS = 0.01
 class Tables:
     """One problem, tabulated. Level i of the tree decides its message `message[i]`; `current` is a level."""
 
+    problem: Problem
     message: Ints
     current: int
     streams: int
     gains: Gains
-    aim: Floats
-    """What each of the gains adds to what the search maximises: U, or the objective of beyond.py [utility·s]."""
-    aim_facts: float
-    """The same of the facts alone [utility·s]."""
+    beyond: Beyond | None
     checks: Checks
     scale: Floats
     """scale[d]: what turns the utility of a node of level d into its score, ψ·U(M) of Eq. 2 [utility·s]."""
@@ -39,20 +37,29 @@ class Tables:
         """The number of open messages."""
         return len(self.message)
 
+    @property
+    def states(self) -> Ints:
+        """How many states each stream may be in."""
+        states = np.ones(self.streams, dtype=np.int64)
+        np.maximum.at(states, self.gains.stream, np.diff(self.gains.start))
+        at = np.repeat(self.gains.stream, np.diff(self.gains.start))
+        np.maximum.at(states, at, self.gains.after + 1)
+        return states
+
 
 def tabulate(problem: Problem, *, beyond: bool = False) -> Tables:
     """Tabulate a problem, to maximise U or, with `beyond`, the objective; raise ProblemError without meaning."""
     check_problem(problem)
     opened = [index for index, m in enumerate(problem.messages) if not m.sent]
-    gains = tabulate_gains(problem)
-    aim, aim_facts = look_beyond(problem).aim(problem, gains) if beyond else (gains.gain, gains.facts)
+    left = look_beyond(problem) if beyond else None
+    gains = tabulate_gains(problem, left)
     return Tables(
+        problem=problem,
         message=np.array(opened),
         current=opened.index(problem.current),
         streams=len(problem.streams),
         gains=gains,
-        aim=aim,
-        aim_facts=aim_facts,
+        beyond=left,
         checks=tabulate_checks(problem),
         scale=_score_scale(problem, opened, gains.everything),
     )

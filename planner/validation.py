@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from planner.errors import ProblemError, SearchError
-from planner.problem import Aggregation, Message, Problem
+from planner.problem import Aggregation, AggregationModel, Message, Problem
 from planner.search import SearchSettings
 from planner.utility import Floats
 
@@ -62,8 +62,16 @@ def _check_constraints(problem: Problem) -> None:
 
 def _check_streams(problem: Problem) -> None:
     for index, stream in enumerate(problem.streams):
-        if stream.aggregation is not Aggregation.MOST_RECENT:
-            raise ProblemError(f"stream {index}: aggregation {stream.aggregation!r} is not known")
+        if not isinstance(stream.aggregation, Aggregation | AggregationModel):
+            raise ProblemError(
+                f"stream {index}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty, add"
+                f" and value, not {stream.aggregation!r}"
+            )
+        for receiver in stream.receivers:
+            if not (math.isfinite(receiver.delay) and receiver.delay >= 0):
+                raise ProblemError(f"stream {index}: a receiver's delay must be >= 0 s, not {receiver.delay}")
+            if not (math.isfinite(receiver.share) and receiver.share >= 0):
+                raise ProblemError(f"stream {index}: a receiver's share must be >= 0, not {receiver.share}")
 
 
 def _check_messages(problem: Problem) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from planner.errors import ProblemError
 from planner.problem import Aggregation
 from utility_specs.errors import SpecProblem, SpecsError, TomlError
 from utility_specs.expressions import Expression
@@ -50,6 +51,7 @@ def load_set(paths: Sequence[Path]) -> SpecSet:
         try:
             sources.append(TomlSource.read(path))
             tables.append(SpecFile.model_validate(sources[-1].data))
+            problems += _failing_utilities(sources[-1], tables[-1])
         except TomlError as error:
             problems += error.problems
         except ValidationError as error:
@@ -81,6 +83,18 @@ def _files_of(paths: Iterable[Path], problems: list[SpecProblem]) -> list[Path]:
             if not found:
                 problems.append(SpecProblem(path, None, "", "has no *.toml file in it"))
     return list(files.values())
+
+
+def _failing_utilities(source: TomlSource, file: SpecFile) -> list[SpecProblem]:
+    """Return a problem for each utility that cannot be made, such as a Python function that raises."""
+    problems = []
+    for index, table in enumerate(file.information_type):
+        try:
+            table.message_utility()
+        except ProblemError as error:
+            message = " ".join(str(error).removeprefix(f"{table.utility.kind} utility: ").split())
+            problems.append(source.problem(("information_type", index, "utility"), message))
+    return problems[:MOST_PROBLEMS]
 
 
 def _repeated(sources: Iterable[TomlSource], key: str) -> list[SpecProblem]:
@@ -124,7 +138,7 @@ def _information_type(table: InformationTypeTable) -> InformationType:
         keys=tuple(table.keys),
         aggregation=Aggregation(table.aggregation),
         weight=table.weight,
-        utility=table.utility.utility(),
+        utility=table.message_utility(),
         expression=Expression.compile(table.scale, table.features),
         features=tuple((name, feature.feature()) for name, feature in table.features.items()),
         forecast=LastForecast(),

@@ -7,13 +7,13 @@ from typing import Annotated, Literal
 import zenoh
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
-from planner.utility import Linear, MessageUtility, Video
+from planner.utility import MessageUtility
 from utility_specs.constraint_tables import AnyConstraintTable
 from utility_specs.expressions import CONSTANTS, FUNCTIONS, Expression
 from utility_specs.features import AnyFeatureTable
 from utility_specs.names import Name
 from utility_specs.suggestions import described
-from utility_specs.units import Duration
+from utility_specs.utilities import AnyUtilityTable
 
 
 class Table(BaseModel):
@@ -42,38 +42,6 @@ FeatureName = Annotated[str, AfterValidator(_feature_name)]
 KeyExpression = Annotated[str, AfterValidator(_key_expression)]
 
 
-class LinearTable(Table):
-    """`max(0, u0 − slope·age)`."""
-
-    kind: Literal["linear"]
-    u0: float = Field(default=1.0, gt=0.0)
-    slope: float = Field(gt=0.0)
-
-    def utility(self) -> MessageUtility:
-        """Return the planner's function."""
-        return Linear(self.u0, self.slope)
-
-
-class VideoTable(Table):
-    """1 up to the age `a0`, then falling with its logarithm to 0 at `a1`."""
-
-    kind: Literal["video"]
-    a0: Duration = 1 / 30
-    a1: Duration = Field(default=10.0, validate_default=True)
-
-    @field_validator("a1")
-    @classmethod
-    def _after_a0(cls, a1: float, info: ValidationInfo) -> float:
-        a0 = info.data.get("a0", 0.0)
-        if a1 <= a0:
-            raise ValueError(f"must be more than a0 ({a0:g} s), not {a1:g} s")
-        return a1
-
-    def utility(self) -> MessageUtility:
-        """Return the planner's function."""
-        return Video(self.a0, self.a1)
-
-
 class ForecastTable(Table):
     """How what is not known yet is estimated."""
 
@@ -87,7 +55,7 @@ class InformationTypeTable(Table):
     keys: Annotated[list[KeyExpression], Field(min_length=1)]
     aggregation: Literal["most_recent"] = "most_recent"
     weight: float = Field(default=1.0, ge=0.0)
-    utility: Annotated[LinearTable | VideoTable, Field(discriminator="kind")]
+    utility: AnyUtilityTable
     features: dict[FeatureName, AnyFeatureTable] = {}
     scale: str = "1"
     forecast: ForecastTable = ForecastTable()
@@ -98,6 +66,10 @@ class InformationTypeTable(Table):
         if "features" in info.data:  # else they have problems of their own
             Expression.compile(scale, info.data["features"])
         return scale
+
+    def message_utility(self) -> MessageUtility:
+        """Return the planner's function, for the defaults of all features; raises ProblemError when it fails."""
+        return self.utility.utility({name: feature.default for name, feature in self.features.items()})
 
 
 class SpecFile(Table):

@@ -3,16 +3,17 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from threading import Lock
-from typing import Any, Protocol, Self
+from typing import Any, Protocol, Self, cast
 
 import zenoh
 
+from planner.errors import ProblemError
 from planner.measures import Measure
 from planner.problem import Aggregation
-from planner.utility import MessageUtility
+from planner.utility import Custom, MessageUtility
 from utility_specs.errors import ExpressionError
 from utility_specs.expressions import Expression
 from utility_specs.features import Feature
@@ -20,6 +21,9 @@ from utility_specs.forecast import FeatureForecast
 
 MATCHES_KEPT = 4096
 """Keys whose information type is remembered."""
+
+UTILITIES_KEPT = 256
+"""Combinations of features whose tabulated `python` utility each type remembers."""
 
 
 class Payload(Protocol):
@@ -46,14 +50,14 @@ class _Copied:
 
 
 class Failures:
-    """How often each feature, or the scale, had to be replaced by its default."""
+    """How often each feature, the scale, or a `python` utility had to be replaced by its default."""
 
     def __init__(self) -> None:
         self._counts: Counter[str] = Counter()
         self._lock = Lock()
 
     def note(self, what: str) -> None:
-        """Count one failure of a feature (by name) or of `scale`."""
+        """Count one failure of a feature (by name), of `scale` or of `utility`."""
         with self._lock:
             self._counts[what] += 1
 
@@ -73,7 +77,10 @@ class ConstraintSpec:
 
 @dataclass(frozen=True, slots=True)
 class InformationType:
-    """What a spec says about a group of keys; each key of each robot is a stream of its own."""
+    """What a spec says about a group of keys; each key of each robot is a stream of its own.
+
+    `utility` is that of samples with the default features.
+    """
 
     name: str
     keys: tuple[str, ...]
@@ -84,6 +91,10 @@ class InformationType:
     features: tuple[tuple[str, Feature], ...]
     forecast: FeatureForecast
     failures: Failures = field(default_factory=Failures, repr=False, compare=False)
+    _tabulated: Any = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_tabulated", lru_cache(UTILITIES_KEPT)(self._tabulate))
 
     @property
     def needs_payload(self) -> bool:
@@ -97,14 +108,33 @@ class InformationType:
         without a finite value is taken as 1 and counted as a failure.
         """
         try:
-            values = {name: features.get(name, feature.default) for name, feature in self.features}
-            scale = self.weight * max(0.0, self.expression.evaluate(values))
+            scale = self.weight * max(0.0, self.expression.evaluate(self._completed(features)))
         except ExpressionError:
             scale = math.inf
         if math.isfinite(scale):
             return scale
         self.failures.note("scale")
         return self.weight
+
+    def utility_of(self, features: Mapping[str, float]) -> MessageUtility:
+        """Return the message utility of a sample; features that are not given take their defaults.
+
+        Only a `python` utility knows features. Where its function fails, that is counted and the defaults hold.
+        """
+        if not isinstance(self.utility, Custom):
+            return self.utility
+        utility: MessageUtility = self._tabulated(tuple(self._completed(features).items()))
+        return utility
+
+    def _tabulate(self, features: tuple[tuple[str, float], ...]) -> MessageUtility:
+        try:
+            return replace(cast("Custom", self.utility), features=dict(features))
+        except ProblemError:
+            self.failures.note("utility")
+            return self.utility
+
+    def _completed(self, features: Mapping[str, float]) -> dict[str, float]:
+        return {name: features.get(name, feature.default) for name, feature in self.features}
 
     def extract(self, key: str, payload: AnyPayload) -> dict[str, float]:
         """Return all features of a sample; one that cannot be computed takes its default and is counted."""

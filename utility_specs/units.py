@@ -7,7 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
@@ -33,21 +33,26 @@ _OTHER_WORDS = {
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """A kind of quantity: factors of its units to the base unit, whether a number alone will do, the most it can be."""
+    """A kind of quantity: factors of its units to the base unit, and what a number may be.
+
+    `plain`: a number alone will do; `zero`: 0 will, too; `most`: the largest.
+    """
 
     name: str
     units: Mapping[str, float]
     example: str
     plain: bool
+    zero: bool = False
     most: float = math.inf
 
     def parse(self, written: Any) -> float:
-        """Return a quantity above 0 in the base unit; raises QuantityError, which says what to write."""
+        """Return a quantity in the base unit; raises QuantityError, which says what to write."""
         if isinstance(written, bool) or not isinstance(written, str | int | float):
             raise QuantityError(f"must be a {self.name} such as {quoted(self.example)}, not {described(written)}")
         quantity = self._of_text(written) if isinstance(written, str) else self._of_number(written)
-        if not (math.isfinite(quantity) and quantity > 0.0):
-            raise QuantityError(f"must be a finite {self.name} above 0, not {described(written)}")
+        if not (math.isfinite(quantity) and (quantity > 0.0 or (self.zero and quantity == 0.0))):
+            least = "of at least 0" if self.zero else "above 0"
+            raise QuantityError(f"must be a finite {self.name} {least}, not {described(written)}")
         if quantity > self.most:
             raise QuantityError(f"must be a {self.name} of at most {self.most:g}, not {described(written)}")
         return quantity
@@ -91,6 +96,7 @@ DURATION = Dimension(
     "200 ms",
     plain=True,
 )
+AGE = replace(DURATION, zero=True)
 FRACTION = Dimension("fraction", {"%": 0.01}, "40 %", plain=True, most=1.0)
 JOULE = Dimension(
     "quantity of energy",
@@ -117,3 +123,7 @@ Fraction = Annotated[
 
 Joule = Annotated[float, BeforeValidator(JOULE.parse, json_schema_input_type=str)]
 """[J], written with a unit: batteries are rated in watt hours, radios in millionths of a joule."""
+
+
+Age = Annotated[float, BeforeValidator(AGE.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])]
+"""[s], a duration that may be 0."""

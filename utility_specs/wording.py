@@ -116,6 +116,10 @@ def _own(_value: Any, context: Mapping[str, Any], _place: Place) -> str:
     return str(context["error"])
 
 
+def _too_long(_value: Any, context: Mapping[str, Any], _place: Place) -> str:
+    return f"must hold at most {context['max_length']} values, not {context['actual_length']}"
+
+
 _OTHERS: dict[str, Callable[[Any, Mapping[str, Any], Place], str]] = {
     "missing": lambda _value, _context, _place: "is missing",
     "extra_forbidden": _unknown_key,
@@ -125,6 +129,7 @@ _OTHERS: dict[str, Callable[[Any, Mapping[str, Any], Place], str]] = {
     "enum": _unknown_choice,
     "value_error": _own,
     "assertion_error": _own,
+    "too_long": _too_long,
     "too_short": lambda _value, _context, _place: "must not be empty",
     "string_too_short": lambda _value, _context, _place: "must not be empty",
 }

@@ -1,4 +1,4 @@
-// What a search answers: the native form of planner/search.py's Plan.
+// What a search found, as levels of the tree; planner/answers.py makes a plan of it.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +7,11 @@
 
 namespace sendworthy {
 
-struct Answer {
-    bool send = false;
-    std::vector<std::int32_t> sends;
-    double utility = 0.0;
-    std::optional<double> opposite;
-    std::int32_t nodes = 0;
-};
-
-// The levels that the best plan found sends, and the best one of the opposite decision; planner/answers.py weighs them.
 struct Found {
-    std::vector<std::int32_t> sends;
-    std::optional<std::vector<std::int32_t>> opposite;
+    std::vector<std::int32_t> sends;                    // of the plan
+    std::optional<std::vector<std::int32_t>> opposite;  // of the best plan that decides the current message otherwise
+    double bound = 0.0;                                 // no plan exceeds it
+    std::vector<double> asked;  // by constraint: what sending the current message is charged within the window
     std::int32_t nodes = 0;
 };
 

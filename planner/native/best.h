@@ -1,7 +1,7 @@
 // The default search: it completes every leaf by a good policy and knows what it can still gain.
 //
-//   first:  learn prices (prices.h); complete both decisions about the current message by their policy;
-//           simulate from the root
+//   first:  learn prices (prices.h), a round and a whole plan an iteration; complete both decisions about the current
+//           message by the first policy and by the last; then simulate from the root
 //   repeat: walk down from the root by the greatest promise to a decision that was not tried, take it, simulate
 //   simulate: go on by the policy, adding every node passed, each with the bound of the decision not taken, until
 //           the plan is whole, a tantamount node is as good, or the bound does not exceed the best plan;
@@ -48,7 +48,7 @@ class BestSearch {
     BestSearch(Tables tables, std::int32_t max_nodes)
         : tables_(std::move(tables)),
           path_(tables_),
-          states_(tables_, true),
+          states_(tables_, NodeState::streams_and_windows),
           prices_(tables_, path_),
           capacity_(max_nodes),
           nodes_(new BestNode[max_nodes]),
@@ -72,7 +72,7 @@ class BestSearch {
 
     Found found() const {
         const bool send = best_[1].value > best_[0].value;
-        Found result{best_[send].sends, std::nullopt, size_};
+        Found result{best_[send].sends, std::nullopt, bound(), prices_.asked(tables_.current), size_};
         if (best_[!send].value != kNothing) result.opposite = best_[!send].sends;
         return result;
     }
@@ -84,14 +84,21 @@ class BestSearch {
     };
 
     void iterate() {
+        if (prices_.learning()) {
+            learn();
+            return;
+        }
         if (size_ > 0) {
             back_up(try_most_promising());
         } else {
-            learn();
             reset();
             back_up(simulate(create(kNone, false, tables_.facts, prices_.bound())));
         }
         done_ = full() || nodes_[0].promise <= beaten();
+    }
+
+    double bound() const {
+        return size_ == 0 || full() ? prices_.bound() : std::max(nodes_[0].promise, incumbent());
     }
 
     bool full() const { return size_ >= capacity_; }
@@ -102,10 +109,14 @@ class BestSearch {
     }
 
     void learn() {
-        prices_.learn([this] { return roll_out(std::nullopt); });
+        const bool first = incumbent() == kNothing;
+        const double bound = prices_.relax();
+        prices_.learn(bound, roll_out(std::nullopt));
+        if (!first && prices_.learning()) return;
         roll_out(false);
         roll_out(true);
         if (best_[1].value == kNothing) roll_out(true, true);
+        done_ = !prices_.learning() && prices_.bound() <= beaten();
     }
 
     // Follow the policy, with the current decision forced or not, and with nothing sent before it when `clear`; return

@@ -42,12 +42,13 @@ void add_rows(Tables& tables, nb::handle rows) {
 Tables make_tables(nb::handle source) {
     const nb::object gains = source.attr("gains");
     const nb::object checks = source.attr("checks");
-    const auto message = nb::cast<Ints>(source.attr("message"));
     const auto scale = nb::cast<Floats>(source.attr("scale"));
     const auto stream = nb::cast<Ints>(gains.attr("stream"));
-    const auto number = nb::cast<Ints>(gains.attr("number"));
     const auto gain_start = nb::cast<Ints>(gains.attr("start"));
-    const auto gain = nb::cast<Floats>(source.attr("aim"));
+    const auto gain = nb::cast<Floats>(gains.attr("aim"));
+    const auto after = nb::cast<Ints>(gains.attr("after"));
+    const auto markovian = nb::cast<Flags>(gains.attr("markovian"));
+    const auto states = nb::cast<Ints>(source.attr("states"));
     const auto use = nb::cast<Matrix>(checks.attr("use"));
     const auto share = nb::cast<Matrix>(checks.attr("share"));
     const auto check_start = nb::cast<Ints>(checks.attr("start"));
@@ -58,11 +59,11 @@ Tables make_tables(nb::handle source) {
     const auto held = nb::cast<Ints>(checks.attr("held"));
 
     Tables tables;
-    tables.levels = static_cast<std::int32_t>(message.shape(0));
+    tables.levels = static_cast<std::int32_t>(stream.shape(0));
     tables.streams = nb::cast<std::int32_t>(source.attr("streams"));
     tables.constraints = static_cast<std::int32_t>(use.shape(1));
     tables.current = nb::cast<std::int32_t>(source.attr("current"));
-    tables.facts = nb::cast<double>(source.attr("aim_facts"));
+    tables.facts = nb::cast<double>(gains.attr("aim_facts"));
     tables.gain.assign(gain.data(), gain.data() + gain.size());
     tables.use.assign(use.data(), use.data() + use.size());
     tables.share.assign(share.data(), share.data() + share.size());
@@ -71,12 +72,17 @@ Tables make_tables(nb::handle source) {
         tables.check.push_back({narrow(of, at), narrow(first, at), room(at)});
     }
     add_rows(tables, checks.attr("rows"));
-    for (std::size_t at = 0; at < message.size(); ++at) {
-        tables.message.push_back(narrow(message, at));
-        tables.level.push_back({narrow(stream, at), narrow(number, at), narrow(gain_start, at), narrow(check_start, at),
-                                narrow(held, at), never(at)});
+    for (std::size_t at = 0; at < after.size(); ++at) tables.after.push_back(narrow(after, at));
+    tables.state_start.push_back(0);
+    for (std::size_t at = 0; at < states.size(); ++at) {
+        tables.state_start.push_back(tables.state_start.back() + narrow(states, at));
+        tables.markovian.push_back(markovian(at));
     }
-    tables.level.push_back({0, 0, static_cast<std::int32_t>(gain.size()), static_cast<std::int32_t>(room.size()),
+    for (std::size_t at = 0; at < stream.size(); ++at) {
+        tables.level.push_back({narrow(stream, at), narrow(gain_start, at), narrow(check_start, at), narrow(held, at),
+                                never(at)});
+    }
+    tables.level.push_back({0, static_cast<std::int32_t>(gain.size()), static_cast<std::int32_t>(room.size()),
                             tables.levels, false});
     return tables;
 }
@@ -107,9 +113,10 @@ std::vector<PaperRow> rows(const Tree& tree) {
     return result;
 }
 
-std::tuple<bool, std::vector<std::int32_t>, double, std::optional<double>, std::int32_t> parts(const Answer& answer) {
-    return {answer.send, answer.sends, answer.utility, answer.opposite, answer.nodes};
-}
+using Parts = std::tuple<std::vector<std::int32_t>, std::optional<std::vector<std::int32_t>>, double, std::vector<double>,
+                         std::int32_t>;
+
+Parts parts(const Found& found) { return {found.sends, found.opposite, found.bound, found.asked, found.nodes}; }
 
 }  // namespace
 
@@ -125,7 +132,7 @@ NB_MODULE(_native, m) {
         .def_prop_ro("iterations", &PaperSearch::iterations)
         .def_prop_ro("done", &PaperSearch::done)
         .def("run", &PaperSearch::run, "iterations"_a, nb::call_guard<nb::gil_scoped_release>())
-        .def("plan", [](const PaperSearch& self) { return parts(self.plan()); })
+        .def("plan", [](const PaperSearch& self) { return parts(self.found()); })
         .def("tree", [](const PaperSearch& self) { return rows(self.tree()); });
     nb::class_<BestSearch>(m, "BestSearch", "The default search: see planner/python_engine/best.py.")
         .def("__init__",
@@ -136,10 +143,6 @@ NB_MODULE(_native, m) {
         .def_prop_ro("iterations", &BestSearch::iterations)
         .def_prop_ro("done", &BestSearch::done)
         .def("run", &BestSearch::run, "iterations"_a, nb::call_guard<nb::gil_scoped_release>())
-        .def("plan",
-             [](const BestSearch& self) {
-                 const Found found = self.found();
-                 return std::tuple(found.sends, found.opposite, found.nodes);
-             })
+        .def("plan", [](const BestSearch& self) { return parts(self.found()); })
         .def("tree", &best_rows);
 }

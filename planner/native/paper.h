@@ -14,9 +14,11 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "answer.h"
 #include "path.h"
+#include "prices.h"
 #include "reduction.h"
 #include "tree.h"
 
@@ -57,23 +59,26 @@ class PaperSearch {
         return ran;
     }
 
-    Answer plan() const {
-        Answer answer;
+    Found found() const {
+        Found result;
+        std::vector<std::int32_t> before;  // what is sent before the current message
+        std::int32_t other = kNone;
         std::int32_t at = 0;
         for (std::int32_t next = most_visited(at); next != kNone; next = most_visited(at)) {
-            const bool decides = tree_[at].level == tables_.current;
-            const bool send = tree_[next].send;
-            if (decides) {
-                answer.send = send;
-                const std::int32_t other = tree_[at].child[!send];
-                if (other != kNone) answer.opposite = tree_[last_below(other)].utility;
+            if (tree_[at].level == tables_.current) {
+                before = result.sends;
+                other = tree_[at].child[!tree_[next].send];
             }
-            if (send) answer.sends.push_back(tables_.message[tree_[at].level]);
+            if (tree_[next].send) result.sends.push_back(tree_[at].level);
             at = next;
         }
-        answer.utility = tree_[at].utility;
-        answer.nodes = tree_.size();
-        return answer;
+        if (other != kNone) result.opposite = followed(other, std::move(before));
+        Prices prices(tables_, path_);
+        while (prices.learning()) prices.learn(prices.relax(), tree_[at].utility);
+        result.bound = prices.bound();
+        result.asked = prices.asked(tables_.current);
+        result.nodes = tree_.size();
+        return result;
     }
 
   private:
@@ -143,9 +148,12 @@ class PaperSearch {
         return tree_[send].visits > tree_[drop].visits ? send : drop;
     }
 
-    std::int32_t last_below(std::int32_t at) const {
-        for (std::int32_t next = most_visited(at); next != kNone; next = most_visited(at)) at = next;
-        return at;
+    // The levels sent by the path of most visits to and below a node, after `sends`.
+    std::vector<std::int32_t> followed(std::int32_t at, std::vector<std::int32_t> sends) const {
+        for (; at != kNone; at = most_visited(at)) {
+            if (tree_[at].send) sends.push_back(tree_[at].level - 1);
+        }
+        return sends;
     }
 
     Tables tables_;

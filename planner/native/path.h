@@ -24,10 +24,12 @@ class Path {
         count_ = 0;
     }
 
-    double gain(std::int32_t at) const {
+    // Where the gain of this level stands, in the present state of its stream.
+    std::int32_t entry(std::int32_t at) const {
         const Level& level = tables_.level[at];
-        return tables_.gain[level.gain_start + state_[level.stream]];
+        return level.gain_start + state_[level.stream];
     }
+    double gain(std::int32_t at) const { return tables_.gain[entry(at)]; }
 
     // Whether every constraint (Eq. 5) allows to send the message of this level.
     bool fits(std::int32_t at) const {
@@ -42,7 +44,7 @@ class Path {
     void step(std::int32_t at, bool send) {
         count(at, send);
         if (!send) return;
-        state_[tables_.level[at].stream] = tables_.level[at].number + 1;
+        state_[tables_.level[at].stream] = tables_.after[entry(at)];
         sends_[count_++] = at;
     }
 
@@ -58,7 +60,6 @@ class Path {
         return used_.data() + static_cast<std::size_t>(depth) * tables_.constraints;
     }
 
-    const std::vector<std::int32_t>& state() const { return state_; }
     std::int32_t state_of(std::int32_t stream) const { return state_[stream]; }
     const std::int32_t* sends() const { return sends_.data(); }
     std::int32_t send_count() const { return count_; }

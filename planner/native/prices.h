@@ -32,19 +32,14 @@ class Prices {
           change_(cells(), 0.0),
           used_(cells(), 0.0),
           state_(tables.streams, 0),
-          worth_start_(tables.streams + 1, 0),
+          worth_(tables.state_start[tables.streams], 0.0),
           advantage_(tables.gain.size(), 0.0),
           closing_start_(tables.levels + 1, 0) {
-        for (std::int32_t at = 0; at < tables.levels; ++at) worth_start_[tables.level[at].stream + 1] += 1;
-        for (std::int32_t at = 0; at < tables.streams; ++at) worth_start_[at + 1] += worth_start_[at] + 1;
-        worth_.assign(worth_start_[tables.streams], 0.0);
         closing_.reserve(tables.row.size());
     }
 
     // What sending gains over dropping at the end of the path, net of prices.
-    double advantage(std::int32_t level) const {
-        return advantage_[tables_.level[level].gain_start + path_.state_of(tables_.level[level].stream)];
-    }
+    double advantage(std::int32_t level) const { return advantage_[path_.entry(level)]; }
 
     // No plan is worth more than this.
     double bound() const { return bound_; }
@@ -62,30 +57,44 @@ class Prices {
         return loss;
     }
 
-    // Find prices; `roll_out` follows the policy of the present ones and returns the best value of all roll-outs.
-    template <class RollOut>
-    void learn(RollOut roll_out) {
-        double step = kFirstStep;
-        int stale = 0;
-        for (int round = 0; round < kRounds; ++round) {
-            double bound = relax();
-            stale = bound < bound_ - kProgress * std::abs(bound) ? 0 : stale + 1;
-            if (bound < bound_) {
-                bound_ = bound;
-                best_ = multiplier_;
+    // What sending the message of a level is charged by each constraint.
+    std::vector<double> asked(std::int32_t level) const {
+        std::vector<double> asked(tables_.constraints, 0.0);
+        for (std::size_t at = 0; at < multiplier_.size(); ++at) {
+            const Row& row = tables_.row[at];
+            if (row.first <= level && level <= row.last) {
+                asked[row.of] += multiplier_[at] * tables_.share_of(level)[row.of];
             }
-            if (stale > kPatience) {
-                step *= kStepShrinks;
-                stale = 0;
-                multiplier_ = best_;
-                bound = relax();
-            }
-            const double gap = bound - roll_out();
-            if (gap <= kClosedGap * std::abs(bound) || !move(step * gap)) break;
         }
-        multiplier_ = best_;
-        bound_ = relax();
-        list_closing();
+        return asked;
+    }
+
+    // Whether another round may find a better bound.
+    bool learning() const { return learning_; }
+
+    // Begin a round: take the next prices, return the optimum of the relaxed problem.
+    double relax() {
+        double bound = solve();
+        stale_ = bound < bound_ - kProgress * std::abs(bound) ? 0 : stale_ + 1;
+        if (bound < bound_) {
+            bound_ = bound;
+            best_ = multiplier_;
+        }
+        if (stale_ > kPatience) {
+            step_ *= kStepShrinks;
+            stale_ = 0;
+            multiplier_ = best_;
+            bound = solve();
+        }
+        return bound;
+    }
+
+    // End a round that relaxed to `bound`, when the best plan so far has `reached` a value.
+    void learn(double bound, double reached) {
+        const double gap = bound - reached;
+        round_ += 1;
+        const bool closed = gap <= kClosedGap * std::abs(bound);
+        if (closed || !move(step_ * gap) || round_ == kRounds) settle();
     }
 
   private:
@@ -96,27 +105,37 @@ class Prices {
     static constexpr double kProgress = 1e-4;
     static constexpr double kClosedGap = 1e-9;
 
+    // Keep the prices of the best bound.
+    void settle() {
+        learning_ = false;
+        multiplier_ = best_;
+        bound_ = solve();
+        list_closing();
+    }
+
     std::size_t cells() const { return static_cast<std::size_t>(tables_.levels + 1) * tables_.constraints; }
 
     // Solve the relaxed problem: write the advantages, return its optimum.
-    double relax() {
+    double solve() {
         write_prices();
         std::fill(worth_.begin(), worth_.end(), 0.0);
         for (std::int32_t at = tables_.levels - 1; at >= 0; --at) {
             const Level& level = tables_.level[at];
-            double* worth = worth_.data() + worth_start_[level.stream];
+            double* worth = worth_.data() + tables_.state_start[level.stream];
             const double* gain = tables_.gain.data() + level.gain_start;
+            const std::int32_t* after = tables_.after.data() + level.gain_start;
             double* advantage = advantage_.data() + level.gain_start;
-            const double after = worth[level.number + 1] - price_[at];
-            for (std::int32_t state = 0; state <= level.number; ++state) {
-                const double sent = gain[state] + after;
-                advantage[state] = sent - worth[state];
-                worth[state] = std::max(worth[state], sent);
+            const std::int32_t width = tables_.level[at + 1].gain_start - level.gain_start;
+            for (std::int32_t state = 0; state < width; ++state) {
+                advantage[state] = gain[state] + (worth[after[state]] - price_[at]) - worth[state];
+            }
+            for (std::int32_t state = 0; state < width; ++state) {
+                worth[state] = std::max(worth[state], worth[state] + advantage[state]);
             }
         }
         double bound = tables_.facts;
         for (std::size_t at = 0; at < multiplier_.size(); ++at) bound += multiplier_[at] * tables_.row[at].capacity;
-        for (std::int32_t at = 0; at < tables_.streams; ++at) bound += worth_[worth_start_[at]];
+        for (std::int32_t at = 0; at < tables_.streams; ++at) bound += worth_[tables_.state_start[at]];
         return bound;
     }
 
@@ -161,8 +180,9 @@ class Prices {
         std::fill(state_.begin(), state_.end(), 0);
         for (std::int32_t at = 0; at < tables_.levels; ++at) {
             const Level& level = tables_.level[at];
-            const bool send = advantage_[level.gain_start + state_[level.stream]] > 0.0;
-            if (send) state_[level.stream] = level.number + 1;
+            const std::int32_t entry = level.gain_start + state_[level.stream];
+            const bool send = advantage_[entry] > 0.0;
+            if (send) state_[level.stream] = tables_.after[entry];
             const double* share = tables_.share_of(at);
             const double* before = used_.data() + static_cast<std::size_t>(at) * constraints;
             double* after = used_.data() + static_cast<std::size_t>(at + 1) * constraints;
@@ -198,12 +218,15 @@ class Prices {
     std::vector<double> change_;
     std::vector<double> used_;
     std::vector<std::int32_t> state_;
-    std::vector<std::int32_t> worth_start_;  // by stream: where the worths of its states stand
-    std::vector<double> worth_;
+    std::vector<double> worth_;  // by stream and state
     std::vector<double> advantage_;
     std::vector<std::int32_t> closing_start_;
     std::vector<std::int32_t> closing_;
     double bound_ = std::numeric_limits<double>::infinity();
+    double step_ = kFirstStep;
+    int stale_ = 0;
+    int round_ = 0;
+    bool learning_ = true;
 };
 
 }  // namespace sendworthy

@@ -20,7 +20,7 @@ class Reduction {
           tree_(tree),
           path_(path),
           exact_(kind == ReductionKind::exact),
-          states_(tables, exact_),
+          states_(tables, exact_ ? NodeState::messages_and_windows : NodeState::messages),
           best_(kind == ReductionKind::off ? 0 : tree.capacity()),
           moved_(kind == ReductionKind::off ? nullptr : new double[tree.capacity()]) {}
 

@@ -1,5 +1,5 @@
-// The states of nodes, to find tantamount ones: 128 bits of hash stand for the last messages of the streams and for
-// what the constraint windows hold. Two different states of one search that share all bits will not be met.
+// The states of nodes, to find tantamount ones: 128 bits of hash stand for the states of the streams and for what
+// the constraint windows hold. Two different states of one search that share all bits will not be met.
 #pragma once
 
 #include <algorithm>
@@ -33,21 +33,39 @@ inline std::uint64_t mixed(std::uint64_t number) {
     return number ^ (number >> 31);
 }
 
+// What makes two nodes of one level tantamount.
+enum class NodeState {
+    messages,              // the last message of every Markovian stream, the set of messages of the others (Eq. 7)
+    messages_and_windows,  // and what the constraint windows hold
+    streams_and_windows,   // the states of the streams, and what the windows hold
+};
+
 // The state at the end of a path, kept up to date decision by decision in constant time, whatever the number of streams.
 class StateTracker {
   public:
-    StateTracker(const Tables& tables, bool held) : tables_(tables), held_(held), last_(tables.streams, -1) {
+    StateTracker(const Tables& tables, NodeState kind)
+        : tables_(tables),
+          held_(kind != NodeState::messages),
+          by_stream_(kind == NodeState::streams_and_windows),
+          last_(tables.streams, -1),
+          state_(tables.streams, 0) {
         sends_.reserve(tables.levels);
-        for (std::uint64_t at = 0; at <= static_cast<std::uint64_t>(tables.levels); ++at) {
+        const auto levels = static_cast<std::uint64_t>(tables.levels) + 1;
+        for (std::uint64_t at = 0; at < levels; ++at) {
             depth_.push_back({mixed(6 * at), mixed(6 * at + 1)});
-            last_sent_.push_back({mixed(6 * at + 2), mixed(6 * at + 3)});
+            message_.push_back({mixed(6 * at + 2), mixed(6 * at + 3)});
             in_window_.push_back({mixed(6 * at + 4), mixed(6 * at + 5)});
+        }
+        const std::int32_t states = by_stream_ ? tables.state_start[tables.streams] : 0;
+        for (std::uint64_t at = 0; at < static_cast<std::uint64_t>(states); ++at) {
+            in_state_.push_back({mixed(6 * levels + 2 * at), mixed(6 * levels + 2 * at + 1)});
         }
         reset();
     }
 
     void reset() {
         std::fill(last_.begin(), last_.end(), -1);
+        std::fill(state_.begin(), state_.end(), 0);
         sends_.clear();
         oldest_ = 0;
         hash_ = {};
@@ -60,9 +78,11 @@ class StateTracker {
         const std::int32_t held = tables_.level[level + 1].held;
         for (std::size_t at = oldest_; at < sends_.size() && sends_[at] < held; ++at) hash.toggle(in_window_[sends_[at]]);
         if (!send) return hash;
-        const std::int32_t before = last_[tables_.level[level].stream];
-        if (before >= 0) hash.toggle(last_sent_[before]);
-        hash.toggle(last_sent_[level]);
+        if (by_stream_) {
+            toggle_state(hash, level);
+        } else {
+            toggle_message(hash, level);
+        }
         if (level >= held && counts(level)) hash.toggle(in_window_[level]);
         return hash;
     }
@@ -73,11 +93,29 @@ class StateTracker {
         const std::int32_t held = tables_.level[level + 1].held;
         while (oldest_ < sends_.size() && sends_[oldest_] < held) ++oldest_;
         if (!send) return;
-        last_[tables_.level[level].stream] = level;
+        const std::int32_t stream = tables_.level[level].stream;
+        last_[stream] = level;
+        state_[stream] = next_state(level);
         if (level >= held && counts(level)) sends_.push_back(level);
     }
 
   private:
+    std::int32_t next_state(std::int32_t level) const {
+        return tables_.after[tables_.level[level].gain_start + state_[tables_.level[level].stream]];
+    }
+
+    void toggle_state(StateHash& hash, std::int32_t level) const {
+        const std::int32_t stream = tables_.level[level].stream;
+        hash.toggle(in_state_[tables_.state_start[stream] + state_[stream]]);
+        hash.toggle(in_state_[tables_.state_start[stream] + next_state(level)]);
+    }
+
+    void toggle_message(StateHash& hash, std::int32_t level) const {
+        const std::int32_t stream = tables_.level[level].stream;
+        if (tables_.markovian[stream] && last_[stream] >= 0) hash.toggle(message_[last_[stream]]);
+        hash.toggle(message_[level]);
+    }
+
     bool counts(std::int32_t level) const {
         if (!held_) return false;
         const double* use = tables_.use_of(level);
@@ -88,14 +126,17 @@ class StateTracker {
     }
 
     const Tables& tables_;
-    bool held_;  // whether what the windows hold is part of the state
+    bool held_;       // whether what the windows hold is part of the state
+    bool by_stream_;  // whether the states of the streams stand for their messages
     std::vector<std::int32_t> last_;
+    std::vector<std::int32_t> state_;
     std::vector<std::int32_t> sends_;  // those that some window may hold, from `oldest_` on
     std::size_t oldest_ = 0;
     StateHash hash_;
     std::vector<StateHash> depth_;
-    std::vector<StateHash> last_sent_;
+    std::vector<StateHash> message_;
     std::vector<StateHash> in_window_;
+    std::vector<StateHash> in_state_;
 };
 
 // A bounded hash table from states to nodes; never allocates after construction.

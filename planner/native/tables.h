@@ -25,8 +25,7 @@ struct Row {
 // What the search needs to know of the message that one level decides (evaluation.py).
 struct Level {
     std::int32_t stream;
-    std::int32_t number;       // open messages of the stream before this one
-    std::int32_t gain_start;   // gain[gain_start + state of the stream] is what sending adds
+    std::int32_t gain_start;   // gain[gain_start + state] is what sending adds, after[gain_start + state] leads to
     std::int32_t check_start;  // checks up to the next level's check_start
     std::int32_t held;         // first level that a check of this level or a later one looks back to
     bool never;                // no plan can send it
@@ -34,13 +33,15 @@ struct Level {
 
 struct Tables {
     std::vector<Level> level;  // one more than there are messages: the end of the checks and of the held sends
-    std::vector<double> gain;  // to what the search maximises: `aim` of planner/tables.py, `facts` is `aim_facts`
+    std::vector<double> gain;  // to what the search maximises: `aim` of planner/evaluation.py, `facts` is `aim_facts`
+    std::vector<std::int32_t> after;        // the state that sending leads to
+    std::vector<std::int32_t> state_start;  // [stream]: the states of the streams before; one more than streams
+    std::vector<char> markovian;            // [stream]: whether the message received last is all that counts
     std::vector<Check> check;
     std::vector<Row> row;
     std::vector<double> use;    // [level * constraints + k]
     std::vector<double> share;  // the same, but at most the limit
     std::vector<double> scale;  // [depth]: psi * U(M) of Eq. 2
-    std::vector<std::int32_t> message;
     std::int32_t levels = 0;
     std::int32_t streams = 0;
     std::int32_t constraints = 0;

@@ -5,20 +5,24 @@ It differs from the paper's search (§3.1) in what made that one lose:
 It maximises the objective of `beyond.py`: U, and what a plan leaves behind at the end of the window. The *value*
 of a node is that of the decisions down to it, the rest dropped.
 
+* *Learning.* The first iterations learn the prices that the default policy and the bounds rest on, each of them one
+  round of `prices.py` and one whole plan; the very first also decides the current message both ways.
 * *Simulation.* Every leaf is completed to the end of the window by the default policy of `prices.py`: send
   what fits and has a positive advantage. So each iteration yields a whole plan; the best one is the answer.
 * *Selection.* Every node carries a bound that no plan below it exceeds. The search follows the greatest bound
   of what was not tried yet, its *promise*: optimism in place of UCT's square root.
 * *Expansion.* All nodes that a simulation passes join the tree, each with the bound of the other decision.
 * *Pruning.* What cannot exceed the best plan is not tried; when nothing is left, that plan is proven optimal.
-* *Dominance.* Of two nodes of one level with the same last messages and the same contents of the constraint
+  Where a stream is open ended (`aggregations/custom.py`) bounds are guesses: they order the search, prune nothing.
+* *Dominance.* Of two nodes of one level with the same states of the streams and the same contents of the constraint
   windows only that of the greater value lives (§3.2.2 with the paper's third footnote).
 """
 
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 
-from planner.answers import answer
+from planner.answers import Found, answer
 from planner.python_engine.path import Path
 from planner.python_engine.prices import Prices
 from planner.python_engine.tree import CUT, DROP, SEND
@@ -78,7 +82,8 @@ class BestSearch:
         self._path = Path(tables)
         self._prices = Prices(tables, self._path)
         self._nodes: list[Node] = []
-        self._tantamount: dict[tuple[int, tuple[int, ...], tuple[int, ...]], Node] = {}
+        self._exact = tables.gains.closed
+        self._tantamount: dict[tuple[int, tuple[Hashable, ...], tuple[int, ...]], Node] = {}
         self._best: dict[bool, tuple[float, list[int]]] = {False: (NOTHING, []), True: (NOTHING, [])}
         """By the decision about the current message: the best plan found, its value and the levels it sends."""
         self.iterations = 0
@@ -94,25 +99,31 @@ class BestSearch:
         return ran
 
     def _iterate(self) -> None:
+        if self._prices.learning:
+            self._learn()
+            return
         if self._nodes:
             _back_up(self._try_most_promising())
         else:
-            self._learn()
             self._path.reset()
-            root = self._create(None, send=False, value=self._tables.aim_facts, bound=self._prices.bound)
+            root = self._create(None, send=False, value=self._tables.gains.aim_facts, bound=self._prices.bound)
             _back_up(self._simulate(root))
-        self.done = self._full() or self._nodes[0].promise <= self._beaten()
+        self.done = self._full() or not self._worth_trying(self._nodes[0].promise)
 
     def _full(self) -> bool:
         return len(self._nodes) >= self._max_nodes
 
     def _learn(self) -> None:
-        """Learn the prices, then complete both decisions about the current message by their policy."""
-        self._prices.learn(self._roll_out)
-        self._roll_out(forced=False)
-        self._roll_out(forced=True)
-        if self._best[True][0] == NOTHING:
-            self._roll_out(forced=True, clear=True)
+        """Do one round; complete both decisions about the current message by the first policy and by the last."""
+        first = self._incumbent() == NOTHING
+        bound = self._prices.relax()
+        self._prices.learn(bound, self._roll_out())
+        if first or not self._prices.learning:
+            self._roll_out(forced=False)
+            self._roll_out(forced=True)
+            if self._best[True][0] == NOTHING:
+                self._roll_out(forced=True, clear=True)
+        self.done = not self._prices.learning and not self._worth_trying(self._prices.bound)
 
     def _roll_out(self, *, forced: bool | None = None, clear: bool = False) -> float:
         """Follow the default policy, with the current decision forced or not; return the best value so far.
@@ -121,7 +132,7 @@ class BestSearch:
         """
         path = self._path
         path.reset()
-        value = self._tables.aim_facts
+        value = self._tables.gains.aim_facts
         for level in range(self._tables.levels):
             wanted = self._prices.advantage(level) > 0
             if level == self._tables.current and forced is not None:
@@ -147,6 +158,9 @@ class BestSearch:
         """Return the bound up to which nothing is worth a try."""
         best = self._incumbent()
         return best + MARGIN * abs(best)
+
+    def _worth_trying(self, bound: float) -> bool:
+        return bound > (self._beaten() if self._exact else NOTHING)
 
     def _try_most_promising(self) -> Node:
         """Walk down by the greatest promise to an untried decision, take it; return the last node reached."""
@@ -177,10 +191,10 @@ class BestSearch:
             advantage = self._prices.advantage(node.level)
             send = fits and advantage > 0
             other = self._bound_after(node, advantage, send=not send)
-            if fits and other > self._beaten():
+            if fits and self._worth_trying(other):
                 node.untried, node.other = other, not send
             bound = self._bound_after(node, advantage, send=send)
-            child = self._step(node, send=send, bound=bound) if bound > self._beaten() else None
+            child = self._step(node, send=send, bound=bound) if self._worth_trying(bound) else None
             if child is None:
                 return node
             node = child
@@ -196,7 +210,7 @@ class BestSearch:
         """Go on to a new child of the node where the path ends; None when a tantamount node is as good."""
         level = parent.level
         value = parent.value + self._path.gain(level) if send else parent.value
-        state = (level, *self._path.after(level, send=send))
+        state = (level, self._path.states(level, send=send), self._path.held(level, send=send))
         rival = self._tantamount.get(state)
         if rival is not None:
             if rival.value >= value:
@@ -226,13 +240,20 @@ class BestSearch:
         """Answer with the best plan found; nothing is sent before the first iteration."""
         send = self._best[True][0] > self._best[False][0]
         value, opposite = self._best[not send]
-        return answer(
-            self._tables,
-            self._best[send][1],
-            None if value == NOTHING else opposite,
-            iterations=self.iterations,
+        found = Found(
+            sends=self._best[send][1],
+            opposite=None if value == NOTHING else opposite,
+            bound=self._bound() if self._exact else None,
+            asked=self._prices.asked(self._tables.current),
             nodes=len(self._nodes),
         )
+        return answer(self._tables, found, self.iterations)
+
+    def _bound(self) -> float:
+        """Return what no plan exceeds [utility·s]."""
+        if not self._nodes or self._full():
+            return self._prices.bound
+        return max(self._nodes[0].promise, self._incumbent())
 
     def tree(self) -> list[Row]:
         """Every node in the order of creation, to compare engines."""

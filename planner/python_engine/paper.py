@@ -6,7 +6,9 @@ scored by Eq. 2. The reduction for Markovian types (§3.2.2) is in `reduction.py
 
 import math
 
+from planner.answers import Found, answer
 from planner.python_engine.path import Path
+from planner.python_engine.prices import Prices
 from planner.python_engine.reduction import Reduction
 from planner.python_engine.tree import DROP, SEND, Node, Row, ancestors
 from planner.search import Plan, SearchSettings
@@ -99,21 +101,32 @@ class PaperSearch:
         path = [self._root, *_most_visited_below(self._root)]
         send = len(path) > current + 1 and path[current + 1].send
         other = path[current].children[DROP if send else SEND] if len(path) > current + 1 else None
-        opposite = [other, *_most_visited_below(other)][-1].utility if other else None
-        message = self._tables.message
-        return Plan(
-            send=send,
-            sends=tuple(int(message[node.level - 1]) for node in path if node.send),
-            utility=path[-1].utility,
-            opposite=opposite,
-            iterations=self.iterations,
+        opposite = [*path[: current + 1], other, *_most_visited_below(other)] if other else None
+        prices = self._prices(path[-1].utility)
+        found = Found(
+            sends=_sends(path),
+            opposite=None if opposite is None else _sends(opposite),
+            bound=prices.bound if self._tables.gains.closed else None,
+            asked=prices.asked(current),
             nodes=len(self._nodes),
-            lead=None if opposite is None else path[-1].utility - opposite,
         )
+        return answer(self._tables, found, self.iterations)
+
+    def _prices(self, reached: float) -> Prices:
+        """Return the prices that best mode would learn, to explain a plan that has `reached` a utility [utility·s]."""
+        prices = Prices(self._tables, Path(self._tables))
+        while prices.learning:
+            prices.learn(prices.relax(), reached)
+        return prices
 
     def tree(self) -> list[Row]:
         """Every node in the order of creation, to compare engines."""
         return [node.row() for node in self._nodes]
+
+
+def _sends(path: list[Node]) -> list[int]:
+    """Return the levels that a path sends."""
+    return [node.level - 1 for node in path if node.send]
 
 
 def _existing(node: Node | None) -> Node:

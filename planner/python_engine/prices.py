@@ -14,7 +14,6 @@ every round.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,8 +51,9 @@ class Prices:
         rows = checks.rows
         self._path = path
         self._levels = tables.levels
-        self._facts = tables.aim_facts
-        self._gain: list[float] = tables.aim.tolist()
+        self._facts = gains.aim_facts
+        self._gain: list[float] = gains.aim.tolist()
+        self._width: list[int] = np.diff(gains.start).tolist()
         self._never: list[bool] = checks.never.tolist()
         self._use: list[list[float]] = checks.use.tolist()
         self._share: list[list[float]] = checks.share.tolist()
@@ -64,16 +64,37 @@ class Prices:
                 rows.of.tolist(), rows.first.tolist(), rows.last.tolist(), rows.capacity.tolist(), strict=True
             )
         ]
-        self._worth = [[0.0] * (count + 1) for count in np.bincount(gains.stream, minlength=tables.streams).tolist()]
+        self._worth = [[0.0] * count for count in tables.states.tolist()]
+        self._open_ended = [model is not None for model in gains.open_ended]
         self._advantage = [0.0] * len(self._gain)
         self.bound = math.inf
         """No plan is worth more than this [utility·s]."""
         self._closing: list[list[Row]] = [[] for _ in range(tables.levels)]
         """The rows with a price, by their last level."""
+        self._round = 0
+        self._step = FIRST_STEP
+        self._stale = 0
+        self._best = [0.0] * len(self._rows)
+        self.learning = True
+        """Whether another round may find a better bound."""
 
     def advantage(self, level: int) -> float:
-        """Return what sending gains over dropping at the end of the path, net of prices [utility·s]."""
-        return self._advantage[self._path.start[level] + self._path.state[self._path.stream[level]]]
+        """Return what sending gains over dropping at the end of the path, net of prices [utility·s].
+
+        What the table only guesses, as a stream has more states than it holds, is put right by what is known.
+        """
+        entry = self._path.entry(level)
+        if self._open_ended[self._path.stream[level]]:
+            return self._advantage[entry] + self._path.gain(level) - self._gain[entry]
+        return self._advantage[entry]
+
+    def asked(self, level: int) -> list[float]:
+        """Return what sending the message of a level is charged by each constraint [utility·s]."""
+        asked = [0.0] * self._constraints
+        for row in self._rows:
+            if row.first <= level <= row.last:
+                asked[row.of] += row.multiplier * self._share[level][row.of]
+        return asked
 
     def left_unused(self, level: int, *, send: bool) -> float:
         """Return what the rows that end with this level leave of their capacity, at their prices [utility·s].
@@ -86,23 +107,30 @@ class Prices:
             loss += row.multiplier * max(0.0, row.capacity - (used[level][row.of] + sent - used[row.first][row.of]))
         return loss
 
-    def learn(self, roll_out: Callable[[], float]) -> None:
-        """Find prices; `roll_out` follows the policy of the present ones and returns the best value so far."""
-        best = [0.0] * len(self._rows)
-        step, stale = FIRST_STEP, 0
-        for _ in range(ROUNDS):
+    def relax(self) -> float:
+        """Begin a round: take the next prices, return the optimum of the relaxed problem."""
+        bound = self._relax()
+        self._stale = 0 if bound < self.bound - PROGRESS * abs(bound) else self._stale + 1
+        if bound < self.bound:
+            self.bound, self._best = bound, [row.multiplier for row in self._rows]
+        if self._stale > PATIENCE:
+            self._step, self._stale = self._step * STEP_SHRINKS, 0
+            self._set(self._best)
             bound = self._relax()
-            stale = 0 if bound < self.bound - PROGRESS * abs(bound) else stale + 1
-            if bound < self.bound:
-                self.bound, best = bound, [row.multiplier for row in self._rows]
-            if stale > PATIENCE:
-                step, stale = step * STEP_SHRINKS, 0
-                self._set(best)
-                bound = self._relax()
-            gap = bound - roll_out()
-            if gap <= CLOSED_GAP * abs(bound) or not self._move(step * gap):
-                break
-        self._set(best)
+        return bound
+
+    def learn(self, bound: float, reached: float) -> None:
+        """End a round that relaxed to `bound`, when the best plan so far has `reached` a value [utility·s]."""
+        gap = bound - reached
+        self._round += 1
+        closed = gap <= CLOSED_GAP * abs(bound)
+        if closed or not self._move(self._step * gap) or self._round == ROUNDS:
+            self._settle()
+
+    def _settle(self) -> None:
+        """Keep the prices of the best bound."""
+        self.learning = False
+        self._set(self._best)
         self.bound = self._relax()
         for row in self._rows:
             if row.multiplier > 0:
@@ -119,13 +147,13 @@ class Prices:
         for states in worth:
             states[:] = [0.0] * len(states)
         for level in range(self._levels - 1, -1, -1):
-            number, start = self._path.number[level], self._path.start[level]
+            start, width = self._path.start[level], self._width[level]
             states = worth[self._path.stream[level]]
-            after = states[number + 1] - prices[level]
-            for state in range(number + 1):
-                sent = self._gain[start + state] + after
+            for state in range(width):
+                sent = self._gain[start + state] + (states[self._path.leads_to[start + state]] - prices[level])
                 self._advantage[start + state] = sent - states[state]
-                states[state] = max(states[state], sent)
+            for state in range(width):
+                states[state] = max(states[state], states[state] + self._advantage[start + state])
         bound = self._facts
         for row in self._rows:
             bound += row.multiplier * row.capacity
@@ -169,8 +197,9 @@ class Prices:
         for level in range(self._levels):
             stream = self._path.stream[level]
             share = self._share[level]
-            if self._advantage[self._path.start[level] + state[stream]] > 0:
-                state[stream] = self._path.number[level] + 1
+            entry = self._path.start[level] + state[stream]
+            if self._advantage[entry] > 0:
+                state[stream] = self._path.leads_to[entry]
                 used.append([before + more for before, more in zip(used[-1], share, strict=True)])
             else:
                 used.append(used[-1])

@@ -1,17 +1,18 @@
 """Reduction for Markovian types (§3.2.2): of tantamount nodes only the one with the greatest utility lives.
 
-`paper` compares the last message of every stream (Eq. 7), `exact` also what the constraint windows still hold
-(the paper's third footnote). When a better node replaces a tantamount one it takes over what grew below it,
-with all statistics: utilities shift by the difference, scores by the difference over ψ·U(M). In `paper` the
-new place may leave less room in the constraints; what does not fit there is cut.
+`paper` compares the last message of every Markovian stream and the set of messages of the others (Eq. 7), `exact`
+also what the constraint windows still hold (the paper's third footnote). When a better node replaces a tantamount one
+it takes over what grew below it, with all statistics: utilities shift by the difference, scores by the difference
+over ψ·U(M). In `paper` the new place may leave less room in the constraints; what does not fit there is cut.
 """
 
+from collections.abc import Hashable
 from typing import Literal
 
 from planner.python_engine.path import Path
 from planner.python_engine.tree import Node, ancestors, detach, subtree
 
-State = tuple[int, tuple[int, ...], tuple[int, ...]]
+State = tuple[int, tuple[Hashable, ...], tuple[int, ...]]
 
 
 class Reduction:
@@ -48,8 +49,9 @@ class Reduction:
         return True
 
     def _state(self, child: Node) -> State:
-        streams, held = self._path.after(child.level - 1, send=child.send)
-        return child.level, streams, held if self._exact else ()
+        level = child.level - 1
+        held = self._path.held(level, send=child.send) if self._exact else ()
+        return child.level, self._path.kept(level, send=child.send), held
 
     def _replace(self, old: Node, new: Node) -> None:
         above = old.parent

@@ -27,7 +27,7 @@ def _claim(view: SharedView, stream: Stream, now: float, *, robot: str, limits: 
         robot=robot,
         use=use_of(last.size, view.copies(stream), limits),
         scale=last.scale * view.receivers(stream),
-        utility=stream.information_type.utility,
+        utility=stream.information_type.utility_of(last.features),
         period=stream.schedule.period,
         latency=view.latency(stream.robot),
         age=t_next - sent.t_gen if sent else NEVER,

@@ -92,10 +92,13 @@ class Core:
             return [self.gate.pass_on(event.sample, "passed:no-spec")]
         if event.delete:
             return self.gate.delete(event.key, event.sample)
-        scale = stream.information_type.scale(event.features)
-        stream.note_generated(stream.generated + 1, Generated(event.t_gen, event.size, scale))
+        features = event.features
+        scale = stream.information_type.scale(features)
+        stream.note_generated(stream.generated + 1, Generated(event.t_gen, event.size, scale, features))
         self._urgent |= self.pacer.value_changed(stream)
-        waiting = Waiting(event.sample, event.key, event.size, event.t_gen, scale, event.priority, markovian=True)
+        waiting = Waiting(
+            event.sample, event.key, event.size, event.t_gen, scale, event.priority, markovian=True, features=features
+        )
         return self.gate.put(waiting)
 
     @_on.register

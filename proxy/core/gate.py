@@ -154,7 +154,8 @@ class Gate:
     def _send(self, now: float, sample: Waiting, use: tuple[float, ...], reason: str) -> Command:
         stream = self._own(now, sample)
         if stream is not None:
-            stream.note_sent(stream.forwarded + 1, Sent(min(sample.t_gen, now), now, sample.size, sample.scale))
+            sent = Sent(min(sample.t_gen, now), now, sample.size, sample.scale, sample.features)
+            stream.note_sent(stream.forwarded + 1, sent)
         self._tell(stream, sample.size)
         self._shares.use(now, use)
         return self.pass_on(sample.sample, reason)

@@ -1,7 +1,7 @@
 """The samples that wait for a decision: bounded, and the latest of a Markovian stream wins."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +15,7 @@ class Waiting:
     scale: float
     priority: int
     markovian: bool
+    features: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def worth(self) -> float:

@@ -1,6 +1,7 @@
 """What is known of one stream: the samples of one key from one robot."""
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from proxy.core.schedule import Schedule
@@ -9,11 +10,15 @@ from utility_specs import InformationType
 
 @dataclass(frozen=True, slots=True)
 class Generated:
-    """The last sample generated. `t_gen` is on our clock [s], `size` in bytes, `scale` its value factor."""
+    """The last sample generated. `t_gen` is on our clock [s], `size` in bytes, `scale` its value factor.
+
+    `features` are what is known of its features: nothing of those of other robots' samples.
+    """
 
     t_gen: float
     size: int
     scale: float
+    features: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +29,7 @@ class Sent:
     t_sent: float
     size: int
     scale: float
+    features: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(slots=True)

@@ -143,9 +143,10 @@ class SharedView:
             if 0.0 <= age < STALE:
                 peer.note_latency(age)
         elif robot.startswith("?") and (stream := self.stream(now, robot, event.key)) is not None:
-            scale = stream.information_type.scale(event.features or {})
-            stream.note_generated(stream.generated + 1, Generated(now, event.size, scale))
-            stream.note_sent(stream.forwarded + 1, Sent(now, now, event.size, scale))
+            features = event.features or {}
+            scale = stream.information_type.scale(features)
+            stream.note_generated(stream.generated + 1, Generated(now, event.size, scale, features))
+            stream.note_sent(stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
     def heard_digest(self, now: float, digest: Digest) -> bool:
         """A peer's digest arrived; False when it is unknown, old or our own."""

@@ -7,7 +7,7 @@ leave. Sent messages are facts: the last one of a stream as a message, for what 
 sent within a constraint window as traffic, for what it uses.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from planner import Message, Problem, Traffic
@@ -47,6 +47,7 @@ class _Open:
     of: _Candidate
     size: int
     scale: float
+    features: Mapping[str, float]
     current: bool = False
 
 
@@ -66,12 +67,15 @@ class WindowBuilder:
         _thin(candidates, self._view.settings.horizon)
         ours = {c.stream.key: c for c in candidates if c.stream.robot == self._view.settings.robot}
         opened = [
-            _Open(w.t_gen, c, w.size, w.scale * c.receivers, w is current)
+            _Open(w.t_gen, c, w.size, w.scale * c.receivers, w.features, w is current)
             for w in (*waiting, current)
             if (c := ours.get(w.key)) is not None
         ]
         opened += [
-            _Open(t, c, c.stream.newest.size, c.stream.newest.scale * c.receivers) for c in candidates for t in c.times
+            _Open(t, c, last.size, last.scale * c.receivers, last.features)
+            for c in candidates
+            for last in (c.stream.newest,)
+            for t in c.times
         ]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
         return self._problem(now, candidates, opened, limits)
@@ -146,7 +150,7 @@ class WindowBuilder:
 
 
 def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
-    utility = m.of.stream.information_type.utility
+    utility = m.of.stream.information_type.utility_of(m.features)
     return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.latency, utility, m.scale, use)
 
 
@@ -155,7 +159,7 @@ def _fact(c: _Candidate, constraints: int) -> Message | None:
     sent = c.stream.sent
     if sent is None:
         return None
-    utility, nothing = c.stream.information_type.utility, (0.0,) * constraints
+    utility, nothing = c.stream.information_type.utility_of(sent.features), (0.0,) * constraints
     t_rcv, scale = sent.t_sent + c.latency, sent.scale * c.receivers
     return Message(c.place, sent.t_gen, sent.t_sent, t_rcv, utility, scale, nothing, sent=True)
 

@@ -9,7 +9,7 @@ from statistics import fmean
 
 from planner import Constraint, SearchSettings
 from planner.constraints import violations
-from planner.evaluation import utility
+from planner.definition import utility
 from studies.benchmarks.quality import RuleBrokenError
 from studies.benchmarks.report import Table
 from studies.central import CentralDecider

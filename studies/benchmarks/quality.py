@@ -6,7 +6,7 @@ from statistics import fmean
 
 from planner import Problem, SearchSettings
 from planner.constraints import violations
-from planner.evaluation import utility
+from planner.definition import utility
 from studies.benchmarks.report import Table
 from studies.central import CentralDecider, Policy
 from studies.oracle import optimum, upper_bound

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner import Problem
-from planner.evaluation import integrals
+from planner.received import integrals
 from planner.utility import Floats, Ints
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner import Problem
-from planner.evaluation import utility
+from planner.definition import utility
 from planner.utility import Floats
 from studies.oracle.programme import build_programme
 from studies.oracle.solver import solve_integer, solve_relaxed

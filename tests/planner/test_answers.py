@@ -1,10 +1,12 @@
 """What a search answers with: utilities by the definition, and what speaks for the decision."""
 
+from dataclasses import replace
+
 import pytest
 
-from planner import SearchSettings, start
-from planner.answers import answer
-from planner.evaluation import utility
+from planner import Constraint, Linear, Message, Problem, SearchSettings, Stream, Traffic, start
+from planner.answers import Found, answer
+from planner.definition import utility
 from planner.tables import tabulate
 from tests.planner.windows import objective, open_messages, window
 
@@ -17,18 +19,19 @@ def test_plan_is_weighed_by_utility_and_its_lead_by_the_objective(seed):
     sends, opposite = [1, 2, tables.current], [0, 3]
     sends = sorted(set(sends))
     opposite = [level for level in opposite if level != tables.current]
-    plan = answer(tables, sends, opposite, iterations=7, nodes=9)
+    plan = answer(tables, Found(sends, opposite, bound=1e9, asked=(0.0,) * (seed % 3), nodes=9), iterations=7)
     taken, other = [opened[level] for level in sends], [opened[level] for level in opposite]
     assert (plan.send, plan.sends, plan.iterations, plan.nodes) == (True, tuple(taken), 7, 9)
     assert plan.utility == pytest.approx(utility(problem, taken))
     assert plan.opposite == pytest.approx(utility(problem, other))
     assert plan.lead == pytest.approx(objective(problem, taken) - objective(problem, other), abs=1e-9)
+    assert plan.gap == pytest.approx(1e9 - objective(problem, taken))
 
 
 def test_plan_without_an_opposite_has_no_lead():
     """Nothing speaks against a decision that was never in question."""
-    plan = answer(tabulate(window(1)), [], None, iterations=0, nodes=0)
-    assert (plan.send, plan.opposite, plan.lead) == (False, None, None)
+    plan = answer(tabulate(window(1)), Found([], None, bound=None, asked=(0.0,), nodes=0), iterations=0)
+    assert (plan.send, plan.opposite, plan.lead, plan.gap) == (False, None, None, None)
 
 
 @pytest.mark.parametrize("engine", ["native", "python"])
@@ -39,3 +42,46 @@ def test_lead_of_paper_mode_is_the_difference_of_utilities(engine):
     plan = search.plan()
     assert plan.opposite is not None
     assert plan.lead == plan.utility - plan.opposite
+
+
+def crowded(first, second):
+    """Two streams, of which a constraint lets one send."""
+    messages = (
+        Message(0, 0.0, 0.0, 0.0, Linear(1.0, 0.1), first, (1.0, 0.0)),
+        Message(1, 0.1, 0.1, 0.1, Linear(1.0, 0.1), second, (1.0, 0.0)),
+    )
+    limits = (Constraint("channel", 1.0, 1.0), Constraint("battery", 1.0, 1.0))
+    return Problem((Stream(0), Stream(1)), messages, 0, limits, (), -1.0, 5.0, goes_on=False)
+
+
+@pytest.mark.parametrize("engine", ["native", "python"])
+@pytest.mark.parametrize("mode", ["best", "paper"])
+def test_decision_names_the_constraint_that_binds(engine, mode):
+    """It is the one that both messages want; what it asks lies between what the two are worth."""
+    for first, second in ((1.0, 3.0), (3.0, 1.0)):
+        search = start(crowded(first, second), SearchSettings(search=mode, engine=engine))
+        search.run(300)
+        plan = search.plan()
+        assert plan.send == (first > second)
+        assert plan.binding == ("channel",)
+        assert plan.prices[1] == 0.0
+        assert plan.gap == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("engine", ["native", "python"])
+def test_nothing_binds_where_there_is_room(engine):
+    """A message that is not worth anything is dropped for that alone."""
+    search = start(crowded(0.0, 0.0), SearchSettings(engine=engine))
+    search.run(300)
+    plan = search.plan()
+    assert (plan.send, plan.binding, plan.prices) == (False, (), (0.0, 0.0))
+
+
+@pytest.mark.parametrize("engine", ["native", "python"])
+def test_full_channel_binds_without_a_price(engine):
+    """A message that finds no room beside what was sent names what keeps it out."""
+    problem = crowded(1.0, 0.0)
+    problem = replace(problem, traffic=(Traffic(-0.5, (1.0, 0.0)),))
+    search = start(problem, SearchSettings(engine=engine))
+    search.run(300)
+    assert (search.plan().send, search.plan().binding) == (False, ("channel",))

@@ -86,8 +86,8 @@ def test_nothing_is_left_behind_at_the_end_of_a_mission():
     """Then the search maximises U of the window, as it is."""
     problem = replace(window(3, robots=3, horizon=8), goes_on=False)
     tables = tabulate(problem, beyond=True)
-    assert (tables.aim == tables.gains.gain).all()
-    assert tables.aim_facts == tables.gains.facts
+    assert (tables.gains.aim == tables.gains.gain).all()
+    assert tables.gains.aim_facts == tables.gains.facts
 
 
 def test_equal_constraints_are_charged_once():
@@ -114,10 +114,10 @@ def test_gains_add_up_to_the_objective(seed):
     gains, opened = tables.gains, open_messages(problem)
     for number in (0, 1, 2**9 - 1, 0b101010101, 0b110001100):
         levels = [level for level in range(9) if number >> level & 1 and level < len(opened)]
-        state, total = [0] * tables.streams, tables.aim_facts
+        state, total = [0] * tables.streams, tables.gains.aim_facts
         for level in levels:
-            total += tables.aim[gains.start[level] + state[gains.stream[level]]]
-            state[gains.stream[level]] = gains.number[level] + 1
+            total += tables.gains.aim[gains.start[level] + state[gains.stream[level]]]
+            state[gains.stream[level]] = gains.after[gains.start[level] + state[gains.stream[level]]]
         assert total == pytest.approx(objective(problem, [opened[level] for level in levels]), abs=1e-9)
 
 

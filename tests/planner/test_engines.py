@@ -5,8 +5,8 @@ import itertools
 
 import pytest
 
-from planner import Search, SearchSettings, start
-from tests.planner.windows import stale_window, window
+from planner import Aggregation, Search, SearchSettings, start
+from tests.planner.windows import MARKOVIAN, stale_window, window
 
 REDUCTIONS = ("off", "paper", "exact")
 
@@ -15,9 +15,16 @@ def both(problem, settings) -> tuple[Search, Search]:
     return tuple(start(problem, dataclasses.replace(settings, engine=engine)) for engine in ("python", "native"))
 
 
-def drawn(seed: int):
+def drawn(seed: int, aggregations=MARKOVIAN):
     """A window of its own size, number of constraints and roundness for every seed."""
-    return window(seed, robots=1 + seed % 5, horizon=4 + seed % 13, constraints=seed % 3, grid=seed % 2 == 0)
+    return window(
+        seed,
+        robots=1 + seed % 5,
+        horizon=4 + seed % 13,
+        constraints=seed % 3,
+        grid=seed % 2 == 0,
+        aggregations=aggregations,
+    )
 
 
 @pytest.mark.parametrize(("reduction", "block"), list(itertools.product(REDUCTIONS, range(4))))
@@ -53,6 +60,18 @@ def test_same_tree_in_best_mode(block):
             assert python.tree() == native.tree()
             assert python.plan() == native.plan()
             assert python.done == native.done
+
+
+@pytest.mark.parametrize("mode", [("best", "off"), *(("paper", reduction) for reduction in REDUCTIONS)])
+def test_same_tree_whatever_the_aggregation(mode):
+    """All aggregations, side by side and with several receivers, give the same tree on either engine."""
+    for seed in range(60):
+        settings = SearchSettings(search=mode[0], reduction=mode[1])
+        python, native = both(drawn(seed, tuple(Aggregation)), settings)
+        for iterations in (1, 20, 120):
+            assert python.run(iterations) == native.run(iterations)
+            assert python.tree() == native.tree()
+            assert python.plan() == native.plan()
 
 
 def test_same_tree_on_a_full_window():

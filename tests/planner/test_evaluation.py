@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from planner import Linear, Message, Problem, ProblemError, Stream, Video
-from planner.evaluation import tabulate_gains, utility
+from planner.definition import utility
+from planner.evaluation import tabulate_gains
 from tests.planner.windows import open_messages, window
 
 
@@ -31,7 +32,7 @@ def added_up(window_, sends):
         if index in sends:
             stream = gains.stream[level]
             total += gains.gain[gains.start[level] + state[stream]]
-            state[stream] = gains.number[level] + 1
+            state[stream] = gains.after[gains.start[level] + state[stream]]
     return total
 
 

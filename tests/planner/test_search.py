@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from planner import Constraint, Linear, Message, Problem, SearchSettings, Stream, start
 from planner.constraints import violations
-from planner.evaluation import utility
+from planner.definition import utility
 from tests.planner.windows import objective, open_messages, optimum, window
 
 CHOICES = [

@@ -2,23 +2,45 @@
 
 import itertools
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
-from planner import Constraint, Linear, Message, Problem, Stream, Traffic, Video
+from planner import (
+    Aggregation,
+    AggregationModel,
+    Constraint,
+    Linear,
+    Message,
+    Problem,
+    Receiver,
+    Stream,
+    Traffic,
+    Video,
+)
 from planner.beyond import look_beyond
 from planner.constraints import violations
-from planner.evaluation import utility
+from planner.definition import utility
+
+MARKOVIAN = (Aggregation.MOST_RECENT,)
 
 
 def window(
-    seed: int, *, robots: int = 4, horizon: int = 8, constraints: int = 1, grid: bool = False, goes_on: bool = True
+    seed: int,
+    *,
+    robots: int = 4,
+    horizon: int = 8,
+    constraints: int = 1,
+    grid: bool = False,
+    goes_on: bool = True,
+    aggregations: Sequence[Aggregation | AggregationModel] = MARKOVIAN,
 ) -> Problem:
     """Draw a window: some messages known to be sent, the current one in the midst of the rest.
 
-    With `grid` all times, sizes and values are round numbers, so that ties and closed window edges abound.
+    With `grid` all times, sizes and values are round numbers, so that ties and closed window edges abound. The streams
+    take the `aggregations` in turn; where there are several, streams have several receivers, too.
     """
     draw = random.Random(seed)
-    streams = tuple(Stream(robot) for robot in range(robots))
+    streams = tuple(_stream(seed, robot, aggregations) for robot in range(robots))
     past = draw.randint(0, 3)
     limits = tuple(_constraint(draw, k, grid=grid) for k in range(constraints))
     latency = 0.25 if grid else draw.uniform(0.0, 0.5)
@@ -54,6 +76,16 @@ def window(
         t_end=messages[-1].t_gen + draw.uniform(0.1, 1.5),
         goes_on=goes_on,
     )
+
+
+def _stream(seed: int, robot: int, aggregations: Sequence[Aggregation | AggregationModel]) -> Stream:
+    if len(aggregations) == 1:
+        return Stream(robot, aggregations[0])
+    draw = random.Random(1000 * seed + robot)
+    receivers = tuple(
+        Receiver(draw.choice((0.0, 0.1, 0.35)), draw.choice((0.5, 1.0, 2.0))) for _ in range(draw.randint(1, 3))
+    )
+    return Stream(robot, aggregations[(seed + robot) % len(aggregations)], receivers)
 
 
 def stale_window(seed: int) -> Problem:
@@ -105,12 +137,28 @@ def open_messages(problem: Problem) -> list[int]:
 
 
 def objective(problem: Problem, sends: Iterable[int]) -> float:
-    """U, what the last message of each stream is worth beyond the window, less what all sent are charged there."""
+    """U, and what every stream leaves behind by its aggregation, less what all sent are charged beyond the window."""
     chosen, beyond = set(sends), look_beyond(problem)
-    received = [i for i, m in enumerate(problem.messages) if m.sent or i in chosen]
-    last = {problem.messages[i].stream: i for i in sorted(received, key=lambda i: problem.messages[i].t_rcv)}
-    left = sum(beyond.worth[i] for i in last.values()) - sum(beyond.charge[i] for i in chosen)
-    return utility(problem, chosen) + float(left)
+    total = -float(sum(beyond.charge[i] for i in chosen))
+    for number, stream in enumerate(problem.streams):
+        received = [i for i, m in enumerate(problem.messages) if m.stream == number and (m.sent or i in chosen)]
+        received.sort(key=lambda i: problem.messages[i].t_rcv)
+        match stream.aggregation:
+            case Aggregation.MOST_RECENT:
+                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received[-1:]])
+            case Aggregation.SUM:
+                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received])
+            case Aggregation.ONCE:
+                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received[:1]])
+            case _:
+                total += _of(problem, number, chosen, float(beyond.until[number]))
+    return float(total)
+
+
+def _of(problem: Problem, stream: int, chosen: set[int], t_end: float) -> float:
+    """U of one stream up to `t_end`."""
+    silent = tuple(s if at == stream else replace(s, receivers=()) for at, s in enumerate(problem.streams))
+    return utility(replace(problem, streams=silent, t_end=t_end), chosen)
 
 
 def optimum(problem: Problem, value: Callable[[Problem, Iterable[int]], float] = utility) -> tuple[float, float, float]:

@@ -40,7 +40,6 @@ Tables read_tables() {
     fill(tables.level, [] {
         Level level{};
         level.stream = number();
-        level.number = number();
         level.gain_start = number();
         level.check_start = number();
         level.held = number();
@@ -48,6 +47,9 @@ Tables read_tables() {
         return level;
     });
     fill(tables.gain, real);
+    fill(tables.after, number);
+    fill(tables.state_start, number);
+    fill(tables.markovian, [] { return static_cast<char>(number()); });
     fill(tables.check, [] {
         Check check{};
         check.of = number();
@@ -66,12 +68,11 @@ Tables read_tables() {
     fill(tables.use, real);
     fill(tables.share, real);
     fill(tables.scale, real);
-    fill(tables.message, number);
     return tables;
 }
 
 void print(const std::vector<std::int32_t>& sends) {
-    for (const auto index : sends) std::cout << index << ' ';
+    for (const auto level : sends) std::cout << level << ' ';
     std::cout << '\n';
 }
 
@@ -86,15 +87,13 @@ int main() {
         if (next<std::string>() == "best") {
             BestSearch best(tables, nodes);
             best.run(iterations);
-            std::vector<std::int32_t> sends;
-            for (const auto level : best.found().sends) sends.push_back(tables.message[level]);
-            print(sends);
+            print(best.found().sends);
             continue;
         }
         for (const auto reduction : {ReductionKind::off, ReductionKind::paper, ReductionKind::exact}) {
             PaperSearch paper(tables, 0.35, reduction, nodes);
             paper.run(iterations);
-            print(paper.plan().sends);
+            print(paper.found().sends);
         }
     }
 }

@@ -38,7 +38,9 @@ def windows():
 
         def policy(window):
             collected.append(window)
-            return str(window.current) in sends(window, SearchSettings(), 50)
+            search = start(window, SearchSettings())
+            search.run(50)
+            return search.plan().send
 
         decider.fly(policy)
     return collected[::EVERY]
@@ -59,24 +61,28 @@ def test_plans_are_those_of_the_module_and_memory_is_clean(kernel, windows):
 
 
 def sends(window, settings, iterations):
-    """What the module plans to send, as the executable prints it."""
+    """The levels that the module plans to send, as the executable prints them."""
     search = start(window, settings)
     search.run(iterations)
-    return [str(index) for index in search.plan().sends]
+    levels = {index: level for level, index in enumerate(tabulate(window).message.tolist())}
+    return [str(levels[index]) for index in search.plan().sends]
 
 
 def exported(window, iterations, nodes, mode):
     """A tabulated problem as the executable reads it."""
     tables = tabulate(window, beyond=mode == "best")
     checks, gains = tables.checks, tables.gains
-    columns = (gains.stream, gains.number, gains.start, checks.start, checks.held, checks.never)
-    end = (0, 0, len(tables.aim), len(checks.room), tables.levels, 0)
+    columns = (gains.stream, gains.start, checks.start, checks.held, checks.never)
+    end = (0, len(gains.aim), len(checks.room), tables.levels, 0)
     levels = [*list(zip(*(column[: tables.levels] for column in columns), strict=True)), end]
     rows = checks.rows
     lines = [
-        f"{tables.levels} {tables.streams} {checks.use.shape[1]} {tables.current} {float(tables.aim_facts).hex()}",
+        f"{tables.levels} {tables.streams} {checks.use.shape[1]} {tables.current} {float(gains.aim_facts).hex()}",
         table((*(int(value) for value in level),) for level in levels),
-        reals(tables.aim),
+        reals(gains.aim),
+        table((int(state),) for state in gains.after),
+        table((int(state),) for state in (0, *tables.states.cumsum())),
+        table((int(flag),) for flag in gains.markovian),
         table(
             (int(of), int(first), float(room).hex())
             for of, first, room in zip(checks.of, checks.first, checks.room, strict=True)
@@ -88,7 +94,6 @@ def exported(window, iterations, nodes, mode):
         reals(checks.use.ravel()),
         reals(checks.share.ravel()),
         reals(tables.scale),
-        table((int(index),) for index in tables.message),
         f"{iterations} {nodes} {mode}",
     ]
     return "\n".join(lines)

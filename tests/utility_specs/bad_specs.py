@@ -24,6 +24,7 @@ forecast = { features = "last" }
 CAMERA = 'information_type "camera"'
 CHUNKS = "empty chunks are forbidden, as well as leading and trailing slashes"
 NAME_RULE = "must be 1 to 64 letters, digits, spaces, dots, - or _, not"
+UTILITIES = '"exponential", "linear", "polynomial", "power", "python", "step", "table", "video"'
 REPEATED = "must be an array of tables: write"
 MEANING = "this name has a meaning in expressions; choose another one for the feature"
 
@@ -169,9 +170,9 @@ CORPUS = [
     bad("weight", "wieght", camera(10, "wieght", 'unknown key (did you mean "weight"?)')),
     bad('utility = { kind = "video" }\n', "", camera(6, "utility", "is missing")),
     bad('{ kind = "video" }', '"video"', camera(11, "utility", 'must be a table, not "video"')),
-    bad('{ kind = "video" }', "{}", camera(11, "utility.kind", 'is missing (one of "linear", "video")')),
+    bad('{ kind = "video" }', "{}", camera(11, "utility.kind", f"is missing (one of {UTILITIES})")),
     bad('"video"', '"vidoe"', camera(11, "utility.kind", 'unknown kind "vidoe" (did you mean "video"?)')),
-    bad('"video"', '"step"', camera(11, "utility.kind", 'unknown kind "step" (known: "linear", "video")')),
+    bad('"video"', '"freshest"', camera(11, "utility.kind", f'unknown kind "freshest" (known: {UTILITIES})')),
     bad('"video"', '"linear"', camera(11, "utility.slope", "is missing")),
     bad('"video"', '"linear", slope = 0', camera(11, "utility.slope", "must be more than 0, not 0")),
     bad('"video"', '"linear", slope = 1, u0 = -1', camera(11, "utility.u0", "must be more than 0, not -1")),
@@ -182,6 +183,30 @@ CORPUS = [
         camera(11, "utility.a1", "must be more than a0 (0.0333333 s), not 0.03 s")),
     bad('"video"', '"video", a0 = "x"',
         camera(11, "utility.a0", '"x" is not a duration; write for example "200 ms"')),
+    bad('"video"', '"exponential", tau = 0',
+        camera(11, "utility.tau", "must be a finite duration above 0, not 0")),
+    bad('"video"', '"step", lifetime = "3 x"', camera(11, "utility.lifetime",
+        'unknown unit "x" (known units: "s", "ms", "us", "μs", "min", "h")')),
+    bad('"video"', '"polynomial", a1 = 3, k = 0', camera(11, "utility.k", "must be more than 0, not 0")),
+    bad('"video"', '"power", beta = 1', camera(11, "utility.beta", "must be less than 1, not 1")),
+    bad('"video"', '"table", points = []', camera(11, "utility.points", "must not be empty")),
+    bad('"video"', '"table", points = [[0, 1], ["0 s", 2]]',
+        camera(11, "utility.points", "must have rising ages, not 0 s after 0 s")),
+    bad('"video"', '"table", points = [[0], [1, 2, 3], ["-1 s", 0], 4, [5, -1]]',
+        camera(11, "utility.points[0][1]", "is missing"),
+        camera(11, "utility.points[1]", "must hold at most 2 values, not 3"),
+        camera(11, "utility.points[2][0]", 'must be a finite duration of at least 0, not "-1 s"'),
+        camera(11, "utility.points[3]", "must be an array, not 4"),
+        camera(11, "utility.points[4][1]", "must be at least 0, not -1")),
+    bad('"video"', '"table", points = [[0, 1e308], [1e-300, 0]]', camera(11, "utility",
+        "points are too close to each other or too large for a finite integral")),
+    bad('"video"', '"python"', camera(11, "utility.function", "is missing")),
+    bad('"video"', '"python", function = "math:sqr"',
+        camera(11, "utility.function", '"math" has no "sqr" (did you mean "sqrt"?)')),
+    bad('"video"', '"python", function = "tests.utility_specs.worths:by_blue"', camera(11, "utility",
+        "tests.utility_specs.worths:by_blue raises KeyError: 'blue'")),
+    bad('"video"', '"python", function = "tests.utility_specs.worths:two_lines"', camera(11, "utility",
+        "tests.utility_specs.worths:two_lines raises RuntimeError: one two")),
     # scale
     bad("10 * red", "10 * redd", camera(12, "scale", 'unknown feature "redd" (did you mean "red"?)')),
     bad("10 * red", "10 * red +", camera(12, "scale", "is not an expression: invalid syntax (at its end)")),
@@ -217,7 +242,7 @@ CORPUS = [
     # several at once, in the order of the file
     bad('weight = 1.0\nutility = { kind = "video" }', 'weight = -1\nutility = { kind = "v" }\nx = 1',
         camera(10, "weight", "must be at least 0, not -1"),
-        camera(11, "utility.kind", 'unknown kind "v" (known: "linear", "video")'),
+        camera(11, "utility.kind", f'unknown kind "v" (known: {UTILITIES})'),
         camera(12, "x", 'unknown key (known keys: "name", "keys", "aggregation", "weight", "utility", '
             '"features", "scale", "forecast")')),
 ]  # fmt: skip

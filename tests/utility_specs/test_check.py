@@ -51,6 +51,15 @@ def test_a_limit_is_told_in_the_terms_of_its_kind(tmp_path, table, summary):
     assert (code, out.splitlines()[-1]) == (0, f'  constraint "other": {summary}')
 
 
+def test_a_python_utility_is_summed_up_with_its_function(tmp_path):
+    """So that one sees what was found."""
+    path = tmp_path / "camera.toml"
+    path.write_text(GOOD.replace('"video"', '"python", function = "tests.utility_specs.worths:by_red"'))
+    code, summary = run(path)
+    assert code == 0
+    assert "(python tests.utility_specs.worths:by_red, most_recent, scale 1 × (1 + 10 * red))" in summary
+
+
 def test_bad_specs_are_named_line_by_line(tmp_path):
     """Every problem of every file is one line, and the exit code says so."""
     good, bad = tmp_path / "good.toml", tmp_path / "bad.toml"

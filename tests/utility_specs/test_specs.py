@@ -1,20 +1,21 @@
 """Specs in use: matching keys, extracting features, computing scales."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 import pytest
 import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.problem import Aggregation
-from planner.utility import Video
+from planner.utility import Custom, Video
 from utility_specs import InformationType, Specs
 from utility_specs.expressions import Expression
 from utility_specs.features import Size
 from utility_specs.forecast import LastForecast
-from utility_specs.specs import MATCHES_KEPT
+from utility_specs.specs import MATCHES_KEPT, UTILITIES_KEPT
 
 
 @dataclass(frozen=True)
@@ -137,6 +138,51 @@ def test_a_scale_is_always_finite_and_never_negative(features):
     """Whatever a peer claims its features to be."""
     scale = information_type(weight=3.0, scale="size ** 3 / (1 - size)", size=Size()).scale(features)
     assert 0.0 <= scale < math.inf
+
+
+def test_every_sample_has_the_utility_of_its_type():
+    """Features make no difference to a utility that knows none."""
+    each = information_type(red=Size())
+    assert each.utility_of({"red": 3.0}) is each.utility
+
+
+def coloured(calls=None) -> InformationType:
+    def by_red(age, features):
+        if calls is not None:
+            calls.append(dict(features))
+        return features["red"] * np.exp(-age)
+
+    return replace(information_type(red=Size(default=0.5)), utility=Custom(by_red, {"red": 0.5}))
+
+
+def test_a_python_utility_is_tabulated_once_for_the_features_of_a_sample():
+    """Features that are not given take their defaults, unknown ones are ignored."""
+    calls = []
+    each = coloured(calls)
+    for _ in range(3):
+        assert each.utility_of({"red": 2.0, "blue": 9.0}).value(np.zeros(1)) == 2.0
+        assert each.utility_of({}).value(np.zeros(1)) == 0.5
+    assert calls == [{"red": 0.5}, {"red": 2.0}, {"red": 0.5}]
+
+
+def test_a_python_utility_that_fails_in_flight_is_that_of_the_defaults_and_is_counted():
+    """Whatever the features of a sample are, the daemon flies on."""
+    each = coloured()
+    assert each.utility_of({"red": -1.0}) is each.utility
+    assert each.utility_of({"red": 1.0}) is not each.utility
+    assert each.failures.counts() == {"utility": 1}
+
+
+def test_the_memory_of_tabulated_utilities_is_bounded():
+    """Features that never repeat do not fill the memory."""
+    calls = []
+    each = coloured(calls)
+    for red in range(UTILITIES_KEPT + 1):
+        each.utility_of({"red": float(red)})
+    each.utility_of({"red": 1.0})
+    assert len(calls) == UTILITIES_KEPT + 2
+    each.utility_of({"red": 0.0})
+    assert len(calls) == UTILITIES_KEPT + 3
 
 
 @pytest.mark.parametrize("payload", [b"abc", bytearray(b"abc"), memoryview(b"abc"), zenoh.ZBytes(b"abc")])

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from utility_specs.errors import QuantityError
-from utility_specs.units import DURATION, FRACTION, JOULE, RATE, SIZE, Duration, Fraction, Joule, Rate, Size
+from utility_specs.units import AGE, DURATION, FRACTION, JOULE, RATE, SIZE, Duration, Fraction, Joule, Rate, Size
 
 
 @pytest.mark.parametrize(
@@ -37,6 +37,9 @@ from utility_specs.units import DURATION, FRACTION, JOULE, RATE, SIZE, Duration,
         (JOULE, "2 uJ", 2e-6),
         (JOULE, "2 µJ", 2e-6),
         (JOULE, "1 mWh", 3.6),
+        (AGE, "0 s", 0.0),
+        (AGE, 0, 0.0),
+        (AGE, "200 ms", 0.2),
     ],
 )
 def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
@@ -66,6 +69,8 @@ def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
         (JOULE, 0.5, 'needs a unit; write for example "0.5 J"'),
         (JOULE, "2 joules", 'unknown unit "joules" (did you mean "J"?)'),
         (DURATION, 0, "must be a finite duration above 0, not 0"),
+        (AGE, "-1 s", 'must be a finite duration of at least 0, not "-1 s"'),
+        (AGE, math.nan, "must be a finite duration of at least 0, not nan"),
         (DURATION, math.nan, "must be a finite duration above 0, not nan"),
         (DURATION, 10**400, "must be a finite duration above 0, not a huge number"),
     ],

@@ -46,6 +46,7 @@ class Model(Strict):
     many: list[Round] = []
     few: Annotated[list[str], Field(min_length=1)] = ["x"]
     pair: Annotated[list[int], Field(max_length=2)] = []
+    even: Annotated[int, Field(multiple_of=2)] = 2
     filled: Annotated[str, Field(min_length=1)] = "x"
 
 
@@ -88,7 +89,8 @@ def told(data: dict[str, Any]) -> list[str]:
         ({"few": {}}, "few: must be an array, not a table"),
         ({"few": []}, "few: must not be empty"),
         ({"filled": ""}, "filled: must not be empty"),
-        ({"pair": [1, 2, 3]}, "pair: list should have at most 2 items after validation, not 3"),
+        ({"pair": [1, 2, 3]}, "pair: must hold at most 2 values, not 3"),
+        ({"even": 3}, "even: input should be a multiple of 2"),
         ({"wrod": 1}, 'wrod: unknown key (did you mean "word"?)'),
     ],
 )

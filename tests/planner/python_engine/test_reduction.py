@@ -60,7 +60,7 @@ def gained(problem, tables, sends):
         if message in sends:
             stream = tables.gains.stream[level]
             total += tables.gains.gain[tables.gains.start[level] + state[stream]]
-            state[stream] = tables.gains.number[level] + 1
+            state[stream] = tables.gains.after[tables.gains.start[level] + state[stream]]
     return total
 
 

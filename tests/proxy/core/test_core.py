@@ -9,7 +9,7 @@ from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forward, Notice, SendDigest, SendState
 from proxy.core.mode import Mode
 from proxy.core.wire import Digest, State, StreamDigest, StreamState
-from tests.proxy.core.talk import ALL_KINDS, UNLIMITED, only
+from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
 
 
 def test_a_sample_is_decided_and_forwarded(make_talk):
@@ -25,6 +25,20 @@ def test_a_sample_is_decided_and_forwarded(make_talk):
     talk.tell(ev.SampleHanded(0.12, sample))
     assert talk.core.counts.by_reason == {"forwarded": 1}
     assert talk.core.counts.conserved
+
+
+def test_the_features_of_a_sample_reach_the_planner_and_stay_with_what_was_sent(make_talk, make_specs):
+    """A Python utility is tabulated for the sample to decide, and for the last one that was sent."""
+    python = '{ kind = "python", function = "tests.utility_specs.worths:by_red" }'
+    text = SPEC.format(limit="80 kbit/s", window=1.0).replace('{ kind = "video" }', python)
+    talk = make_talk(make_specs(text=text))
+    talk.want(0.0)
+    _, commands = talk.publish(0.1, red=0.25)
+    talk.answer(0.11, only(commands, Decide)[0], send=True)
+    _, commands = talk.publish(0.2, red=0.75)
+    problem = only(commands, Decide)[0].problem
+    sent, current = problem.messages[0], problem.messages[problem.current]
+    assert (sent.utility.features, current.utility.features) == ({"red": 0.25}, {"red": 0.75})
 
 
 def test_a_sample_that_the_plan_drops_never_goes_out(make_talk):

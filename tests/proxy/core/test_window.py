@@ -1,5 +1,8 @@
 """The planning window."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from planner import Constraint, SearchSettings, start
@@ -13,6 +16,14 @@ from proxy.core.window import WindowBuilder
 from utility_specs import ConstraintSpec, Specs
 
 LIMIT = Limit("throughput", 1.0, 10_000.0, Throughput(10_000.0, 1.0))
+
+BY_RED = """
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+utility = { kind = "python", function = "tests.utility_specs.worths:by_red" }
+features.red = { kind = "color_fraction", color = "red", default = 0.5 }
+"""
 
 
 def make_view(specs, **settings):
@@ -85,6 +96,33 @@ def test_others_messages_of_unknown_fate_are_decisions(crowd):
     problem = WindowBuilder(crowd, 0.0).build(10.8, sample(10.8), (), union())
     past = [(m.stream, m.t_gen) for m in problem.messages if m.t_gen < 10.8]
     assert past == [(1, pytest.approx(10.5)), (2, pytest.approx(10.5))]
+
+
+def test_a_python_utility_sees_the_features_of_each_sample(make_specs):
+    """Our own of the current sample, the newest and the last sent; of others' samples the defaults."""
+    view = make_view(make_specs(text=BY_RED))
+    view.set_interest(("robot/**",))
+    for robot in ("r1", "r2"):
+        add_stream(view, robot)
+    ours, others = view.streams()
+    ours.note_generated(100, Generated(9.9, 1000, 1.0, {"red": 3.0}))
+    ours.note_sent(1, Sent(9.7, 9.7, 1000, 1.0, {"red": 2.0}))
+    others.note_sent(1, Sent(9.6, 9.6, 1000, 1.0))
+    problem = WindowBuilder(view, 0.0).build(10.0, replace(sample(10.0), features={"red": 4.0}), (), union())
+    fresh = {(m.stream, m.sent, at == problem.current): fresh_value(m) for at, m in enumerate(problem.messages)}
+    assert fresh == pytest.approx(
+        {
+            (0, True, False): 2.0,
+            (0, False, True): 4.0,
+            (0, False, False): 3.0,
+            (1, True, False): 0.5,
+            (1, False, False): 0.5,
+        }
+    )
+
+
+def fresh_value(message) -> float:
+    return float(message.utility.value(np.zeros(1))[0])
 
 
 def test_samples_that_wait_are_decided_with_it(crowd):

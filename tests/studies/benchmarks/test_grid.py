@@ -3,7 +3,7 @@
 import pytest
 
 from planner import Constraint, SearchSettings
-from planner.evaluation import utility
+from planner.definition import utility
 from studies.benchmarks import grid
 from studies.benchmarks.grid import FLIGHTS, LIMITS, Mission, fly, measure_grid
 from studies.benchmarks.quality import RuleBrokenError

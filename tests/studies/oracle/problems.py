@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from planner import Constraint, Linear, Message, Problem, Stream, Traffic, Video
 from planner.constraints import violations
-from planner.evaluation import utility
+from planner.definition import utility
 
 TICK = 1 / 16
 """Times are multiples of this [s], so that messages lie exactly on the edges of windows."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from planner.evaluation import utility
+from planner.definition import utility
 from studies.oracle.programme import build_programme
 from tests.studies.oracle.problems import one_stream
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 
 from planner import Constraint, Problem, ProblemError, Traffic
 from planner.constraints import violations
-from planner.evaluation import utility
+from planner.definition import utility
 from studies.oracle import optimum, upper_bound
 from tests.studies.oracle.problems import best_by_trying, one_stream, small_problems
 

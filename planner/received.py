@@ -1,0 +1,103 @@
+"""The messages of a window in the order of receipt, and what each is worth between two receipts."""
+
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+
+from planner.problem import Problem
+from planner.utility import Batched, Flags, Floats, Ints, MessageUtility
+
+
+class Received:
+    """The messages `indices` of a problem, stream by stream in the order of receipt; ties as in the window.
+
+    A *place* is a position in this order. `level[i]` is that of the tree which decides the i-th open message here,
+    and `opened[i]` its place.
+    """
+
+    def __init__(self, problem: Problem, indices: Ints, levels: Ints) -> None:
+        messages = [problem.messages[index] for index in indices]
+        columns = np.array([(m.stream, m.sent, m.t_gen, m.t_rcv, m.scale) for m in messages], dtype=np.float64)
+        order = np.lexsort((columns[:, 3], columns[:, 0]))
+        columns = columns[order]
+        self.problem = problem
+        self.index = indices[order]
+        """The message of the problem at each place."""
+        self.utilities = [messages[at].utility for at in order]
+        self.stream = columns[:, 0].astype(np.int64)
+        self.fact = columns[:, 1] != 0
+        self.t_gen = columns[:, 2]
+        self.t_rcv = columns[:, 3]
+        self.scale = columns[:, 4]
+        self.t_end = problem.t_end
+        place = np.empty_like(order)
+        place[order] = np.arange(len(order))
+        self.opened = place[[at for at, m in enumerate(messages) if not m.sent]]
+        self.level = levels
+        self._delay, self._share = receivers(problem)
+
+    def facts_around(self) -> tuple[Ints, Ints]:
+        """Return the places of the last fact before and the first after each; −1 and the count if none."""
+        count = len(self.stream)
+        places = np.arange(count)
+        before = np.append(-1, np.maximum.accumulate(np.where(self.fact, places, -1))[:-1])
+        after = np.append(np.minimum.accumulate(np.where(self.fact, places, count)[::-1])[::-1][1:], count)
+        same_before = (before >= 0) & (self.stream[before] == self.stream)
+        same_after = (after < count) & (self.stream[np.minimum(after, count - 1)] == self.stream)
+        return np.where(same_before, before, -1), np.where(same_after, after, count)
+
+    def until(self, places: Ints) -> Floats:
+        """Return when the messages at these places are received; never for the place after the last one [s]."""
+        return np.append(self.t_rcv, np.inf)[places]
+
+    def worth(self, which: Ints, begin: Floats, until: Floats) -> Floats:
+        """Return what the messages at places `which` are worth to all receivers from `begin` to `until` [utility·s].
+
+        Both times are on the clock of `t_rcv`; a receiver with a delay sees them later, but nothing after t_end.
+        """
+        born, streams = self.t_gen[which], self.stream[which]
+        total = np.zeros(len(which))
+        for delay, share in zip(self._delay.T, self._share.T, strict=True):
+            late = delay[streams]
+            start = np.maximum(begin + late - born, 0.0)
+            end = np.maximum(np.minimum(until + late, self.t_end) - born, start)
+            total += share[streams] * integrals(self.utilities, which, start, end)
+        return self.scale[which] * total
+
+
+def receivers(problem: Problem) -> tuple[Floats, Floats]:
+    """Return delay [s] and share of each receiver of each stream, filled up with receivers of no share."""
+    most = max((len(stream.receivers) for stream in problem.streams), default=0)
+    delay, share = np.zeros((2, len(problem.streams), max(most, 1)))
+    for at, stream in enumerate(problem.streams):
+        for r, receiver in enumerate(stream.receivers):
+            delay[at, r], share[at, r] = receiver.delay, receiver.share
+    return delay, share
+
+
+def integrals(utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats) -> Floats:
+    """∫ of `utilities[which[j]]` over the ages `[start[j], end[j]]`, kind by kind [1]."""
+    kinds = set(map(type, utilities))
+    if len(kinds) == 1 and isinstance(utilities[0], Batched):
+        batched = cast("type[Batched]", type(utilities[0]))
+        return batched.integrals(cast("Sequence[Batched]", utilities), which, start, end)
+    result = np.zeros(len(which))
+    for kind in sorted(kinds, key=lambda kind: f"{kind.__module__}.{kind.__qualname__}"):
+        members: Flags = np.array([type(utility) is kind for utility in utilities])
+        chosen = members[which]
+        result[chosen] = _of_one_kind(kind, utilities, which[chosen], start[chosen], end[chosen])
+    return result
+
+
+def _of_one_kind(
+    kind: type[MessageUtility], utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats
+) -> Floats:
+    if issubclass(kind, Batched):
+        used, index = np.unique(which, return_inverse=True)
+        return kind.integrals([utilities[at] for at in used], index, start, end)
+    result = np.zeros(len(which))
+    for at in np.unique(which):
+        chosen = which == at
+        result[chosen] = utilities[at].integral(start[chosen], end[chosen])
+    return result

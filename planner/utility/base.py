@@ -1,0 +1,53 @@
+"""What a message utility function is, and what its parameters may be."""
+
+import math
+from collections.abc import Sequence
+from typing import Protocol, Self, TypeVar, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from planner.errors import ProblemError
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Flags = npt.NDArray[np.bool_]
+Shared = TypeVar("Shared")
+
+
+class MessageUtility(Protocol):
+    """Value per second of a message as a function of its age a = t − t_gen [s]; 0 before it exists."""
+
+    def value(self, age: Floats) -> Floats:
+        """u(a) for every age [1/s]."""
+
+    def integral(self, start: Floats, end: Floats) -> Floats:
+        """∫ u(a) da over [start, end] for every pair of ages, 0 <= start <= end [1]."""
+
+
+@runtime_checkable
+class Batched(Protocol):
+    """A kind of utility that integrates many messages in one call: a decision has no time for a loop."""
+
+    @classmethod
+    def integrals(cls, utilities: Sequence[Self], which: Ints, start: Floats, end: Floats) -> Floats:
+        """∫ of `utilities[which[j]]` over `[start[j], end[j]]` for every j [1]."""
+
+
+def told_apart(objects: Sequence[Shared], which: Ints) -> tuple[list[Shared], Ints]:
+    """Return each object once, and for every j which of these is `objects[which[j]]`: most messages share theirs."""
+    distinct = {id(each): each for each in objects}
+    place = {key: number for number, key in enumerate(distinct)}
+    return list(distinct.values()), np.array([place[id(each)] for each in objects])[which]
+
+
+def require_at_least_zero(kind: str, parameter: str, value: float) -> None:
+    """Raise ProblemError unless the value is finite and >= 0."""
+    if not (math.isfinite(value) and value >= 0):
+        raise ProblemError(f"{kind} utility: {parameter} must be a finite number >= 0, not {value}")
+
+
+def require_above_zero(kind: str, parameter: str, value: float) -> None:
+    """Raise ProblemError unless the value is finite and > 0."""
+    if not (math.isfinite(value) and value > 0):
+        raise ProblemError(f"{kind} utility: {parameter} must be a finite number > 0, not {value}")

@@ -1,0 +1,49 @@
+"""The manual of utilities: every example in it is a spec."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from utility_specs import load_specs
+from utility_specs.schema import SpecFile
+
+README = (Path(__file__).parents[2] / "utility_specs" / "README.md").read_text()
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def spec(line) -> str:
+    return f'[[information_type]]\nname = "x"\nkeys = ["x"]\n{line}\n'
+
+
+@pytest.mark.parametrize("row", re.findall(r"^\| `(\{ kind = .*?\})` \|", README, re.MULTILINE))
+def test_every_kind_in_the_table_loads(row, tmp_path, monkeypatch):
+    """As it is written there."""
+    (tmp_path / "worth.py").write_text(blocks("python")[0])
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "x.toml").write_text(spec(f"utility = {row}\nfeatures.red = {{ kind = 'size' }}"))
+    (loaded,) = load_specs(tmp_path / "x.toml").types
+    assert f'kind = "{kind(loaded.utility)}"' in row
+
+
+def kind(utility) -> str:
+    name = type(utility).__name__.lower()
+    return "python" if name == "custom" else name
+
+
+def test_no_kind_is_missing():
+    """The table has a row for each kind of the schema."""
+    mapping = SpecFile.model_json_schema()["$defs"]["InformationTypeTable"]["properties"]["utility"]["discriminator"]
+    assert set(re.findall(r'kind = "(\w+)"', README)) >= set(mapping["mapping"])
+
+
+def test_the_spec_with_a_function_loads(tmp_path, monkeypatch):
+    """The function and the spec that names it fit together."""
+    (tmp_path / "worth.py").write_text(blocks("python")[0])
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "x.toml").write_text(blocks("toml")[0])
+    (camera,) = load_specs(tmp_path / "x.toml").types
+    assert camera.utility_of({"red": 0.5}) != camera.utility
