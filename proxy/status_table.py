@@ -8,6 +8,10 @@ Row = Sequence[str]
 
 UNKNOWN = "-"
 
+_LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+_SMALL = ((1.0, ""), (1e-3, "m"), (1e-6, "μ"))
+_PREFIXES = {"s": _SMALL, "J": _SMALL, "messages": ()}
+
 
 def table(status: Status) -> str:
     """Describe a daemon: what it is, its counts, budget, streams, peers and warnings."""
@@ -159,10 +163,10 @@ def duration(seconds: float | None) -> str:
 
 
 def amount(value: float | None, unit: str) -> str:
-    """Write a quantity with three digits and a decimal prefix."""
+    """Write a quantity with three digits and a decimal prefix; times and energies have small ones, counts none."""
     if value is None:
         return UNKNOWN
-    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+    for factor, prefix in _PREFIXES.get(unit, _LARGE):
         if abs(value) >= factor:
             return f"{value / factor:.3g} {prefix}{unit}"
     return f"{value:.3g} {unit}"

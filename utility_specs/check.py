@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO
 
+from planner.airtime import Airtime
+from planner.measures import Energy, Measure, Throughput
 from planner.utility import Custom, MessageUtility
 from utility_specs.errors import SpecsError
 from utility_specs.loader import LoadedFile, load_set
@@ -42,8 +44,29 @@ def _kind(utility: MessageUtility) -> str:
 
 
 def _constraint_line(each: ConstraintSpec) -> str:
-    rate = f"{each.rate * 8 / 1e6:g} Mbit/s"
-    return f'  constraint "{each.name}": {each.limit:.0f} B in any {each.window:g} s ({rate})'
+    return f'  constraint "{each.name}": {_limit(each.measure)}'
+
+
+def _limit(measure: Measure) -> str:
+    """Say what a window may hold, and what that is in the terms of data sheets."""
+    window = f"in any {measure.window:g} s"
+    rate = measure.limit / measure.window
+    match measure:
+        case Throughput():
+            return f"{measure.limit:.0f} B {window} ({_mbit(rate)})"
+        case Airtime():
+            air = f"{measure.wifi}, {measure.cast}, {_mbit(measure.phy_rate)}, {_counted(measure.hops, 'hop')}"
+            kilobyte = f"1 kB takes {measure.use(1000, 1, own=True) * 1e3:.3g} ms"
+            return f"{measure.limit * 1e3:g} ms on the air {window} ({rate * 100:g} %; {air}; {kilobyte})"
+        case Energy():
+            kilobyte = f"1 kB takes {measure.use(1000, 1, own=True) * 1e3:.3g} mJ"
+            return f"{measure.limit:g} J of each robot {window} ({rate:g} W; {kilobyte})"
+        case _:
+            return f"{measure.limit:g} {measure.unit} {window} ({rate:g}/s)"
+
+
+def _mbit(rate: float) -> str:
+    return f"{rate * 8 / 1e6:g} Mbit/s"
 
 
 def _counted(count: int, what: str) -> str:

@@ -8,10 +8,11 @@ import zenoh
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 from planner.utility import MessageUtility
+from utility_specs.constraint_tables import AnyConstraintTable
 from utility_specs.expressions import CONSTANTS, FUNCTIONS, Expression
 from utility_specs.features import AnyFeatureTable
+from utility_specs.names import Name
 from utility_specs.suggestions import described
-from utility_specs.units import Duration, Rate
 from utility_specs.utilities import AnyUtilityTable
 
 
@@ -19,12 +20,6 @@ class Table(BaseModel):
     """A table that knows all its keys and converts nothing silently."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-def _name(name: str) -> str:
-    if not re.fullmatch(r"\w[\w .-]{0,63}", name):
-        raise ValueError(f"must be 1 to 64 letters, digits, spaces, dots, - or _, not {described(name)}")
-    return name
 
 
 def _feature_name(name: str) -> str:
@@ -43,18 +38,8 @@ def _key_expression(text: str) -> str:
         raise ValueError(f"{described(text)} is not a key expression: {cause.rstrip('.')}") from None
 
 
-Name = Annotated[str, AfterValidator(_name)]
 FeatureName = Annotated[str, AfterValidator(_feature_name)]
 KeyExpression = Annotated[str, AfterValidator(_key_expression)]
-
-
-class ThroughputTable(Table):
-    """At most `limit` × `window` bytes in any window (Eq. 5 and 6)."""
-
-    kind: Literal["throughput"]
-    name: Name | None = None
-    limit: Rate
-    window: Duration = 0.5
 
 
 class ForecastTable(Table):
@@ -91,5 +76,5 @@ class SpecFile(Table):
     """One file. The tables are named in the singular, as TOML repeats them one by one."""
 
     version: Literal[1] = 1
-    constraint: list[ThroughputTable] = []
+    constraint: list[AnyConstraintTable] = []
     information_type: list[InformationTypeTable] = []

@@ -11,6 +11,7 @@ from typing import Any, Protocol, Self, cast
 import zenoh
 
 from planner.errors import ProblemError
+from planner.measures import Measure
 from planner.problem import Aggregation
 from planner.utility import Custom, MessageUtility
 from utility_specs.errors import ExpressionError
@@ -68,17 +69,10 @@ class Failures:
 
 @dataclass(frozen=True, slots=True)
 class ConstraintSpec:
-    """A limit on what the channel carries: `rate` [B/s] in any `window` [s] (Eq. 5 and 6)."""
+    """A limit on what may be sent in any window (Eq. 5 and 6), and the measure of what a message uses of it."""
 
     name: str
-    kind: str
-    rate: float
-    window: float
-
-    @property
-    def limit(self) -> float:
-        """What one window may hold [B]."""
-        return self.rate * self.window
+    measure: Measure
 
 
 @dataclass(frozen=True, slots=True)

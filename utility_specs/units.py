@@ -1,4 +1,4 @@
-"""Quantities as people write them: `"2 Mbit/s"`, `"200 ms"`. Inside, everything is bytes and seconds.
+"""Quantities as people write them: `"2 Mbit/s"`, `"200 ms"`. Inside, everything is bytes, seconds and joules.
 
 Prefixes are decimal (1 kbit = 1000 bit), as everywhere in networking; `KiB` and its kin are powers of 1024.
 """
@@ -25,19 +25,25 @@ _OTHER_WORDS = {
     **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
     **dict.fromkeys(("msec", "millis", "milliseconds"), "ms"),
     **dict.fromkeys(("m", "minute", "minutes"), "min"),
+    **dict.fromkeys(("percent", "pct"), "%"),
+    **dict.fromkeys(("joule", "joules", "ws"), "J"),
 }
 """What people also call units, in lower case."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """A kind of quantity: factors of its units to the base unit, whether a number alone will do, whether 0 will."""
+    """A kind of quantity: factors of its units to the base unit, and what a number may be.
+
+    `plain`: a number alone will do; `zero`: 0 will, too; `most`: the largest.
+    """
 
     name: str
     units: Mapping[str, float]
     example: str
     plain: bool
     zero: bool = False
+    most: float = math.inf
 
     def parse(self, written: Any) -> float:
         """Return a quantity in the base unit; raises QuantityError, which says what to write."""
@@ -47,6 +53,8 @@ class Dimension:
         if not (math.isfinite(quantity) and (quantity > 0.0 or (self.zero and quantity == 0.0))):
             least = "of at least 0" if self.zero else "above 0"
             raise QuantityError(f"must be a finite {self.name} {least}, not {described(written)}")
+        if quantity > self.most:
+            raise QuantityError(f"must be a {self.name} of at most {self.most:g}, not {described(written)}")
         return quantity
 
     def _of_text(self, text: str) -> float:
@@ -89,6 +97,13 @@ DURATION = Dimension(
     plain=True,
 )
 AGE = replace(DURATION, zero=True)
+FRACTION = Dimension("fraction", {"%": 0.01}, "40 %", plain=True, most=1.0)
+JOULE = Dimension(
+    "quantity of energy",
+    {"J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "μJ": 1e-6, "nJ": 1e-9, "kJ": 1e3, "mWh": 3.6, "Wh": 3600.0},
+    "0.5 J",
+    plain=False,
+)
 
 Rate = Annotated[float, BeforeValidator(RATE.parse, json_schema_input_type=str)]
 """[B/s], written with a unit: bits and bytes are mixed up too easily."""
@@ -100,6 +115,15 @@ Duration = Annotated[
     float, BeforeValidator(DURATION.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])
 ]
 """[s], written with a unit or as a number of seconds."""
+
+Fraction = Annotated[
+    float, BeforeValidator(FRACTION.parse, json_schema_input_type=float | str), Field(examples=["40 %"])
+]
+"""A part of a whole, above 0 and at most 1, written in percent or as a number."""
+
+Joule = Annotated[float, BeforeValidator(JOULE.parse, json_schema_input_type=str)]
+"""[J], written with a unit: batteries are rated in watt hours, radios in millionths of a joule."""
+
 
 Age = Annotated[float, BeforeValidator(AGE.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])]
 """[s], a duration that may be 0."""

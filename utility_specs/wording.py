@@ -67,7 +67,8 @@ class Place:
         kinds = tuple(_mapping(schema, node))
         if error in {"union_tag_invalid", "union_tag_not_found"}:
             path.append("kind")
-        repeats = any(_properties(schema, _child(schema, node, 0)))
+        item = _child(schema, node, 0)
+        repeats = any(_properties(schema, item)) or bool(_mapping(schema, item))
         return cls(tuple(path), siblings, kinds, repeats)
 
 

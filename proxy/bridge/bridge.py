@@ -1,5 +1,6 @@
 """Everything that crosses between the apps and the mesh, put together."""
 
+import math
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -143,6 +144,6 @@ class Bridge:
 
 
 def _pace(specs: Specs, mode: Mode) -> float | None:
-    """Return the rate of the tightest limit [B/s]; None: as fast as it goes."""
-    rates = [constraint.rate for constraint in specs.constraints]
-    return min(rates) if rates and mode is Mode.ENFORCE else None
+    """Return the rate of the tightest limit of the channel [B/s]; None: as fast as it goes."""
+    rate = min((constraint.measure.pace for constraint in specs.constraints), default=math.inf)
+    return rate if mode is Mode.ENFORCE and math.isfinite(rate) else None

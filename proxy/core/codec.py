@@ -45,7 +45,7 @@ def pack_digest(digest: Digest) -> bytes:
                 ]
                 for s in digest.streams
             ],
-            [[g.peer, g.constraint, round(g.total)] for g in digest.grants],
+            [[g.peer, g.constraint, g.total] for g in digest.grants],
             [[e.peer, _ticks(e.sent), sent - _ticks(e.received), e.samples, _ticks(e.latency)] for e in digest.echoes],
         ]
     )
@@ -88,7 +88,7 @@ def _digest(f: list[Any]) -> Digest:
         messages=_count(f[5]),
         bytes=_count(f[6]),
         streams=_each(f[7], 7, lambda s: _stream_digest(f[3], s)),
-        grants=_each(f[8], 3, lambda g: Grant(_name(g[0]), _count(g[1]), float(_count(g[2])))),
+        grants=_each(f[8], 3, lambda g: Grant(_name(g[0]), _count(g[1]), _count(g[2]))),
         echoes=_each(f[9], 5, lambda e: _echo(f[3], e)),
     )
 

@@ -10,7 +10,7 @@ from functools import singledispatchmethod
 from typing import Any
 
 from proxy.core import events as ev
-from proxy.core.allocation import gifts, targets
+from proxy.core.allocation import Room, gifts, targets
 from proxy.core.claims import claims
 from proxy.core.commands import Command, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
@@ -25,7 +25,7 @@ from proxy.core.shares import Shares
 from proxy.core.stream import Generated, Stream
 from proxy.core.view import SharedView
 from proxy.core.window import WindowBuilder
-from proxy.core.wire import Digest, State, StreamState, tag
+from proxy.core.wire import PARTS, Digest, State, StreamState, tag
 from utility_specs import Specs
 
 COVERED_FLOOR = 0.1
@@ -214,10 +214,11 @@ class Core:
         ):
             return
         self._allocated_at = now
-        for k, constraint in enumerate(self.gate.limits):
-            held = {member: self.shares.held_by(member, k) for member in self.shares.members}
-            target = targets(claims(self.view, now, k, self.gate.limits), sum(held.values()), constraint.window, held)
-            for gift in gifts(target, held):
+        shared = tuple(limit for limit in self.gate.limits if limit.shared)  # they come first
+        held = [{member: self.shares.held_by(member, k) for member in self.shares.members} for k in range(len(shared))]
+        rooms = [Room(sum(of.values()), limit.window, of) for of, limit in zip(held, shared, strict=True)]
+        for k, target in enumerate(targets(claims(self.view, now, shared), rooms)):
+            for gift in gifts(target, held[k], shared[k].limit / PARTS):
                 if gift.giver == self.shares.own:
                     self._urgent |= self.shares.grant(now, gift.taker, k, gift.amount) > 0.0
 
@@ -253,8 +254,9 @@ class Core:
         self.pacer.set_rate(allowance_of(self.view.specs, self.settings.allowance, robots))
 
     def _uncovered(self, now: float, count: int, size: int) -> None:
-        """So many samples that nobody decides on go out: they lower what is left for those that are decided."""
-        self.shares.use_at_most(now, use_of(size, 1, self.gate.limits), 1.0 - COVERED_FLOOR)
+        """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""
+        each = use_of(-(-size // count), 1, self.gate.limits)
+        self.shares.use_at_most(now, tuple(count * use for use in each), 1.0 - COVERED_FLOOR)
         self.view.aired(count, size)
 
     def _state_changed(self) -> bool:

@@ -1,7 +1,7 @@
 """When to tell the others what, within the allowance."""
 
 from proxy.core.codec import pack_digest
-from proxy.core.limits import LEAST_ALLOWANCE
+from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST
 from proxy.core.stream import Stream
 from proxy.core.wire import Digest, StreamDigest
 
@@ -44,7 +44,7 @@ class DigestPacer:
     def sent(self, now: float, digest: Digest, copies: int) -> None:
         """A digest went out in so many copies."""
         self._fill(now)
-        self._cost = (len(pack_digest(digest)) + OVERHEAD) * max(1, copies)
+        self._cost = max(len(pack_digest(digest)) + OVERHEAD, LEAST_DIGEST) * max(1, copies)
         self._tokens -= self._cost
         self._last = now
         if digest.echoes:

@@ -6,7 +6,7 @@ from planner import Constraint, Plan
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice
 from proxy.core.counts import Counts
 from proxy.core.inbox import Evicted, Inbox, Waiting
-from proxy.core.limits import Limits, use_of
+from proxy.core.limits import Limit, Limits, use_of
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
@@ -28,7 +28,6 @@ class Pending:
 
     ticket: int
     sample: Waiting
-    use: tuple[float, ...]
 
 
 class Gate:
@@ -44,7 +43,7 @@ class Gate:
         self._windows = windows
         self.inbox = Inbox(settings.inbox)
         self.mode = settings.mode
-        self.limits: tuple[Constraint, ...] = ()
+        self.limits: tuple[Limit, ...] = ()
         self.pending: Pending | None = None
         self.decisions = 0
         self.iterations = 0
@@ -87,17 +86,18 @@ class Gate:
         self._complaint = ""
         if not plan.send:
             return [self._refuse(now, pending.sample, "dropped:planner")]
-        if not self.fits(now, pending.use):
+        use = self._use(now, pending.sample)
+        if not self.fits(now, use):
             return [self._refuse(now, pending.sample, "dropped:constraint")]
-        return [self._send(now, pending.sample, pending.use, "forwarded")]
+        return [self._send(now, pending.sample, use, "forwarded")]
 
     def fits(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a message may be sent now by every constraint in force."""
         if self._settings.coordination == "shares":
             return self._shares.fits(now, use)
         return all(
-            self._known_use(now, constraint, k) + amount <= max(constraint.limit, amount)
-            for k, (constraint, amount) in enumerate(zip(self.limits, use, strict=True))
+            self._known_use(now, limit, k) + amount <= max(limit.limit, amount)
+            for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
         )
 
     def problem_limits(self, now: float) -> Limits:
@@ -128,26 +128,27 @@ class Gate:
             return [self.pass_on(sample.sample, "passed:no-spec")]
         if self._view.receivers(stream) == 0:
             return [self.pass_on(sample.sample, "passed:unwanted")]
-        use = use_of(sample.size, self._view.copies(stream), self.limits)
+        use = self._use(now, sample)
         if not self.limits:
             return [self._send(now, sample, use, "forwarded")]
         if not self.fits(now, use):
             return [self._refuse(now, sample, "dropped:constraint")]
         problem = self._windows.build(now, sample, self.inbox, self.problem_limits(now))
-        self.pending = Pending(ticket, sample, use)
+        self.pending = Pending(ticket, sample)
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
         return [Decide(ticket, problem, ticket, min(budget, self._settings.iterations))]
 
     def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
         """The static rule for when the planner fails: priority, and a part of what is free."""
-        doubled = tuple(amount / FALLBACK_PART for amount in pending.use)
+        use = self._use(now, pending.sample)
+        doubled = tuple(amount / FALLBACK_PART for amount in use)
         urgent = pending.sample.priority <= URGENT_PRIORITY
         commands: list[Command] = []
         if error != self._complaint:
             commands.append(Notice("error", f"the planner failed, a static rule decides: {error}"))
         self._complaint = error
-        if self.fits(now, pending.use if urgent else doubled):
-            return [*commands, self._send(now, pending.sample, pending.use, "passed:fallback")]
+        if self.fits(now, use if urgent else doubled):
+            return [*commands, self._send(now, pending.sample, use, "passed:fallback")]
         return [*commands, self._refuse(now, pending.sample, "dropped:fallback")]
 
     def _send(self, now: float, sample: Waiting, use: tuple[float, ...], reason: str) -> Command:
@@ -182,11 +183,16 @@ class Gate:
     def _own(self, now: float, sample: Waiting) -> Stream | None:
         return self._view.stream(now, self._settings.robot, sample.key)
 
-    def _known_use(self, now: float, constraint: Constraint, k: int) -> float:
+    def _use(self, now: float, sample: Waiting) -> tuple[float, ...]:
+        """What a sample uses of the constraints as they are now: they may change while it is decided."""
+        stream = self._own(now, sample)
+        return use_of(sample.size, self._view.copies(stream) if stream is not None else 1, self.limits)
+
+    def _known_use(self, now: float, limit: Limit, k: int) -> float:
         """What we know to be sent, by anybody, within the window that ends now."""
-        since = now - constraint.window
+        since = now - limit.window
         others = sum(
-            use_of(s.size, self._view.copies(stream), self.limits)[k]
+            limit.measure.use(s.size, self._view.copies(stream), own=False)
             for stream in self._view.streams()
             if stream.robot != self._settings.robot
             for s in stream.recent

@@ -3,12 +3,27 @@
 from dataclasses import dataclass
 
 from planner import Constraint
-from utility_specs import Specs
+from planner.measures import Measure
+from utility_specs import ConstraintSpec, Specs
 
 LEAST_ALLOWANCE = 100.0
 """What the digests of one robot may use whatever the limit is [B/s]."""
 LEAST_LEFT = 0.1
 """Part of a limit that digests leave to messages in any case."""
+LEAST_DIGEST = 64
+"""A digest counts as at least this large [B], so that so many bytes are at most so many digests."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limit(Constraint):
+    """A constraint in force, and the measure of what messages use of it."""
+
+    measure: Measure
+
+    @property
+    def shared(self) -> bool:
+        """Whether all robots use it together; if not, each has all of it for itself."""
+        return not self.measure.private
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,28 +33,50 @@ class Limits:
     `held` is empty where the union alone binds us. `sent` are our own sends as (time, use), oldest first.
     """
 
-    union: tuple[Constraint, ...]
+    union: tuple[Limit, ...]
     held: tuple[Constraint, ...]
     sent: tuple[tuple[float, tuple[float, ...]], ...]
 
 
-def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Constraint, ...]:
-    """Return the constraints in force for messages: what the specs allow, less the digests of so many robots."""
-    limits = []
-    for spec in specs.constraints:
-        digests = max(allowance * spec.rate, LEAST_ALLOWANCE * robots)
-        limits.append(
-            Constraint(spec.name, spec.window, max(spec.rate - digests, LEAST_LEFT * spec.rate) * spec.window)
-        )
-    return tuple(limits)
+def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Limit, ...]:
+    """Return the constraints in force for messages: what the specs allow, less the digests of so many robots.
+
+    Those that robots share come first, so that a number means the same one to all of them.
+    """
+    ordered = sorted(specs.constraints, key=lambda spec: spec.measure.private)
+    return tuple(_limit(spec, allowance, robots) for spec in ordered)
 
 
 def allowance_of(specs: Specs, allowance: float, robots: int) -> float:
     """Return what the digests of one of so many robots may use [B/s], all copies together."""
-    rate = min((spec.rate for spec in specs.constraints), default=0.0)
-    return max(allowance * rate / robots, LEAST_ALLOWANCE)
+    rates = [_digest_rate(spec.measure, allowance, robots) for spec in specs.constraints]
+    return max(min(rates, default=0.0), LEAST_ALLOWANCE)
 
 
-def use_of(size: int, copies: int, limits: tuple[Constraint, ...]) -> tuple[float, ...]:
-    """Return what a message uses of each constraint: bytes on the air, in every copy."""
-    return (float(size * copies),) * len(limits)
+def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = True) -> tuple[float, ...]:
+    """Return what a message uses of each constraint; `own`: whether this robot sends it."""
+    return tuple(limit.measure.use(size, copies, own=own) for limit in limits)
+
+
+def _limit(spec: ConstraintSpec, allowance: float, robots: int) -> Limit:
+    measure = spec.measure
+    least = LEAST_ALLOWANCE * _use_per_byte(measure, robots) * measure.window
+    digests = max(allowance * measure.limit, least * _users(measure, robots))
+    return Limit(spec.name, measure.window, max(measure.limit - digests, LEAST_LEFT * measure.limit), measure)
+
+
+def _digest_rate(measure: Measure, allowance: float, robots: int) -> float:
+    """What the digests of one robot may use by one measure [B/s], all copies together."""
+    part = allowance * measure.limit / measure.window / _users(measure, robots)
+    return part / _use_per_byte(measure, robots)
+
+
+def _use_per_byte(measure: Measure, robots: int) -> float:
+    """What digests use per byte at most, all copies together: the smallest ones use most."""
+    copies = max(1, robots - 1)
+    return measure.use(LEAST_DIGEST, copies, own=True) / (LEAST_DIGEST * copies)
+
+
+def _users(measure: Measure, robots: int) -> int:
+    """How many robots' digests count."""
+    return 1 if measure.private else robots

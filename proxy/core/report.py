@@ -51,12 +51,14 @@ def _budget(core: Core, now: float) -> list[dict[str, Any]]:
     return [
         {
             "constraint": limit.name,
+            "kind": limit.measure.kind,
+            "unit": limit.measure.unit,
             "window": limit.window,
             "limit": limit.limit,
             "held": core.shares.held(now, k),
             "used": core.shares.used(now, k),
-            "members": len(core.shares.members),
-            "confirmed": core.shares.confirmed(now),
+            "members": len(core.shares.members) if limit.shared else 1,
+            "confirmed": core.shares.confirmed(now) or not limit.shared,
         }
         for k, limit in enumerate(core.gate.limits)
     ]

@@ -4,7 +4,7 @@ Of every constraint a robot holds an amount, in the constraint's own unit per wi
 plus what others granted it, less what it granted. It may use at most that much within any window. Grants are
 cumulative counters in digests: the giver counts them at once, the receiver when it hears of them, so that what is on
 its way belongs to nobody and the amounts of all robots never sum to more than the limit. Only what is not in use may
-be granted.
+be granted. A constraint that is not shared, such as a robot's own energy, it holds whole, whatever the others do.
 
 Equal parts, of the limit less one floor, need agreement on who shares. The *epoch* is a hash of the members and the
 limits. Until every member was heard in our epoch, a robot holds the lesser of what it held before and what the epoch
@@ -17,8 +17,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from zlib import crc32
 
-from planner import Constraint
-from proxy.core.wire import Grant
+from proxy.core.limits import Limit
+from proxy.core.wire import PARTS, Grant
 
 HOLDABLE = 0.98
 """Part of a limit that one robot can come to hold: all but the floor, with the margin that targets keep."""
@@ -28,12 +28,12 @@ EPOCHS = 16
 
 @dataclass(slots=True)
 class _Ledger:
-    """Cumulative grants of one epoch, by (giver, receiver, constraint): ours, and all that we heard of."""
+    """Cumulative grants of one epoch, by (giver, receiver, constraint): ours, and all that we heard of [`PARTS`]."""
 
-    grants: dict[tuple[str, str, int], float] = field(default_factory=dict)
+    grants: dict[tuple[str, str, int], int] = field(default_factory=dict)
 
-    def net(self, robot: str, k: int) -> float:
-        """What a robot was granted of a constraint, less what it granted."""
+    def net(self, robot: str, k: int) -> int:
+        """Parts that a robot was granted of a constraint, less what it granted."""
         taken = sum(total for (_, to, c), total in self.grants.items() if to == robot and c == k)
         given = sum(total for (by, _, c), total in self.grants.items() if by == robot and c == k)
         return taken - given
@@ -42,7 +42,7 @@ class _Ledger:
 class Shares:
     """What this robot holds, uses and grants of every constraint. Peers are named by their tags."""
 
-    def __init__(self, own: str, limits: tuple[Constraint, ...], *, floor: float, settled_at: float) -> None:
+    def __init__(self, own: str, limits: tuple[Limit, ...], *, floor: float, settled_at: float) -> None:
         self.own = own
         self._limits = limits
         self._floor = floor
@@ -69,17 +69,16 @@ class Shares:
             self._members = changed
             self._enter()
 
-    def set_limits(self, now: float, limits: tuple[Constraint, ...]) -> None:
+    def set_limits(self, now: float, limits: tuple[Limit, ...]) -> None:
         """The constraints are now these; what we held of one that stays caps what we hold of it at first."""
         if limits == self._limits:
             return
-        before = {limit.name: self.held(now, k) for k, limit in enumerate(self._limits)}
-        self._cap = [min(before.get(limit.name, 0.0), limit.limit) for limit in limits]
-        used = {limit.name: k for k, limit in enumerate(self._limits)}
-        self._sent = deque(
-            (t, tuple(use[used[limit.name]] if limit.name in used else 0.0 for limit in limits))
-            for t, use in self._sent
-        )
+        before = {_identity(limit): k for k, limit in enumerate(self._limits)}
+        places = [before.get(_identity(limit)) for limit in limits]
+        self._cap = [
+            0.0 if k is None else min(self.held(now, k), limit.limit) for k, limit in zip(places, limits, strict=True)
+        ]
+        self._sent = deque((t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in self._sent)
         self._limits = limits
         self._enter()
 
@@ -92,7 +91,7 @@ class Shares:
         for grant in grants:
             if grant.constraint < len(self._limits) and grant.peer in self._members:
                 place = (peer, grant.peer, grant.constraint)
-                ledger[place] = max(grant.total, ledger.get(place, 0.0))
+                ledger[place] = max(grant.total, ledger.get(place, 0))
 
     def forget(self, peer: str) -> None:
         """A robot left: what it last said of its epoch no longer counts."""
@@ -100,7 +99,7 @@ class Shares:
 
     def announced(self, now: float) -> int:
         """The epoch to tell the others: ours, once our sends fit what it gives us; until then the one before."""
-        if all(self.used(now, k) <= self.held(now, k) for k in range(len(self._limits))):
+        if all(self.used(now, k) <= self.held(now, k) for k, limit in enumerate(self._limits) if limit.shared):
             self._announced = self.epoch
         return self._announced
 
@@ -112,6 +111,8 @@ class Shares:
     def held(self, now: float, k: int) -> float:
         """What we may use of constraint `k` within any window [its units]."""
         amount = self.held_by(self.own, k)
+        if not self._limits[k].shared:
+            return amount
         if self._cap is not None:
             if self.confirmed(now):
                 self._cap = None
@@ -121,8 +122,11 @@ class Shares:
 
     def held_by(self, robot: str, k: int) -> float:
         """What a member holds of constraint `k` in this epoch, as far as we heard of grants [its units]."""
-        part = (1.0 - self._floor) * self._limits[k].limit / len(self._members)
-        return part + self._ledgers[self.epoch].net(robot, k)
+        limit = self._limits[k]
+        if not limit.shared:
+            return limit.limit
+        part = (1.0 - self._floor) * limit.limit / len(self._members)
+        return part + self._ledgers[self.epoch].net(robot, k) * limit.limit / PARTS
 
     def used(self, now: float, k: int) -> float:
         """What our sends of the window that ends now use of constraint `k`."""
@@ -155,13 +159,14 @@ class Shares:
 
     def grant(self, now: float, peer: str, k: int, amount: float) -> float:
         """Grant `peer` up to `amount` of what is free of constraint `k`; return what it got."""
-        if peer not in self._members or peer == self.own or not self.confirmed(now):
+        limit = self._limits[k]
+        if not limit.shared or peer not in self._members or peer == self.own or not self.confirmed(now):
             return 0.0
-        granted = float(int(min(amount, self.free(now, k))))
-        if granted > 0.0:
+        parts = max(0, int(min(amount, self.free(now, k)) * PARTS / limit.limit))
+        if parts > 0:
             grants = self._ledgers[self.epoch].grants
-            grants[self.own, peer, k] = grants.get((self.own, peer, k), 0.0) + granted
-        return max(granted, 0.0)
+            grants[self.own, peer, k] = grants.get((self.own, peer, k), 0) + parts
+        return parts * limit.limit / PARTS
 
     def grants(self) -> tuple[Grant, ...]:
         """All that we granted in this epoch, for the digest."""
@@ -171,21 +176,31 @@ class Shares:
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5 against what we hold; a message larger than anybody could hold has a window stretched for it."""
         limit = self._limits[k]
-        if amount <= HOLDABLE * limit.limit:
+        if amount <= (HOLDABLE if limit.shared else 1.0) * limit.limit:
             return amount <= self.free(now, k)
-        since = now - limit.window * amount * len(self._members) / limit.limit
-        return self.confirmed(now) and not any(t >= since and use[k] > 0.0 for t, use in self._sent)
+        since = now - self._stretched(k, amount)
+        alone = self.confirmed(now) or not limit.shared
+        return alone and not any(t >= since and use[k] > 0.0 for t, use in self._sent)
 
     def _window(self, k: int) -> float:
         """How far back a send may count: the window, or what the largest message stretched it to."""
+        return self._stretched(k, max((use[k] for _, use in self._sent), default=0.0))
+
+    def _stretched(self, k: int, amount: float) -> float:
+        """The window in which a message may be alone, if all robots send such messages [s]; at least the window."""
         limit = self._limits[k]
-        largest = max((use[k] for _, use in self._sent), default=0.0)
-        return limit.window * max(1.0, largest * len(self._members) / limit.limit)
+        users = len(self._members) if limit.shared else 1
+        return limit.window * max(1.0, amount * users / limit.limit)
 
     def _enter(self) -> None:
         """Enter the epoch of the members and limits as they are now."""
-        limits = ",".join(f"{c.name}:{c.window!r}:{c.limit!r}" for c in self._limits)
+        limits = ",".join(f"{c.name}:{c.window!r}:{c.limit!r}:{c.measure!r}" for c in self._limits if c.shared)
         self.epoch = crc32(f"{' '.join(sorted(self._members))}|{limits}".encode())
         self._ledgers.setdefault(self.epoch, _Ledger())
         while len(self._ledgers) > EPOCHS:
             del self._ledgers[next(e for e in self._ledgers if e != self.epoch)]
+
+
+def _identity(limit: Limit) -> tuple[str, str]:
+    """What makes a constraint the same one under new specs: amounts of another kind are in another unit."""
+    return limit.name, limit.measure.kind

@@ -119,7 +119,7 @@ class WindowBuilder:
         for m in opened:
             own = m.of.stream.robot == self._view.settings.robot
             t_sent = max(t_sent, m.t_gen, now if own else 0.0)
-            use = use_of(m.size, m.of.copies, limits.union)
+            use = use_of(m.size, m.of.copies, limits.union, own=own)
             held = use if own else (0.0,) * len(use)
             messages.append((_message(m, t_sent, (*use, *held[: len(limits.held)])), m.current))
         robots = sorted({c.stream.robot for c in candidates})
@@ -139,7 +139,7 @@ class WindowBuilder:
         longest = max(c.window for c in limits.union)
         nothing = (0.0,) * len(limits.held)
         traffic = [
-            Traffic(s.t_sent, (*use_of(s.size, c.copies, limits.union), *nothing))
+            Traffic(s.t_sent, (*use_of(s.size, c.copies, limits.union, own=False), *nothing))
             for c in candidates
             if c.stream.robot != self._view.settings.robot
             for s in c.stream.recent

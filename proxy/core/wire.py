@@ -44,13 +44,17 @@ class Echo:
     """Mean time from generation to receipt of the peer's recent samples [s]; 0.0 when unknown."""
 
 
+PARTS = 100_000
+"""A limit is given away in so many parts, whatever its unit is."""
+
+
 @dataclass(frozen=True, slots=True)
 class Grant:
-    """Budget given to `peer` (a tag) of constraint `constraint` in this epoch, cumulative [units of the constraint]."""
+    """Budget given to `peer` (a tag) of constraint `constraint` in this epoch, cumulative, in `PARTS` of its limit."""
 
     peer: str
     constraint: int
-    total: float
+    total: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner import Constraint, Message, Problem, Stream
+from planner import Message, Problem, Stream
+from planner.measures import Throughput
 from planner.utility import Video
 from studies.demo.recording import Recording
 from studies.oracle import OracleUnavailable, upper_bound
@@ -59,7 +60,7 @@ def _problem(recording: Recording, frames: list[tuple[float, int, int]]) -> Prob
         streams=tuple(Stream(robot) for robot in range(len(feeds))),
         messages=messages,
         current=0,
-        constraints=(Constraint("throughput", run.window, run.limit / 8 * run.window),),
+        constraints=(Throughput(run.limit / 8, run.window).constraint("throughput"),),
         traffic=(),
         t_start=0.0,
         t_end=run.seconds,

@@ -32,6 +32,18 @@ name = "covered"
 keys = ["covered/**"]
 utility = { kind = "video" }
 """
+KINDS = """
+[[constraint]]
+kind = "energy"
+limit = "40 mJ"
+window = 30
+per_byte = "1 uJ"
+per_message = "1 mJ"
+[[constraint]]
+kind = "messages"
+limit = 300
+window = 30
+"""
 
 
 class Robot:
@@ -118,6 +130,30 @@ def test_too_much_is_dropped_and_local_apps_hear_everything(pair):
 
     wait_until(lambda: len(arrived()) == counts["forwarded"] - before, what="what was forwarded")
     assert len(set(arrived())) == len(arrived()) < 50
+
+
+def test_constraints_of_several_kinds_hold_at_once(stack, tmp_path):
+    """Bytes, messages and energy: what binds first drops the rest, and the status shows all of them."""
+    path = tmp_path / "kinds.toml"
+    path.write_text(KINDS + SPECS)
+    specs = load_specs(path)
+    first = Robot(stack, "r1", specs)
+    second = Robot(stack, "r2", specs, (first.mesh,))
+    publisher, remote = first.node(), Heard(second.node(), "covered/**")
+    wait_until(lambda: all(row["confirmed"] for row in first.status()["budget"]), what="the robots to agree")
+    wait_until(lambda: publisher.put("covered/a", "first") or known(first, "covered/a"), what="the receiver")
+    for i in range(100):
+        publisher.put("covered/a", bytes([i]) * 10, congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: publisher.put("covered/a", "later") or remote.samples, what="one that is worth sending")
+    wait_until(lambda: not first.status()["counts"]["queued"], what="every sample to be decided")
+    status = first.status()
+    assert status["counts"]["conserved"]
+    assert status["counts"]["by_reason"]["forwarded"] <= 60
+    assert [(row["kind"], row["used"] <= row["limit"]) for row in status["budget"]] == [
+        ("messages", True),
+        ("throughput", True),
+        ("energy", True),
+    ]
 
 
 def test_a_mode_switch_works_within_100_ms_and_keeps_the_counts(pair):

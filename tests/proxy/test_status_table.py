@@ -147,6 +147,22 @@ def test_amounts_have_prefixes(value, text):
     assert amount(value, "B") == text
 
 
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (0.2, "s", "200 ms"),
+        (0.00025, "s", "250 μs"),
+        (0, "J", "0 J"),
+        (0.0015, "J", "1.5 mJ"),
+        (12.5, "J", "12.5 J"),
+        (9.8, "messages", "9.8 messages"),
+    ],
+)
+def test_amounts_of_small_units_have_small_prefixes(value, unit, text):
+    """Airtime and energy come in thousandths, messages as they are."""
+    assert amount(value, unit) == text
+
+
 def test_shares_and_rates_need_something_to_divide_by():
     """What is not known is a dash, not a zero."""
     assert share(1.0, 4.0) == "25%"

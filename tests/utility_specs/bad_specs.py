@@ -55,15 +55,34 @@ def camera(line: int, key: str, message: str) -> str:
 
 
 LIMIT = ":3: constraint #1: limit: "
+KINDS = '(known: "airtime", "energy", "messages", "throughput")'
 WINDOW = ":4: constraint #1: window: "
 
 CORPUS = [
     # constraints
     bad('"throughput"', '"thruput"',
         ':2: constraint #1: kind: unknown kind "thruput" (did you mean "throughput"?)'),
-    bad('"throughput"', '"energy"', ':2: constraint #1: kind: unknown kind "energy" (known: "throughput")'),
-    bad('"throughput"', "3", ':2: constraint #1: kind: must be "throughput", not 3'),
-    bad('kind = "throughput"\n', "", ":1: constraint #1: kind: is missing"),
+    bad('"throughput"', '"power"', f':2: constraint #1: kind: unknown kind "power" {KINDS}'),
+    bad('"throughput"', "3", f':2: constraint #1: kind: unknown kind "3" {KINDS}'),
+    bad('kind = "throughput"\n', "",
+        ':1: constraint #1: kind: is missing (one of "airtime", "energy", "messages", "throughput")'),
+    bad('"throughput"', '"messages"', LIMIT + 'must be a whole number, not "2 Mbit/s"'),
+    bad('throughput"\nlimit = "2 Mbit/s"', 'messages"\nlimit = 0', LIMIT + "must be at least 1, not 0"),
+    bad('throughput"\nlimit = "2 Mbit/s"', 'messages"\nlimit = 2.5', LIMIT + "must be a whole number, not 2.5"),
+    bad('throughput"\nlimit = "2 Mbit/s"', 'airtime"\nlimit = 40',
+        ":1: constraint #1: rate: is missing", LIMIT + "must be a fraction of at most 1, not 40"),
+    bad('throughput"\nlimit = "2 Mbit/s"', 'airtime"\nlimit = "120 %"\nrate = "1 MB/s"',
+        LIMIT + 'must be a fraction of at most 1, not "120 %"'),
+    bad('throughput"\nlimit = "2 Mbit/s"', 'airtime"\nlimit = "40 %"\nrate = "54 Mbps"\nwifi = "mesh"\nhops = 0',
+        ':4: constraint #1: rate: unknown unit "Mbps" (did you mean "Mbit/s"?)',
+        ':5: constraint #1: wifi: unknown "mesh" (known: "adhoc", "infrastructure", "wired")',
+        ":6: constraint #1: hops: must be at least 1, not 0"),
+    bad('throughput"\nlimit = "2 Mbit/s"', 'energy"\nlimit = "1 J"',
+        ":1: constraint #1: needs per_byte or per_message, or both: what does a message cost?"),
+    bad('throughput"\nlimit = "2 Mbit/s"', 'energy"\nlimit = 1\nper_byte = "2 W"',
+        LIMIT + 'needs a unit; write for example "0.5 J"',
+        ':4: constraint #1: per_byte: unknown unit "W" '
+        '(known units: "J", "mJ", "uJ", "μJ", "nJ", "kJ", "mWh", "Wh")'),
     bad('limit = "2 Mbit/s"\n', "", ":1: constraint #1: limit: is missing"),
     bad('"2 Mbit/s"', "2000000", LIMIT + 'needs a unit; write for example "2 Mbit/s"'),
     bad('"2 Mbit/s"', '"2"', LIMIT + 'needs a unit; write for example "2 Mbit/s"'),

@@ -2,6 +2,8 @@
 
 import io
 
+import pytest
+
 from tests.utility_specs.bad_specs import GOOD
 from utility_specs.check import check
 
@@ -27,6 +29,28 @@ def test_good_specs_are_summed_up(tmp_path):
     assert run(tmp_path) == (0, summary)
 
 
+@pytest.mark.parametrize(
+    ("table", "summary"),
+    [
+        ('kind = "messages"\nlimit = 5\n', "5 messages in any 0.5 s (10/s)"),
+        (
+            'kind = "airtime"\nlimit = "40 %"\nrate = "8 Mbit/s"\nhops = 2\n',
+            "200 ms on the air in any 0.5 s (40 %; adhoc, unicast, 8 Mbit/s, 2 hops; 1 kB takes 2.73 ms)",
+        ),
+        (
+            'kind = "energy"\nlimit = "0.5 J"\nwindow = 10\nper_byte = "2 uJ"\nper_message = "1 mJ"\n',
+            "0.5 J of each robot in any 10 s (0.05 W; 1 kB takes 3 mJ)",
+        ),
+    ],
+)
+def test_a_limit_is_told_in_the_terms_of_its_kind(tmp_path, table, summary):
+    """What a window holds, what that is by the second, and what a message of 1 kB takes of it."""
+    path = tmp_path / "spec.toml"
+    path.write_text(f'{GOOD}\n[[constraint]]\nname = "other"\n{table}')
+    code, out = run(path)
+    assert (code, out.splitlines()[-1]) == (0, f'  constraint "other": {summary}')
+
+
 def test_a_python_utility_is_summed_up_with_its_function(tmp_path):
     """So that one sees what was found."""
     path = tmp_path / "camera.toml"
@@ -43,7 +67,6 @@ def test_bad_specs_are_named_line_by_line(tmp_path):
     bad.write_text('[[constraint]]\nkind = "air"\nlimit = 3\n')
     problems = (
         f"{tmp_path}/none.toml: does not exist\n"
-        f'{bad}:2: constraint #1: kind: unknown kind "air" (known: "throughput")\n'
-        f'{bad}:3: constraint #1: limit: needs a unit; write for example "2 Mbit/s"\n'
+        f'{bad}:2: constraint #1: kind: unknown kind "air" (did you mean "airtime"?)\n'
     )
     assert run(good, bad, tmp_path / "none.toml") == (1, problems)

@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from planner.airtime import Airtime
+from planner.measures import Energy, Messages, Throughput
 from planner.problem import Aggregation
 from planner.utility import Linear, Video
 from tests.utility_specs.bad_specs import CORPUS, GOOD, Bad
@@ -42,8 +44,7 @@ def test_the_good_spec_is_loaded_whole(tmp_path):
     assert (camera.aggregation, camera.weight, camera.utility) == (Aggregation.MOST_RECENT, 1.0, Video())
     assert camera.scale({"red": 0.25}) == 3.5
     assert camera.forecast.kind == "last"
-    assert (constraint.name, constraint.kind) == ("throughput", "throughput")
-    assert (constraint.rate, constraint.window, constraint.limit) == (250_000.0, 0.5, 125_000.0)
+    assert (constraint.name, constraint.measure) == ("throughput", Throughput(250_000.0, 0.5))
 
 
 def test_what_is_not_written_has_its_default(tmp_path):
@@ -56,7 +57,7 @@ def test_what_is_not_written_has_its_default(tmp_path):
         False,
         Linear(1.0, 0.5),
     )
-    assert specs.constraints[0].window == 0.5
+    assert specs.constraints[0].measure.window == 0.5
     assert load_specs(write(tmp_path, short=SECOND)).constraints == ()
 
 
@@ -67,6 +68,55 @@ def test_a_folder_is_one_set_of_all_its_files_by_name(tmp_path):
     specs = load_specs(folder)
     assert [each.name for each in specs.types] == ["pose", "camera"]
     assert [each.name for each in specs.constraints] == ["throughput", "throughput 2"]
+
+
+def test_constraints_of_all_kinds_stand_side_by_side(tmp_path):
+    """Each becomes the planner's measure, in bytes, seconds and joules, with its defaults."""
+    kinds = """\
+        [[constraint]]
+        kind = "messages"
+        limit = 10
+        [[constraint]]
+        kind = "airtime"
+        limit = "40 %"
+        rate = "8 Mbit/s"
+        window = 1
+        wifi = "infrastructure"
+        hops = 2
+        [[constraint]]
+        kind = "airtime"
+        limit = 0.5
+        rate = "1 Gbit/s"
+        wifi = "wired"
+        [[constraint]]
+        kind = "airtime"
+        name = "radio"
+        limit = 1
+        rate = "11 Mbit/s"
+        cast = "multicast"
+        multicast_rate = "2 Mbit/s"
+        overhead = "0.8 ms"
+        [[constraint]]
+        kind = "energy"
+        limit = "1 mWh"
+        window = "10 s"
+        per_byte = "2 uJ"
+        [[constraint]]
+        kind = "energy"
+        name = "radio energy"
+        limit = "0.5 J"
+        per_message = "1 mJ"
+    """
+    specs = load_specs(write(tmp_path, a=GOOD, b=kinds))
+    assert [(each.name, each.measure) for each in specs.constraints] == [
+        ("throughput", Throughput(250_000.0)),
+        ("messages", Messages(10)),
+        ("airtime", Airtime(0.4, 1e6, 1.0, wifi="infrastructure", hops=2)),
+        ("airtime 2", Airtime(0.5, 125e6, wifi="wired", overhead=0.0)),
+        ("radio", Airtime(1.0, 1_375_000.0, cast="multicast", multicast_rate=250_000.0, overhead=800e-6)),
+        ("energy", Energy(3.6, 10.0, per_byte=2e-6)),
+        ("radio energy", Energy(0.5, per_message=1e-3)),
+    ]
 
 
 def test_a_nameless_constraint_avoids_names_that_are_taken(tmp_path):

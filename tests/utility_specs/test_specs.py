@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from planner.problem import Aggregation
 from planner.utility import Custom, Video
-from utility_specs import ConstraintSpec, InformationType, Specs
+from utility_specs import InformationType, Specs
 from utility_specs.expressions import Expression
 from utility_specs.features import Size
 from utility_specs.forecast import LastForecast
@@ -108,11 +108,6 @@ def test_empty_specs_cover_nothing():
     """Without specs every key passes."""
     assert Specs.empty().match("robot/r1/camera") is None
     assert Specs.empty() == Specs.empty()
-
-
-def test_the_limit_of_a_constraint_is_what_its_window_holds():
-    """Rate times window [B]."""
-    assert ConstraintSpec("air", "throughput", rate=250_000.0, window=0.5).limit == 125_000.0
 
 
 def test_the_scale_is_weight_times_expression():

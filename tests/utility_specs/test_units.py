@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from utility_specs.errors import QuantityError
-from utility_specs.units import AGE, DURATION, RATE, SIZE, Duration, Rate, Size
+from utility_specs.units import AGE, DURATION, FRACTION, JOULE, RATE, SIZE, Duration, Fraction, Joule, Rate, Size
 
 
 @pytest.mark.parametrize(
@@ -29,6 +29,14 @@ from utility_specs.units import AGE, DURATION, RATE, SIZE, Duration, Rate, Size
         (DURATION, "0.5", 0.5),
         (DURATION, 3, 3.0),
         (DURATION, 0.25, 0.25),
+        (FRACTION, "40 %", 0.4),
+        (FRACTION, "100%", 1.0),
+        (FRACTION, 0.4, 0.4),
+        (FRACTION, 1, 1.0),
+        (JOULE, "0.5 J", 0.5),
+        (JOULE, "2 uJ", 2e-6),
+        (JOULE, "2 µJ", 2e-6),
+        (JOULE, "1 mWh", 3.6),
         (AGE, "0 s", 0.0),
         (AGE, 0, 0.0),
         (AGE, "200 ms", 0.2),
@@ -54,6 +62,12 @@ def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
         (RATE, [1], 'must be a rate such as "2 Mbit/s", not an array'),
         (DURATION, "0.5 sec", 'unknown unit "sec" (did you mean "s"?)'),
         (DURATION, "1 day", 'unknown unit "day" (known units: "s", "ms", "us", "μs", "min", "h")'),
+        (FRACTION, 40, "must be a fraction of at most 1, not 40"),
+        (FRACTION, "101 %", 'must be a fraction of at most 1, not "101 %"'),
+        (FRACTION, "40 percent", 'unknown unit "percent" (did you mean "%"?)'),
+        (FRACTION, 0.0, "must be a finite fraction above 0, not 0"),
+        (JOULE, 0.5, 'needs a unit; write for example "0.5 J"'),
+        (JOULE, "2 joules", 'unknown unit "joules" (did you mean "J"?)'),
         (DURATION, 0, "must be a finite duration above 0, not 0"),
         (AGE, "-1 s", 'must be a finite duration of at least 0, not "-1 s"'),
         (AGE, math.nan, "must be a finite duration of at least 0, not nan"),
@@ -75,6 +89,8 @@ def test_models_take_quantities_and_describe_what_is_written():
         rate: Rate
         size: Size
         window: Duration = 0.5
+        part: Fraction = 0.1
+        cost: Joule = 1e-6
 
     assert Model.model_validate({"rate": "8 kbit/s", "size": "1 kB"}).rate == 1000.0
     assert Model.model_json_schema()["properties"]["rate"]["type"] == "string"
@@ -83,7 +99,7 @@ def test_models_take_quantities_and_describe_what_is_written():
 @given(st.text(max_size=30) | st.integers() | st.floats() | st.none() | st.dates())
 def test_anything_is_either_a_positive_quantity_or_refused(written):
     """No input gives zero, infinity or another exception."""
-    for dimension in (RATE, SIZE, DURATION):
+    for dimension in (RATE, SIZE, DURATION, FRACTION, JOULE):
         try:
             quantity = dimension.parse(written)
         except QuantityError:

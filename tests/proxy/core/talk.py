@@ -22,6 +22,32 @@ features.red = {{ kind = "color_fraction", color = "red" }}
 forecast = {{ features = "last" }}
 """
 UNLIMITED = SPEC[SPEC.index("[[information_type]]") :].replace("{{", "{").replace("}}", "}")
+ALL_KINDS = (
+    """
+[[constraint]]
+kind = "energy"
+limit = "30 mJ"
+window = 2
+per_byte = "1 uJ"
+per_message = "2 mJ"
+[[constraint]]
+kind = "throughput"
+limit = "80 kbit/s"
+window = 1
+[[constraint]]
+kind = "messages"
+limit = 12
+window = 1
+[[constraint]]
+kind = "airtime"
+limit = "5 %"
+rate = "6 Mbit/s"
+wifi = "infrastructure"
+window = 1
+"""
+    + UNLIMITED
+)
+"""Every kind of constraint at once, each of which binds somewhere between messages of 200 B and of 6 kB."""
 
 
 class Talk:

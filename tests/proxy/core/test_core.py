@@ -1,12 +1,15 @@
 """The core as transcripts of events and commands."""
 
 import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
 
 from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forward, Notice, SendDigest, SendState
 from proxy.core.mode import Mode
 from proxy.core.wire import Digest, State, StreamDigest, StreamState
-from tests.proxy.core.talk import SPEC, UNLIMITED, only
+from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
 
 
 def test_a_sample_is_decided_and_forwarded(make_talk):
@@ -295,3 +298,106 @@ def test_the_same_events_give_the_same_commands(make_talk):
         return talk.said
 
     assert transcript() == transcript()
+
+
+@hypothesis_settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.sampled_from(["overhear", "shares"]),
+    st.lists(st.tuples(st.integers(1, 400), st.integers(1, 6000)), min_size=20, max_size=60),
+)
+def test_no_constraint_of_any_kind_is_ever_broken(make_talk, make_specs, coordination, published):
+    """Whatever is published, and though every plan says send: each measure stays within its limit in every window."""
+    specs = make_specs(text=ALL_KINDS)
+    talk = make_talk(specs, coordination=coordination, settle=0.0, floor=0.0)
+    talk.want(0.0)
+    talk.tell(ev.DigestHeard(0.01, Digest("op", "z-op", 0.01, talk.core.shares.epoch, 0, 0)))
+    now, sizes, sent = 0.1, {}, []
+    for gap, size in published:
+        now += gap / 1000
+        sample, commands = talk.publish(now, size=size)
+        sizes[sample] = size
+        for decide in only(commands, Decide):
+            commands = talk.answer(now, decide, send=True)
+        sent += [(now, sizes[command.sample]) for command in only(commands, Forward)]
+    assert sent
+    for measure in (spec.measure for spec in specs.constraints):
+        for end, _ in sent:
+            window = [measure.use(size, 1, own=True) for t, size in sent if end - measure.window <= t <= end]
+            assert sum(window) <= measure.limit * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("size", "gap", "kind"), [(200, 0.01, "messages"), (1500, 0.2, "energy"), (4000, 0.2, "throughput")]
+)
+def test_the_tightest_constraint_decides(make_talk, make_specs, size, gap, kind):
+    """Many small messages run into the count, the energy of a longer window, or the bytes, whichever is first."""
+    talk = make_talk(make_specs(text=ALL_KINDS))
+    talk.want(0.0)
+    sent = 0
+    for i in range(40):
+        now = 0.1 + gap * i
+        _, commands = talk.publish(now, size=size)
+        decisions = only(commands, Decide)
+        if not decisions:
+            break
+        sent += len(only(talk.answer(now, decisions[0], send=True), Forward))
+    left = {}
+    for k, limit in enumerate(talk.core.gate.limits):
+        use = limit.measure.use(size, 1, own=True)
+        left[limit.measure.kind] = (limit.limit - talk.core.shares.used(now, k)) / use
+    assert sent >= 2
+    assert min(left, key=left.get) == kind
+    assert left[kind] < 1.0
+
+
+def test_what_others_send_uses_none_of_our_energy(make_talk, make_specs):
+    """Overheard messages count by every other measure."""
+    talk = make_talk(make_specs(text=ALL_KINDS))
+    talk.want(0.0)
+    talk.tell(ev.PeerAppeared(0.0, "r2", "z-r2"))
+    talk.tell(
+        ev.StateHeard(0.0, State("r2", "z-r2", "enforce", "", (StreamState(7, "robot/r2/camera", "camera", 0.5),)))
+    )
+    news = StreamDigest(7, 1, 1, 0.1, 0.1, 4900, 1.0)
+    talk.tell(ev.DigestHeard(0.1, Digest("r2", "z-r2", 0.1, 0, 0, 0, (news,))))
+    uses = {limit.measure.kind: limit.limit for limit in talk.core.gate.limits}
+    room = [0.0, 0.0, 0.0, uses["energy"]]
+    assert [limit.measure.kind for limit in talk.core.gate.limits] == ["throughput", "messages", "airtime", "energy"]
+    assert talk.core.gate.fits(0.2, tuple(room))
+    assert not talk.core.gate.fits(0.2, (uses["throughput"] - 4000.0, 0.0, 0.0, 0.0))
+    assert not talk.core.gate.fits(0.2, (0.0, uses["messages"] - 0.5, 0.0, 0.0))
+
+
+def test_messages_that_nobody_decides_on_are_counted_one_by_one(make_talk, make_specs):
+    """Three samples of 900 B together are three messages of 300 B."""
+    talk = make_talk(make_specs(text=ALL_KINDS), settle=0.0, floor=0.0)
+    talk.tell(ev.SamplesPassed(0.1, "passed:no-spec", 3, 900))
+    budget = {row["kind"]: row for row in talk.core.status(0.1)["budget"]}
+    assert (budget["throughput"]["used"], budget["messages"]["used"]) == (900.0, 3.0)
+    assert budget["energy"]["used"] == pytest.approx(3 * (2e-3 + 300e-6))
+
+
+def test_the_status_tells_units_and_whose_a_budget_is(make_talk, make_specs):
+    """Energy is each robot's own and needs nobody's agreement."""
+    talk = make_talk(make_specs(text=ALL_KINDS), coordination="shares")
+    talk.want(0.0)
+    rows = talk.core.status(0.1)["budget"]
+    assert [(row["kind"], row["unit"], row["members"], row["confirmed"]) for row in rows] == [
+        ("throughput", "B", 2, False),
+        ("messages", "messages", 2, False),
+        ("airtime", "s", 2, False),
+        ("energy", "J", 1, True),
+    ]
+    assert rows[3]["held"] == rows[3]["limit"]
+
+
+@pytest.mark.parametrize("coordination", ["overhear", "shares"])
+@pytest.mark.parametrize(("before", "after"), [("", ALL_KINDS), (ALL_KINDS, ""), (ALL_KINDS, UNLIMITED)])
+def test_an_answer_is_checked_against_the_constraints_in_force(make_talk, make_specs, coordination, before, after):
+    """Specs with other kinds of constraints may come while a sample is decided."""
+    talk = make_talk(make_specs(text=before or None), coordination=coordination, settle=0.0, floor=0.0)
+    talk.tell(ev.MatchingChanged(0.0, "robot/r1/camera", matching=True))
+    sample, commands = talk.publish(0.1)
+    talk.tell(ev.SpecsChanged(0.2, make_specs(text=after or None)))
+    assert only(talk.answer(0.3, only(commands)[0], send=True)) == [Forward(sample)]
+    assert len(talk.core.status(0.3)["budget"]) == len(talk.core.gate.limits)

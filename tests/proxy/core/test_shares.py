@@ -1,16 +1,19 @@
 """Shares: the union of all robots' sends never exceeds a limit, whatever happens to digests."""
 
 import random
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from planner import Constraint
+from planner.measures import Energy, Messages, Throughput
+from proxy.core.limits import Limit
 from proxy.core.shares import Shares
 
-LIMIT = Constraint("throughput", 1.0, 1000.0)
+LIMIT = Limit("throughput", 1.0, 1000.0, Throughput(1000.0, 1.0))
+BATTERY = Limit("energy", 1.0, 2.0, Energy(2.0, 1.0, per_byte=1e-3))
 
 
 def team(names, now=0.0, floor=0.01):
@@ -114,12 +117,65 @@ def test_changed_limits_start_a_new_epoch_and_keep_what_was_sent():
     agree(shares, 0.1)
     shares["a"].use(0.1, (100.0,))
     epoch = shares["a"].epoch
-    shares["a"].set_limits(0.2, (Constraint("other", 1.0, 7.0), Constraint("throughput", 1.0, 2000.0)))
+    shares["a"].set_limits(0.2, (Limit("other", 1.0, 7.0, Messages(7)), replace(LIMIT, limit=2000.0)))
     assert shares["a"].epoch != epoch
     assert shares["a"].held(0.2, 1) == pytest.approx(495.0)
     assert shares["a"].used(0.2, 1) == pytest.approx(100.0)
     assert shares["a"].used(0.2, 0) == 0.0
     assert not shares["a"].confirmed(0.2)
+
+
+def test_a_constraint_of_another_kind_is_another_one():
+    """Amounts in one unit say nothing of those in another."""
+    shares = team(["a", "b"])
+    agree(shares, 0.1)
+    shares["a"].use(0.1, (400.0,))
+    shares["a"].set_limits(0.2, (Limit(LIMIT.name, 1.0, 500.0, Messages(500)),))
+    assert (shares["a"].held(0.2, 0), shares["a"].used(0.2, 0)) == (0.0, 0.0)
+
+
+def test_what_is_not_shared_is_held_whole():
+    """Before anybody agreed and after; it can be used up to the limit, and not be granted."""
+    shares = {name: Shares(name, (LIMIT, BATTERY), floor=0.01, settled_at=0.05) for name in "ab"}
+    for share in shares.values():
+        share.set_members(0.0, "ab")
+        assert share.held(0.0, 1) == 2.0
+    agree(shares, 0.1)
+    assert shares["a"].grant(0.1, "b", 1, 1.0) == 0.0
+    assert shares["a"].fits(0.1, (0.0, 2.0))
+    shares["a"].use(0.1, (0.0, 2.0))
+    assert not shares["a"].fits(0.2, (0.0, 0.1))
+    assert shares["b"].fits(0.2, (0.0, 0.1))
+
+
+def test_robots_agree_whatever_each_one_has_for_itself():
+    """A robot with a battery shares the channel with one on the mains."""
+    shares = {"a": Shares("a", (LIMIT, BATTERY), floor=0.01, settled_at=0.05)}
+    shares["b"] = Shares("b", (LIMIT,), floor=0.01, settled_at=0.05)
+    for share in shares.values():
+        share.set_members(0.0, "ab")
+    agree(shares, 0.1)
+    assert [share.confirmed(0.1) for share in shares.values()] == [True, True]
+
+
+def test_a_large_message_that_fits_the_limit_waits_a_whole_window():
+    """Its window is stretched, never shortened."""
+    alone = Shares("a", (LIMIT,), floor=0.0, settled_at=0.0)
+    alone.use(0.0, (990.0,))
+    assert not alone.fits(0.995, (990.0,))
+    assert alone.fits(1.01, (990.0,))
+
+
+def test_small_units_are_granted_too():
+    """Tenths of a second of airtime move like thousands of bytes, in parts of the limit."""
+    air = Limit("airtime", 1.0, 0.2, Throughput(0.2, 1.0))
+    shares = {name: Shares(name, (air,), floor=0.0, settled_at=0.05) for name in "ab"}
+    for share in shares.values():
+        share.set_members(0.0, "ab")
+    agree(shares, 0.1)
+    assert shares["a"].grant(0.1, "b", 0, 0.05) == pytest.approx(0.05)
+    tell(shares, "a", ["b"], 0.2)
+    assert shares["b"].held(0.2, 0) == pytest.approx(0.15)
 
 
 def test_a_member_that_flaps_finds_its_grants_again():

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 
 from planner import Constraint, SearchSettings, start
+from planner.measures import Energy, Messages, Throughput
 from proxy.core.inbox import Waiting
-from proxy.core.limits import Limits, allowance_of, limits_of, use_of
+from proxy.core.limits import Limit, Limits, allowance_of, limits_of, use_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
 from proxy.core.view import SharedView
 from proxy.core.window import WindowBuilder
+from utility_specs import ConstraintSpec, Specs
 
-LIMIT = Constraint("throughput", 1.0, 10_000.0)
+LIMIT = Limit("throughput", 1.0, 10_000.0, Throughput(10_000.0, 1.0))
 
 BY_RED = """
 [[information_type]]
@@ -169,3 +171,36 @@ def test_digests_are_always_counted_against_the_limit(make_specs):
 def test_every_copy_counts():
     """In unicast a sample costs a transmission per receiver."""
     assert use_of(100, 3, (LIMIT, LIMIT)) == (300.0, 300.0)
+
+
+def kinds(*measures):
+    """Specs of nothing but constraints."""
+    return Specs((), tuple(ConstraintSpec(measure.kind, measure) for measure in measures), "")
+
+
+def test_digests_count_by_every_measure():
+    """So many bytes are at most so many digests of 64 B; of energy only our own digests take."""
+    messages, energy = Messages(100, 1.0), Energy(1.0, 1.0, per_byte=1e-3)
+    limits = limits_of(kinds(energy, messages), 0.0, 3)
+    assert [limit.name for limit in limits] == ["messages", "energy"]
+    assert limits[0].limit == pytest.approx(100 - 3 * 100 / (64 * 2))
+    assert limits[1].limit == pytest.approx(1.0 - 100 * 1e-3)
+    assert [limit.limit for limit in limits_of(kinds(messages), 0.1, 3)] == pytest.approx([90.0])
+    assert allowance_of(kinds(messages), 0.06, 3) == pytest.approx(2 * 64 * 2)
+    assert allowance_of(kinds(messages, energy), 0.5, 3) == pytest.approx(500.0)
+
+
+def test_others_use_nothing_of_our_energy(make_specs):
+    """Their forecasts and what they sent count by the shared measures alone."""
+    view = make_view(make_specs())
+    view.set_interest(("robot/**",))
+    for robot in ("r1", "r2"):
+        add_stream(view, robot).note_sent(1, Sent(9.7, 9.7, 1000, 2.0))
+    energy = Limit("energy", 1.0, 10.0, Energy(10.0, 1.0, per_byte=1e-3))
+    count = Limit("messages", 1.0, 10.0, Messages(10, 1.0))
+    limits = Limits((LIMIT, count, energy), (), ((9.7, (1000.0, 1.0, 1.0)),))
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), limits)
+    uses = {(m.stream, m.use) for m in problem.messages if not m.sent}
+    assert uses == {(0, (1000.0, 1.0, 1.0)), (1, (1000.0, 1.0, 0.0))}
+    assert sorted(t.use for t in problem.traffic) == [(1000.0, 1.0, 0.0), (1000.0, 1.0, 1.0)]
+    start(problem, SearchSettings()).run(10)

@@ -114,3 +114,42 @@ def test_in_overhear_robots_plan_for_the_union(specs):
     deliveries = flight.run(scene(), 14.0)
     sent = sum(d.frame.size for d in deliveries if 3.0 <= d.t_sent <= 13.0)
     assert 0.3 * 0.9 * RATE * 10.0 <= sent <= 1.05 * 0.9 * RATE * 10.0
+
+
+def test_robots_share_constraints_of_all_kinds_at_once(tmp_path):
+    """The union keeps bytes, messages and airtime in every window, each robot its own energy; and much is sent."""
+    path = tmp_path / "spec.toml"
+    path.write_text(
+        SPEC
+        + """
+[[constraint]]
+kind = "messages"
+limit = 12
+window = 1
+[[constraint]]
+kind = "airtime"
+limit = "40 %"
+rate = "2 Mbit/s"
+[[constraint]]
+kind = "energy"
+limit = "60 mJ"
+window = 1
+per_byte = "1 uJ"
+per_message = "1 mJ"
+"""
+    )
+    specs = load_specs(path)
+    flight = team(specs, robots=2, settings=CoreSettings("", "", allowance=0.1))
+    deliveries = flight.run(scene(robots=2), 14.0)
+    for measure in (spec.measure for spec in specs.constraints):
+        robots = ["r1", "r2"] if measure.private else [""]
+        for robot in robots:
+            sent = [
+                (d.t_sent, measure.use(d.frame.size, 1, own=True))
+                for d in deliveries
+                if d.frame.robot.startswith(robot)
+            ]
+            assert sent
+            for end, _ in sent:
+                assert sum(use for t, use in sent if end - measure.window <= t <= end) <= measure.limit * (1 + 1e-9)
+    assert len([d for d in deliveries if 3.0 <= d.t_sent <= 13.0]) >= 40
