@@ -1,4 +1,4 @@
-"""The command: `python -m studies.benchmarks [speed] [quality] [grid] [--quick] [--output DIR]`."""
+"""The command: `python -m studies.benchmarks [speed] [memory] [quality] [grid] [--quick] [--output DIR]`."""
 
 import argparse
 import sys
@@ -6,7 +6,9 @@ from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
+from studies.benchmarks.charts import Chart
 from studies.benchmarks.grid import measure_grid
+from studies.benchmarks.memory import measure_memory
 from studies.benchmarks.quality import measure_quality
 from studies.benchmarks.report import Table, machine, write_page
 from studies.benchmarks.speed import measure_speed
@@ -14,8 +16,11 @@ from studies.oracle import OracleUnavailable
 
 RESULTS = Path(__file__).parent.parent / "results"
 
-BENCHMARKS: dict[str, tuple[str, Callable[[bool], list[Table]]]] = {
+Benchmark = Callable[[bool], Sequence[Table | Chart]]
+
+BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "speed": ("Speed of the planner", lambda quick: measure_speed(quick=quick)),
+    "memory": ("Memory of the planner", lambda quick: measure_memory(quick=quick)),
     "quality": ("Quality of the planner's decisions", lambda quick: measure_quality(quick=quick)),
     "grid": ("What missions reach, from tight limits to loose", lambda quick: measure_grid(quick=quick)),
 }
@@ -30,15 +35,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in options.benchmarks or BENCHMARKS:
         title, measure = BENCHMARKS[name]
         try:
-            tables = measure(options.quick)
+            results = measure(options.quick)
         except OracleUnavailable as error:
             print(f"{name}: {error}", file=sys.stderr)
             failed = True
             continue
-        for table in tables:
-            print(f"\n{table.text()}", flush=True)
+        for result in results:
+            if isinstance(result, Table):
+                print(f"\n{result.text()}", flush=True)
         if pages:
-            write_page(pages / f"{name}.md", title, tables, datetime.now(UTC))
+            write_page(pages / f"{name}.md", title, results, datetime.now(UTC))
     return int(failed)
 
 
