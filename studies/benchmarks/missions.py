@@ -29,7 +29,7 @@ ITERATIONS = 300
 LATENCY = 0.01
 """Of every message where nothing else is said [s]."""
 
-FUTURES = 10
+FUTURES = 6
 """Sampled futures among which best mode shares its iterations."""
 
 
