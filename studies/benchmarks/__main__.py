@@ -1,4 +1,4 @@
-"""The command: `python -m studies.benchmarks [speed] [memory] [quality] [grid] [--quick] [--output DIR]`."""
+"""The command: `python -m studies.benchmarks [BENCHMARK ...] [--quick] [--output DIR]`."""
 
 import argparse
 import sys
@@ -8,8 +8,12 @@ from pathlib import Path
 
 from studies.benchmarks.charts import Chart
 from studies.benchmarks.grid import measure_grid
+from studies.benchmarks.iterations import measure_iterations
+from studies.benchmarks.latency import measure_latency
 from studies.benchmarks.memory import measure_memory
+from studies.benchmarks.mixed import measure_mixed
 from studies.benchmarks.quality import measure_quality
+from studies.benchmarks.receding import measure_receding
 from studies.benchmarks.report import Table, machine, write_page
 from studies.benchmarks.speed import measure_speed
 from studies.oracle import OracleUnavailable
@@ -23,6 +27,10 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "memory": ("Memory of the planner", lambda quick: measure_memory(quick=quick)),
     "quality": ("Quality of the planner's decisions", lambda quick: measure_quality(quick=quick)),
     "grid": ("What missions reach, from tight limits to loose", lambda quick: measure_grid(quick=quick)),
+    "mixed": ("What missions of mixed sizes reach", lambda quick: measure_mixed(quick=quick)),
+    "latency": ("What missions reach with latency", lambda quick: measure_latency(quick=quick)),
+    "iterations": ("What more iterations give", lambda quick: measure_iterations(quick=quick)),
+    "receding": ("Beside the exact receding-horizon optimiser", lambda quick: measure_receding(quick=quick)),
 }
 
 
