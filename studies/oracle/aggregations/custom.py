@@ -1,63 +1,98 @@
 """An aggregation of the caller's own: a plan is a path through the states of its stream.
 
-A stream of n open messages has a node for each of them and each state in which the message may find the stream, as the
-planner tabulates them, and one for the end:
+A stream of n open messages has a node (k, s) for each state s in which message k may find it, one (n, s) for each
+state in which it may end, and one for the end itself:
 
-    (k, s) → (k + 1, s)    gains nothing: message k is not sent
-    (k, s) → (k + 1, s')   gains what the message adds in state s, and leads to s'; all these arcs together carry
-                           the fraction of the message that is sent
+    (k, s) → (k + 1, s)    message k is not sent
+    (k, s) → (k + 1, s')   it is sent, which leads to s'; all these arcs together carry the fraction of the message
+    (n, s) → end           gains what state s is worth
 
-The path begins with an arc that gains what the messages known to be sent are worth without any other.
+Messages known to be sent lie between the nodes. Of equal states there is one node, so what a mission takes depends on
+the model: one that remembers a number has few, one that remembers all it received has too many.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from planner import Problem
-from planner.aggregations.custom import MAX_STATES
-from planner.evaluation import Gains, tabulate_gains
-from planner.utility import Ints
+from planner.aggregations.custom import CustomStream, States
 from studies.oracle.aggregations.part import Entries, Part, arcs, joined
 from studies.oracle.errors import OracleError
 
+MAX_NODES = 200_000
+"""What a solver gets through in a minute; more of one stream are refused."""
+
+
+@dataclass(slots=True)
+class _Network:
+    """Arcs as they come up; `sent[j]` is the number of the message that arc j sends, −1 for none."""
+
+    nodes: int = 1
+    tail: list[int] = field(default_factory=list)
+    head: list[int] = field(default_factory=list)
+    sent: list[int] = field(default_factory=list)
+    gain: list[float] = field(default_factory=list)
+
+    def arc(self, tail: int, head: int, *, sent: int = -1, gain: float = 0.0) -> None:
+        """Add an arc."""
+        self.tail.append(tail)
+        self.head.append(head)
+        self.sent.append(sent)
+        self.gain.append(gain)
+
+    def node(self, known: dict[States, int], states: States) -> int:
+        """Return the node of a state among those known, a new one if it is none of them."""
+        if states not in known:
+            known[states] = self.nodes
+            self.nodes += 1
+        return known[states]
+
 
 def build(problem: Problem, stream: int) -> Part:
-    """Build the network of one stream; raise OracleError when it has more states than the planner tabulates."""
-    own = [index for index, m in enumerate(problem.messages) if m.stream == stream]
-    gains = tabulate_gains(replace(problem, messages=tuple(problem.messages[index] for index in own), current=0))
-    if not gains.closed:
-        raise OracleError(
-            f"stream {stream}: what {type(problem.streams[stream].aggregation).__name__} makes of its messages has more"
-            f" than {MAX_STATES} states: there is no bound for it; ask for a shorter mission, or let tantamount states"
-            " be equal"
-        )
-    opened = np.array([index for index in own if not problem.messages[index].sent], dtype=np.int64)
-    return _network(gains, opened, len(problem.messages))
+    """Build the network of one stream.
+
+    Raises OracleError when it has too many states, ProblemError when the model fails.
+    """
+    opened = [index for index, m in enumerate(problem.messages) if m.stream == stream and not m.sent]
+    custom = CustomStream(problem, stream, list(range(len(opened))), problem.t_end)
+    network, begin = _Network(), 0
+    nodes = {custom.empty(): 0}
+    for level in range(len(opened)):
+        place = custom.place(level)
+        found: dict[States, int] = {}
+        for states, tail in nodes.items():
+            before = custom.arrive(states, begin, place)
+            network.arc(tail, network.node(found, before))
+            network.arc(tail, network.node(found, custom.add(before, place)), sent=level)
+        if network.nodes > MAX_NODES:
+            raise OracleError(
+                f"stream {stream}: what {type(problem.streams[stream].aggregation).__name__} makes of its"
+                f" {len(opened)} messages has more than {MAX_NODES:,} states: ask for a shorter mission, or let"
+                " tantamount states be equal"
+            )
+        nodes, begin = found, place + 1
+    for states, tail in nodes.items():
+        network.arc(tail, network.nodes, gain=custom.worth(states, begin)[0])
+    return _part(network, opened, len(problem.messages))
 
 
-def _network(gains: Gains, opened: Ints, messages: int) -> Part:
-    levels, nodes = len(opened), int(gains.start[-1])
-    level = np.repeat(np.arange(levels), np.diff(gains.start))
-    state = np.arange(nodes) - gains.start[level]
-    last = level == levels - 1
-    dropped = np.where(last, nodes, gains.start[level + 1] + state)
-    sent = np.where(last, nodes, gains.start[level + 1] + gains.after)
-    tail = np.concatenate((np.arange(nodes), np.arange(nodes), [nodes + 1]))
-    column = messages + np.arange(len(tail))
-    # The nodes of all states, the end, the begin; then what the arcs that send each message carry.
-    sends = nodes + 2 + np.arange(levels)
-    supply = np.zeros(nodes + 2 + levels)
-    supply[nodes] = 1.0
-    supply[nodes + 1] = -1.0
+def _part(network: _Network, opened: list[int], messages: int) -> Part:
+    """Return the columns and rows: a row for each node, then one for what the arcs that send each message carry."""
+    end, sent = network.nodes, np.array(network.sent, dtype=np.int64)
+    column = messages + np.arange(len(sent))
+    carried = end + 1 + np.arange(len(opened))
+    supply = np.zeros(end + 1 + len(opened))
+    supply[0], supply[end] = -1.0, 1.0
+    sends = np.flatnonzero(sent >= 0)
     balance = [
-        arcs(column, tail, np.concatenate((dropped, sent, [0]))),
-        Entries(sends[level], column[nodes : 2 * nodes], np.ones(nodes)),
-        Entries(sends, opened, -np.ones(levels)),
+        arcs(column, np.array(network.tail, dtype=np.int64), np.array(network.head, dtype=np.int64)),
+        Entries(carried[sent[sends]], column[sends], np.ones(len(sends))),
+        Entries(carried, np.array(opened, dtype=np.int64), -np.ones(len(opened))),
     ]
     return Part(
-        gain=np.concatenate((np.zeros(messages + nodes), gains.gain, [gains.facts])),
+        gain=np.concatenate((np.zeros(messages), network.gain)),
         balance=joined(balance),
         supply=supply,
-        skips=np.zeros(messages + len(tail), dtype=np.int64),
+        skips=np.zeros(messages + len(sent), dtype=np.int64),
     )

@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 
-from planner import Linear
-from studies.oracle.network import build_network
-from tests.studies.oracle.problems import one_stream
+from planner import Aggregation, Linear, Receiver
+from studies.oracle.aggregations.most_recent import build, build_network
+from tests.studies.oracle.problems import of_kind, one_stream, received
 
 
 def arcs_of(problem):
-    network = build_network(problem)
+    network = build_network(received(problem))
     return {(int(t), int(h)): float(g) for t, h, g in zip(network.tail, network.head, network.gain, strict=True)}
 
 
@@ -46,9 +46,40 @@ def test_each_stream_has_a_source_and_a_sink():
     problem = one_stream([0.0, 1.0, 2.0], window=1.0, limit=3.0)
     first, second, third = problem.messages
     network = build_network(
-        replace(problem, streams=problem.streams * 3, messages=(first, replace(second, stream=2), third))
+        received(replace(problem, streams=problem.streams * 3, messages=(first, replace(second, stream=2), third)))
     )
     assert network.message.tolist() == [0, 2, 1]
     assert network.source.tolist() == [3, 6]
     assert network.sink.tolist() == [5, 7]
     assert network.nodes == 8
+
+
+def test_a_message_lives_as_long_as_anybody_has_use_for_it():
+    """A receiver with a delay gets less of the first second and sees the end of its life as late as all others."""
+    problem = one_stream([0.0, 1.0, 3.0], window=1.0, limit=1.0)
+    short = replace(problem, messages=tuple(replace(m, utility=Linear(2.0, 1.0)) for m in problem.messages))
+    two = arcs_of(of_kind(short, Aggregation.MOST_RECENT, Receiver(), Receiver(0.5, 3.0)))
+    assert two[0, 1] == 1.5 + 3.0 * (1.5 + 0.5) / 2
+    assert two[0, 3 + 2] == 2.0 + 3.0 * 1.5**2 / 2
+    assert (0, 2) not in two
+
+
+def test_the_end_comes_earlier_for_those_who_wait():
+    """What arrives after the end is worth nothing to that receiver, and what it has from before ends with the rest."""
+    problem = one_stream([0.0, 1.0], window=1.0, limit=1.0)
+    flat = replace(problem, t_end=2.0, messages=tuple(replace(m, utility=Linear(1.0, 1e-9)) for m in problem.messages))
+    gains = arcs_of(of_kind(flat, Aggregation.MOST_RECENT, Receiver(), Receiver(1.25, 1.0)))
+    assert abs(gains[0, 1] - (1.0 + 0.75)) < 1e-6
+    assert abs(gains[1, 2 + 2] - 1.0) < 1e-6
+
+
+def test_the_column_of_a_message_joins_its_two_nodes():
+    """What enters the node of a message leaves by the message's own column, so that it tells what is sent."""
+    part = build(received(one_stream([0.0, 1.0], window=1.0, limit=1.0)))
+    own = {
+        (int(r), float(v))
+        for r, c, v in zip(part.balance.row, part.balance.column, part.balance.value, strict=True)
+        if c == 1
+    }
+    assert own == {(1, -1.0), (1 + 5, 1.0)}
+    assert part.supply.tolist() == [0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0]
