@@ -66,10 +66,10 @@ def build(problem: Problem, stream: int) -> Part:
             network.arc(tail, network.node(found, before))
             network.arc(tail, network.node(found, custom.add(before, place)), sent=level)
         if network.nodes > MAX_NODES:
+            model = type(problem.streams[stream].aggregation).__name__
             raise OracleError(
-                f"stream {stream}: what {type(problem.streams[stream].aggregation).__name__} makes of its"
-                f" {len(opened)} messages has more than {MAX_NODES:,} states: ask for a shorter mission, or let"
-                " tantamount states be equal"
+                f"stream {stream}: what {model} makes of its {len(opened)} messages has more than {MAX_NODES:,} states:"
+                " ask for a shorter mission, or let tantamount states be equal"
             )
         nodes, begin = found, place + 1
     for states, tail in nodes.items():

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from planner import Constraint, Problem, ProblemError, Traffic
+from planner import Constraint, Problem, ProblemError, Stream, Traffic
 from planner.constraints import violations
 from planner.definition import utility
 from studies.central import CentralDecider
 from studies.oracle import optimum, upper_bound
 from studies.policies import whenever_it_fits
 from tests.planner.windows import optimum as greatest
-from tests.studies.oracle.problems import best_by_trying, mixed_mission, mixed_window, one_stream, small_problems
+from tests.studies.oracle.problems import KINDS, best_by_trying, mixed_mission, mixed_window, one_stream, small_problems
 
 
 def chosen(problem: Problem, sends: np.ndarray) -> list[int]:
@@ -143,6 +143,17 @@ def test_fractions_are_told_from_plans():
     assert bound.utility > best.utility * 1.1
     assert bound.sends.sum() == pytest.approx(1.5)
     assert best.bound == pytest.approx(best.utility)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=str)
+def test_what_nobody_receives_is_worth_nothing(kind):
+    """A stream without receivers gains nothing and leaves the channel to the others, whatever its aggregation."""
+    problem = one_stream([0.0, 0.25, 2.0, 2.25], window=0.5, limit=1.0)
+    messages = tuple(replace(m, stream=at % 2, scale=9.0 - 8.0 * (at % 2)) for at, m in enumerate(problem.messages))
+    deaf = replace(problem, streams=(Stream(0, kind, ()), Stream(1)), messages=messages)
+    for solution in (optimum(deaf), upper_bound(deaf)):
+        assert solution.sends[[1, 3]].tolist() == [1.0, 1.0]
+        assert solution.utility == pytest.approx(utility(deaf, [1, 3]))
 
 
 def test_a_problem_without_meaning_is_refused():
