@@ -1,4 +1,4 @@
-"""The command: `python -m studies.benchmarks [speed] [quality] [grid] [--quick] [--output DIR]`."""
+"""The command: `python -m studies.benchmarks [speed] [quality] [grid] [designs] [--quick] [--output DIR]`."""
 
 import argparse
 import sys
@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
+from studies.benchmarks.designs import measure_designs
 from studies.benchmarks.grid import measure_grid
 from studies.benchmarks.quality import measure_quality
 from studies.benchmarks.report import Table, machine, write_page
@@ -18,6 +19,7 @@ BENCHMARKS: dict[str, tuple[str, Callable[[bool], list[Table]]]] = {
     "speed": ("Speed of the planner", lambda quick: measure_speed(quick=quick)),
     "quality": ("Quality of the planner's decisions", lambda quick: measure_quality(quick=quick)),
     "grid": ("What missions reach, from tight limits to loose", lambda quick: measure_grid(quick=quick)),
+    "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }
 
 
