@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from statistics import fmean
+
+import numpy as np
 
 import planner
 from planner import Constraint, Problem, SearchSettings
@@ -20,21 +22,21 @@ from studies.designs.design import Decider, Design, worth
 from studies.oracle import optimum
 from studies.workload import SCENARIOS, TWO_PER_HALF_SECOND, mission
 
-LIMITS = (TWO_PER_HALF_SECOND, Constraint("messages", 2.5, 5.0))
-"""So many messages per window of so many seconds."""
+LIMITS = (TWO_PER_HALF_SECOND, Constraint("messages", 2.5, 5.0), Constraint("units", 0.5, 2.0))
+"""So many messages per window of so many seconds; the last one counts units of their sizes."""
+
+SIZES = (0.3, 1.7)
+"""The least and the greatest size of a message."""
 
 SHORT, LONG = 30, 60
 """Horizons [messages]."""
 
 FLOWN_LONG = (
-    "beam of 10 by bound",
+    "widening beam, 60 rounds, 3,000 nodes",
     AS_IT_IS,
     "best mode without the tree",
     "best mode without what lies beyond",
     "best mode, deflected directions",
-    "best mode, last prices",
-    "best mode, deflected directions, last prices",
-    "best mode, last prices, 30 rounds",
 )
 """The designs that fly with the long horizon, too; the others take too long or have lost before."""
 
@@ -57,21 +59,34 @@ class Mission:
 
     def draw(self) -> Problem:
         """Draw its messages."""
-        return mission(SCENARIOS[self.scenario], self.seed, seconds=self.seconds, constraint=LIMITS[self.limit])
+        limit = LIMITS[self.limit]
+        drawn = mission(SCENARIOS[self.scenario], self.seed, seconds=self.seconds, constraint=limit)
+        if limit.name != "units":
+            return drawn
+        sizes = np.random.default_rng(self.seed).uniform(*SIZES, len(drawn.messages)).tolist()
+        messages = (replace(message, use=(size,)) for message, size in zip(drawn.messages, sizes, strict=True))
+        return replace(drawn, messages=tuple(messages))
 
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """How much is measured: limits, missions of so many seconds, windows after so many messages of others."""
+    """How much is measured: missions of so many seconds, and so many windows after the first messages of each.
 
-    limits: int
+    `limits` are those of missions flown with the short horizon, and of all others.
+    """
+
+    limits: tuple[int, int]
     seconds: float
     begin: int
     windows: int
 
+    def missions(self, limits: int) -> list[Mission]:
+        """Return a mission for each of so many limits and each scenario."""
+        return [Mission(limit, scenario, 0, self.seconds) for limit, scenario in product(range(limits), range(3))]
 
-FULL = Extent(limits=2, seconds=30.0, begin=100, windows=30)
-QUICK = Extent(limits=1, seconds=1.5, begin=5, windows=2)
+
+FULL = Extent(limits=(2, 3), seconds=30.0, begin=100, windows=15)
+QUICK = Extent(limits=(1, 1), seconds=1.5, begin=5, windows=2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,17 +114,12 @@ def measure_designs(*, quick: bool) -> list[Table]:
     `quick` takes seconds instead of minutes. Raises OracleUnavailable without SciPy.
     """
     extent = QUICK if quick else FULL
-    points = [
-        Mission(limit, scenario, 0, extent.seconds) for limit, scenario in product(range(extent.limits), range(3))
-    ]
+    few, all_ = (extent.missions(limits) for limits in extent.limits)
     names = tuple(design.name for design in catalogue())
-    measures: list[Job] = [
-        partial(fly, names=names, horizon=SHORT),
-        partial(fly, names=FLOWN_LONG, horizon=LONG),
-        partial(search, horizon=LONG, begin=extent.begin, count=extent.windows),
-    ]
-    short, long, windows = (_run(measure, points, quick=quick) for measure in measures)
-    return [_flown(points, short, SHORT), _flown(points, long, LONG), _searched(points, windows, extent.windows)]
+    short = _run(partial(fly, names=names, horizon=SHORT), few, quick=quick)
+    long = _run(partial(fly, names=FLOWN_LONG, horizon=LONG), all_, quick=quick)
+    windows = _run(partial(search, horizon=LONG, begin=extent.begin, count=extent.windows), all_, quick=quick)
+    return [_flown(few, short, SHORT), _flown(all_, long, LONG), _searched(all_, windows, extent.windows)]
 
 
 def _run(measure: Job, points: Sequence[Mission], *, quick: bool) -> list[list[Measured]]:
@@ -196,8 +206,10 @@ def _by_design(measured: Sequence[Sequence[Measured]]) -> list[list[Measured]]:
 
 
 def _heads(points: Sequence[Mission]) -> tuple[str, ...]:
+    limits = [LIMITS[point.limit] for point in points]
     return tuple(
-        f"{SCENARIOS[p.scenario].name}, {LIMITS[p.limit].limit:g} per {LIMITS[p.limit].window:g} s" for p in points
+        f"{SCENARIOS[point.scenario].name}, {limit.limit:g} {limit.name} per {limit.window:g} s"
+        for point, limit in zip(points, limits, strict=True)
     )
 
 
@@ -219,9 +231,10 @@ def _flown(points: Sequence[Mission], measured: Sequence[Sequence[Measured]], ho
         ("design", *_heads(points), "mean", *WORK),
         tuple(rows),
         f"One mission of {points[0].seconds:g} s a point, exact forecasts, one central decider; at most {BUDGET}"
-        " iterations a decision, except beams. An iteration is a round of learning or one node tried or extended; a"
-        f" plan counts when it was completed to the end of the window. The integer optimum is proven for {sure} of"
-        f" {len(points)}. No constraint was broken.",
+        " iterations a decision, except of beams. An iteration is a round of learning, one leaf tried, or of a beam one"
+        " node extended by a level, which is far less; a plan counts when it was completed to the end of the window."
+        f" Units are sizes of messages, evenly drawn from {SIZES[0]:g} to {SIZES[1]:g}. The integer optimum is proven"
+        f" for {sure} of {len(points)}. No constraint was broken.",
     )
 
 

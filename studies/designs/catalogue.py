@@ -15,7 +15,7 @@ from studies.designs.ablations import (
     with_prices,
     without_learning,
 )
-from studies.designs.beam import Beam
+from studies.designs.beam import Beam, WideningBeam
 from studies.designs.design import Design, Sought
 from studies.designs.dominance import TrueDominance
 from studies.designs.paper import MaximumBackup, Paper
@@ -65,6 +65,12 @@ def _beams() -> Iterator[Design]:
     for by_bound, rank in ((False, "value"), (True, "bound")):
         for width in (10, 50):
             yield _design(f"beam of {width} by {rank}", _beam_start(width, by_bound=by_bound), budget=UNTIL_DONE)
+    for budget in (BUDGET, 3_000):
+        yield _design(f"widening beam, 60 rounds, {budget:,} nodes", _widening, budget=budget)
+
+
+def _widening(tables: Tables) -> Sought:
+    return WideningBeam(tables, width=10, factor=4, rounds=60)
 
 
 def _beam_start(width: int, *, by_bound: bool) -> Callable[[Tables], Sought]:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.tables import tabulate
-from studies.designs.beam import Beam
+from studies.designs.beam import Beam, WideningBeam
 from studies.designs.design import worth
 from tests.planner.windows import objective, optimum, window
 
@@ -22,6 +22,26 @@ def test_a_beam_of_any_width_finds_the_optimum(seed, by_bound, grid):
     problem = window(seed, horizon=5, constraints=1 + seed % 2, grid=grid)
     beam = Beam(tabulate(problem, beyond=True), 1_000, by_bound=by_bound)
     assert reached(beam) == pytest.approx(optimum(problem, objective)[0])
+    assert beam.proven
+
+
+@given(st.integers(0, 10_000), st.booleans())
+def test_a_widening_beam_ends_with_the_best_plan(seed, grid):
+    """However narrow it begins, it goes on until nothing was left out."""
+    problem = window(seed, horizon=6, constraints=1 + seed % 2, grid=grid)
+    beam = WideningBeam(tabulate(problem, beyond=True), width=1, factor=2, rounds=3)
+    assert reached(beam) == pytest.approx(optimum(problem, objective)[0])
+    assert beam.proven
+
+
+def test_a_widening_beam_can_be_stopped_at_any_time():
+    """It has a plan after the first iteration, and never a worse one later."""
+    problem = window(2, robots=6, horizon=24)
+    beam, values = WideningBeam(tabulate(problem, beyond=True), width=1, factor=2, rounds=3), []
+    while beam.run(5):
+        values.append(worth(beam.tables, beam.sends()))
+    assert len(values) > 2
+    assert values == sorted(values)
 
 
 def test_a_narrow_beam_by_value_is_short_sighted():
