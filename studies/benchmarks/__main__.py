@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from studies.benchmarks.charts import Chart
+from studies.benchmarks.designs import measure_designs
 from studies.benchmarks.grid import measure_grid
 from studies.benchmarks.iterations import measure_iterations
 from studies.benchmarks.latency import measure_latency
@@ -31,6 +32,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "latency": ("What missions reach with latency", lambda quick: measure_latency(quick=quick)),
     "iterations": ("What more iterations give", lambda quick: measure_iterations(quick=quick)),
     "receding": ("Beside the exact receding-horizon optimiser", lambda quick: measure_receding(quick=quick)),
+    "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }
 
 
