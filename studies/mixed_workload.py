@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner import Constraint, Linear, Message, Problem, Stream, Video
+from planner import Constraint, Exponential, Linear, Message, Polynomial, Problem, Step, Stream, Video
 from planner.utility import MessageUtility
 from studies.workload import LEAST_SLOPE, Scenario, generation_times
 
@@ -35,11 +35,19 @@ def _video(slope: float) -> MessageUtility:
     return Video(a0=1 / 30, a1=2.0 / slope)
 
 
-def _brief(slope: float) -> MessageUtility:
-    return Linear(1.0, 3.0 * slope)
+def _exponential(slope: float) -> MessageUtility:
+    return Exponential(1.0, 1.0 / slope)
 
 
-KINDS: tuple[Callable[[float], MessageUtility], ...] = (_linear, _video, _brief)
+def _step(slope: float) -> MessageUtility:
+    return Step(1.0, 1.0 / slope)
+
+
+def _polynomial(slope: float) -> MessageUtility:
+    return Polynomial(1.0, 1.5 / slope, 2.0)
+
+
+KINDS: tuple[Callable[[float], MessageUtility], ...] = (_linear, _video, _exponential, _step, _polynomial)
 """What the streams carry in turn, by the slope that the scenario draws [1/s]."""
 
 

@@ -1,9 +1,13 @@
 """What latency costs best mode: both workloads at 10 ms, 0.3 s and 1 s, each against the bound at its latency."""
 
+from collections.abc import Mapping, Sequence
+from statistics import fmean
 from typing import Literal
 
-from studies.benchmarks.missions import best_mode, fly_all, points, share_table
+from studies.benchmarks.charts import Chart, Series
+from studies.benchmarks.missions import Measured, best_mode, fly_all, points, share_table
 from studies.benchmarks.report import Table
+from studies.workload import SCENARIOS
 
 LATENCIES = (0.01, 0.3, 1.0)
 """Of every message [s]."""
@@ -14,19 +18,45 @@ WORKLOADS: tuple[tuple[Literal["paper", "mixed"], str], ...] = (
 )
 
 
-def measure_latency(*, quick: bool) -> list[Table]:
-    """Fly both grids at every latency; return a table for each.
+def measure_latency(*, quick: bool) -> list[Table | Chart]:
+    """Fly both grids at every latency; return a chart, and a table for each.
 
     `quick` flies one mission of 2 s at the tightest limit instead of three of 100 s.
     Raises OracleUnavailable without SciPy.
     """
     seeds, seconds = (1, 2.0) if quick else (3, 100.0)
     note = f"{seeds} missions of {seconds:g} s a point, horizon 60, one central decider. No constraint was broken."
-    contender, tables = best_mode(), []
-    for workload, name in WORKLOADS:
-        for latency in LATENCIES:
-            where = points(workload, latency)[: 3 if quick else None]
-            measured = fly_all(where, (contender,), seeds=seeds, seconds=seconds, alone=quick)
-            title = f"{contender.name}, {name}, latency {latency:g} s"
-            tables.append(share_table(title, contender.name, measured, note))
-    return tables
+    measured = {
+        workload: [
+            fly_all(
+                points(workload, latency)[: 3 if quick else None],
+                (best_mode(),),
+                seeds=seeds,
+                seconds=seconds,
+                alone=quick,
+            )
+            for latency in LATENCIES
+        ]
+        for workload, _ in WORKLOADS
+    }
+    tables = [
+        share_table(f"{best_mode().name}, {name}, latency {latency:g} s", best_mode().name, flown, note)
+        for workload, name in WORKLOADS
+        for latency, flown in zip(LATENCIES, measured[workload], strict=True)
+    ]
+    return [_chart(measured), *tables]
+
+
+def _chart(measured: Mapping[Literal["paper", "mixed"], Sequence[Sequence[Measured]]]) -> Chart:
+    """Draw the mean over all limits against the latency, scenario by scenario."""
+    series = tuple(
+        Series(f"{name}, {scenario.name}", tuple(_mean(flown, number) for flown in measured[workload]))
+        for workload, name in WORKLOADS
+        for number, scenario in enumerate(SCENARIOS)
+    )
+    places = tuple(f"{latency:g} s" for latency in LATENCIES)
+    return Chart("Share of the bound at the same latency", places, series, "[%]", "lines", least=90.0)
+
+
+def _mean(flown: Sequence[Measured], scenario: int) -> float:
+    return 100 * fmean(one.share for one in flown if one.point.scenario == scenario)

@@ -13,6 +13,7 @@ from typing import Literal
 from planner import Constraint, Problem, SearchSettings
 from planner.constraints import violations
 from planner.definition import utility
+from studies.benchmarks.charts import Chart, Series
 from studies.benchmarks.quality import RuleBrokenError
 from studies.benchmarks.report import Table
 from studies.central import Policy
@@ -83,18 +84,20 @@ def points(workload: Literal["paper", "mixed"] = "paper", latency: float = LATEN
 
 
 def best_mode(iterations: int = ITERATIONS) -> Contender:
-    """Return best mode as it is meant to be used."""
-    return Contender(f"best mode, {iterations:,} iterations", partial(_planned, "best", iterations), futures=FUTURES)
+    """Return best mode as the daemon uses it: it plans for what is expected from periods and means."""
+    return Contender(f"best mode, {iterations:,} iterations", partial(_planned, "best", iterations))
 
 
-def best_mode_expecting() -> Contender:
-    """Return best mode that looks only at what is expected."""
-    return Contender("best mode, one future", partial(_planned, "best", ITERATIONS))
+def best_mode_sampling() -> Contender:
+    """Return best mode that shares its iterations among sampled futures; it knows how far messages deviate."""
+    name = f"best mode, {ITERATIONS} iterations shared by {FUTURES} sampled futures"
+    return Contender(name, partial(_planned, "best", ITERATIONS), futures=FUTURES)
 
 
 def best_mode_knowing() -> Contender:
     """Return best mode with exact forecasts."""
-    return Contender("best mode, exact forecasts", partial(_planned, "best", ITERATIONS), forecast=False)
+    name = f"best mode, {ITERATIONS} iterations, exact forecasts"
+    return Contender(name, partial(_planned, "best", ITERATIONS), forecast=False)
 
 
 def paper_mode() -> Contender:
@@ -162,6 +165,28 @@ def share_table(title: str, contender: str, measured: Iterable[Measured], note: 
         f"Share of the offline bound [%], the mean of a point, in brackets its worst mission. Mean of all points"
         f" {100 * fmean(means):.2f}, least point {100 * min(means):.2f}. {note}",
     )
+
+
+def share_charts(
+    title: str, contenders: Sequence[Contender], measured: Sequence[Measured], target: float
+) -> list[Chart]:
+    """Return a chart for each scenario: the mean shares of the contenders at every limit."""
+    return [
+        _share_chart(f"{title}, {scenario.name}", [c.name for c in contenders], of_scenario, target)
+        for number, scenario in enumerate(SCENARIOS)
+        if (of_scenario := [one for one in measured if one.point.scenario == number])
+    ]
+
+
+def _share_chart(title: str, names: Sequence[str], measured: Sequence[Measured], target: float) -> Chart:
+    limits = list(dict.fromkeys(one.point.limit_name() for one in measured))
+    shares: dict[tuple[str, str], list[float]] = {}
+    for one in measured:
+        shares.setdefault((one.contender, one.point.limit_name()), []).append(100 * one.share)
+    series = tuple(Series(name, tuple(fmean(shares[name, limit]) for limit in limits)) for name in names)
+    places = tuple(limit.replace(", ", "\n") for limit in limits)
+    least = max(0.0, 10 * (min(map(fmean, shares.values())) // 10) - 10)
+    return Chart(title, places, series, "share of the offline bound [%]", target=target, least=least)
 
 
 def _rows(cells: dict[Point, list[float]]) -> Iterator[tuple[str, ...]]:

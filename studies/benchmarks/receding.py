@@ -2,7 +2,7 @@
 
 from statistics import fmean
 
-from studies.benchmarks.missions import Measured, best_mode, best_mode_expecting, fly_all, points, receding, share_table
+from studies.benchmarks.missions import Measured, best_mode, fly_all, points, receding, share_table
 from studies.benchmarks.report import Table
 
 
@@ -13,7 +13,7 @@ def measure_receding(*, quick: bool) -> list[Table]:
     Raises OracleUnavailable without SciPy.
     """
     seeds, seconds = (1, 2.0) if quick else (2, 100.0)
-    flown = (best_mode(), best_mode_expecting(), receding(beyond=True), receding(beyond=False))
+    flown = (best_mode(), receding(beyond=True), receding(beyond=False))
     measured = fly_all(points()[: 3 if quick else None], flown, seeds=seeds, seconds=seconds, alone=quick)
     missions = f"Only {seeds} missions of {seconds:g} s a point, latency 10 ms, horizon 60, one central decider."
     return [share_table(c.name, c.name, measured, f"{missions} {_effort(c.name, measured)}") for c in flown]

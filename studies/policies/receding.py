@@ -20,8 +20,8 @@ class Receding:
     """
 
     beyond: bool = True
-    budget: int = 100_000
-    patience: float = 30.0
+    budget: int = 20_000
+    patience: float = 2.0
     unproven: int = field(default=0, init=False)
 
     def __call__(self, window: Problem) -> bool:

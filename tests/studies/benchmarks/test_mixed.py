@@ -5,7 +5,11 @@ from studies.mixed_workload import BYTE_LIMITS
 
 
 def test_every_contender_has_a_row_for_each_byte_limit():
-    """Best mode comes first, the paper's search last."""
-    tables = measure_mixed(quick=True)
-    assert [table.title.split(" mode")[0] for table in tables] == ["best", "best", "best", "paper"]
+    """Best mode comes first, the paper's search last; then what whole messages can reach."""
+    results = measure_mixed(quick=True)
+    charts, tables = results[:3], results[3:]
+    assert all(len(chart.places) == len(BYTE_LIMITS) for chart in charts)
+    assert [table.title.split(" mode")[0] for table in tables[:4]] == ["best", "best", "best", "paper"]
     assert all(len(table.rows) == len(BYTE_LIMITS) for table in tables)
+    for cell in (cell for row in tables[4].rows for cell in row[1:]):
+        assert 0 < float(cell.lstrip("~").split()[0]) <= 100.0
