@@ -1,8 +1,10 @@
 // The default search: it completes every leaf by a good policy and knows what it can still gain.
 //
 //   first:  learn prices (prices.h), a round and a whole plan an iteration; complete both decisions about the current
-//           message by the first policy and by the last; then simulate from the root
-//   repeat: walk down from the root by the greatest promise to a decision that was not tried, take it, simulate
+//           message by the first policy and by the last
+//   then:   sweep down the window once, a level an iteration (sweep.h)
+//   repeat: simulate from the root; from then on walk down by the greatest promise to a decision that was not tried,
+//           take it, simulate
 //   simulate: go on by the policy, adding every node passed, each with the bound of the decision not taken, until
 //           the plan is whole, a tantamount node is as good, or the bound does not exceed the best plan;
 //           then renew the promises of the path
@@ -24,6 +26,7 @@
 #include "path.h"
 #include "prices.h"
 #include "states.h"
+#include "sweep.h"
 #include "tree.h"
 
 namespace sendworthy {
@@ -50,6 +53,7 @@ class BestSearch {
           path_(tables_),
           states_(tables_, NodeState::streams_and_windows),
           prices_(tables_, path_),
+          sweep_(tables_, path_, states_, prices_),
           capacity_(max_nodes),
           nodes_(new BestNode[max_nodes]),
           tantamount_(max_nodes) {
@@ -88,6 +92,10 @@ class BestSearch {
             learn();
             return;
         }
+        if (!sweep_.done()) {
+            go_down();
+            return;
+        }
         if (size_ > 0) {
             back_up(try_most_promising());
         } else {
@@ -98,6 +106,7 @@ class BestSearch {
     }
 
     double bound() const {
+        if (proven_) return incumbent();
         return size_ == 0 || full() ? prices_.bound() : std::max(nodes_[0].promise, incumbent());
     }
 
@@ -117,6 +126,16 @@ class BestSearch {
         roll_out(true);
         if (best_[1].value == kNothing) roll_out(true, true);
         done_ = !prices_.learning() && prices_.bound() <= beaten();
+    }
+
+    // Sweep one level on; at the end keep the best plans, proven where nothing was left out.
+    void go_down() {
+        sweep_.descend([this](double bound) { return bound > beaten(); });
+        if (!sweep_.done()) return;
+        sweep_.visit([this](double value, const std::vector<std::int32_t>& sends) {
+            keep(value, sends.data(), sends.data() + sends.size());
+        });
+        done_ = proven_ = sweep_.whole();
     }
 
     // Follow the policy, with the current decision forced or not, and with nothing sent before it when `clear`; return
@@ -140,12 +159,13 @@ class BestSearch {
     }
 
     // Keep the plan of the path when it is the best of its decision; the first of equals stays.
-    void keep(double value) {
-        const std::int32_t* end = path_.sends() + path_.send_count();
-        Plan& plan = best_[std::find(path_.sends(), end, tables_.current) != end];
+    void keep(double value) { keep(value, path_.sends(), path_.sends() + path_.send_count()); }
+
+    void keep(double value, const std::int32_t* begin, const std::int32_t* end) {
+        Plan& plan = best_[std::find(begin, end, tables_.current) != end];
         if (value > plan.value) {
             plan.value = value;
-            plan.sends.assign(path_.sends(), end);
+            plan.sends.assign(begin, end);
         }
     }
 
@@ -185,27 +205,21 @@ class BestSearch {
             if (full()) return at;
             BestNode& node = nodes_[at];
             const bool fits = path_.fits(node.level);
-            const double advantage = prices_.advantage(node.level);
-            const bool send = fits && advantage > 0.0;
+            const bool send = fits && prices_.advantage(node.level) > 0.0;
             if (fits) {
-                const double other = bound_after(node, advantage, !send);
+                const double other = node.bound - prices_.loss(node.level, !send);
                 if (other > beaten()) {
                     node.untried = other;
                     node.other = !send;
                 }
             }
-            const double bound = bound_after(node, advantage, send);
+            const double bound = node.bound - prices_.loss(node.level, send);
             const std::int32_t child = bound > beaten() ? step(at, send, bound) : kNone;
             if (child == kNone) return at;
             at = child;
         }
         keep(nodes_[at].value);
         return at;
-    }
-
-    double bound_after(const BestNode& node, double advantage, bool send) const {
-        const double loss = send ? std::max(0.0, -advantage) : std::max(0.0, advantage);
-        return node.bound - (loss + prices_.left_unused(node.level, send));
     }
 
     // Go on to a new child of the node where the path ends; kNone when a tantamount node is as good.
@@ -252,12 +266,14 @@ class BestSearch {
     Path path_;
     StateTracker states_;
     Prices prices_;
+    Sweep sweep_;
     std::int32_t capacity_;
     std::unique_ptr<BestNode[]> nodes_;
     States tantamount_;
     Plan best_[2];  // by the decision about the current message
     std::int32_t size_ = 0;
     std::int64_t iterations_ = 0;
+    bool proven_ = false;
     bool done_ = false;
 };
 

@@ -24,6 +24,33 @@ class Path {
         count_ = 0;
     }
 
+    // What later levels need of a path that ends before some level.
+    struct Snapshot {
+        std::vector<double> used;  // from the first depth that a check looks back to
+        std::vector<std::int32_t> state;
+
+        void reserve(const Tables& tables) {
+            std::int32_t most = 0;
+            for (std::int32_t depth = 0; depth <= tables.levels; ++depth) {
+                most = std::max(most, depth + 1 - tables.level[depth].held);
+            }
+            used.reserve(static_cast<std::size_t>(most) * tables.constraints);
+            state.reserve(tables.streams);
+        }
+    };
+
+    void save(Snapshot& snapshot, std::int32_t depth) const {
+        snapshot.used.assign(used(tables_.level[depth].held), used(depth) + tables_.constraints);
+        snapshot.state = state_;
+    }
+
+    void load(const Snapshot& snapshot, std::int32_t depth) {
+        const auto begin = static_cast<std::size_t>(tables_.level[depth].held) * tables_.constraints;
+        std::copy(snapshot.used.begin(), snapshot.used.end(), used_.begin() + static_cast<std::ptrdiff_t>(begin));
+        state_ = snapshot.state;
+        count_ = 0;
+    }
+
     // Where the gain of this level stands, in the present state of its stream.
     std::int32_t entry(std::int32_t at) const {
         const Level& level = tables_.level[at];

@@ -41,6 +41,12 @@ class Prices {
     // What sending gains over dropping at the end of the path, net of prices.
     double advantage(std::int32_t level) const { return advantage_[path_.entry(level)]; }
 
+    // What a decision takes off the bound: what it loses, and what it leaves unused.
+    double loss(std::int32_t level, bool send) const {
+        const double advantage = this->advantage(level);
+        return (send ? std::max(0.0, -advantage) : std::max(0.0, advantage)) + left_unused(level, send);
+    }
+
     // No plan is worth more than this.
     double bound() const { return bound_; }
 

@@ -63,6 +63,35 @@ class StateTracker {
         reset();
     }
 
+    // Where the tracker stands, to come back to.
+    struct Snapshot {
+        std::vector<std::int32_t> last;
+        std::vector<std::int32_t> state;
+        std::vector<std::int32_t> held;
+        StateHash hash;
+
+        void reserve(const Tables& tables) {
+            last.reserve(tables.streams);
+            state.reserve(tables.streams);
+            held.reserve(tables.levels);
+        }
+    };
+
+    void save(Snapshot& snapshot) const {
+        snapshot.last = last_;
+        snapshot.state = state_;
+        snapshot.held.assign(sends_.begin() + static_cast<std::ptrdiff_t>(oldest_), sends_.end());
+        snapshot.hash = hash_;
+    }
+
+    void load(const Snapshot& snapshot) {
+        last_ = snapshot.last;
+        state_ = snapshot.state;
+        sends_ = snapshot.held;
+        oldest_ = 0;
+        hash_ = snapshot.hash;
+    }
+
     void reset() {
         std::fill(last_.begin(), last_.end(), -1);
         std::fill(state_.begin(), state_.end(), 0);
@@ -159,6 +188,9 @@ class States {
             if (slot.hash == hash) return slot.node_plus_one;
         }
     }
+
+    // Forget all states.
+    void clear() { std::fill_n(slots_.get(), mask_ + 1, Slot{}); }
 
   private:
     struct Slot {

@@ -7,7 +7,8 @@ of a node is that of the decisions down to it, the rest dropped.
 
 * *Learning.* The first iterations learn the prices that the default policy and the bounds rest on, each of them one
   round of `prices.py` and one whole plan; the very first also decides the current message both ways.
-* *Simulation.* Every leaf is completed to the end of the window by the default policy of `prices.py`: send
+* *Sweep.* The next iterations go down the window once, level by level, with the best few nodes of each (`sweep.py`).
+* *Simulation.* From then on every leaf is completed to the end of the window by the default policy of `prices.py`: send
   what fits and has a positive advantage. So each iteration yields a whole plan; the best one is the answer.
 * *Selection.* Every node carries a bound that no plan below it exceeds. The search follows the greatest bound
   of what was not tried yet, its *promise*: optimism in place of UCT's square root.
@@ -25,6 +26,7 @@ from dataclasses import dataclass, field
 from planner.answers import Found, answer
 from planner.python_engine.path import Path
 from planner.python_engine.prices import Prices
+from planner.python_engine.sweep import Sweep
 from planner.python_engine.tree import CUT, DROP, SEND
 from planner.search import Plan, SearchSettings
 from planner.tables import Tables
@@ -81,6 +83,8 @@ class BestSearch:
         self._max_nodes = settings.max_nodes
         self._path = Path(tables)
         self._prices = Prices(tables, self._path)
+        self._sweep = Sweep(tables, self._path, self._prices)
+        self._proven = False
         self._nodes: list[Node] = []
         self._exact = tables.gains.closed
         self._tantamount: dict[tuple[int, tuple[Hashable, ...], tuple[int, ...]], Node] = {}
@@ -101,6 +105,9 @@ class BestSearch:
     def _iterate(self) -> None:
         if self._prices.learning:
             self._learn()
+            return
+        if not self._sweep.done:
+            self._go_down()
             return
         if self._nodes:
             _back_up(self._try_most_promising())
@@ -124,6 +131,15 @@ class BestSearch:
             if self._best[True][0] == NOTHING:
                 self._roll_out(forced=True, clear=True)
         self.done = not self._prices.learning and not self._worth_trying(self._prices.bound)
+
+    def _go_down(self) -> None:
+        """Sweep one level on; at the end keep the best plans, proven where nothing was left out."""
+        self._sweep.descend(self._worth_trying)
+        if self._sweep.done:
+            for place in self._sweep.places:
+                self._path.load(place.path)
+                self._found(place.value)
+            self.done = self._proven = self._exact and self._sweep.whole
 
     def _roll_out(self, *, forced: bool | None = None, clear: bool = False) -> float:
         """Follow the default policy, with the current decision forced or not; return the best value so far.
@@ -188,23 +204,17 @@ class BestSearch:
             if self._full():
                 return node
             fits = self._path.fits(node.level)
-            advantage = self._prices.advantage(node.level)
-            send = fits and advantage > 0
-            other = self._bound_after(node, advantage, send=not send)
+            send = fits and self._prices.advantage(node.level) > 0
+            other = node.bound - self._prices.loss(node.level, send=not send)
             if fits and self._worth_trying(other):
                 node.untried, node.other = other, not send
-            bound = self._bound_after(node, advantage, send=send)
+            bound = node.bound - self._prices.loss(node.level, send=send)
             child = self._step(node, send=send, bound=bound) if self._worth_trying(bound) else None
             if child is None:
                 return node
             node = child
         self._found(node.value)
         return node
-
-    def _bound_after(self, node: Node, advantage: float, *, send: bool) -> float:
-        """Return the bound of a child: less what the decision loses and what it leaves unused."""
-        loss = max(0.0, -advantage) if send else max(0.0, advantage)
-        return node.bound - (loss + self._prices.left_unused(node.level, send=send))
 
     def _step(self, parent: Node, *, send: bool, bound: float) -> Node | None:
         """Go on to a new child of the node where the path ends; None when a tantamount node is as good."""
@@ -251,6 +261,8 @@ class BestSearch:
 
     def _bound(self) -> float:
         """Return what no plan exceeds [utility·s]."""
+        if self._proven:
+            return self._incumbent()
         if not self._nodes or self._full():
             return self._prices.bound
         return max(self._nodes[0].promise, self._incumbent())

@@ -1,9 +1,20 @@
 """The decisions from the root to where a search stands: states of the streams and use of the constraints."""
 
 from collections.abc import Hashable
+from dataclasses import dataclass
 
 from planner.aggregations.custom import CustomStream, States
 from planner.tables import Tables
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """A path to come back to."""
+
+    used: list[list[float]]
+    state: list[int]
+    sends: list[int]
+    received: dict[int, tuple[States, int]]
 
 
 class Path:
@@ -39,6 +50,15 @@ class Path:
         self.state = [0] * self._streams
         self.sends = []
         self._received = {}
+
+    def save(self) -> Snapshot:
+        """Return the path as it is."""
+        return Snapshot(list(self.used), list(self.state), list(self.sends), dict(self._received))
+
+    def load(self, snapshot: Snapshot) -> None:
+        """Go back to a path that was saved."""
+        self.used, self.state = list(snapshot.used), list(snapshot.state)
+        self.sends, self._received = list(snapshot.sends), dict(snapshot.received)
 
     def entry(self, level: int) -> int:
         """Return where the gain of this level stands in the table, in the present state of its stream."""

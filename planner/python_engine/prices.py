@@ -88,6 +88,12 @@ class Prices:
             return self._advantage[entry] + self._path.gain(level) - self._gain[entry]
         return self._advantage[entry]
 
+    def loss(self, level: int, *, send: bool) -> float:
+        """Return what a decision takes off the bound: what it loses, and what it leaves unused [utility·s]."""
+        advantage = self.advantage(level)
+        lost = max(0.0, -advantage) if send else max(0.0, advantage)
+        return lost + self.left_unused(level, send=send)
+
     def asked(self, level: int) -> list[float]:
         """Return what sending the message of a level is charged by each constraint [utility·s]."""
         asked = [0.0] * self._constraints

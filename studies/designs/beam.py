@@ -80,7 +80,7 @@ class Beam(Best):
             if send and not path.fits(node.level):
                 continue
             value = node.value + path.gain(node.level) if send else node.value
-            bound = self._bound_after(node, self._prices.advantage(node.level), send=send)
+            bound = node.bound - self._prices.loss(node.level, send=send)
             if self._by_bound and not self._worth_trying(bound):
                 continue
             key = (path.states(node.level, send=send), path.held(node.level, send=send))
