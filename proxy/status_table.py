@@ -58,9 +58,7 @@ def _decisions(decisions: Status) -> str:
         longest = duration(decisions.get("longest"))
         rows.append(("time", f"{duration(decisions['seconds'] / made)} each, the longest {longest}"))
     if decisions.get("bounded"):
-        rows.append(
-            ("quality", f"{share(decisions.get('proven'), made)} proven optimal, {_loss(decisions)}")
-        )
+        rows.append(("quality", f"{share(decisions.get('proven'), made)} proven optimal, {_loss(decisions)}"))
     if decisions.get("binding"):
         rows.append(("scarce", ", ".join(f"{name} ({count} drops)" for name, count in decisions["binding"].items())))
     return "\n".join(_columns([*rows, *_last(decisions.get("last") or {})], "ll"))

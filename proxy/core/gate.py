@@ -126,11 +126,14 @@ class Gate:
         return Limits(self.limits, tuple(held), self._shares.sent())
 
     def release(self, now: float) -> list[Command]:
-        """Let everything that waits pass: the mode is `pass` now."""
+        """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
         commands: list[Command] = []
-        while (sample := self.inbox.take(self._deletions.holds)) is not None:
+        pending, self.pending = self.pending, None
+        sample = self.inbox.take(self._deletions.holds) if pending is None else pending.sample
+        while sample is not None:
             commands += [self.pass_on(sample.sample, "passed:mode"), *self._delete()]
             self._shares.use_at_most(now, use_of(sample.size, 1, self.limits), 1.0)
+            sample = self.inbox.take(self._deletions.holds)
         return commands
 
     def pass_on(self, sample: int, reason: str) -> Command:
