@@ -9,11 +9,11 @@ from planner import Plan
 from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forward
 from proxy.core.mode import Mode
-from proxy.core.wire import State
+from proxy.core.wire import Digest, State
 from tests.proxy.core.talk import SPEC, only
 
 AGGREGATIONS = ["most_recent", "best", "sum", "once"]
-STEPS = ["publish", "publish", "delete", "answer", "hand", "refuse", "mode", "join"]
+STEPS = [*["publish"] * 6, *["delete"] * 2, *["answer"] * 3, "hand", "refuse", "mode", "join"]
 
 
 @pytest.fixture
@@ -119,15 +119,16 @@ def test_in_pass_the_order_around_a_deletion_is_kept(make_aggregated):
     assert only(talk.answer(0.5, only(commands)[0], send=True)) == []
 
 
-@hypothesis_settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@hypothesis_settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     aggregation=st.sampled_from(AGGREGATIONS),
     coordination=st.sampled_from(["overhear", "shares"]),
-    steps=st.lists(st.tuples(st.sampled_from(STEPS), st.integers(0, 5)), max_size=40),
+    steps=st.lists(st.tuples(st.sampled_from(STEPS), st.integers(0, 5)), min_size=12, max_size=50),
 )
 def test_nothing_is_lost_and_deletions_keep_their_place(make_aggregated, aggregation, coordination, steps):
     """Whatever happens in whatever order: conservation at every step, and per key and priority first in, first out."""
     talk = make_aggregated(aggregation, coordination=coordination, backlog=2, settle=0.0, floor=0.0)
+    talk.tell(ev.DigestHeard(0.05, Digest("op", "z-op", 0.05, talk.core.shares.epoch, 0, 0)))
     now, decisions, approved, keys, deletes = 0.1, [], [], {}, set()
     for step, number in steps:
         now += 0.01
