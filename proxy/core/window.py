@@ -163,20 +163,19 @@ class WindowBuilder:
             messages=tuple(message for message, _ in messages),
             current=next(i for i, (_, is_current) in enumerate(messages) if is_current),
             constraints=constraints,
-            traffic=self._traffic(now, candidates, limits),
+            traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
         )
 
-    def _traffic(self, now: float, candidates: list[_Candidate], limits: Limits) -> tuple[Traffic, ...]:
-        """Return everything known to be sent that the windows still count."""
-        longest = max(c.window for c in limits.union)
-        nothing = (0.0,) * len(limits.held)
+    def _traffic(self, now: float, limits: Limits) -> tuple[Traffic, ...]:
+        """Return everything known to be sent that the windows still count; where robots hold shares only our own."""
+        view, longest = self._view, max(c.window for c in limits.union)
         traffic = [
-            Traffic(s.t_sent, (*use_of(s.size, c.copies, limits.union, own=False), *nothing))
-            for c in candidates
-            if c.stream.robot != self._view.settings.robot
-            for s in c.stream.recent
+            Traffic(s.t_sent, use_of(s.size, view.copies(stream), limits.union, own=False))
+            for stream in view.streams()
+            if stream.robot != view.settings.robot and not limits.held
+            for s in stream.recent
             if now >= s.t_sent >= now - longest
         ]
         traffic += [Traffic(t, (*use, *use[: len(limits.held)])) for t, use in limits.sent]

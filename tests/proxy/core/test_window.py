@@ -193,6 +193,16 @@ def test_of_once_only_the_robots_without_any_receive(make_specs):
     assert problem.messages[problem.current].use == (2000.0,)
 
 
+def test_what_others_sent_of_once_still_uses_the_channel(make_specs):
+    """Though nobody gains by more of it, so that it is no stream of the problem."""
+    view, _ = aggregated(make_specs, '"once"')
+    others = add_stream(view, "r2")
+    view.note_sent(others, 1, Sent(9.7, 9.7, 1000, 1.0))
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    assert len(problem.streams) == 1
+    assert [(t.t_sent, t.use) for t in problem.traffic] == [(9.7, (1000.0,))]
+
+
 def test_receivers_of_our_own_stream_are_told_apart_by_latency(crowd):
     """Of others' streams they are one group; no message has their number in its scale."""
     for robot, latency in (("r2", 0.02), ("r3", 0.1), ("r4", 0.02)):
