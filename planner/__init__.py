@@ -1,7 +1,9 @@
 """What is worth sending: evaluation model, constraints and search. Knows no Zenoh, no clock, no file."""
 
+from planner.airtime import Airtime
 from planner.engines import start
 from planner.errors import PlannerError, ProblemError, SearchError
+from planner.measures import Energy, Measure, Messages, Throughput
 from planner.problem import (
     Aggregation,
     AggregationModel,
@@ -18,12 +20,16 @@ from planner.utility import Custom, Exponential, Linear, MessageUtility, Polynom
 __all__ = [
     "Aggregation",
     "AggregationModel",
+    "Airtime",
     "Constraint",
     "Custom",
+    "Energy",
     "Exponential",
     "Linear",
+    "Measure",
     "Message",
     "MessageUtility",
+    "Messages",
     "Plan",
     "PlannerError",
     "Polynomial",
@@ -37,6 +43,7 @@ __all__ = [
     "Step",
     "Stream",
     "Table",
+    "Throughput",
     "Traffic",
     "Video",
     "start",

@@ -6,7 +6,7 @@ forecasts or a channel; or, with `forecast`, those that a team would expect from
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 from planner import Message, Problem
 from studies.forecast import Forecaster
@@ -15,13 +15,24 @@ Policy = Callable[[Problem], bool]
 """Decides the current message of a window: send it?"""
 
 
+@dataclass(frozen=True, slots=True)
+class Uncertain(Problem):
+    """A window with what is expected to come, and beside it `futures`: the same decision as it may turn out."""
+
+    futures: tuple[Problem, ...] = ()
+
+
 @dataclass(slots=True)
 class CentralDecider:
-    """Flies one mission with windows of `horizon` open messages."""
+    """Flies one mission with windows of `horizon` open messages.
+
+    With `forecast` and some `futures` every window is an `Uncertain` one of so many sampled futures.
+    """
 
     mission: Problem
     horizon: int
     forecast: bool = False
+    futures: int = 0
     sends: list[int] = field(default_factory=list)
     """What was sent so far, by index in the mission."""
     _last: dict[int, int] = field(default_factory=dict)
@@ -33,7 +44,7 @@ class CentralDecider:
     def __post_init__(self) -> None:
         self._reach = longest_window(self.mission)
         self._life = mean_interval(self.mission)
-        self._forecaster = Forecaster(self.mission) if self.forecast else None
+        self._forecaster = Forecaster(self.mission, self.futures) if self.forecast else None
 
     def fly(self, policy: Policy) -> tuple[int, ...]:
         """Decide all messages in turn; return the indices of those sent."""
@@ -55,11 +66,22 @@ class CentralDecider:
         Facts are what a constraint may still count and the last message of each stream. The window ends one mean
         interval between sends of a stream after its last message, so that this one has a life, too.
         """
-        mission, now = self.mission, self.mission.messages[index].t_sent
-        still_counted = now - self._reach
-        kept = {i for i in self._facts if mission.messages[i].t_sent >= still_counted} | set(self._last.values())
+        still_counted = self.mission.messages[index].t_sent - self._reach
+        sent = self.mission.messages
+        kept = {i for i in self._facts if sent[i].t_sent >= still_counted} | set(self._last.values())
         self._facts = {i: self._facts[i] for i in sorted(kept)}
-        ahead = self._ahead(index)
+        current, count = self.mission.messages[index], self.horizon - 1
+        if self._forecaster is None:
+            return self._with(index, self.mission.messages[index : index + self.horizon])
+        expected = self._with(index, (current, *self._forecaster.expect(index, count)))
+        if not self.futures:
+            return expected
+        futures = (self._with(index, (current, *future)) for future in self._forecaster.sample(index, count))
+        return Uncertain(**{f.name: getattr(expected, f.name) for f in fields(expected)}, futures=tuple(futures))
+
+    def _with(self, index: int, ahead: tuple[Message, ...]) -> Problem:
+        """Build the window of the message to decide and the next ones, up to the horizon."""
+        mission = self.mission
         complete = len(ahead) < self.horizon or index + self.horizon >= len(mission.messages)
         return replace(
             mission,
@@ -68,12 +90,6 @@ class CentralDecider:
             t_end=mission.t_end if complete else min(mission.t_end, ahead[-1].t_gen + self._life),
             goes_on=not complete,
         )
-
-    def _ahead(self, index: int) -> tuple[Message, ...]:
-        """Return the message to decide and the next ones, up to the horizon."""
-        if self._forecaster is None:
-            return self.mission.messages[index : index + self.horizon]
-        return (self.mission.messages[index], *self._forecaster.expect(index, self.horizon - 1))
 
 
 def longest_window(mission: Problem) -> float:

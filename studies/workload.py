@@ -69,7 +69,7 @@ def mission(
 def _stream(
     scenario: Scenario, robot: int, draw: np.random.Generator, *, seconds: float, latency: float
 ) -> list[Message]:
-    times = _times(draw, scenario.jitter, seconds)
+    times = generation_times(draw, scenario.jitter, seconds)
     slope = draw.normal(scenario.slope, scenario.slope_spread)
     slopes = np.maximum(draw.normal(slope, scenario.message_spread, len(times)), LEAST_SLOPE)
     weight = scenario.weight(robot % 10)
@@ -79,7 +79,7 @@ def _stream(
     ]
 
 
-def _times(draw: np.random.Generator, jitter: float, seconds: float) -> npt.NDArray[np.float64]:
+def generation_times(draw: np.random.Generator, jitter: float, seconds: float) -> npt.NDArray[np.float64]:
     """Return the generation times of one robot: periodic at N(1, 0.1) Hz from a random phase, with jitter."""
     period = 1.0 / draw.normal(1.0, 0.1)
     regular = np.arange(draw.uniform(0.0, period), seconds, period)

@@ -1,4 +1,4 @@
-"""The command: `python -m studies.benchmarks [speed] [quality] [grid] [--quick] [--output DIR]`."""
+"""The command: `python -m studies.benchmarks [BENCHMARK ...] [--quick] [--output DIR]`."""
 
 import argparse
 import sys
@@ -6,18 +6,33 @@ from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
+from studies.benchmarks.charts import Chart
+from studies.benchmarks.designs import measure_designs
 from studies.benchmarks.grid import measure_grid
+from studies.benchmarks.iterations import measure_iterations
+from studies.benchmarks.latency import measure_latency
+from studies.benchmarks.memory import measure_memory
+from studies.benchmarks.mixed import measure_mixed
 from studies.benchmarks.quality import measure_quality
+from studies.benchmarks.receding import measure_receding
 from studies.benchmarks.report import Table, machine, write_page
 from studies.benchmarks.speed import measure_speed
 from studies.oracle import OracleUnavailable
 
 RESULTS = Path(__file__).parent.parent / "results"
 
-BENCHMARKS: dict[str, tuple[str, Callable[[bool], list[Table]]]] = {
+Benchmark = Callable[[bool], Sequence[Table | Chart]]
+
+BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "speed": ("Speed of the planner", lambda quick: measure_speed(quick=quick)),
+    "memory": ("Memory of the planner", lambda quick: measure_memory(quick=quick)),
     "quality": ("Quality of the planner's decisions", lambda quick: measure_quality(quick=quick)),
     "grid": ("What missions reach, from tight limits to loose", lambda quick: measure_grid(quick=quick)),
+    "mixed": ("What missions of mixed sizes reach", lambda quick: measure_mixed(quick=quick)),
+    "latency": ("What missions reach with latency", lambda quick: measure_latency(quick=quick)),
+    "iterations": ("What more iterations give", lambda quick: measure_iterations(quick=quick)),
+    "receding": ("Beside the exact receding-horizon optimiser", lambda quick: measure_receding(quick=quick)),
+    "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }
 
 
@@ -30,15 +45,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in options.benchmarks or BENCHMARKS:
         title, measure = BENCHMARKS[name]
         try:
-            tables = measure(options.quick)
+            results = measure(options.quick)
         except OracleUnavailable as error:
             print(f"{name}: {error}", file=sys.stderr)
             failed = True
             continue
-        for table in tables:
-            print(f"\n{table.text()}", flush=True)
+        for result in results:
+            if isinstance(result, Table):
+                print(f"\n{result.text()}", flush=True)
         if pages:
-            write_page(pages / f"{name}.md", title, tables, datetime.now(UTC))
+            write_page(pages / f"{name}.md", title, results, datetime.now(UTC))
     return int(failed)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 import planner
 from planner import Constraint, Problem, SearchSettings
+from studies.benchmarks.charts import Chart, Series
 from studies.benchmarks.report import Table
 from studies.central import CentralDecider
 from studies.policies import whenever_it_fits
@@ -52,45 +53,96 @@ class Team:
         return windows[-count:]
 
 
-TEAMS = (Team(10, 30), Team(10, 60), Team(100, 120))
+TEAMS = (Team(10, 30), Team(100, 30), Team(10, 60), Team(100, 60))
 
 
-def measure_speed(*, quick: bool) -> list[Table]:
-    """Measure and return both tables; `quick` takes a second instead of a minute, with rougher figures."""
-    return [_search_alone(3 if quick else 20, TEAMS[:1] if quick else TEAMS), _decisions(3.0 if quick else 60.0)]
+def measure_speed(*, quick: bool) -> list[Table | Chart]:
+    """Measure and return tables and a chart; `quick` takes a second instead of a minute, with rougher figures."""
+    teams = TEAMS[:2] if quick else TEAMS
+    rates = _rates(3 if quick else 40, teams)
+    return [
+        _search_alone(rates, teams),
+        _rates_chart(rates, teams),
+        _ratios(rates, teams),
+        _decisions(3.0 if quick else 60.0),
+    ]
 
 
-def _search_alone(count: int, teams: tuple[Team, ...]) -> Table:
-    rows = []
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """How fast one search runs: iterations a second, and how many it does of its budget in the mean."""
+
+    per_second: float
+    done: float
+
+
+Rates = dict[tuple[Engine, Mode, Team], Rate]
+
+
+def _rates(count: int, teams: tuple[Team, ...]) -> Rates:
     windows = {team: team.windows(count) for team in teams}
+    # The Python engine is there to be read: a few windows say enough.
+    few = {"native": count, "python": 3}
+    return {
+        (engine, mode, team): _rate(windows[team][: few[engine]], SearchSettings(mode, engine), BUDGET[mode])
+        for engine in _ENGINES
+        for mode in BUDGET
+        for team in teams
+    }
+
+
+def _search_alone(rates: Rates, teams: tuple[Team, ...]) -> Table:
+    rows = []
     for engine, mode in ((engine, mode) for engine in _ENGINES for mode in BUDGET):
-        settings = SearchSettings(search=mode, engine=engine)
-        # The Python engine is there to be read: a few windows say enough.
-        few = count if engine == "native" else 3
-        rates = [_rate(windows[team][:few], settings, BUDGET[mode]) for team in teams]
-        rows.append((f"{mode}, {engine}", *(f"{rate:,.0f} ({done:,.0f})" for rate, done in rates)))
+        cells = (rates[engine, mode, team] for team in teams)
+        rows.append((f"{mode}, {engine}", *(f"{rate.per_second:,.0f} ({rate.done:,.0f})" for rate in cells)))
     return Table(
         "Search alone [iterations/s]",
         ("search, engine", *(team.name() for team in teams)),
         tuple(rows),
         f"In brackets the mean number of iterations done: the budget is {BUDGET['paper']:,} in paper mode and"
-        f" {BUDGET['best']:,} in best mode, which ends earlier when the answer cannot change any more. {count} windows."
-        " Tabulating a window is not in it.",
+        f" {BUDGET['best']:,} in best mode, which ends earlier when the answer cannot change any more. An iteration of"
+        " best mode is a round of learning or a step of the search: either yields a whole plan. Tabulating a window is"
+        " not in it.",
     )
+
+
+def _rates_chart(rates: Rates, teams: tuple[Team, ...]) -> Chart:
+    series = tuple(
+        Series(f"{mode}, {engine}", tuple(rates[engine, mode, team].per_second for team in teams))
+        for engine in _ENGINES
+        for mode in BUDGET
+    )
+    places = tuple(team.name().replace(", ", "\n") for team in teams)
+    return Chart("Search alone", places, series, "iterations / s", least=1e2, logarithmic=True)
+
+
+def _ratios(rates: Rates, teams: tuple[Team, ...]) -> Table:
+    rows: list[tuple[str, ...]] = []
+    for mode in BUDGET:
+        gains = (rates["native", mode, team].per_second / rates["python", mode, team].per_second for team in teams)
+        rows.append((f"{mode}: native engine to Python engine", *(f"{gain:.0f}" for gain in gains)))
+    for mode in BUDGET:
+        few = {team.horizon: rates["native", mode, team].per_second for team in teams if team.robots == 10}
+        shares = (
+            "" if t.robots == 10 else f"{rates['native', mode, t].per_second / few[t.horizon]:.2f}" for t in teams
+        )
+        rows.append((f"{mode}: 100 robots to 10", *shares))
+    return Table("Ratios of these rates", ("ratio", *(team.name() for team in teams)), tuple(rows))
 
 
 _ENGINES: tuple[Engine, ...] = ("native", "python")
 
 
-def _rate(windows: list[Problem], settings: SearchSettings, budget: int) -> tuple[float, float]:
-    """Return iterations a second and iterations a window of running searches on all windows, three times each."""
+def _rate(windows: list[Problem], settings: SearchSettings, budget: int) -> Rate:
+    """Run searches on all windows, three times each."""
     iterations, spent = 0, 0.0
     for window in windows * 3:
         search = planner.start(window, settings, seed=0)
         begin = perf_counter()
         iterations += search.run(budget)
         spent += perf_counter() - begin
-    return iterations / spent, iterations / (3 * len(windows))
+    return Rate(iterations / spent, iterations / (3 * len(windows)))
 
 
 def _decisions(seconds: float) -> Table:

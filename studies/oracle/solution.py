@@ -34,8 +34,8 @@ class Solution:
 def upper_bound(problem: Problem) -> Solution:
     """Solve the linear programme: its utility is at least that of any plan that breaks no constraint.
 
-    Raises OracleUnavailable without SciPy, ProblemError for a problem that has no meaning, OracleFailed
-    when the solver gives up.
+    Raises OracleUnavailable without SciPy, ProblemError for a problem that has no meaning, OracleError for an
+    aggregation of the caller's own with too many states, OracleFailed when the solver gives up.
     """
     programme = build_programme(problem)
     answer = solve_relaxed(programme)

@@ -4,6 +4,8 @@ import dataclasses
 import itertools
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from planner import Aggregation, Search, SearchSettings, start
 from tests.planner.windows import MARKOVIAN, stale_window, window
@@ -49,7 +51,20 @@ def test_same_tree_while_subtrees_move(reduction, exploration):
         assert python.plan() == native.plan()
 
 
-@pytest.mark.parametrize("block", range(10))
+@given(
+    st.integers(0, 2**32),
+    st.sampled_from([("best", "off"), *(("paper", reduction) for reduction in REDUCTIONS)]),
+    st.sampled_from([MARKOVIAN, tuple(Aggregation), (Aggregation.BEST, Aggregation.ONCE), (Aggregation.SUM,)]),
+)
+def test_same_tree_on_any_window(seed, mode, aggregations):
+    """Whatever the window, the mode and the aggregations."""
+    python, native = both(drawn(seed, aggregations), SearchSettings(search=mode[0], reduction=mode[1]))
+    assert python.run(130) == native.run(130)
+    assert python.tree() == native.tree()
+    assert python.plan() == native.plan()
+
+
+@pytest.mark.parametrize("block", range(20))
 def test_same_tree_in_best_mode(block):
     """The default mode grows the same tree node by node on either engine, with arenas small and large."""
     for seed in range(30 * block, 30 * block + 30):

@@ -7,9 +7,9 @@ import pytest
 from planner import Constraint
 from planner.constraints import violations
 from planner.validation import check_problem
-from studies.central import CentralDecider, longest_window, mean_interval
+from studies.central import CentralDecider, Uncertain, longest_window, mean_interval
 from studies.policies import whenever_it_fits
-from studies.workload import MIXED, mission
+from studies.workload import FEW_IMPORTANT, MIXED, mission
 
 
 def test_windows_hold_facts_the_current_message_and_what_comes():
@@ -66,3 +66,19 @@ def test_flights_break_no_constraint_with_oversized_messages():
     sends = CentralDecider(flown, horizon=10).fly(whenever_it_fits)
     assert sends
     assert violations(flown, sends) == []
+
+
+def test_futures_share_what_is_known():
+    """All futures of a window decide the same message with the same facts; each is a valid problem."""
+    flown = mission(FEW_IMPORTANT, seed=0, seconds=12.0)
+    decider = CentralDecider(flown, horizon=20, forecast=True, futures=3)
+    for index, message in enumerate(flown.messages):
+        window = decider.window(index)
+        assert isinstance(window, Uncertain)
+        assert len(window.futures) == 3
+        for future in window.futures:
+            check_problem(future)
+            assert future.messages[: window.current + 1] == window.messages[: window.current + 1]
+            assert future.messages[future.current] == message
+        if whenever_it_fits(window):
+            decider.send(index)

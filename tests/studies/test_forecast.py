@@ -9,8 +9,9 @@ from planner.constraints import violations
 from planner.validation import check_problem
 from studies.central import CentralDecider
 from studies.forecast import EARLY, Forecaster
+from studies.mixed_workload import mixed_mission
 from studies.policies import whenever_it_fits
-from studies.workload import FEW_IMPORTANT, MOST_IMPORTANT, mission
+from studies.workload import FEW_IMPORTANT, MIXED, MOST_IMPORTANT, mission
 
 
 def test_regular_streams_are_foreseen_exactly():
@@ -74,3 +75,43 @@ def test_flights_by_forecast_keep_constraints_and_end_with_the_mission():
             decider.send(index)
     assert not window.goes_on
     assert violations(flown, decider.sends) == []
+
+
+def test_futures_spread_evenly_around_what_comes():
+    """Each future is a possible one: after now, in order, as many as asked for, on average neither early nor late."""
+    flown = mission(FEW_IMPORTANT, seed=2, seconds=100.0)
+    forecaster, late = Forecaster(flown, futures=8), []
+    for index in range(200, 900, 10):
+        now = flown.messages[index].t_gen
+        futures = forecaster.sample(index, 40)
+        assert len(futures) == 8
+        for future in futures:
+            times = [m.t_gen for m in future]
+            assert times == sorted(times)
+            assert len(times) == 40
+            assert times[0] > now
+        for stream in range(10):
+            coming = [m.t_gen for m in flown.messages[index + 1 :] if m.stream == stream][1]
+            sampled = [[m.t_gen for m in future if m.stream == stream][1] for future in futures]
+            late.append(coming - sum(sampled) / 8)
+    assert sum(late) / len(late) == pytest.approx(0.0, abs=0.03)
+
+
+def test_futures_take_what_messages_use_from_the_whole_stream():
+    """In the mean over futures a message uses what the stream uses in the mean, in each of them another part of it."""
+    flown = mixed_mission(MIXED, seed=1, seconds=50.0)
+    forecaster = Forecaster(flown, futures=8)
+    futures, expected = forecaster.sample(100, 20), forecaster.expect(100, 20)
+    for stream in {m.stream for m in expected}:
+        mean = next(m.use[0] for m in expected if m.stream == stream)
+        first = [next(m.use[0] for m in future if m.stream == stream) for future in futures]
+        assert sum(first) / 8 == pytest.approx(mean, rel=0.1)
+        assert len(set(first)) > 1
+
+
+def test_the_same_seed_samples_the_same_futures():
+    """Another seed deals the deviations out otherwise."""
+    flown = mission(FEW_IMPORTANT, seed=2, seconds=20.0)
+    first, again, other = (Forecaster(flown, 4, seed).sample(50, 20) for seed in (1, 1, 2))
+    assert first == again
+    assert first != other

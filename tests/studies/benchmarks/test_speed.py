@@ -5,9 +5,12 @@ from studies.benchmarks.speed import TEAMS, measure_speed
 
 def test_both_tables_are_measured():
     """Every search on both engines has a rate and decision times, p50 <= p99 <= max."""
-    alone, decisions = measure_speed(quick=True)
+    alone, chart, ratios, decisions = measure_speed(quick=True)
     assert [row[0] for row in alone.rows] == ["paper, native", "best, native", "paper, python", "best, python"]
     assert all(float(row[1].split()[0].replace(",", "")) > 0 for row in alone.rows)
+    assert [len(series.values) for series in chart.series] == [2] * 4
+    assert ratios.rows[2][1] == ""
+    assert float(ratios.rows[2][2]) > 0
     assert len(decisions.rows) == 4
     for row in decisions.rows:
         p50, p99, longest = map(float, row[-3:])

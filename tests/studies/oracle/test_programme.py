@@ -20,8 +20,8 @@ def test_a_plan_is_a_path_that_costs_its_utility():
     problem = one_stream([0.0, 1.0, 2.0], window=0.5, limit=1.0)
     programme = build_programme(problem)
     x = np.zeros(len(programme.cost))
-    x[programme.arcs :] = [1.0, 0.0, 1.0]
-    for column in range(programme.arcs):
+    x[: programme.messages] = [1.0, 0.0, 1.0]
+    for column in range(programme.messages, len(x)):
         rows = programme.balance[:, [column]].toarray()[:, 0]
         head, tail = int(np.argmax(rows)), int(np.argmin(rows))
         # Nodes 0 to 2 are the messages and 3 to 6 the empty ones; rows 7 to 9 count what leaves the messages.

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from planner import Constraint, Problem, ProblemError, Traffic
+from planner import Constraint, Problem, ProblemError, Stream, Traffic
 from planner.constraints import violations
 from planner.definition import utility
+from studies.central import CentralDecider
 from studies.oracle import optimum, upper_bound
-from tests.studies.oracle.problems import best_by_trying, one_stream, small_problems
+from studies.policies import whenever_it_fits
+from tests.planner.windows import optimum as greatest
+from tests.studies.oracle.problems import KINDS, best_by_trying, mixed_mission, mixed_window, one_stream, small_problems
 
 
 def chosen(problem: Problem, sends: np.ndarray) -> list[int]:
@@ -38,6 +41,37 @@ def test_upper_bound_is_one(problem):
     assert all(solution.sends[i] == 1.0 for i, message in enumerate(problem.messages) if message.sent)
     if solution.exact:
         assert solution.utility == pytest.approx(best, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("block", range(8))
+def test_all_kinds_at_once(block):
+    """With all aggregations, several receivers and up to three constraints the optimum is that of all subsets.
+
+    The bound is at least that, and the same where it is a plan.
+    """
+    for seed in range(40 * block, 40 * block + 40):
+        problem = mixed_window(seed)
+        best = greatest(problem)[0]
+        rounding = 1e-5 * max(1.0, abs(best))
+        solution, bound = optimum(problem), upper_bound(problem)
+        assert solution.exact, seed
+        assert solution.utility == pytest.approx(best, rel=1e-5, abs=1e-5), seed
+        assert solution.bound == pytest.approx(best, rel=1e-5, abs=1e-5), seed
+        assert violations(problem, chosen(problem, solution.sends)) == [], seed
+        assert bound.utility >= best - rounding, seed
+        assert not bound.exact or bound.utility <= best + rounding, seed
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_mission_of_all_kinds(seed):
+    """A mission of all aggregations, two constraints and messages that exceed one of them: bound, optimum, a policy."""
+    problem = mixed_mission(seed)
+    bound, best = upper_bound(problem), optimum(problem, time_limit=60.0)
+    simple = CentralDecider(problem, 30).fly(whenever_it_fits)
+    assert violations(problem, chosen(problem, best.sends)) == []
+    assert bound.bound >= best.utility * (1 - 1e-6)
+    assert best.bound >= best.utility * (1 - 1e-6)
+    assert best.utility > 1.02 * utility(problem, simple)
 
 
 def test_everything_is_sent_without_constraints():
@@ -109,6 +143,17 @@ def test_fractions_are_told_from_plans():
     assert bound.utility > best.utility * 1.1
     assert bound.sends.sum() == pytest.approx(1.5)
     assert best.bound == pytest.approx(best.utility)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=str)
+def test_what_nobody_receives_is_worth_nothing(kind):
+    """A stream without receivers gains nothing and leaves the channel to the others, whatever its aggregation."""
+    problem = one_stream([0.0, 0.25, 2.0, 2.25], window=0.5, limit=1.0)
+    messages = tuple(replace(m, stream=at % 2, scale=9.0 - 8.0 * (at % 2)) for at, m in enumerate(problem.messages))
+    deaf = replace(problem, streams=(Stream(0, kind, ()), Stream(1)), messages=messages)
+    for solution in (optimum(deaf), upper_bound(deaf)):
+        assert solution.sends[[1, 3]].tolist() == [1.0, 1.0]
+        assert solution.utility == pytest.approx(utility(deaf, [1, 3]))
 
 
 def test_a_problem_without_meaning_is_refused():

@@ -5,19 +5,24 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from planner import Constraint, Message, Problem, Stream, Video
+from planner import Aggregation, Constraint, Message, Problem, Stream, Video
 from studies.oracle import OracleFailed, optimum, upper_bound
 from studies.oracle import solver as solver_module
 from studies.oracle.programme import build_programme
 from studies.oracle.solver import solve_integer, solve_relaxed
 
 
-def cameras(seconds, *, streams=3, rate=10.0):
-    """Cameras of different worth that share room for three frames a second."""
+def cameras(seconds, *, streams=3, rate=10.0, aggregation=Aggregation.MOST_RECENT, worth=(1.0,)):
+    """Cameras of different worth that share room for three frames a second; `worth` of frames in turn."""
     times = sorted((i / rate + s / 100, s) for i in range(int(seconds * rate)) for s in range(streams))
-    messages = tuple(Message(s, t, t, t + 0.05, Video(), 1.0 + 3 * s, (1.0,)) for t, s in times)
+    messages = tuple(
+        Message(s, t, t, t + 0.05, Video(), (1.0 + 3 * s) * worth[at % len(worth)], (1.0,))
+        for at, (t, s) in enumerate(times)
+    )
     constraint = Constraint("messages", 1.0, 3.0)
-    return Problem(tuple(map(Stream, range(streams))), messages, 0, (constraint,), (), 0.0, seconds)
+    return Problem(
+        tuple(Stream(at, aggregation) for at in range(streams)), messages, 0, (constraint,), (), 0.0, seconds
+    )
 
 
 def test_arcs_left_out_at_first_are_added(monkeypatch):
@@ -34,6 +39,22 @@ def test_arcs_left_out_at_first_are_added(monkeypatch):
         assert grown.bound <= whole.cost * (1 - 1e-9)
         assert grown.cost == pytest.approx(whole.cost, rel=solver_module.CLOSE)
         assert grown.bound == pytest.approx(whole.cost, rel=solver_module.CLOSE)
+
+
+def test_ranks_left_out_at_first_are_added(monkeypatch):
+    """The bound does not depend on the ranks one starts with, and the fractions cost what they are worth."""
+    programme = build_programme(cameras(4.0, aggregation=Aggregation.BEST, worth=(1.0, 0.5, 0.9, 2.0)))
+    assert programme.ranks.rank.max() > solver_module.FIRST_SKIPS
+    monkeypatch.setattr(solver_module, "FIRST_SKIPS", 10_000)
+    whole = solve_relaxed(programme)
+    assert whole.best
+    for skips in (0, 3, 12):
+        monkeypatch.setattr(solver_module, "FIRST_SKIPS", skips)
+        grown = solve_relaxed(programme)
+        assert grown.bound <= whole.cost * (1 - 1e-9)
+        assert grown.cost >= whole.cost * (1 + 1e-9)
+        assert grown.bound == pytest.approx(whole.cost, rel=solver_module.CLOSE)
+        assert grown.cost == pytest.approx(whole.cost, rel=solver_module.CLOSE)
 
 
 def test_no_time_for_any_plan():

@@ -1,11 +1,15 @@
-"""Policies to compare: how the current message of a window may be decided."""
+"""Policies that do not plan."""
 
-from dataclasses import dataclass
+import random
 
-import planner
-from planner import Problem, SearchSettings
+from planner import Problem
 from planner.constraints import violations
 from planner.evaluation import tabulate_gains
+
+
+def send_all(_window: Problem) -> bool:
+    """Send everything: ignores the constraints, for comparison only."""
+    return True
 
 
 def whenever_it_fits(window: Problem) -> bool:
@@ -40,16 +44,13 @@ def _share(window: Problem, index: int) -> float:
     return max(shares, default=0.0) or 1e-9
 
 
-@dataclass(frozen=True, slots=True)
-class Planned:
-    """Send when the planner says so after `iterations`."""
+class RandomSends:
+    """Send what fits with a probability; the same seed draws the same numbers, one a message."""
 
-    settings: SearchSettings
-    iterations: int
-    seed: int = 0
+    def __init__(self, probability: float, seed: int = 0) -> None:
+        self._probability = probability
+        self._draw = random.Random(seed)
 
     def __call__(self, window: Problem) -> bool:
-        """Search the window and return the decision."""
-        search = planner.start(window, self.settings, self.seed)
-        search.run(self.iterations)
-        return search.plan().send
+        """Draw, and send when the number says so and no constraint forbids it."""
+        return self._draw.random() < self._probability and whenever_it_fits(window)

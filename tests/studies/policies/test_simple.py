@@ -1,17 +1,19 @@
-"""The policies one compares with."""
+"""The policies that do not plan, and what all policies that keep the constraints have in common."""
 
 from dataclasses import replace
 
 import pytest
 
 from planner import Constraint, Linear, Message, Problem, SearchSettings, Stream
-from studies.policies import Planned, by_rank, whenever_it_fits
+from studies.policies import FixedRate, Planned, RandomSends, Receding, by_rank, send_all, whenever_it_fits
 
 POLICIES = [
     whenever_it_fits,
     by_rank,
     Planned(SearchSettings(search="paper"), 500),
     Planned(SearchSettings(search="best"), 100),
+    Receding(),
+    Receding(beyond=False),
 ]
 
 
@@ -22,6 +24,13 @@ def window(*, first, second):
         for i, scale in enumerate((first, second))
     )
     return Problem((Stream(0), Stream(1)), messages, 0, (Constraint("messages", 0.5, 1.0),), (), 0.0, 3.0)
+
+
+def full():
+    """The first message was sent and leaves no room for the second."""
+    free = window(first=100.0, second=1.0)
+    first, second = free.messages
+    return replace(free, messages=(replace(first, sent=True), second), current=1)
 
 
 @pytest.mark.parametrize("policy", POLICIES)
@@ -40,10 +49,28 @@ def test_room_is_kept_for_the_more_important_message(policy):
 @pytest.mark.parametrize("policy", POLICIES)
 def test_nothing_is_sent_without_room(policy):
     """When the window is used up no policy sends."""
-    free = window(first=100.0, second=1.0)
-    first, second = free.messages
-    full = replace(free, messages=(replace(first, sent=True), second), current=1)
-    assert not policy(full)
+    assert not policy(full())
+
+
+def test_sending_all_ignores_the_limits():
+    """It is there to compare with, not to be used."""
+    assert send_all(full())
+
+
+def test_random_sends_keep_the_limits_and_their_probability():
+    """About so many of the messages that fit are sent, the same ones with the same seed, none without room."""
+    free = window(first=1.0, second=1.0)
+    first, again, other = (RandomSends(0.3, seed) for seed in (1, 1, 2))
+    drawn = [first(free) for _ in range(500)]
+    assert 100 < sum(drawn) < 200
+    assert drawn == [again(free) for _ in range(500)]
+    assert drawn != [other(free) for _ in range(500)]
+    assert not any(RandomSends(1.0)(full()) for _ in range(3))
+
+
+def test_fixed_rates_need_room_too():
+    """A message that is due is dropped when a constraint forbids it."""
+    assert not FixedRate(0.1)(full())
 
 
 def test_rank_does_not_waste_room_on_the_worthless():

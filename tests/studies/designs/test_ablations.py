@@ -1,0 +1,90 @@
+"""Best mode with one part left out."""
+
+import pytest
+
+from planner import SearchSettings, start
+from planner.tables import tabulate
+from studies.designs.ablations import (
+    Averaged,
+    Best,
+    Deflected,
+    FewRounds,
+    WithoutDominance,
+    WithoutTree,
+    with_prices,
+    without_learning,
+)
+from studies.designs.design import worth
+from tests.planner.windows import objective, open_messages, optimum, window
+
+WINDOWS = [window(seed, horizon=7, constraints=1 + seed % 2) for seed in range(20)]
+OPTIMA = [optimum(problem, objective)[0] for problem in WINDOWS]
+EXACT = {
+    "as it is": Best,
+    "without learning": without_learning,
+    "without dominance": WithoutDominance,
+    "few rounds": lambda tables: with_prices(tables, FewRounds, 5),
+    "averaged": lambda tables: with_prices(tables, Averaged, 20),
+    "deflected": lambda tables: with_prices(tables, Deflected, 20),
+}
+
+
+def test_as_it_is_it_decides_what_the_planner_decides():
+    """The same plan after the same iterations."""
+    for problem in WINDOWS:
+        known = start(problem, SearchSettings())
+        search = Best(tabulate(problem, beyond=True))
+        assert (search.run(40), search.done) == (known.run(40), known.done)
+        assert [open_messages(problem)[level] for level in search.sends()] == list(known.plan().sends)
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_what_prunes_by_bounds_finds_the_optimum(name):
+    """Whatever is left out of learning or dominance costs time, not the proof."""
+    for problem, best in zip(WINDOWS, OPTIMA, strict=True):
+        search = EXACT[name](tabulate(problem, beyond=True))
+        search.run(100_000)
+        assert search.proven
+        reached = search.tables.gains.aim_facts + worth(search.tables, search.sends())
+        assert reached == pytest.approx(best)
+
+
+def test_without_the_tree_it_ends_with_the_learning():
+    """No node is ever created."""
+    for problem in WINDOWS:
+        search = WithoutTree(tabulate(problem, beyond=True))
+        search.run(1_000)
+        assert search.done
+        assert search.iterations <= 100
+        assert search.tree() == []
+
+
+def test_without_learning_all_prices_are_zero():
+    """One round, and nobody pays anything."""
+    for problem in WINDOWS:
+        search = without_learning(tabulate(problem, beyond=True))
+        search.run(1)
+        assert not search.prices.learning
+        assert not any(search.prices.asked(search.tables.current))
+
+
+def test_deflected_directions_save_rounds():
+    """Where many rows bind, the bound is reached in fewer iterations."""
+    windows = [window(seed, robots=6, horizon=24) for seed in range(15)]
+    iterations = {}
+    for kind in (FewRounds, Deflected):
+        searches = [with_prices(tabulate(problem, beyond=True), kind, 100) for problem in windows]
+        iterations[kind] = sum(search.run(2_000) for search in searches)
+        assert all(search.proven for search in searches)
+    assert iterations[Deflected] < iterations[FewRounds]
+
+
+def test_without_dominance_no_node_is_removed():
+    """It keeps what is tantamount, and more nodes altogether."""
+    sizes = []
+    for kind in (Best, WithoutDominance):
+        searches = [kind(tabulate(window(seed, horizon=14, grid=True), beyond=True)) for seed in range(20)]
+        for search in searches:
+            search.run(300)
+        sizes.append(sum(len(search.tree()) for search in searches))
+    assert sizes[0] <= sizes[1]
