@@ -67,6 +67,9 @@ class PlannerConfig(Section):
     iterations: int = Field(default=300, ge=1, le=1_000_000, description="iterations of the tree search per decision")
     deadline: float = Field(default=0.02, gt=0.0, le=10.0, description="a decision takes at most this long [s]")
     horizon: int = Field(default=60, ge=1, le=10_000, description="how far a decision looks ahead [messages]")
+    backlog: int = Field(
+        default=32, ge=1, le=256, description="samples of a stream that may wait where more than the newest counts"
+    )
     search: Literal["best", "paper"] = Field(default="best", description="kind of search")
     engine: Literal["native", "python"] = Field(default="native", description="who searches")
     coordination: Literal["auto", "shares", "overhear"] = Field(

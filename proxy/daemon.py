@@ -172,6 +172,7 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         mode=config.mode,
         horizon=planner.horizon,
         iterations=planner.iterations,
+        backlog=planner.backlog,
         # A unicast mesh, the only one there is yet, overhears nothing.
         coordination="shares" if planner.coordination == "auto" else planner.coordination,
         allowance=config.mesh.allowance,

@@ -18,8 +18,8 @@ Job = tuple[SamplePublished, InformationType, zenoh.ZBytes]
 class Extractor:
     """Posts each sample with what its type extracts, in order of arrival.
 
-    When it falls behind, a sample whose key has a newer one waiting takes over the features of its
-    predecessor: the newer one will supersede it anyway, so the backlog costs one extraction per key. Its
+    When it falls behind, a sample of a Markovian type whose key has a newer one waiting takes over the features of
+    its predecessor: the newer one will supersede it anyway, so the backlog costs one extraction per key. Its
     length is bounded by what ingress holds.
     """
 
@@ -76,7 +76,7 @@ class Extractor:
     ) -> Mapping[str, float]:
         if event.delete:
             return {}
-        if newer and event.key in self._last:
+        if newer and covering.markovian and event.key in self._last:
             self.skipped += 1
             return self._last[event.key]
         features = covering.extract(event.key, payload)

@@ -14,10 +14,11 @@ _PREFIXES = {"s": _SMALL, "J": _SMALL, "messages": ()}
 
 
 def table(status: Status) -> str:
-    """Describe a daemon: what it is, its counts, budget, streams, peers and warnings."""
+    """Describe a daemon: what it is, its counts, decisions, budget, streams, peers and warnings."""
     parts = [
         _headline(status),
-        _counts(status.get("counts", {}), status.get("decisions", {})),
+        _counts(status.get("counts", {})),
+        _decisions(status.get("decisions", {})),
         _budget(status.get("budget", ())),
         _streams(status.get("streams", ())),
         _peers(status.get("peers", ())),
@@ -38,16 +39,51 @@ def _headline(status: Status) -> str:
     )
 
 
-def _counts(counts: Status, decisions: Status) -> str:
+def _counts(counts: Status) -> str:
     reasons = counts.get("by_reason", {})
     law = " + ".join(f"{counts.get(name, 0)} {name}" for name in ("forwarded", "dropped", "queued"))
-    made = decisions.get("made", 0)
     rows = [("", reason, str(n)) for reason, n in sorted(reasons.items(), key=lambda pair: -pair[1])]
-    lines = [f"samples  {counts.get('in', 0)} in = {law}", *_columns(rows, "llr")]
-    if made:
-        mean = decisions.get("iterations", 0) / made
-        lines.append(f"decided  {made} times, {mean:.0f} iterations each, {decisions.get('would_drop', 0)} to drop")
-    return "\n".join(lines)
+    return "\n".join([f"samples  {counts.get('in', 0)} in = {law}", *_columns(rows, "llr")])
+
+
+def _decisions(decisions: Status) -> str:
+    """What the searches came to, and why the last one decided so; nothing when there was none."""
+    made, dropped = decisions.get("made", 0), decisions.get("would_drop", 0)
+    if not made:
+        return ""
+    rows = [("decided", f"{made} times, {decisions.get('iterations', 0) / made:.0f} iterations each")]
+    if dropped:
+        rows.append(("", f"{dropped} would be dropped in enforce"))
+    if decisions.get("seconds"):
+        longest = duration(decisions.get("longest"))
+        rows.append(("time", f"{duration(decisions['seconds'] / made)} each, the longest {longest}"))
+    if decisions.get("bounded"):
+        rows.append(("quality", f"{share(decisions.get('proven'), made)} proven optimal, {_loss(decisions)}"))
+    if decisions.get("binding"):
+        rows.append(("scarce", ", ".join(f"{name} ({count} drops)" for name, count in decisions["binding"].items())))
+    return "\n".join(_columns([*rows, *_last(decisions.get("last") or {})], "ll"))
+
+
+def _loss(decisions: Status) -> str:
+    lost = decisions.get("gap", 0.0) / max(decisions.get("utility", 0.0), 1e-9)
+    return f"at most {lost:.2%} of the utility lost"
+
+
+def _last(last: Status) -> list[Row]:
+    """The last decision, what spoke for it, what the constraints asked, and what it took."""
+    if not last:
+        return []
+    asked = {name: price for name, price in last.get("prices", {}).items() if price}
+    full = [name for name in last.get("binding", ()) if name not in asked]
+    worth = f"utility {number(last.get('utility'))}, of the opposite {number(last.get('opposite'))}"
+    took = f"{last.get('iterations', 0)} iterations, {last.get('nodes', 0)} nodes, {duration(last.get('seconds'))}"
+    asks = [f"{name} asks {number(price)}" for name, price in asked.items()] + [f"{name} is full" for name in full]
+    return [
+        ("last", f"{last.get('key', UNKNOWN)} {last.get('reason', UNKNOWN)} {duration(last.get('age'))} ago"),
+        ("", f"{worth}; lead {number(last.get('lead'))}, gap {number(last.get('gap'))}"),
+        *([("", ", ".join(asks))] if asks else []),
+        ("", took),
+    ]
 
 
 def _budget(budget: Iterable[Status]) -> str:
@@ -160,6 +196,11 @@ def duration(seconds: float | None) -> str:
         return f"{seconds:.3g} s"
     minutes, rest = divmod(int(seconds), 60)
     return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def number(value: float | None) -> str:
+    """Write a number with three digits."""
+    return UNKNOWN if value is None else f"{value:.3g}"
 
 
 def amount(value: float | None, unit: str) -> str:

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from queue import SimpleQueue
 
 from planner import SearchSettings, start
@@ -14,13 +15,19 @@ CHUNK = 25
 
 
 def decide(command: Decide, settings: SearchSettings, deadline: float) -> DecisionReady:
-    """Search until the iterations are done, the decision is certain, or `deadline` [s] has passed."""
-    until = clock.monotonic() + deadline
+    """Search until the iterations are done, the decision is certain, or `deadline` [s] has passed.
+
+    One iteration runs in any case: without it nothing is decided.
+    """
+    began = clock.monotonic()
+    until = began + deadline
     try:
         search = start(command.problem, settings, command.seed)
+        search.run(min(1, command.iterations))
         while not search.done and search.iterations < command.iterations and clock.monotonic() < until:
             search.run(min(CHUNK, command.iterations - search.iterations))
-        return DecisionReady(clock.monotonic(), command.ticket, search.plan())
+        plan, now = search.plan(), clock.monotonic()
+        return DecisionReady(now, command.ticket, replace(plan, seconds=now - began))
     except Exception as error:  # noqa: BLE001 - whatever fails in there, the core must learn of it and fall back
         return DecisionReady(clock.monotonic(), command.ticket, None, f"{type(error).__name__}: {error}")
 

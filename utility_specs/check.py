@@ -6,6 +6,7 @@ from typing import TextIO
 
 from planner.airtime import Airtime
 from planner.measures import Energy, Measure, Throughput
+from planner.problem import Aggregation, AggregationModel
 from planner.utility import Custom, MessageUtility
 from utility_specs.errors import SpecsError
 from utility_specs.loader import LoadedFile, load_set
@@ -35,12 +36,18 @@ def _summary(file: LoadedFile) -> list[str]:
 
 
 def _type_line(each: InformationType) -> str:
-    worth = f"{_kind(each.utility)}, {each.aggregation}, scale {each.weight:g} × ({each.expression.text})"
+    worth = f"{_kind(each.utility)}, {_combined(each.aggregation)}, scale {each.weight:g} × ({each.expression.text})"
     return f'  information_type "{each.name}": {", ".join(each.keys)} ({worth})'
 
 
 def _kind(utility: MessageUtility) -> str:
     return f"python {utility.name}" if isinstance(utility, Custom) else type(utility).__name__.lower()
+
+
+def _combined(aggregation: Aggregation | AggregationModel) -> str:
+    if isinstance(aggregation, Aggregation):
+        return str(aggregation)
+    return f"python {type(aggregation).__module__}:{type(aggregation).__qualname__}"
 
 
 def _constraint_line(each: ConstraintSpec) -> str:

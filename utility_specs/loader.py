@@ -10,7 +10,6 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from planner.errors import ProblemError
-from planner.problem import Aggregation
 from utility_specs.errors import SpecProblem, SpecsError, TomlError
 from utility_specs.expressions import Expression
 from utility_specs.forecast import LastForecast
@@ -51,7 +50,7 @@ def load_set(paths: Sequence[Path]) -> SpecSet:
         try:
             sources.append(TomlSource.read(path))
             tables.append(SpecFile.model_validate(sources[-1].data))
-            problems += _failing_utilities(sources[-1], tables[-1])
+            problems += _failing(sources[-1], tables[-1])
         except TomlError as error:
             problems += error.problems
         except ValidationError as error:
@@ -85,15 +84,18 @@ def _files_of(paths: Iterable[Path], problems: list[SpecProblem]) -> list[Path]:
     return list(files.values())
 
 
-def _failing_utilities(source: TomlSource, file: SpecFile) -> list[SpecProblem]:
-    """Return a problem for each utility that cannot be made, such as a Python function that raises."""
+def _failing(source: TomlSource, file: SpecFile) -> list[SpecProblem]:
+    """Return a problem for each utility or aggregation that cannot be made, such as a Python function that raises."""
     problems = []
     for index, table in enumerate(file.information_type):
+        key = "utility"
         try:
             table.message_utility()
+            key = "aggregation"
+            table.aggregated()
         except ProblemError as error:
             message = " ".join(str(error).removeprefix(f"{table.utility.kind} utility: ").split())
-            problems.append(source.problem(("information_type", index, "utility"), message))
+            problems.append(source.problem(("information_type", index, key), message))
     return problems[:MOST_PROBLEMS]
 
 
@@ -136,7 +138,7 @@ def _information_type(table: InformationTypeTable) -> InformationType:
     return InformationType(
         name=table.name,
         keys=tuple(table.keys),
-        aggregation=Aggregation(table.aggregation),
+        aggregation=table.aggregated(),
         weight=table.weight,
         utility=table.message_utility(),
         expression=Expression.compile(table.scale, table.features),

@@ -7,7 +7,9 @@ from typing import Annotated, Literal
 import zenoh
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
+from planner.problem import Aggregation, AggregationModel
 from planner.utility import MessageUtility
+from utility_specs.aggregations import AnyAggregation, aggregation_of
 from utility_specs.constraint_tables import AnyConstraintTable
 from utility_specs.expressions import CONSTANTS, FUNCTIONS, Expression
 from utility_specs.features import AnyFeatureTable
@@ -53,7 +55,7 @@ class InformationTypeTable(Table):
 
     name: Name
     keys: Annotated[list[KeyExpression], Field(min_length=1)]
-    aggregation: Literal["most_recent"] = "most_recent"
+    aggregation: AnyAggregation = "most_recent"
     weight: float = Field(default=1.0, ge=0.0)
     utility: AnyUtilityTable
     features: dict[FeatureName, AnyFeatureTable] = {}
@@ -70,6 +72,10 @@ class InformationTypeTable(Table):
     def message_utility(self) -> MessageUtility:
         """Return the planner's function, for the defaults of all features; raises ProblemError when it fails."""
         return self.utility.utility({name: feature.default for name, feature in self.features.items()})
+
+    def aggregated(self) -> Aggregation | AggregationModel:
+        """Return what the planner combines samples by; raises ProblemError when a class of the operator's fails."""
+        return aggregation_of(self.aggregation, self.message_utility())
 
 
 class SpecFile(Table):

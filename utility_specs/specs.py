@@ -12,7 +12,7 @@ import zenoh
 
 from planner.errors import ProblemError
 from planner.measures import Measure
-from planner.problem import Aggregation
+from planner.problem import Aggregation, AggregationModel
 from planner.utility import Custom, MessageUtility
 from utility_specs.errors import ExpressionError
 from utility_specs.expressions import Expression
@@ -84,7 +84,7 @@ class InformationType:
 
     name: str
     keys: tuple[str, ...]
-    aggregation: Aggregation
+    aggregation: Aggregation | AggregationModel
     weight: float
     utility: MessageUtility
     expression: Expression
@@ -95,6 +95,11 @@ class InformationType:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_tabulated", lru_cache(UTILITIES_KEPT)(self._tabulate))
+
+    @property
+    def markovian(self) -> bool:
+        """Whether only the sample received last counts (§3.2.2), so that a newer one supersedes all before it."""
+        return self.aggregation is Aggregation.MOST_RECENT
 
     @property
     def needs_payload(self) -> bool:

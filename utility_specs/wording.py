@@ -165,7 +165,13 @@ def _mapping(root: Schema, node: Schema | None) -> dict[str, Schema]:
 
 
 def _branch(root: Schema, node: Schema | None, part: str | int) -> Schema | None:
-    """Return the alternative that a tag of pydantic's location names; None when `part` is a key."""
+    """Return the alternative that a tag of pydantic's location names; None when `part` is a key.
+
+    Where alternatives are told apart by their form, the schema does not say which one a tag means: it may be any.
+    """
+    plain = _resolved(root, node)
+    if "oneOf" in plain and "discriminator" not in plain:
+        return {"anyOf": plain["oneOf"]}
     return _mapping(root, node).get(str(part))
 
 

@@ -8,7 +8,9 @@ from proxy import exit_codes
 from proxy.commands.client import NoAnswerError, add_client_flags, connected
 from proxy.status_table import table
 
-DESCRIPTION = "Asks a running daemon for everything it knows: streams, counts by reason, peers, budget, mode."
+DESCRIPTION = (
+    "Asks a running daemon for everything it knows: streams, counts by reason, decisions, peers, budget, mode."
+)
 EXAMPLES = """\
 examples:
   sendworthy status

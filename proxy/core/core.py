@@ -96,8 +96,9 @@ class Core:
         scale = stream.information_type.scale(features)
         stream.note_generated(stream.generated + 1, Generated(event.t_gen, event.size, scale, features))
         self._urgent |= self.pacer.value_changed(stream)
+        markovian = stream.information_type.markovian
         waiting = Waiting(
-            event.sample, event.key, event.size, event.t_gen, scale, event.priority, markovian=True, features=features
+            event.sample, event.key, event.size, event.t_gen, scale, event.priority, markovian, features=features
         )
         return self.gate.put(waiting)
 
@@ -111,11 +112,13 @@ class Core:
     @_on.register
     def _(self, event: ev.SampleHanded) -> list[Command]:
         self.counts.hand(event.sample)
+        self.gate.handed(event.sample)
         return []
 
     @_on.register
     def _(self, event: ev.SampleRefused) -> list[Command]:
         self.counts.drop(event.sample, "dropped:egress")
+        self.gate.refused(event.sample)
         return []
 
     @_on.register

@@ -1,10 +1,13 @@
 """The gate: takes the next sample, has it decided, and forwards or drops it with a reason."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from planner import Constraint, Plan
+from planner import Aggregation, Constraint, Plan
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice
 from proxy.core.counts import Counts
+from proxy.core.decisions import Decided, Decisions
+from proxy.core.deletions import Deletions
 from proxy.core.inbox import Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, use_of
 from proxy.core.mode import Mode
@@ -28,6 +31,7 @@ class Pending:
 
     ticket: int
     sample: Waiting
+    constraints: tuple[str, ...]
 
 
 class Gate:
@@ -41,39 +45,47 @@ class Gate:
         self._shares = shares
         self._counts = counts
         self._windows = windows
-        self.inbox = Inbox(settings.inbox)
+        self.inbox = Inbox(settings.inbox, settings.backlog)
         self.mode = settings.mode
         self.limits: tuple[Limit, ...] = ()
         self.pending: Pending | None = None
-        self.decisions = 0
-        self.iterations = 0
-        self.would_drop = 0
+        self.decisions = Decisions()
         self._complaint = ""
-        self._deletes: list[int] = []
+        self._deletions = Deletions()
+        self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
+        """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
 
     def put(self, waiting: Waiting) -> list[Command]:
         """Queue a sample for its decision; it may evict another one."""
-        return self._leave(self.inbox.put(waiting))
+        return [*self._leave(self.inbox.put(waiting)), *self._delete()]
 
     def delete(self, key: str, sample: int) -> list[Command]:
-        """A deletion of the key passes, behind what was published before it: never before a sample being decided."""
-        commands = self._leave(self.inbox.evict(key))
-        if self.pending is not None and self.pending.sample.key == key:
-            self._deletes.append(sample)
-            return commands
-        return [*commands, self.pass_on(sample, "passed:delete")]
+        """A deletion of the key passes, behind what was published before it and is still undecided."""
+        commands = self._leave(self.inbox.supersede(key))
+        self._deletions.add(sample, key, self._undecided())
+        return [*commands, *self._delete()]
 
     def next(self, now: float, ticket: int) -> list[Command]:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
-        while self.pending is None and (sample := self.inbox.take()) is not None:
-            commands += self._take_up(now, sample, ticket)
+        while self.pending is None and (sample := self.inbox.take(self._deletions.holds)) is not None:
+            commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
 
     def ready(self, now: float, plan: Plan | None, error: str) -> list[Command]:
         """The answer for the pending sample; deletions that came meanwhile follow it."""
-        deletes, self._deletes = self._deletes, []
-        return [*self._decided(now, plan, error), *(self.pass_on(sample, "passed:delete") for sample in deletes)]
+        return [*self._decided(now, plan, error), *self._delete()]
+
+    def handed(self, sample: int) -> None:
+        """The mesh session took the sample."""
+        self._first.pop(sample, None)
+
+    def refused(self, sample: int) -> None:
+        """The mesh session did not take the sample: if it is the first one that counts, the next one is."""
+        first = self._first.pop(sample, None)
+        if first is not None:
+            stream, names = first
+            stream.reached.difference_update(names)
 
     def _decided(self, now: float, plan: Plan | None, error: str) -> list[Command]:
         pending, self.pending = self.pending, None
@@ -81,40 +93,47 @@ class Gate:
             return []
         if plan is None:
             return self._fall_back(now, pending, error)
-        self.decisions += 1
-        self.iterations += plan.iterations
         self._complaint = ""
-        if not plan.send:
-            return [self._refuse(now, pending.sample, "dropped:planner")]
         use = self._use(now, pending.sample)
-        if not self.fits(now, use):
-            return [self._refuse(now, pending.sample, "dropped:constraint")]
-        return [self._send(now, pending.sample, use, "forwarded")]
+        lacking = self.lacking(now, use) if plan.send else ()
+        reason = "dropped:constraint" if lacking else "forwarded" if plan.send else "dropped:planner"
+        self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
+        if reason != "forwarded":
+            return [self._refuse(now, pending.sample, reason, lacking)]
+        return [self._send(now, pending.sample, use, reason)]
 
     def fits(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a message may be sent now by every constraint in force."""
+        return not self.lacking(now, use)
+
+    def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
+        """Return the constraints in force that leave no room for a message now, as a problem names them."""
         if self._settings.coordination == "shares":
-            return self._shares.fits(now, use)
-        return all(
-            self._known_use(now, limit, k) + amount <= max(limit.limit, amount)
+            return tuple(_held(self.limits[k]) for k in self._shares.lacking(now, use))
+        return tuple(
+            limit.name
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
+            if self._known_use(now, limit, k) + amount > max(limit.limit, amount)
         )
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem: the union's and, in `shares`, what we hold of them."""
         held = [
-            Constraint(f"{c.name} (held)", c.window, max(self._shares.held(now, k), LEAST_HELD))
+            Constraint(_held(c), c.window, max(self._shares.held(now, k), LEAST_HELD))
             for k, c in enumerate(self.limits)
             if self._settings.coordination == "shares"
         ]
         return Limits(self.limits, tuple(held), self._shares.sent())
 
     def release(self, now: float) -> list[Command]:
-        """Let everything that waits pass: the mode is `pass` now."""
+        """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
         commands: list[Command] = []
-        while (sample := self.inbox.take()) is not None:
-            commands.append(self.pass_on(sample.sample, "passed:mode"))
+        pending, self.pending = self.pending, None
+        sample = self.inbox.take(self._deletions.holds) if pending is None else pending.sample
+        while sample is not None:
+            commands += [self.pass_on(sample.sample, "passed:mode"), *self._delete()]
             self._shares.use_at_most(now, use_of(sample.size, 1, self.limits), 1.0)
+            sample = self.inbox.take(self._deletions.holds)
         return commands
 
     def pass_on(self, sample: int, reason: str) -> Command:
@@ -131,10 +150,12 @@ class Gate:
         use = self._use(now, sample)
         if not self.limits:
             return [self._send(now, sample, use, "forwarded")]
-        if not self.fits(now, use):
-            return [self._refuse(now, sample, "dropped:constraint")]
+        if not self._view.gaining(stream):
+            return [self._refuse(now, sample, "dropped:once")]
+        if lacking := self.lacking(now, use):
+            return [self._refuse(now, sample, "dropped:constraint", lacking)]
         problem = self._windows.build(now, sample, self.inbox, self.problem_limits(now))
-        self.pending = Pending(ticket, sample)
+        self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints))
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
         return [Decide(ticket, problem, ticket, min(budget, self._settings.iterations))]
 
@@ -147,24 +168,28 @@ class Gate:
         if error != self._complaint:
             commands.append(Notice("error", f"the planner failed, a static rule decides: {error}"))
         self._complaint = error
-        if self.fits(now, use if urgent else doubled):
+        lacking = self.lacking(now, use if urgent else doubled)
+        if not lacking:
             return [*commands, self._send(now, pending.sample, use, "passed:fallback")]
-        return [*commands, self._refuse(now, pending.sample, "dropped:fallback")]
+        return [*commands, self._refuse(now, pending.sample, "dropped:fallback", lacking)]
 
     def _send(self, now: float, sample: Waiting, use: tuple[float, ...], reason: str) -> Command:
         stream = self._own(now, sample)
         if stream is not None:
             sent = Sent(min(sample.t_gen, now), now, sample.size, sample.scale, sample.features)
-            stream.note_sent(stream.forwarded + 1, sent)
+            if stream.information_type.aggregation is Aggregation.ONCE:
+                self._first[sample.sample] = stream, self._view.gaining(stream)
+            self._view.note_sent(stream, stream.forwarded + 1, sent)
         self._tell(stream, sample.size)
         self._shares.use(now, use)
         return self.pass_on(sample.sample, reason)
 
-    def _refuse(self, now: float, sample: Waiting, reason: str) -> Command:
+    def _refuse(self, now: float, sample: Waiting, reason: str, lacking: tuple[str, ...] = ()) -> Command:
         """Drop what was decided against; in `shadow` it goes all the same, and only its traffic is told."""
+        self.decisions.refused(lacking)
         if self.mode is not Mode.SHADOW:
             return self._drop(sample.sample, reason)
-        self.would_drop += 1
+        self.decisions.would_drop += 1
         self._tell(self._own(now, sample), sample.size)
         return self.pass_on(sample.sample, "passed:shadow")
 
@@ -173,8 +198,15 @@ class Gate:
         copies = self._view.copies(stream) if stream is not None else 1
         self._view.aired(copies, copies * size)
 
-    def _leave(self, evicted: Evicted | None) -> list[Command]:
-        return [] if evicted is None else [self._drop(evicted.sample, evicted.reason)]
+    def _leave(self, evicted: Iterable[Evicted]) -> list[Command]:
+        return [self._drop(each.sample, each.reason) for each in evicted]
+
+    def _delete(self) -> list[Command]:
+        """Pass the deletions that have nothing before them any more."""
+        return [self.pass_on(sample, "passed:delete") for sample in self._deletions.due(self._undecided())]
+
+    def _undecided(self) -> list[Waiting]:
+        return [*self.inbox, *([] if self.pending is None else [self.pending.sample])]
 
     def _drop(self, sample: int, reason: str) -> Command:
         self._counts.drop(sample, reason)
@@ -199,3 +231,8 @@ class Gate:
             if s.t_sent >= since
         )
         return others + self._shares.used(now, k)
+
+
+def _held(limit: Limit) -> str:
+    """The name of what we hold of a constraint."""
+    return f"{limit.name} (held)"

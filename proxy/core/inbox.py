@@ -1,6 +1,6 @@
-"""The samples that wait for a decision: bounded, and the latest of a Markovian stream wins."""
+"""The samples that wait for a decision, bounded. Of a Markovian stream only the latest does."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 
@@ -32,12 +32,15 @@ class Evicted:
 
 
 class Inbox:
-    """Gives out the highest priority first, then the oldest."""
+    """Gives out the highest priority first, then the oldest.
 
-    def __init__(self, capacity: int) -> None:
+    At most `capacity` samples wait in all. Where each sample of a stream counts, at most `backlog` of it do.
+    """
+
+    def __init__(self, capacity: int, backlog: int) -> None:
         self._capacity = capacity
+        self._backlog = backlog
         self._waiting: dict[int, Waiting] = {}
-        self._latest: dict[str, int] = {}
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -45,39 +48,36 @@ class Inbox:
     def __iter__(self) -> Iterator[Waiting]:
         return iter(self._waiting.values())
 
-    def put(self, new: Waiting) -> Evicted | None:
-        """Queue a sample; return the one that had to leave for it, if any (it may be the new one)."""
-        if new.markovian and new.key in self._latest:
-            old = self._remove(self._latest[new.key])
-            self._add(new)
-            return Evicted(old.sample, "dropped:superseded")
-        self._add(new)
-        if len(self._waiting) <= self._capacity:
-            return None
-        least = min(self._waiting.values(), key=lambda w: (w.worth, w.t_gen, w.sample))
-        self._remove(least.sample)
-        return Evicted(least.sample, "dropped:overflow")
-
-    def evict(self, key: str) -> Evicted | None:
-        """Remove the waiting sample of a Markovian stream; return it, if there was one."""
-        if key not in self._latest:
-            return None
-        return Evicted(self._remove(self._latest[key]).sample, "dropped:superseded")
-
-    def take(self) -> Waiting | None:
-        """Remove and return the next sample to decide."""
-        if not self._waiting:
-            return None
-        first = min(self._waiting.values(), key=lambda w: (w.priority, w.t_gen, w.sample))
-        return self._remove(first.sample)
-
-    def _add(self, new: Waiting) -> None:
+    def put(self, new: Waiting) -> list[Evicted]:
+        """Queue a sample; return those that had to leave for it (the new one may be among them)."""
+        superseded = [self._evict(w, "dropped:superseded") for w in self._of(new.key) if new.markovian]
         self._waiting[new.sample] = new
-        if new.markovian:
-            self._latest[new.key] = new.sample
+        least = self._least(new.key)
+        return superseded if least is None else [*superseded, self._evict(least, "dropped:overflow")]
 
-    def _remove(self, sample: int) -> Waiting:
-        gone = self._waiting.pop(sample)
-        if self._latest.get(gone.key) == sample:
-            del self._latest[gone.key]
-        return gone
+    def supersede(self, key: str) -> list[Evicted]:
+        """Remove what waits of a Markovian stream, because something newer came; return it."""
+        return [self._evict(w, "dropped:superseded") for w in self._of(key) if w.markovian]
+
+    def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
+        """Remove and return the next sample to decide; one that is `held` back has to wait."""
+        ready = [w for w in self if not held(w)]
+        if not ready:
+            return None
+        return self._waiting.pop(min(ready, key=lambda w: (w.priority, w.t_gen, w.sample)).sample)
+
+    def _of(self, key: str) -> list[Waiting]:
+        return [w for w in self if w.key == key]
+
+    def _least(self, key: str) -> Waiting | None:
+        """Return what has to leave: the least valuable of a key with too many, else the least per byte of all."""
+        same = self._of(key)
+        if len(same) > self._backlog:
+            return min(same, key=lambda w: (w.scale, w.t_gen, w.sample))
+        if len(self) > self._capacity:
+            return min(self, key=lambda w: (w.worth, w.t_gen, w.sample))
+        return None
+
+    def _evict(self, waiting: Waiting, reason: str) -> Evicted:
+        del self._waiting[waiting.sample]
+        return Evicted(waiting.sample, reason)

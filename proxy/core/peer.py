@@ -35,6 +35,11 @@ class Peer:
     """The same for our samples, as the peer tells it."""
     received_of_ours: int = 0
 
+    @property
+    def latency_to(self) -> float | None:
+        """Mean time from generation here to receipt there [s], else that of digests; None while unknown."""
+        return self.latency_out or (self.offset.latency if self.offset.known else None)
+
     def take_state(self, state: State) -> None:
         """The peer's state replaces what it said before."""
         self.keys = {stream.id: stream.key for stream in state.streams}

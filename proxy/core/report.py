@@ -21,7 +21,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "coordination": core.settings.coordination,
         "uptime": now - core.started,
         "counts": _counts(core),
-        "decisions": _decisions(core),
+        "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "streams": [_stream(core, stream, now) for stream in core.view.streams()],
         "peers": [_peer(peer, now) for peer in core.view.peers.values()],
@@ -40,11 +40,6 @@ def _counts(core: Core) -> dict[str, Any]:
         "conserved": counts.conserved,
         "by_reason": dict(sorted(counts.by_reason.items())),
     }
-
-
-def _decisions(core: Core) -> dict[str, Any]:
-    gate = core.gate
-    return {"made": gate.decisions, "iterations": gate.iterations, "would_drop": gate.would_drop}
 
 
 def _budget(core: Core, now: float) -> list[dict[str, Any]]:

@@ -12,7 +12,8 @@ class CoreSettings:
 
     `horizon` counts messages, `horizon_time` and `settle` are seconds, `allowance` is the share of every limit that
     all digests together may use (at least 100 B/s per robot), `floor` the part of a limit that a newcomer may use
-    before all others know of it.
+    before all others know of it, `inbox` the samples that may wait for a decision, `backlog` those of one stream where
+    each sample counts.
     """
 
     robot: str
@@ -26,5 +27,6 @@ class CoreSettings:
     floor: float = 0.01
     settle: float = 0.5
     inbox: int = 256
+    backlog: int = 32
     streams: int = 4096
     wall_offset: float = 0.0

@@ -139,7 +139,11 @@ class Shares:
 
     def fits(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a message with this use may be sent now."""
-        return all(self._fits(now, k, amount) for k, amount in enumerate(use))
+        return not self.lacking(now, use)
+
+    def lacking(self, now: float, use: tuple[float, ...]) -> list[int]:
+        """Return the constraints that leave no room for a message with this use now."""
+        return [k for k, amount in enumerate(use) if not self._fits(now, k, amount)]
 
     def use(self, now: float, use: tuple[float, ...]) -> None:
         """A message with this use is sent now."""

@@ -48,6 +48,8 @@ class Stream:
     recent: deque[Sent] = field(default_factory=lambda: deque(maxlen=512))
     matching: bool = False
     touched: float = 0.0
+    reached: set[str] = field(default_factory=set)
+    """Tags of the robots that were sent a sample."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
 

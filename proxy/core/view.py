@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import zenoh
 
+from planner import Aggregation
 from proxy.core.events import SampleHeard
 from proxy.core.peer import Peer
 from proxy.core.settings import CoreSettings
@@ -39,7 +40,7 @@ class SharedView:
         self.bytes = 0
         self.evicted = 0
         self._streams: dict[tuple[str, str], Stream] = {}
-        self._wanting: dict[tuple[str, str], int] = {}
+        self._wanting: dict[tuple[str, str], tuple[str, ...]] = {}
         self._ids = 0
 
     def set_interest(self, keys: tuple[str, ...]) -> None:
@@ -87,20 +88,43 @@ class SharedView:
             else:
                 stream.information_type = information_type
 
-    def receivers(self, stream: Stream) -> int:
-        """How many robots want the stream; one when Zenoh knows of somebody whom no state names."""
+    def wanting(self, stream: Stream) -> tuple[str, ...]:
+        """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
         place = (stream.robot, stream.key)
         if place not in self._wanting:
-            self._wanting[place] = self._count_wanting(stream)
-        return self._wanting[place] or int(stream.matching)
+            self._wanting[place] = self._find_wanting(stream)
+        return self._wanting[place] or ("",) * stream.matching
+
+    def receivers(self, stream: Stream) -> int:
+        """How many robots want the stream."""
+        return len(self.wanting(stream))
+
+    def gaining(self, stream: Stream) -> tuple[str, ...]:
+        """Tags of those to which more of the stream is worth anything: of `once`, who were not sent any of it yet."""
+        wanting = self.wanting(stream)
+        if stream.information_type.aggregation is not Aggregation.ONCE:
+            return wanting
+        return tuple(name for name in wanting if name not in stream.reached)
+
+    def latencies(self, stream: Stream) -> list[float]:
+        """The time from sending to receipt at each of those that gain by one of our own streams [s]."""
+        mean = self.latency(stream.robot)
+        peers = [self.peers.get(name) for name in self.gaining(stream)]
+        known = [None if peer is None else peer.latency_to for peer in peers]
+        return [mean if latency is None else latency for latency in known]
+
+    def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
+        """The `count`-th sample sent of a stream was this one."""
+        stream.note_sent(count, sent)
+        stream.reached.update(self.wanting(stream))
 
     def copies(self, stream: Stream) -> int:
         """Transmissions that one sample costs: one per receiver."""
         return max(1, self.receivers(stream))
 
     def competes(self, now: float, stream: Stream) -> bool:
-        """Whether somebody wants more of the stream and more is to be expected."""
-        return stream.last is not None and self._active(now, stream) and self.receivers(stream) > 0
+        """Whether more of the stream is worth anything to somebody, and more is to be expected."""
+        return stream.last is not None and self._active(now, stream) and bool(self.gaining(stream))
 
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
@@ -111,7 +135,7 @@ class SharedView:
         peers = self.peers.values()
         if robot != self.settings.robot:
             return next((p.latency_in or p.offset.latency for p in peers if p.robot == robot), 0.0)
-        known = [p.latency_out or p.offset.latency for p in peers if p.latency_out or p.offset.known]
+        known = [p.latency_to for p in peers if p.latency_to is not None]
         return sum(known) / len(known) if known else 0.0
 
     def robot_of(self, origin: str | None) -> str:
@@ -146,7 +170,7 @@ class SharedView:
             features = event.features or {}
             scale = stream.information_type.scale(features)
             stream.note_generated(stream.generated + 1, Generated(now, event.size, scale, features))
-            stream.note_sent(stream.forwarded + 1, Sent(now, now, event.size, scale, features))
+            self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
     def heard_digest(self, now: float, digest: Digest) -> bool:
         """A peer's digest arrived; False when it is unknown, old or our own."""
@@ -185,6 +209,8 @@ class SharedView:
         """A robot left: it and its streams take no part in plans any more."""
         peer = self.peers.pop(tag(zid), None)
         self._wanting.clear()
+        for stream in self.streams():
+            stream.reached.discard(tag(zid))
         if peer is not None and all(other.robot != peer.robot for other in self.peers.values()):
             for place in [p for p in self._streams if p[0] == peer.robot]:
                 del self._streams[place]
@@ -197,14 +223,14 @@ class SharedView:
             if peer.digest is not None
         )
 
-    def _count_wanting(self, stream: Stream) -> int:
-        """Return how many robots' apps subscribe to the stream, those of this robot included."""
-        own = self.settings.robot
-        robots = [(peer.robot, peer.subscriptions) for peer in self.peers.values()] + [(own, self.interest)]
-        return sum(
-            any(intersects(expression, stream.key) for expression in expressions)
-            for robot, expressions in robots
-            if robot != stream.robot
+    def _find_wanting(self, stream: Stream) -> tuple[str, ...]:
+        """Return the robots whose apps subscribe to the stream, this robot included, by their tags."""
+        robots = [(name, peer.robot, peer.subscriptions) for name, peer in self.peers.items()]
+        robots.append((tag(self.settings.zid), self.settings.robot, self.interest))
+        return tuple(
+            name
+            for name, robot, expressions in robots
+            if robot != stream.robot and any(intersects(expression, stream.key) for expression in expressions)
         )
 
     def _take(self, now: float, peer: Peer, news: StreamDigest) -> None:
@@ -220,7 +246,7 @@ class SharedView:
         stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale))
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
-            stream.note_sent(news.forwarded, Sent(t_sent, t_sent, news.size, news.scale))
+            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale))
 
     def _active(self, now: float, stream: Stream) -> bool:
         """Whether more samples are to be expected of the stream."""

@@ -3,40 +3,66 @@
 It ends at the earlier of `horizon` messages and `horizon_time`, but not before now + 2·max(T) and not before one
 forecast message of every stream; if that is too many, low-value streams are thinned, not time. Only streams that
 somebody wants compete, and where robots hold shares only our own, because then no other stream can gain by what we
-leave. Sent messages are facts: the last one of a stream as a message, for what it is still worth, and everything
-sent within a constraint window as traffic, for what it uses.
+leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
+or the last few where the stream does not go by the most recent one. Everything sent within a constraint window is
+traffic, for what it uses.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import islice
 
-from planner import Message, Problem, Traffic
+from planner import Aggregation, Message, Problem, Receiver, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, use_of
-from proxy.core.stream import Stream
+from proxy.core.receivers import grouped
+from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
 
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
+MOST_FACTS = 16
+"""So many of the messages last sent of a stream are facts where more than one counts."""
+MOST_OF_BEST = 24
+"""So many forecasts of a stream are planned for where the best message counts: time grows with their square."""
+MOST_OF_OWN = 3
+"""So many waiting samples, and so many forecasts, of a stream with an aggregation of the operator's.
+
+Most such models have a state for every set of messages; so these are 2^7 with the current one at most.
+"""
 
 
 @dataclass(slots=True)
 class _Candidate:
-    """A stream that competes, and when it is expected to generate; `place` is its number in the problem."""
+    """A stream that competes, and when it is expected to generate; `place` is its number in the problem.
+
+    Each of its messages takes `latency` [s] to the first of its `receivers`.
+    """
 
     stream: Stream
     place: int
     copies: int
-    receivers: int
     latency: float
+    receivers: tuple[Receiver, ...]
     times: list[float]
 
     @property
     def worth(self) -> float:
         """Value per byte on the air, for all forecasts together that are still there."""
         last = self.stream.newest
-        return last.scale * self.receivers / max(last.size * self.copies, 1) / len(self.times)
+        return last.scale * sum(r.share for r in self.receivers) / max(last.size * self.copies, 1) / len(self.times)
+
+    @property
+    def standard(self) -> bool:
+        """Whether the aggregation is the planner's own, not a model of the operator's."""
+        return isinstance(self.stream.information_type.aggregation, Aggregation)
+
+    @property
+    def slowest(self) -> float:
+        """The time to the last of the receivers [s]."""
+        return self.latency + max(r.delay for r in self.receivers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,16 +89,16 @@ class WindowBuilder:
         candidates = self._candidates(now, current.key, only_own=bool(limits.held))
         end = self._forecast(now, candidates, limits)
         for candidate in candidates:
-            candidate.times = [t for t in candidate.times if t <= end]
+            candidate.times = _bounded(candidate, [t for t in candidate.times if t <= end])
         _thin(candidates, self._view.settings.horizon)
         ours = {c.stream.key: c for c in candidates if c.stream.robot == self._view.settings.robot}
         opened = [
-            _Open(w.t_gen, c, w.size, w.scale * c.receivers, w.features, w is current)
-            for w in (*waiting, current)
-            if (c := ours.get(w.key)) is not None
+            _Open(w.t_gen, c, w.size, w.scale, w.features, w is current)
+            for w in (*_competing(waiting, ours), current)
+            for c in (ours[w.key],)
         ]
         opened += [
-            _Open(t, c, last.size, last.scale * c.receivers, last.features)
+            _Open(t, c, last.size, last.scale, last.features)
             for c in candidates
             for last in (c.stream.newest,)
             for t in c.times
@@ -92,10 +118,15 @@ class WindowBuilder:
             ),
             key=lambda s: (s.robot, s.key),
         )
-        return [
-            _Candidate(s, place, view.copies(s), max(1, view.receivers(s)), view.latency(s.robot), [])
-            for place, s in enumerate(competing)
-        ]
+        return [_Candidate(s, place, view.copies(s), *self._receivers(s), []) for place, s in enumerate(competing)]
+
+    def _receivers(self, stream: Stream) -> tuple[float, tuple[Receiver, ...]]:
+        """Return the least latency, and who gains by a stream; how far others are from each other is not known."""
+        view = self._view
+        latency = view.latency(stream.robot)
+        if stream.robot == view.settings.robot:
+            return grouped(view.latencies(stream) or [latency])
+        return latency, (Receiver(0.0, float(max(1, len(view.gaining(stream))))),)
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -114,7 +145,7 @@ class WindowBuilder:
 
     def _problem(self, now: float, candidates: list[_Candidate], opened: list[_Open], limits: Limits) -> Problem:
         constraints = (*limits.union, *limits.held)
-        messages = [(fact, False) for c in candidates if (fact := _fact(c, len(constraints))) is not None]
+        messages = [(fact, False) for c in candidates for fact in _facts(c, now, len(constraints))]
         t_sent = 0.0
         for m in opened:
             own = m.of.stream.robot == self._view.settings.robot
@@ -125,24 +156,26 @@ class WindowBuilder:
         robots = sorted({c.stream.robot for c in candidates})
         messages.sort(key=lambda entry: (entry[0].t_gen, entry[0].stream))
         return Problem(
-            streams=tuple(PlannerStream(robots.index(c.stream.robot)) for c in candidates),
+            streams=tuple(
+                PlannerStream(robots.index(c.stream.robot), c.stream.information_type.aggregation, c.receivers)
+                for c in candidates
+            ),
             messages=tuple(message for message, _ in messages),
             current=next(i for i, (_, is_current) in enumerate(messages) if is_current),
             constraints=constraints,
-            traffic=self._traffic(now, candidates, limits),
+            traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
-            t_end=t_sent + opened[-1].of.latency + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
+            t_end=t_sent + opened[-1].of.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
         )
 
-    def _traffic(self, now: float, candidates: list[_Candidate], limits: Limits) -> tuple[Traffic, ...]:
-        """Return everything known to be sent that the windows still count."""
-        longest = max(c.window for c in limits.union)
-        nothing = (0.0,) * len(limits.held)
+    def _traffic(self, now: float, limits: Limits) -> tuple[Traffic, ...]:
+        """Return everything known to be sent that the windows still count; where robots hold shares only our own."""
+        view, longest = self._view, max(c.window for c in limits.union)
         traffic = [
-            Traffic(s.t_sent, (*use_of(s.size, c.copies, limits.union, own=False), *nothing))
-            for c in candidates
-            if c.stream.robot != self._view.settings.robot
-            for s in c.stream.recent
+            Traffic(s.t_sent, use_of(s.size, view.copies(stream), limits.union, own=False))
+            for stream in view.streams()
+            if stream.robot != view.settings.robot and not limits.held
+            for s in stream.recent
             if now >= s.t_sent >= now - longest
         ]
         traffic += [Traffic(t, (*use, *use[: len(limits.held)])) for t, use in limits.sent]
@@ -154,14 +187,47 @@ def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
     return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.latency, utility, m.scale, use)
 
 
-def _fact(c: _Candidate, constraints: int) -> Message | None:
-    """Return the last sent message of a stream, for what it is still worth; its use counts as traffic."""
-    sent = c.stream.sent
-    if sent is None:
-        return None
-    utility, nothing = c.stream.information_type.utility_of(sent.features), (0.0,) * constraints
-    t_rcv, scale = sent.t_sent + c.latency, sent.scale * c.receivers
-    return Message(c.place, sent.t_gen, sent.t_sent, t_rcv, utility, scale, nothing, sent=True)
+def _facts(c: _Candidate, now: float, constraints: int) -> list[Message]:
+    """Return what was sent of a stream as far as it matters for what comes; its use counts as traffic.
+
+    Nothing where messages add up, or where whom the first one reached is no receiver any more. Of `best`, what was
+    received counts from now on: what it was worth before no decision can change.
+    """
+    stream, nothing = c.stream, (0.0,) * constraints
+    kind = stream.information_type.aggregation
+    if kind in (Aggregation.SUM, Aggregation.ONCE):
+        return []
+    most = 1 if kind is Aggregation.MOST_RECENT else MOST_FACTS
+    since = now if kind is Aggregation.BEST else 0.0
+    return [_fact(c, sent, since, nothing) for sent in islice(reversed(stream.recent), most)]
+
+
+def _fact(c: _Candidate, sent: Sent, since: float, use: tuple[float, ...]) -> Message:
+    utility = c.stream.information_type.utility_of(sent.features)
+    t_rcv = max(sent.t_sent + c.latency, since)
+    return Message(c.place, sent.t_gen, sent.t_sent, t_rcv, utility, sent.scale, use, sent=True)
+
+
+def _competing(waiting: Iterable[Waiting], ours: Mapping[str, _Candidate]) -> list[Waiting]:
+    """Return the samples that are weighed beside the current one; of a model of the operator's the most valuable."""
+    chosen: list[Waiting] = []
+    count: Counter[str] = Counter()
+    for w in sorted(waiting, key=lambda w: (-w.scale, w.t_gen, w.sample)):
+        of = ours.get(w.key)
+        count[w.key] += 1
+        if of is not None and (of.standard or count[w.key] <= MOST_OF_OWN):
+            chosen.append(w)
+    return chosen
+
+
+def _bounded(c: _Candidate, times: list[float]) -> list[float]:
+    """Halve the forecasts of a stream while they take too long to weigh."""
+    most = MOST_OF_OWN
+    if c.standard:
+        most = MOST_OF_BEST if c.stream.information_type.aggregation is Aggregation.BEST else len(times)
+    while len(times) > most:
+        times = times[::2]
+    return times
 
 
 def _thin(candidates: list[_Candidate], horizon: int) -> None:

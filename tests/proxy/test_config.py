@@ -27,6 +27,7 @@ def test_defaults_are_those_of_the_manual():
             "iterations": 300,
             "deadline": 0.02,
             "horizon": 60,
+            "backlog": 32,
             "search": "best",
             "engine": "native",
             "coordination": "auto",

@@ -17,8 +17,9 @@ class Type:
 
     name = "test"
 
-    def __init__(self, *, needs_payload=True):
+    def __init__(self, *, needs_payload=True, markovian=True):
         self.needs_payload = needs_payload
+        self.markovian = markovian
         self.gate = threading.Event()
         self.gate.set()
         self.extracted = []
@@ -72,6 +73,18 @@ def test_a_backlog_costs_one_extraction_per_key(extractor, posted):
     assert [event.features["n"] for event in posted] in ([0.0, 0.0, 0.0, 3.0], [3.0] * 4)
     assert extractor.skipped in (2, 3)
     assert covering.extracted[-1] == ("k", b"3")
+
+
+def test_where_every_sample_counts_each_has_its_own_features(extractor, posted):
+    """Nothing supersedes them, so a backlog costs what it costs."""
+    covering = Type(markovian=False)
+    covering.gate.clear()
+    for i in range(4):
+        extractor.submit(sample(i), covering, payload(i))
+    covering.gate.set()
+    wait_until(lambda: len(posted) == 4, what="four samples")
+    assert [event.features["n"] for event in posted] == [0.0, 1.0, 2.0, 3.0]
+    assert extractor.skipped == 0
 
 
 def test_what_needs_no_payload_does_not_wait(extractor, posted):

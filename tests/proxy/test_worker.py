@@ -32,6 +32,7 @@ def test_the_iterations_asked_for_are_the_most_that_run(command, engine):
     ready = decide(command, SearchSettings(engine=engine), FOREVER)
     assert (ready.ticket, ready.error) == (7, "")
     assert 0 < ready.plan.iterations <= 200
+    assert 0.0 < ready.plan.seconds < FOREVER
 
 
 def test_past_its_deadline_the_best_found_stands(command):
@@ -41,6 +42,13 @@ def test_past_its_deadline_the_best_found_stands(command):
     ready = decide(dataclasses.replace(command, iterations=1_000_000), search, 0.02)
     assert clock.monotonic() - before < 1.0
     assert ready.plan.iterations < 1_000_000
+
+
+def test_one_iteration_runs_even_when_the_deadline_is_over(command):
+    """Without it the plan would be to drop, whatever the sample is worth."""
+    ready = decide(command, SearchSettings(), 0.0)
+    assert ready.plan.iterations == 1
+    assert ready.plan.send
 
 
 def test_a_planner_that_fails_is_told_as_such(command):

@@ -60,6 +60,15 @@ def test_a_python_utility_is_summed_up_with_its_function(tmp_path):
     assert "(python tests.utility_specs.worths:by_red, most_recent, scale 1 × (1 + 10 * red))" in summary
 
 
+def test_an_aggregation_is_summed_up_by_its_name_or_class(tmp_path):
+    """Likewise."""
+    path = tmp_path / "camera.toml"
+    path.write_text(GOOD.replace('"most_recent"', '"best"'))
+    assert "(video, best, scale 1" in run(path)[1]
+    path.write_text(GOOD.replace('"most_recent"', '{ python = "tests.utility_specs.models:Greatest" }'))
+    assert "(video, python tests.utility_specs.models:Greatest, scale 1" in run(path)[1]
+
+
 def test_bad_specs_are_named_line_by_line(tmp_path):
     """Every problem of every file is one line, and the exit code says so."""
     good, bad = tmp_path / "good.toml", tmp_path / "bad.toml"

@@ -1,10 +1,11 @@
-"""The manual of utilities: every example in it is a spec."""
+"""The manual of utilities and aggregations: every example in it is a spec."""
 
 import re
 from pathlib import Path
 
 import pytest
 
+from planner import Aggregation, AggregationModel
 from utility_specs import load_specs
 from utility_specs.schema import SpecFile
 
@@ -47,3 +48,28 @@ def test_the_spec_with_a_function_loads(tmp_path, monkeypatch):
     (tmp_path / "x.toml").write_text(blocks("toml")[0])
     (camera,) = load_specs(tmp_path / "x.toml").types
     assert camera.utility_of({"red": 0.5}) != camera.utility
+
+
+@pytest.mark.parametrize("row", re.findall(r"^\| `(\"\w+\"|\{ python = .*?\})` \|", README, re.MULTILINE))
+def test_every_aggregation_in_the_table_loads(row, tmp_path, monkeypatch):
+    """As it is written there."""
+    (tmp_path / "soundings.py").write_text(blocks("python")[1])
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "x.toml").write_text(spec(f"utility = {{ kind = 'video' }}\naggregation = {row}"))
+    (loaded,) = load_specs(tmp_path / "x.toml").types
+    assert row in (f'"{loaded.aggregation}"', f'{{ python = "soundings:{type(loaded.aggregation).__name__}" }}')
+    assert loaded.markovian == (row == '"most_recent"')
+
+
+def test_no_aggregation_is_missing():
+    """The table has a row for each of the planner's."""
+    assert set(re.findall(r'^\| `"(\w+)"` \|', README, re.MULTILINE)) == set(Aggregation)
+
+
+def test_the_spec_with_a_class_loads(tmp_path, monkeypatch):
+    """The class and the spec that names it fit together."""
+    (tmp_path / "soundings.py").write_text(blocks("python")[1])
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "x.toml").write_text(blocks("toml")[1])
+    (soundings,) = load_specs(tmp_path / "x.toml").types
+    assert isinstance(soundings.aggregation, AggregationModel)

@@ -4,7 +4,7 @@ from enum import StrEnum
 from typing import Annotated, Any, Literal
 
 import pytest
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
 
 from utility_specs.wording import Place, message_of
 
@@ -48,6 +48,10 @@ class Model(Strict):
     pair: Annotated[list[int], Field(max_length=2)] = []
     even: Annotated[int, Field(multiple_of=2)] = 2
     filled: Annotated[str, Field(min_length=1)] = "x"
+    either: Annotated[
+        Annotated[Literal["big"], Tag("name")] | Annotated[Round, Tag("table")],
+        Discriminator(lambda value: "table" if isinstance(value, dict) else "name"),
+    ] = "big"
 
 
 def told(data: dict[str, Any]) -> list[str]:
@@ -88,6 +92,8 @@ def told(data: dict[str, Any]) -> list[str]:
         ({"many": [{}]}, "many.0.kind: is missing"),
         ({"few": {}}, "few: must be an array, not a table"),
         ({"few": []}, "few: must not be empty"),
+        ({"either": "bigg"}, 'either: unknown "bigg" (did you mean "big"?)'),
+        ({"either": {"kind": "round", "radus": 1}}, 'either.radus: unknown key (did you mean "radius"?)'),
         ({"filled": ""}, "filled: must not be empty"),
         ({"pair": [1, 2, 3]}, "pair: must hold at most 2 values, not 3"),
         ({"even": 3}, "even: input should be a multiple of 2"),

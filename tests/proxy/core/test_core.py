@@ -98,16 +98,18 @@ def test_in_shadow_everything_goes_and_the_decision_is_counted(make_talk):
     assert only(talk.answer(0.11, only(commands)[0], send=False)) == [Forward(sample)]
     talk.tell(ev.SampleHanded(0.12, sample))
     assert talk.core.counts.by_reason == {"passed:shadow": 1}
-    assert talk.core.status(0.2)["decisions"] == {"made": 1, "iterations": 10, "would_drop": 1}
+    decisions = talk.core.status(0.2)["decisions"]
+    assert (decisions["made"], decisions["iterations"], decisions["would_drop"]) == (1, 10, 1)
 
 
 def test_in_pass_nothing_is_decided(make_talk):
-    """A plain bridge; switching to it releases what waits."""
+    """A plain bridge; switching to it releases what is being decided, and then what waits."""
     talk = make_talk()
     talk.want(0.0)
-    talk.publish(0.1)
+    first, commands = talk.publish(0.1)
     waiting, _ = talk.publish(0.2)
-    assert only(talk.tell(ev.ModeChanged(0.21, Mode.PASS))) == [Forward(waiting)]
+    assert only(talk.tell(ev.ModeChanged(0.21, Mode.PASS))) == [Forward(first), Forward(waiting)]
+    assert only(talk.answer(0.25, only(commands)[0], send=False)) == []
     sample, commands = talk.publish(0.3)
     assert only(commands) == [Forward(sample)]
     assert talk.core.status(0.3)["mode"] == "pass"

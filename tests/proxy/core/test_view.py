@@ -10,6 +10,13 @@ from proxy.core.view import SharedView, intersects
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 
 CAMERA = "robot/r2/camera"
+ONCE = """
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+aggregation = "once"
+utility = { kind = "video" }
+"""
 
 
 @pytest.fixture
@@ -145,6 +152,49 @@ def test_receivers_are_the_robots_that_subscribe(view):
     assert view.receivers(others) == 1
     view.set_interest(("robot/r2/*",))
     assert (view.receivers(others), view.copies(others)) == (2, 2)
+
+
+def test_of_once_only_those_gain_that_were_sent_nothing_yet(make_specs):
+    """Whoever joins later gets its first; one that left and is back, too. Own and others' streams alike."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=ONCE))
+    meet(view, subscriptions=("robot/**",))
+    own = view.stream(0.0, "r1", "robot/r1/camera")
+    own.note_generated(1, Generated(0.0, 10, 1.0))
+    assert (view.gaining(own), view.competes(1.0, own)) == (("z-r2",), True)
+    view.note_sent(own, 1, Sent(1.0, 1.0, 10, 1.0))
+    assert (view.gaining(own), view.receivers(own), view.competes(1.0, own)) == ((), 1, False)
+    view.add_peer(2.0, "r3", "z-r3")
+    view.heard_state(2.0, State("r3", "z-r3", "enforce", "", (), ("robot/**",)))
+    assert view.gaining(own) == ("z-r3",)
+    view.gone("z-r2")
+    meet(view, subscriptions=("robot/**",))
+    assert set(view.gaining(own)) == {"z-r2", "z-r3"}
+    view.heard_digest(3.0, digest(3.0, StreamDigest(7, 2, 1, 2.9, 2.5, 10, 1.0)))
+    others = view.stream(3.0, "r2", CAMERA)
+    assert (view.wanting(others), view.gaining(others)) == (("z-r3",), ())
+
+
+def test_a_plain_node_that_was_sent_something_gains_no_more_of_it(make_specs):
+    """It has no name, so all such nodes are one."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=ONCE))
+    own = view.stream(0.0, "r1", "robot/r1/camera")
+    own.matching = True
+    assert view.gaining(own) == ("",)
+    view.note_sent(own, 1, Sent(1.0, 1.0, 10, 1.0))
+    assert view.gaining(own) == ()
+
+
+def test_latencies_are_those_of_the_robots_that_gain(view):
+    """What the peer tells, else what its digests took, else the mean of what is known."""
+    own = view.stream(0.0, "r1", "robot/r1/camera")
+    for robot in ("r2", "r3", "r4"):
+        view.add_peer(0.0, robot, f"z-{robot}")
+        view.heard_state(0.0, State(robot, f"z-{robot}", "enforce", "", (), ("robot/**",)))
+    view.peers["z-r2"].latency_out = 0.25
+    view.peers["z-r3"].offset.heard(1.0, 1.05)
+    assert view.latencies(own) == [0.25, 0.25, 0.25]
+    view.peers["z-r3"].offset.echoed(1.0, 1.05)
+    assert view.latencies(own) == pytest.approx([0.25, 0.05, 0.15])
 
 
 def test_an_invalid_subscription_matches_nothing():

@@ -4,15 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
 
-from planner import Constraint, SearchSettings, start
+from planner import Constraint, Receiver, SearchSettings, start
 from planner.measures import Energy, Messages, Throughput
+from planner.tables import tabulate
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limit, Limits, allowance_of, limits_of, use_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
 from proxy.core.view import SharedView
-from proxy.core.window import WindowBuilder
+from proxy.core.window import MOST_OF_BEST, MOST_OF_OWN, WindowBuilder
+from proxy.core.wire import State
 from utility_specs import ConstraintSpec, Specs
 
 LIMIT = Limit("throughput", 1.0, 10_000.0, Throughput(10_000.0, 1.0))
@@ -24,6 +29,7 @@ keys = ["robot/*/camera"]
 utility = { kind = "python", function = "tests.utility_specs.worths:by_red" }
 features.red = { kind = "color_fraction", color = "red", default = 0.5 }
 """
+MODEL = '{ python = "tests.utility_specs.models:Everything" }'
 
 
 def make_view(specs, **settings):
@@ -119,6 +125,136 @@ def test_a_python_utility_sees_the_features_of_each_sample(make_specs):
             (1, False, False): 0.5,
         }
     )
+
+
+def aggregated(make_specs, aggregation, **settings):
+    """Our stream of samples that combine so, which r2 wants."""
+    view = make_view(make_specs(text=BY_RED + f"aggregation = {aggregation}\n"), **settings)
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (), ("robot/**",)))
+    return view, add_stream(view, "r1")
+
+
+@pytest.mark.parametrize(
+    ("aggregation", "facts"),
+    [
+        ('"most_recent"', [(9.4, 9.5)]),
+        ('"sum"', []),
+        ('"once"', []),
+        ('"best"', [(7.9, 10.0), *((round(7.9 + 0.1 * i, 6), 10.0) for i in range(1, 16))]),
+        (MODEL, [(round(7.9 + 0.1 * i, 6), round(8.0 + 0.1 * i, 6)) for i in range(16)]),
+    ],
+)
+def test_the_facts_of_a_stream_are_those_that_matter(make_specs, aggregation, facts):
+    """The last one, none, or the last sixteen; of `best`, from now on."""
+    view, stream = aggregated(make_specs, aggregation)
+    for count in range(20):
+        t = 7.5 + 0.1 * count
+        stream.note_sent(count + 1, Sent(t, t + 0.1, 1000, 1.0, {"red": 1.0}))
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    found = [(round(m.t_gen, 6), round(m.t_rcv, 6)) for m in problem.messages if m.sent]
+    assert found == facts
+    assert problem.streams[0].aggregation is stream.information_type.aggregation
+    plan_of(problem)
+
+
+@pytest.mark.parametrize("aggregation", ['"best"', '"sum"', '"once"'])
+def test_all_waiting_samples_of_a_stream_are_decided_together(make_specs, aggregation):
+    """Each with its own scale; the forecasts of `best` are bounded."""
+    view, _ = aggregated(make_specs, aggregation, horizon=100)
+    waiting = [sample(9.0 + 0.01 * i, scale=float(i), number=i) for i in range(1, 30)]
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(9.0), waiting, union())
+    past = [m.scale for m in problem.messages if m.t_gen < 10.0]
+    assert past == [1.0, *(float(i) for i in range(1, 30))]
+    assert problem.messages[problem.current].t_gen == 9.0
+    coming = sum(m.t_gen > 10.0 for m in problem.messages)
+    assert coming == 100 if aggregation != '"best"' else MOST_OF_BEST // 2 < coming <= MOST_OF_BEST
+
+
+def test_of_a_model_of_the_operators_few_messages_are_weighed(make_specs):
+    """The most valuable that wait, and forecasts as far apart as it takes: few enough for a whole table."""
+    view, _ = aggregated(make_specs, MODEL)
+    waiting = [sample(9.0 + 0.01 * i, scale=float(i % 7), number=i) for i in range(1, 30)]
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(9.0), waiting, union())
+    opened = [m for m in problem.messages if not m.sent]
+    assert [m.scale for m in opened if m.t_gen < 10.0] == [1.0] + [6.0] * MOST_OF_OWN
+    assert 1 <= sum(m.t_gen > 10.0 for m in opened) <= MOST_OF_OWN
+    assert tabulate(problem).gains.closed
+
+
+def test_of_once_only_the_robots_without_any_receive(make_specs):
+    """One that joins is worth a message, the one that has it is not."""
+    view, stream = aggregated(make_specs, '"once"')
+    view.note_sent(stream, 1, Sent(9.0, 9.0, 1000, 1.0))
+    view.add_peer(9.5, "r3", "z-r3")
+    view.heard_state(9.5, State("r3", "z-r3", "enforce", "", (), ("robot/**",)))
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    assert problem.streams[0].receivers == (Receiver(0.0, 1.0),)
+    assert problem.messages[problem.current].use == (2000.0,)
+
+
+def test_what_others_sent_of_once_still_uses_the_channel(make_specs):
+    """Though nobody gains by more of it, so that it is no stream of the problem."""
+    view, _ = aggregated(make_specs, '"once"')
+    others = add_stream(view, "r2")
+    view.note_sent(others, 1, Sent(9.7, 9.7, 1000, 1.0))
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    assert len(problem.streams) == 1
+    assert [(t.t_sent, t.use) for t in problem.traffic] == [(9.7, (1000.0,))]
+
+
+def test_receivers_of_our_own_stream_are_told_apart_by_latency(crowd):
+    """Of others' streams they are one group; no message has their number in its scale."""
+    for robot, latency in (("r2", 0.02), ("r3", 0.1), ("r4", 0.02)):
+        crowd.add_peer(0.0, robot, f"z-{robot}")
+        crowd.heard_state(0.0, State(robot, f"z-{robot}", "enforce", "", (), ("robot/**",)))
+        crowd.peers[f"z-{robot}"].latency_out = latency
+    problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), union())
+    ours, others, _ = problem.streams
+    assert ours.receivers == (Receiver(0.0, 2.0), Receiver(pytest.approx(0.08), 1.0))
+    assert others.receivers == (Receiver(0.0, 3.0),)
+    current = problem.messages[problem.current]
+    assert (current.t_rcv, current.scale) == (pytest.approx(10.02), 1.0)
+    assert problem.t_end > max(m.t_rcv for m in problem.messages) + 0.08
+
+
+@hypothesis_settings(deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    robots=st.integers(1, 6),
+    latency=st.floats(0.001, 0.5),
+    scale=st.floats(0.1, 10.0),
+    ages=st.lists(st.floats(0.1, 4.0), max_size=4),
+    limit=st.floats(2_000.0, 40_000.0),
+)
+def test_equal_latencies_give_the_plan_of_one_receiver_that_counts_for_all(
+    make_specs, *, robots, latency, scale, ages, limit
+):
+    """As if each message were worth so many times as much to one."""
+    view = make_view(make_specs())
+    for number in range(robots):
+        view.add_peer(0.0, f"p{number}", f"z-{number}")
+        view.heard_state(0.0, State(f"p{number}", f"z-{number}", "enforce", "", (), ("robot/**",)))
+        view.peers[f"z-{number}"].latency_out = latency
+    stream = add_stream(view, "r1")
+    for count, age in enumerate(sorted(ages, reverse=True)):
+        stream.note_sent(count + 1, Sent(10.0 - age, 10.0 - age, 1000, 1.0))
+    limits = Limits((replace(LIMIT, limit=limit),), (), ())
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0, scale=scale), (), limits)
+    assert problem.streams[0].receivers == (Receiver(0.0, float(robots)),)
+    merged = replace(
+        problem,
+        streams=tuple(replace(each, receivers=(Receiver(),)) for each in problem.streams),
+        messages=tuple(replace(m, scale=m.scale * robots) for m in problem.messages),
+    )
+    found, expected = plan_of(problem), plan_of(merged)
+    assert found.utility == pytest.approx(expected.utility)
+    assert found.send == expected.send or abs(expected.lead) <= 1e-6 * expected.utility
+
+
+def plan_of(problem):
+    search = start(problem, SearchSettings())
+    search.run(300)
+    return search.plan()
 
 
 def fresh_value(message) -> float:

@@ -1,0 +1,215 @@
+"""The gate where more than the most recent sample counts, and what it tells of its decisions, as transcripts."""
+
+import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from planner import Plan
+from proxy.core import events as ev
+from proxy.core.commands import Decide, Drop, Forward
+from proxy.core.mode import Mode
+from proxy.core.wire import Digest, State
+from tests.proxy.core.talk import SPEC, only
+
+AGGREGATIONS = ["most_recent", "best", "sum", "once"]
+STEPS = [*["publish"] * 6, *["delete"] * 2, *["answer"] * 3, "hand", "refuse", "mode", "join"]
+
+
+@pytest.fixture
+def make_aggregated(make_talk, make_specs):
+    """A core whose camera samples combine as told, with robot op that wants them."""
+
+    def make(aggregation, limit="80 kbit/s", **settings):
+        text = SPEC.format(limit=limit, window=1.0).replace('"most_recent"', f'"{aggregation}"')
+        talk = make_talk(make_specs(text=text), **settings)
+        talk.want(0.0)
+        return talk
+
+    return make
+
+
+def decide_all(talk, now, commands, *, send):
+    """Answer every decision that comes up; return what was forwarded and dropped."""
+    outcomes = only(commands, Forward, Drop)
+    while decisions := only(commands, Decide):
+        commands = talk.answer(now, decisions[0], send=send)
+        outcomes += only(commands, Forward, Drop)
+    return outcomes
+
+
+@pytest.mark.parametrize("aggregation", ["best", "sum"])
+def test_every_sample_waits_and_is_decided_with_those_behind_it(make_aggregated, aggregation):
+    """Two more arrive during a decision: nothing is superseded, and the next window holds both."""
+    talk = make_aggregated(aggregation)
+    first, commands = talk.publish(0.1)
+    second, _ = talk.publish(0.2, red=0.5)
+    third, nothing = talk.publish(0.3)
+    assert only(nothing) == []
+    forward, decide = only(talk.answer(0.31, only(commands)[0], send=True))
+    assert forward == Forward(first)
+    opened = [(m.t_gen, m.scale) for m in decide.problem.messages if not m.sent and m.t_gen <= 0.3]
+    assert opened == [(0.2, 6.0), (0.3, 1.0)]
+    assert decide_all(talk, 0.32, [decide], send=True) == [Forward(second), Forward(third)]
+
+
+def test_of_too_many_the_least_valuable_is_dropped(make_aggregated):
+    """The bound is a setting."""
+    talk = make_aggregated("sum", backlog=2)
+    talk.publish(0.1)
+    talk.publish(0.2, red=0.5)
+    least, _ = talk.publish(0.3, red=0.1)
+    _, commands = talk.publish(0.4, red=0.2)
+    assert only(commands) == [Drop(least, "dropped:overflow")]
+
+
+def test_after_the_first_of_once_the_others_are_dropped_without_a_search(make_aggregated):
+    """A robot that joins is worth another search; so is a first one that never left the robot."""
+    talk = make_aggregated("once")
+    first, commands = talk.publish(0.1)
+    second, _ = talk.publish(0.2)
+    outcomes = only(talk.answer(0.3, only(commands)[0], send=True))
+    assert outcomes == [Forward(first), Drop(second, "dropped:once")]
+    talk.tell(ev.SampleRefused(0.35, first))
+    third, commands = talk.publish(0.4)
+    assert decide_all(talk, 0.41, commands, send=True) == [Forward(third)]
+    talk.tell(ev.SampleHanded(0.45, third))
+    fourth, commands = talk.publish(0.5)
+    assert only(commands) == [Drop(fourth, "dropped:once")]
+    talk.want(0.6, "r3", "z-r3")
+    _, commands = talk.publish(0.7)
+    assert isinstance(only(commands)[0], Decide)
+
+
+def test_in_shadow_what_once_makes_worthless_goes_all_the_same(make_aggregated):
+    """And is counted as what would be dropped."""
+    talk = make_aggregated("once", mode=Mode.SHADOW)
+    _, commands = talk.publish(0.1)
+    talk.answer(0.2, only(commands)[0], send=True)
+    second, commands = talk.publish(0.3)
+    assert only(commands) == [Forward(second)]
+    assert talk.core.status(0.4)["decisions"]["would_drop"] == 1
+
+
+def test_a_deletion_waits_for_all_samples_before_it_and_holds_those_after_it(make_aggregated):
+    """Even one of higher priority that came later."""
+    talk = make_aggregated("sum")
+    first, commands = talk.publish(0.1)
+    second, _ = talk.publish(0.2)
+    delete, meanwhile = talk.publish(0.21, delete=True)
+    later, _ = talk.publish(0.3, priority=1)
+    assert only(meanwhile) == []
+    assert decide_all(talk, 0.4, commands, send=True) == [
+        Forward(first),
+        Forward(second),
+        Forward(delete),
+        Forward(later),
+    ]
+
+
+def test_in_pass_the_order_around_a_deletion_is_kept(make_aggregated):
+    """What is being decided is released first, what came after the deletion last."""
+    talk = make_aggregated("sum")
+    first, commands = talk.publish(0.1)
+    second, _ = talk.publish(0.2)
+    delete, _ = talk.publish(0.21, delete=True)
+    later, _ = talk.publish(0.3, priority=1)
+    released = [Forward(sample) for sample in (first, second, delete, later)]
+    assert only(talk.tell(ev.ModeChanged(0.4, Mode.PASS))) == released
+    assert only(talk.answer(0.5, only(commands)[0], send=True)) == []
+
+
+@hypothesis_settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    aggregation=st.sampled_from(AGGREGATIONS),
+    coordination=st.sampled_from(["overhear", "shares"]),
+    steps=st.lists(st.tuples(st.sampled_from(STEPS), st.integers(0, 5)), min_size=12, max_size=50),
+)
+def test_nothing_is_lost_and_deletions_keep_their_place(make_aggregated, aggregation, coordination, steps):
+    """Whatever happens in whatever order: conservation at every step, and per key and priority first in, first out."""
+    talk = make_aggregated(aggregation, coordination=coordination, backlog=2, settle=0.0, floor=0.0)
+    talk.tell(ev.DigestHeard(0.05, Digest("op", "z-op", 0.05, talk.core.shares.epoch, 0, 0)))
+    now, decisions, approved, keys, deletes = 0.1, [], [], {}, set()
+    for step, number in steps:
+        now += 0.01
+        if step in ("publish", "delete"):
+            key, deleted = f"robot/{number % 2}/camera", step == "delete"
+            sample, commands = talk.publish(now, key=key, red=number / 5, priority=3 + number // 2, delete=deleted)
+            keys[sample] = key
+            deletes |= {sample} if deleted else set()
+        elif step == "answer" and decisions:
+            commands = talk.answer(now, decisions.pop(), send=number % 2 == 0)
+        elif step in ("hand", "refuse") and approved:
+            talk.tell((ev.SampleHanded if step == "hand" else ev.SampleRefused)(now, approved.pop(0)))
+            commands = []
+        elif step == "mode":
+            commands = talk.tell(ev.ModeChanged(now, [Mode.ENFORCE, Mode.SHADOW, Mode.PASS][number % 3]))
+        elif step == "join":
+            talk.tell(ev.StateHeard(now, State("op", "z-op", "enforce", "", (), ("robot/*/camera",) * (number % 2))))
+            commands = []
+        else:
+            continue
+        decisions += only(commands, Decide)
+        approved += [command.sample for command in only(commands, Forward)]
+        assert talk.core.counts.conserved
+    while decisions:
+        decisions += only(talk.answer(now, decisions.pop(), send=True), Decide)
+    assert talk.core.gate.pending is None
+    assert len(talk.core.gate.inbox) == 0
+    sent = [command.sample for command in talk.all(Forward)]
+    dropped = [command.sample for command in talk.all(Drop)]
+    assert sorted(sent + dropped) == sorted(keys)
+    assert deletes <= set(sent)
+    for delete in deletes:
+        before = sent[: sent.index(delete)]
+        same = [sample for sample in sent if keys[sample] == keys[delete]]
+        assert all((sample in before) == (sample < delete) for sample in same if sample != delete)
+
+
+def test_the_status_explains_the_last_decision_and_counts_what_bound(make_aggregated):
+    """By the names that the problem gives its constraints."""
+    talk = make_aggregated("most_recent", coordination="shares", settle=0.0)
+    talk.tell(ev.PeerGone(0.05, "op", "z-op"))
+    talk.tell(ev.MatchingChanged(0.05, "robot/r1/camera", matching=True))
+    _, commands = talk.publish(0.1)
+    plan = Plan(
+        send=False,
+        sends=(),
+        utility=2.0,
+        opposite=1.5,
+        iterations=7,
+        nodes=9,
+        lead=0.25,
+        gap=0.5,
+        prices=(0.0, 1.0),
+        binding=("throughput (held)",),
+        seconds=0.004,
+    )
+    talk.tell(ev.DecisionReady(0.2, only(commands)[0].ticket, plan))
+    talk.tell(ev.SamplesPassed(0.25, "passed:no-spec", 1, 6000))
+    talk.publish(0.3, size=6000)
+    decisions = talk.core.status(1.2)["decisions"]
+    last = decisions.pop("last")
+    assert (last["age"], last["key"], last["reason"]) == (1.0, "robot/r1/camera", "dropped:planner")
+    assert last["prices"] == {"throughput": 0.0, "throughput (held)": 1.0}
+    assert decisions == {
+        "made": 1,
+        "iterations": 7,
+        "would_drop": 0,
+        "seconds": 0.004,
+        "longest": 0.004,
+        "proven": 0,
+        "bounded": 1,
+        "gap": 0.5,
+        "utility": 2.0,
+        "binding": {"throughput (held)": 2},
+    }
+
+
+def test_constraints_that_leave_no_room_are_counted_by_name(make_aggregated):
+    """Where all is overheard they are the union's."""
+    talk = make_aggregated("most_recent")
+    _, commands = talk.publish(0.1, size=6000)
+    talk.answer(0.11, only(commands)[0], send=True)
+    talk.publish(0.2, size=6000)
+    assert talk.core.status(0.3)["decisions"]["binding"] == {"throughput": 1}

@@ -1,0 +1,57 @@
+"""Aggregations that specs of the tests name."""
+
+
+class Greatest:
+    """The greatest scale received counts."""
+
+    made = 0
+
+    def __init__(self):
+        type(self).made += 1
+
+    def empty(self):
+        return 0.0
+
+    def add(self, state, message):
+        return max(state, message.scale)
+
+    def value(self, state, t_end):
+        return state * max(t_end, 0.0)
+
+
+class Everything(Greatest):
+    """Knows every set of messages apart."""
+
+    def empty(self):
+        return frozenset()
+
+    def add(self, state, message):
+        return state | {message.t_gen}
+
+    def value(self, state, _t_end):
+        return float(len(state))
+
+
+class Failing(Greatest):
+    def add(self, _state, _message):
+        raise RuntimeError("one\ntwo")
+
+
+class Endless(Greatest):
+    def value(self, _state, _t_end):
+        return float("inf")
+
+
+class Listing(Greatest):
+    def empty(self):
+        return []
+
+
+class Demanding(Greatest):
+    def __init__(self, what):
+        self.what = what
+
+
+class Lacking:
+    def empty(self):
+        return 0.0
