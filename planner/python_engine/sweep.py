@@ -31,7 +31,8 @@ class Place:
 class Sweep:
     """The nodes of one level, and how to come to the next."""
 
-    def __init__(self, tables: Tables, path: Path, prices: Prices) -> None:
+    def __init__(self, tables: Tables, path: Path, prices: Prices, width: int = WIDTH) -> None:
+        self._width = width
         self._levels = tables.levels
         self._start = tables.gains.aim_facts
         self._path = path
@@ -52,8 +53,8 @@ class Sweep:
         for place in self.places:
             self._extend(place, found, worth_trying)
         ranked = sorted(found.values(), key=lambda place: place.bound)
-        self.whole = self.whole and len(ranked) <= WIDTH
-        self.places = ranked[-WIDTH:]
+        self.whole = self.whole and len(ranked) <= self._width
+        self.places = ranked[-self._width :]
         self._level += 1
         self.done = self._level == self._levels or not self.places
 

@@ -35,6 +35,7 @@ FLOWN_LONG = (
     "widening beam, 60 rounds, 3,000 nodes",
     AS_IT_IS,
     "best mode without the tree",
+    "best mode without the sweep",
     "best mode without what lies beyond",
     "best mode, deflected directions",
 )

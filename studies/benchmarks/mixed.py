@@ -28,16 +28,16 @@ TARGET = 96.0
 SHORT = 30.0
 """Length of the missions whose integer optimum is sought [s]."""
 
-PATIENCE = 20.0
+PATIENCE = 8.0
 """What it may take [s]; where the time is up, the best plan found so far stands in."""
 
 
 def measure_mixed(*, quick: bool) -> list[Table | Chart]:
     """Fly all missions; return charts, a table for each contender, and what whole messages can reach at all.
 
-    `quick` flies one mission of 2 s a point instead of five of 100 s. Raises OracleUnavailable without SciPy.
+    `quick` flies one mission of 2 s a point instead of three of 100 s. Raises OracleUnavailable without SciPy.
     """
-    seeds, seconds = (1, 2.0) if quick else (5, 100.0)
+    seeds, seconds = (1, 2.0) if quick else (3, 100.0)
     flown = (best_mode(), best_mode_sampling(), best_mode_knowing(), paper_mode())
     measured = fly_all(points("mixed"), flown, seeds=seeds, seconds=seconds, alone=quick)
     note = (

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from planner.python_engine.best import BestSearch, Node
 from planner.python_engine.path import Path
 from planner.python_engine.prices import ROUNDS, Prices
+from planner.python_engine.sweep import WIDTH, Sweep
 from planner.search import SearchSettings
 from planner.tables import Tables
 
@@ -21,10 +22,13 @@ DEFLECTION = 1.5
 class Best(BestSearch):
     """Best mode as it is; it counts the plans that it completes."""
 
-    def __init__(self, tables: Tables, prices: Prices | None = None, path: Path | None = None) -> None:
+    def __init__(
+        self, tables: Tables, prices: Prices | None = None, path: Path | None = None, width: int = WIDTH
+    ) -> None:
         super().__init__(tables, SearchSettings())
         if prices is not None and path is not None:
             self._path, self._prices = path, prices
+        self._sweep = Sweep(tables, self._path, self._prices, width)
         self.plans = 0
 
     @property
@@ -52,6 +56,22 @@ class Best(BestSearch):
 
 
 class WithoutTree(Best):
+    """Learning and the sweep, and no more."""
+
+    def _iterate(self) -> None:
+        super()._iterate()
+        self.done = self.done or self._sweep.done
+
+
+class WithoutSweep(Best):
+    """From learning straight to the tree."""
+
+    def __init__(self, tables: Tables) -> None:
+        super().__init__(tables)
+        self._sweep.done = True
+
+
+class LearningAlone(Best):
     """The plans rolled out while the prices are learned, and no more."""
 
     def _iterate(self) -> None:

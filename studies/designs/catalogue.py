@@ -10,7 +10,9 @@ from studies.designs.ablations import (
     Best,
     Deflected,
     FewRounds,
+    LearningAlone,
     WithoutDominance,
+    WithoutSweep,
     WithoutTree,
     with_prices,
     without_learning,
@@ -81,6 +83,9 @@ def _best() -> Iterator[Design]:
     yield _design(AS_IT_IS, Best)
     yield _design("best mode without learning", without_learning)
     yield _design("best mode without the tree", WithoutTree)
+    yield _design("best mode without the sweep", WithoutSweep)
+    yield _design("best mode, learning alone", LearningAlone)
+    yield _design("best mode, sweep of 50", lambda tables: Best(tables, width=50))
     yield _design("best mode without dominance", WithoutDominance)
     yield _design("best mode without what lies beyond", Best, beyond=False)
     yield _design("best mode with true dominance", TrueDominance)
