@@ -5,7 +5,17 @@ import math
 
 import pytest
 
-from planner import Constraint, PlannerError, ProblemError, SearchError, SearchSettings, Traffic, start
+from planner import (
+    Constraint,
+    PlannerError,
+    ProblemError,
+    Receiver,
+    SearchError,
+    SearchSettings,
+    Stream,
+    Traffic,
+    start,
+)
 from tests.planner.windows import open_messages, window
 
 ENGINES = ("native", "python")
@@ -91,3 +101,18 @@ def test_all_errors_are_planner_errors():
     """One except clause catches everything that the planner refuses."""
     assert issubclass(ProblemError, PlannerError)
     assert issubclass(SearchError, PlannerError)
+
+
+@pytest.mark.parametrize(
+    ("stream", "says"),
+    [
+        (Stream(0, receivers=(Receiver(delay=-0.1),)), "stream 1: a receiver's delay must be >= 0 s, not -0.1"),
+        (Stream(0, receivers=(Receiver(delay=math.inf),)), "delay must be"),
+        (Stream(0, receivers=(Receiver(), Receiver(share=math.nan))), "a receiver's share must be >= 0, not nan"),
+        (Stream(0, "newest"), "aggregation must be one of most_recent, best, sum, once or have the methods"),
+    ],
+)
+def test_bad_streams_are_refused(stream, says):
+    """What cannot be said of a stream is named with its number."""
+    with pytest.raises(ProblemError, match=says):
+        start(dataclasses.replace(GOOD, streams=(GOOD.streams[0], stream, *GOOD.streams[2:])), SearchSettings())
