@@ -44,7 +44,7 @@ test-system: setup
 
 # The long run: every property with thousands of examples, and a long flight of the demo.
 qualify: setup
-	$(BIN)/python -m pytest -m "not system" --hypothesis-profile=qualify tests/planner tests/proxy/core tests/utility_specs
+	$(BIN)/python -m pytest -m "not system" --hypothesis-profile=qualify tests/planner tests/fuzz tests/proxy/core tests/utility_specs
 	$(BIN)/sendworthy demo --seconds 120 --json build/qualify-demo.json --picture build/qualify-demo.png
 
 # Locks the dependencies of all platforms with their hashes; needs uv on the PATH.

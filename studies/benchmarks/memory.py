@@ -10,7 +10,7 @@ from studies.benchmarks.speed import Team
 
 ITERATIONS = 10_000
 MEGABYTE = 1_000_000
-HELD = 8
+HELD = 20
 """Searches that are held at once, so that none lives in what another gave back."""
 
 WARM = 2_000
