@@ -44,13 +44,17 @@ class Chart:
         mpl.use("Agg")
         from matplotlib import pyplot as plt  # noqa: PLC0415
 
-        figure, axes = plt.subplots(figsize=(max(6.4, 1.1 * len(self.places)), 4.0), dpi=120, layout="constrained")
+        rows = (len(self.series) + 2) // 2
+        size = (max(7.5, 1.3 * len(self.places)), 4.0 + 0.17 * rows)
+        figure, axes = plt.subplots(figsize=size, dpi=110, layout="constrained")
         if self.kind == "bars":
             self._bars(axes)
         else:
             self._lines(axes)
         self._frame(axes)
-        figure.supxlabel(origin, fontsize=7, color=GREY)
+        figure.suptitle(self.title, fontsize=10)
+        axes.set_title(origin, fontsize=6.5, color=GREY)
+        figure.legend(fontsize=7, frameon=False, loc="outside lower center", ncols=2)
         figure.savefig(path, metadata={"Software": None})
         plt.close(figure)
 
@@ -71,7 +75,6 @@ class Chart:
         axes.set_xticks(range(len(self.places)), self.places, fontsize=8)
 
     def _frame(self, axes: Any) -> None:
-        axes.set_title(self.title, fontsize=10)
         axes.set_ylabel(self.unit)
         if self.logarithmic:
             axes.set_yscale("log")
@@ -82,4 +85,3 @@ class Chart:
         axes.grid(axis="y", color="#dddddd", linewidth=0.6)
         axes.set_axisbelow(True)
         axes.spines[["top", "right"]].set_visible(False)
-        axes.legend(fontsize=7, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3)
