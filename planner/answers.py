@@ -10,6 +10,9 @@ from planner.python_engine.path import Path
 from planner.search import Plan
 from planner.tables import Tables
 
+ROUNDING = 1e-8
+"""What rounding may add to a bound, as a part of it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Found:
@@ -42,12 +45,20 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
         iterations=iterations,
         nodes=found.nodes,
         lead=None if other is None else aim - other[0],
-        gap=None if found.bound is None or math.isinf(found.bound) else max(found.bound - aim, 0.0),
+        gap=_gap(tables, found.bound, aim),
         prices=prices,
         binding=tuple(
             constraint.name for k, constraint in enumerate(tables.problem.constraints) if prices[k] > 0 or k in too_much
         ),
     )
+
+
+def _gap(tables: Tables, bound: float | None, aim: float) -> float | None:
+    """Return by how much a plan may exceed the one that is worth `aim`; what rounding adds is nothing."""
+    if bound is None or math.isinf(bound) or not tables.gains.exact:
+        return None
+    gap = bound - aim
+    return gap if gap > ROUNDING * abs(bound) else 0.0
 
 
 def _current(tables: Tables) -> int:
@@ -65,7 +76,10 @@ def _worth(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
         entry = int(gains.start[level]) + state[gains.stream[level]]
         state[gains.stream[level]] = int(gains.after[entry])
         entries.append(entry)
-    return gains.aim_facts + float(gains.aim[entries].sum()), gains.facts + float(gains.gain[entries].sum())
+    aim = gains.aim_facts + float(gains.aim[entries].sum())
+    if not gains.exact:
+        return aim, utility(tables.problem, tables.message[list(sends)].tolist())
+    return aim, gains.facts + float(gains.gain[entries].sum())
 
 
 def _walked(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:

@@ -13,8 +13,8 @@ best when a unit of each constraint has a price. That gives, in closed form,
   `max over x of the integral of u_m(t) over [t_c, t_n + x], less g[i]·x`, where t_n is when the next message of
   the stream could replace it, and x is how much longer it pays to keep it (the relative value function of the
   renewal process; without a message in its place the stream would earn nothing until t_n);
-* the *charge* for what m still occupies: `λ[k] · min(use, limit) · (t_sent + T − t_c)+ / T`, the mean price of
-  the windows to come that hold m.
+* the *charge* for what m still occupies after t_last, the last sending of the window: `λ[k] · min(use, limit) ·
+  (t_sent + T − t_last)+ / T`, the mean price of the windows to come that hold m; T is stretched for an oversized m.
 
     objective = U up to t_c + Σ worth of the last message of each stream − Σ charges of the messages sent
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from planner.aggregations.custom import Guarded
 from planner.problem import Aggregation, AggregationModel, Message, Problem
 
 CELLS = 4_000
@@ -30,10 +31,11 @@ def _aggregated(aggregation: Aggregation | AggregationModel, received: Sequence[
     """Return what messages in the order of receipt are worth to one receiver."""
     if isinstance(aggregation, Aggregation):
         return STANDARD[aggregation](received, t_end) if received else 0.0
-    state = aggregation.empty()
+    model = Guarded(received[0].stream if received else 0, aggregation)
+    state = model.empty()
     for message in received:
-        state = aggregation.add(state, message)
-    return aggregation.value(state, t_end)
+        state = model.add(state, message)
+    return model.value(state, t_end)
 
 
 def _most_recent(received: Sequence[Message], t_end: float) -> float:

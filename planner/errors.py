@@ -10,4 +10,4 @@ class ProblemError(PlannerError, ValueError):
 
 
 class SearchError(PlannerError, ValueError):
-    """Search settings that cannot be used: an unknown mode, a negative budget."""
+    """Search settings that cannot be used: an unknown mode, no room for a tree."""

@@ -14,7 +14,7 @@ import numpy as np
 from planner.aggregations import best, custom, independent, most_recent, once
 from planner.aggregations.part import Part, join
 from planner.beyond import Beyond
-from planner.errors import ProblemError
+from planner.errors import PlannerError, ProblemError
 from planner.problem import Aggregation, Problem
 from planner.received import Received
 from planner.utility import Flags, Floats, Ints
@@ -42,6 +42,8 @@ class Gains:
     """What each of the gains adds to what the search maximises: U, or the objective of beyond.py [utility·s]."""
     aim_facts: float
     """The same of the facts alone [utility·s]."""
+    exact: bool
+    """Whether the table says what plans are worth; if not, it is close, and nothing is proven by it."""
     markovian: Flags
     """By stream: whether the message received last is all that counts."""
     open_ended: tuple[custom.CustomStream | None, ...]
@@ -104,6 +106,7 @@ class _Tabulation:
             everything=part.everything,
             aim=aim,
             aim_facts=part.aim_facts,
+            exact=part.exact,
             markovian=np.array([kind is Aggregation.MOST_RECENT for kind in kinds], dtype=np.bool_),
             open_ended=tuple(self._open_ended.get(each) for each in streams.tolist()),
         )
@@ -131,7 +134,12 @@ class _Tabulation:
 
     def _custom(self, stream: int, until: float) -> Part:
         levels = np.flatnonzero(self._stream[self._opened] == stream).tolist()
-        part, whole = custom.tabulate(self._problem, stream, levels, until)
+        try:
+            part, whole = custom.tabulate(self._problem, stream, levels, until)
+        except PlannerError:
+            raise
+        except Exception as error:  # states of the caller's may fail when they are compared
+            raise ProblemError(f"stream {stream}: its states failed: {type(error).__name__}: {error}") from error
         if not whole:
             self._open_ended[stream] = custom.CustomStream(self._problem, stream, levels, until)
         return part

@@ -5,6 +5,7 @@ from typing import cast
 
 import numpy as np
 
+from planner.errors import ProblemError
 from planner.problem import Problem
 from planner.utility import Batched, Flags, Floats, Ints, MessageUtility
 
@@ -99,5 +100,8 @@ def _of_one_kind(
     result = np.zeros(len(which))
     for at in np.unique(which):
         chosen = which == at
-        result[chosen] = utilities[at].integral(start[chosen], end[chosen])
+        try:
+            result[chosen] = utilities[at].integral(start[chosen], end[chosen])
+        except Exception as error:
+            raise ProblemError(f"utility {kind.__name__}.integral() failed: {type(error).__name__}: {error}") from error
     return result

@@ -36,8 +36,9 @@ class Plan:
     The others are of what the search maximises, in best mode U and what is left behind at the end of the window
     (`beyond.py`) [utility·s]. The `lead` is what speaks for the decision: by how much the plan exceeds the other one.
     No plan exceeds it by more than `gap`: 0 when it is proven to be the best, None when no bound is known.
-    `prices[k]` is what constraint k asks for sending the current message, and `binding` names the constraints that
-    ask anything or have no room for it in the plan. `seconds` is what the decision took, for the caller to fill in.
+    `prices[k]` is what constraint k asks for sending the current message, by the linear relaxation of the window and
+    what lies beyond it, and `binding` names the constraints that ask anything or have no room for it in the plan.
+    `seconds` is what the decision took, for the caller to fill in.
     """
 
     send: bool

@@ -5,7 +5,8 @@ a set of messages what the best of them is worth there. Only where utilities cro
 integral of the envelope, by an amount that falls with the square of the cells.
 
 Two sets of messages with the same envelope from the next receipt on are one state. There are never more than
-`MAX_STATES` of a stream: beyond them a new envelope is taken for the nearest of those there are.
+`MAX_STATES` of a stream: beyond them a new envelope is taken for the nearest of those there are, and the table is no
+longer `exact`.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.aggregations.part import Part, join
+from planner.errors import ProblemError
 from planner.received import Received, integrals, receivers
 from planner.utility import Flags, Floats, Ints
 
@@ -23,6 +25,10 @@ CELLS_BEYOND = 32
 """Cells after the end of the window, as far as they count for what the search maximises."""
 
 MAX_STATES = 256
+"""States of a stream in one window."""
+
+MAX_AREAS = 1_000_000
+"""The greatest number of integrals of one stream over cells (8 MB); beyond it the horizon is a mistake."""
 
 
 def tabulate(received: Received, until: Floats | None) -> Part:
@@ -61,15 +67,16 @@ class _Stream:
         level, rows = received.level[here], np.searchsorted(self._places, received.opened[here])
         envelopes = cells.area[fact].max(axis=0, initial=0.0)[None, :]
         facts = envelopes[0]
-        after, gain, aim = [], [], []
+        after, gain, aim, exact = [], [], [], True
         receipts = np.append(received.t_rcv[self._places[rows]], np.inf)
         for i, row in enumerate(rows.tolist()):
             sent = np.maximum(envelopes, cells.area[row])
             more = sent - envelopes
             gain.append(more[:, cells.inside].sum(axis=1))
             aim.append(more.sum(axis=1))
-            states, envelopes = _merged(envelopes, sent, cells.begin >= receipts[i + 1])
+            states, envelopes, whole = _merged(envelopes, sent, cells.begin >= receipts[i + 1])
             after.append(states)
+            exact = exact and whole
         everything = cells.area.max(axis=0, initial=0.0)
         return Part(
             level=level,
@@ -80,6 +87,7 @@ class _Stream:
             facts=float(facts[cells.inside].sum()),
             aim_facts=float(facts.sum()),
             everything=float(everything[cells.inside].sum()),
+            exact=exact,
         )
 
 
@@ -94,6 +102,8 @@ def _cut(received: Received, places: Ints, until: float) -> _Cells:
         even = np.concatenate((np.linspace(first, t_end, CELLS + 1), np.linspace(t_end, end, CELLS_BEYOND + 1)))
         edges = np.unique(np.concatenate((t_rcv[t_rcv < end], even)))
         begin, close = edges[:-1], edges[1:]
+        if len(places) * len(begin) > MAX_AREAS:
+            raise ProblemError(f"stream {stream} has {len(places):,} messages in the window: too many for `best`")
         which, cell = (axis.ravel() for axis in np.indices((len(places), len(begin))))
         born = received.t_gen[places[which]] - delay
         start = np.maximum(begin[cell] - born, 0.0)
@@ -104,19 +114,24 @@ def _cut(received: Received, places: Ints, until: float) -> _Cells:
     return _Cells(begin, area, inside)
 
 
-def _merged(states: Floats, sent: Floats, coming: Flags) -> tuple[Ints, Floats]:
-    """Return the state that sending leads to from each, and all states after it; only the `coming` cells matter."""
+def _merged(states: Floats, sent: Floats, coming: Flags) -> tuple[Ints, Floats, bool]:
+    """Return the state that sending leads to from each, all states after it, and whether there was room for all.
+
+    Only the `coming` cells matter.
+    """
     known: dict[bytes, int] = {}
     for number, row in enumerate(states[:, coming]):
         known.setdefault(row.tobytes(), number)
+    room = np.empty((MAX_STATES, states.shape[1]))
+    count, whole = len(states), True
+    room[:count] = states
     after: list[int] = []
-    new: list[int] = []
-    for number, row in enumerate(sent[:, coming]):
+    for envelope, row in zip(sent, sent[:, coming], strict=True):
         key = row.tobytes()
-        if key not in known and len(states) + len(new) == MAX_STATES:
-            known[key] = int(np.abs(np.concatenate((states, sent[new]))[:, coming] - row).sum(axis=1).argmin())
+        if key not in known and count == MAX_STATES:
+            known[key], whole = int(np.abs(room[:, coming] - row).sum(axis=1).argmin()), False
         elif key not in known:
-            known[key] = len(states) + len(new)
-            new.append(number)
+            known[key], room[count] = count, envelope
+            count += 1
         after.append(known[key])
-    return np.array(after, dtype=np.int64), np.concatenate((states, sent[new]))
+    return np.array(after, dtype=np.int64), room[:count], whole

@@ -33,7 +33,7 @@ class CustomStream:
     """
 
     def __init__(self, problem: Problem, stream: int, levels: list[int], until: float) -> None:
-        self._model = _Guarded(stream, cast("AggregationModel", problem.streams[stream].aggregation))
+        self._model = Guarded(stream, cast("AggregationModel", problem.streams[stream].aggregation))
         self._ends = (problem.t_end, until)
         self._receivers = problem.streams[stream].receivers
         order = [i for i, m in enumerate(problem.messages) if m.stream == stream]
@@ -131,7 +131,7 @@ def tabulate(problem: Problem, stream: int, levels: list[int], until: float) -> 
 
 def alone(problem: Problem, stream: int, message: Message, spans: Floats) -> Floats:
     """Return what a message is worth `spans` [s] after its receipt when nothing else is received [utility·s]."""
-    model = _Guarded(stream, cast("AggregationModel", problem.streams[stream].aggregation))
+    model = Guarded(stream, cast("AggregationModel", problem.streams[stream].aggregation))
     state = model.add(model.empty(), message)
     share = sum(receiver.share for receiver in problem.streams[stream].receivers)
     return share * np.array([model.value(state, message.t_rcv + span) for span in spans.tolist()])
@@ -159,7 +159,7 @@ def _decide(custom: CustomStream, grown: _Grown, place: int) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class _Guarded:
+class Guarded:
     """The caller's model, whose every failure becomes a ProblemError that names it."""
 
     stream: int
@@ -189,9 +189,9 @@ class _Guarded:
     def _hashable(self, name: str, state: Hashable) -> Hashable:
         try:
             hash(state)
-        except TypeError:
+        except Exception as error:
             kind = type(state).__name__
-            raise ProblemError(f"{self._name(name)} returned a {kind}: states must be hashable") from None
+            raise ProblemError(f"{self._name(name)} returned a {kind}: states must be hashable") from error
         return state
 
     def _name(self, method: str) -> str:

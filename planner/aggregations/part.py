@@ -28,6 +28,8 @@ class Part:
     """The same, of what the search maximises [utility·s]."""
     everything: float
     """U(M) of Eq. 2: all messages of these streams received [utility·s]."""
+    exact: bool = True
+    """Whether no state stands for another one that there was no room for."""
 
 
 def entries(states: Ints) -> tuple[Ints, Ints]:
@@ -55,4 +57,5 @@ def join(parts: Sequence[Part]) -> Part:
         facts=sum(part.facts for part in parts),
         aim_facts=sum(part.aim_facts for part in parts),
         everything=sum(part.everything for part in parts),
+        exact=all(part.exact for part in parts),
     )

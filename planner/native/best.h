@@ -125,7 +125,7 @@ class BestSearch {
         roll_out(false);
         roll_out(true);
         if (best_[1].value == kNothing) roll_out(true, true);
-        done_ = !prices_.learning() && prices_.bound() <= beaten();
+        done_ = proven_ = !prices_.learning() && prices_.bound() <= beaten();
     }
 
     // Sweep one level on; at the end keep the best plans, proven where nothing was left out.

@@ -87,7 +87,6 @@ class Path {
         return used_.data() + static_cast<std::size_t>(depth) * tables_.constraints;
     }
 
-    std::int32_t state_of(std::int32_t stream) const { return state_[stream]; }
     const std::int32_t* sends() const { return sends_.data(); }
     std::int32_t send_count() const { return count_; }
 

@@ -36,6 +36,7 @@ class Prices {
           advantage_(tables.gain.size(), 0.0),
           closing_start_(tables.levels + 1, 0) {
         closing_.reserve(tables.row.size());
+        next_.reserve(tables.levels);
     }
 
     // What sending gains over dropping at the end of the path, net of prices.
@@ -63,13 +64,13 @@ class Prices {
         return loss;
     }
 
-    // What sending the message of a level is charged by each constraint.
+    // What sending the message of a level is charged by each constraint, at the prices that bound best.
     std::vector<double> asked(std::int32_t level) const {
         std::vector<double> asked(tables_.constraints, 0.0);
         for (std::size_t at = 0; at < multiplier_.size(); ++at) {
             const Row& row = tables_.row[at];
             if (row.first <= level && level <= row.last) {
-                asked[row.of] += multiplier_[at] * tables_.share_of(level)[row.of];
+                asked[row.of] += best_[at] * tables_.share_of(level)[row.of];
             }
         }
         return asked;
@@ -208,9 +209,9 @@ class Prices {
         }
         for (std::int32_t at = 0; at < tables_.levels; ++at) closing_start_[at + 1] += closing_start_[at];
         closing_.assign(closing_start_[tables_.levels], 0);
-        std::vector<std::int32_t> next(closing_start_.begin(), closing_start_.end() - 1);
+        next_.assign(closing_start_.begin(), closing_start_.end() - 1);
         for (std::size_t at = 0; at < multiplier_.size(); ++at) {
-            if (multiplier_[at] > 0.0) closing_[next[tables_.row[at].last]++] = static_cast<std::int32_t>(at);
+            if (multiplier_[at] > 0.0) closing_[next_[tables_.row[at].last]++] = static_cast<std::int32_t>(at);
         }
     }
 
@@ -228,6 +229,7 @@ class Prices {
     std::vector<double> advantage_;
     std::vector<std::int32_t> closing_start_;
     std::vector<std::int32_t> closing_;
+    std::vector<std::int32_t> next_;  // where the next row of each level goes
     double bound_ = std::numeric_limits<double>::infinity();
     double step_ = kFirstStep;
     int stale_ = 0;

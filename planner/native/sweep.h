@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -29,6 +28,7 @@ class Sweep {
         }
         trail_.reserve(static_cast<std::size_t>(tables.levels) * 2 * kWidth);
         order_.reserve(2 * kWidth);
+        sends_.reserve(tables.levels);
     }
     Sweep(const Sweep&) = delete;
     Sweep& operator=(const Sweep&) = delete;
@@ -121,9 +121,11 @@ class Sweep {
     void rank() {
         std::swap(places_, next_);
         order_.resize(next_count_);
-        std::iota(order_.begin(), order_.end(), 0);
-        std::stable_sort(order_.begin(), order_.end(),
-                         [this](std::int32_t a, std::int32_t b) { return places_[a].bound < places_[b].bound; });
+        for (std::int32_t at = 0; at < next_count_; ++at) {
+            std::int32_t to = at;
+            for (; to > 0 && places_[at].bound < places_[order_[to - 1]].bound; --to) order_[to] = order_[to - 1];
+            order_[to] = at;
+        }
         whole_ = whole_ && next_count_ <= kWidth;
         count_ = std::min(next_count_, kWidth);
         order_.erase(order_.begin(), order_.end() - count_);

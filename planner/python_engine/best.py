@@ -130,7 +130,7 @@ class BestSearch:
             self._roll_out(forced=True)
             if self._best[True][0] == NOTHING:
                 self._roll_out(forced=True, clear=True)
-        self.done = not self._prices.learning and not self._worth_trying(self._prices.bound)
+        self.done = self._proven = not self._prices.learning and not self._worth_trying(self._prices.bound)
 
     def _go_down(self) -> None:
         """Sweep one level on; at the end keep the best plans, proven where nothing was left out."""

@@ -95,11 +95,11 @@ class Prices:
         return lost + self.left_unused(level, send=send)
 
     def asked(self, level: int) -> list[float]:
-        """Return what sending the message of a level is charged by each constraint [utility·s]."""
+        """Return what sending a message is charged by each constraint at the prices that bound best [utility·s]."""
         asked = [0.0] * self._constraints
-        for row in self._rows:
+        for row, multiplier in zip(self._rows, self._best, strict=True):
             if row.first <= level <= row.last:
-                asked[row.of] += row.multiplier * self._share[level][row.of]
+                asked[row.of] += multiplier * self._share[level][row.of]
         return asked
 
     def left_unused(self, level: int, *, send: bool) -> float:

@@ -55,7 +55,8 @@ def _chart(measured: Mapping[Literal["paper", "mixed"], Sequence[Sequence[Measur
         for number, scenario in enumerate(SCENARIOS)
     )
     places = tuple(f"{latency:g} s" for latency in LATENCIES)
-    return Chart("Share of the bound at the same latency", places, series, "[%]", "lines", least=90.0)
+    least = 5 * (min(value for one in series for value in one.values if value is not None) // 5)
+    return Chart("Share of the bound at the same latency", places, series, "[%]", "lines", least=least)
 
 
 def _mean(flown: Sequence[Measured], scenario: int) -> float:

@@ -70,10 +70,10 @@ def _growth(decisions: int) -> Table:
 
 def _grown(windows: list[Problem], settings: SearchSettings, decisions: int) -> int:
     for at in range(min(WARM, decisions)):
-        _decide(windows[at % len(windows)], settings, 30)
+        _decide(windows[at % len(windows)], settings, 300)
     before = resident()
     for at in range(decisions):
-        _decide(windows[at % len(windows)], settings, 30)
+        _decide(windows[at % len(windows)], settings, 300)
     return resident() - before
 
 

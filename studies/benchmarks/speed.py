@@ -102,8 +102,8 @@ def _search_alone(rates: Rates, teams: tuple[Team, ...]) -> Table:
         tuple(rows),
         f"In brackets the mean number of iterations done: the budget is {BUDGET['paper']:,} in paper mode and"
         f" {BUDGET['best']:,} in best mode, which ends earlier when the answer cannot change any more. An iteration of"
-        " best mode is a round of learning or a step of the search: either yields a whole plan. Tabulating a window is"
-        " not in it.",
+        " best mode is a round of learning, a level of the sweep or a leaf of the tree. Tabulating a window is not in"
+        " it.",
     )
 
 

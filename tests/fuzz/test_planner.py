@@ -124,7 +124,9 @@ def spoilt_window(draw):
     elif field == "use":
         message = replace(message, use=draw(st.lists(NUMBERS, max_size=limits + 1)))
     elif field == "utility":
-        message = replace(message, utility=Crooked(draw(st.sampled_from((math.nan, math.inf, -1.0, 1e308)))))
+        message = replace(
+            message, utility=Crooked(draw(st.sampled_from((math.nan, math.inf, -1.0, 1e308, "much", ValueError("no")))))
+        )
     return replace(problem, messages=(*problem.messages[:at], message, *problem.messages[at + 1 :]))
 
 

@@ -53,7 +53,7 @@ def windows():
 
 def test_plans_are_those_of_the_module_and_memory_is_clean(kernel, windows):
     """Both modes and all reductions, from roomy to tiny arenas: same plans, no finding."""
-    budgets = ((300, 65_536), (50, 9))
+    budgets = ((300, 65_536), (300, 9))
     jobs = [(window, *budget, mode) for window in windows for budget in budgets for mode in ("paper", "best")]
     text = f"{len(jobs)}\n" + "\n".join(exported(*job) for job in jobs)
     done = subprocess.run([kernel], input=text, capture_output=True, text=True, check=False)

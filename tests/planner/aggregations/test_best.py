@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner import Aggregation, Linear, Message, Problem, Stream
+from planner import Aggregation, Linear, Message, Problem, ProblemError, SearchSettings, Stream, start
 from planner.aggregations import best
 from planner.definition import utility
 from planner.evaluation import tabulate_gains
@@ -54,6 +54,25 @@ def test_states_are_bounded(monkeypatch):
     assert np.diff(bounded.start).max() == 16
     for sends in ([0, 2, 4, 6, 8], [1, 3, 5, 7], list(range(9))):
         assert added(bounded, sends) == pytest.approx(utility(problem, sends), rel=0.05)
+
+
+def test_nothing_is_proven_by_states_that_stand_for_others(monkeypatch):
+    """The utility of the plan is the true one, and no gap is claimed."""
+    messages = [message(0.1 * at, scale=1.0 + 0.9**at, slope=0.5 + 0.09 * at) for at in range(9)]
+    problem = stream(*messages, t_end=6.0)
+    monkeypatch.setattr(best, "MAX_STATES", 16)
+    for engine in ("native", "python"):
+        search = start(problem, SearchSettings(engine=engine))
+        search.run(300)
+        plan = search.plan()
+        assert plan.gap is None
+        assert plan.utility == utility(problem, plan.sends)
+
+
+def test_too_many_messages_are_refused():
+    """A window whose cells would not fit in memory is an error that says so."""
+    with pytest.raises(ProblemError, match="too many for `best`"):
+        tabulate_gains(stream(*(message(0.001 * at) for at in range(2_000))))
 
 
 def added(gains, sends):

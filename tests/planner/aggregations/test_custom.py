@@ -119,3 +119,36 @@ def test_messages_after_the_end_are_not_added():
         tables = tabulate(late, beyond=True)
         assert tables.gains.facts == pytest.approx(utility(late, []))
         assert tables.gains.everything == pytest.approx(utility(late, open_messages(late)))
+
+
+class Touchy:
+    """A state that cannot be hashed or compared without a fuss."""
+
+    def __init__(self, method):
+        self._method = method
+
+    def __hash__(self):
+        if self._method == "hash":
+            raise ValueError("no hash")
+        return 1
+
+    def __eq__(self, other):
+        raise ArithmeticError("no comparison")
+
+
+@pytest.mark.parametrize("method", ["hash", "eq"])
+def test_states_that_fail_are_a_problem_of_the_stream(method):
+    """Whatever their methods raise."""
+
+    class Model:
+        def empty(self):
+            return Touchy(method)
+
+        def add(self, state, message):  # noqa: ARG002
+            return Touchy(method)
+
+        def value(self, state, t_end):  # noqa: ARG002
+            return 1.0
+
+    with pytest.raises(ProblemError, match="stream 0"):
+        start(joint(4, Model()), SearchSettings())
