@@ -204,12 +204,19 @@ def _clearing(paid: Floats, wanted: Floats, offered: float) -> float:
     return max(float(paid[order[last]]), 0.0) if last < len(order) else 0.0
 
 
+def _after(problem: Problem, columns: Floats, interval: Floats) -> tuple[float, Floats]:
+    """Return t_c, and when the first message of each stream after the window is received [s]."""
+    opened = columns[columns[:, 1] == 0]
+    of, t_rcv = opened[:, 0].astype(np.int64), opened[:, 4]
+    coming = np.zeros(len(interval))
+    np.maximum.at(coming, of, t_rcv + interval[of])
+    return min(problem.t_end, float(t_rcv.max())), coming
+
+
 def _worth(problem: Problem, columns: Floats, rent: Floats, interval: Floats) -> Floats:
     """What each message is worth as the last of its stream, in place of what it is worth from t_c to t_end."""
-    of, opened, t_gen, t_rcv = columns[:, 0].astype(np.int64), columns[:, 1] == 0, columns[:, 2], columns[:, 4]
-    t_c = min(problem.t_end, float(t_rcv[opened].max()))
-    coming = np.zeros(len(interval))  # when the first message after the window is received
-    np.maximum.at(coming, of[opened], (t_rcv + interval[of])[opened])
+    of, t_gen, t_rcv = columns[:, 0].astype(np.int64), columns[:, 2], columns[:, 4]
+    t_c, coming = _after(problem, columns, interval)
     soonest = np.maximum(coming - t_c, 0.0)[of, None]
     later = interval[of, None] * np.concatenate((np.zeros(1), INTERVALS))
     begin = np.maximum(t_c - t_gen, 0.0)[:, None]
@@ -247,10 +254,7 @@ def _until(problem: Problem, columns: Floats, steady: _Steady, net: Floats, inte
     pause = INTERVALS[-1] * interval
     pays = net.max(axis=1) > 0
     pause[steady.stream[pays]] = 1.0 / steady.rate[pays, net.argmax(axis=1)[pays]]
-    of, opened, t_rcv = columns[:, 0].astype(np.int64), columns[:, 1] == 0, columns[:, 4]
-    coming = np.zeros(len(interval))
-    np.maximum.at(coming, of[opened], (t_rcv + interval[of])[opened])
-    t_c = min(problem.t_end, float(t_rcv[opened].max()))
+    t_c, coming = _after(problem, columns, interval)
     return np.asarray(np.maximum(problem.t_end, np.maximum(coming, t_c + 0.5 * pause)))
 
 
