@@ -85,7 +85,7 @@ def _worth(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
 def _walked(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
     """Return the same where a stream is open ended and the table does not say it."""
     path, aim = Path(tables), tables.gains.aim_facts
-    for level in range(tables.levels):
-        aim += path.gain(level) if level in sends else 0.0
-        path.step(level, send=level in sends)
+    for level in sends:  # what is dropped changes no gain
+        aim += path.gain(level)
+        path.step(level, send=True)
     return aim, utility(tables.problem, tables.message[list(sends)].tolist())

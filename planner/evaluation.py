@@ -135,11 +135,11 @@ class _Tabulation:
     def _custom(self, stream: int, until: float) -> Part:
         levels = np.flatnonzero(self._stream[self._opened] == stream).tolist()
         try:
-            part, whole = custom.tabulate(self._problem, stream, levels, until)
+            part, open_ended = custom.tabulate(self._problem, stream, levels, until)
         except PlannerError:
             raise
         except Exception as error:  # states of the caller's may fail when they are compared
             raise ProblemError(f"stream {stream}: its states failed: {type(error).__name__}: {error}") from error
-        if not whole:
-            self._open_ended[stream] = custom.CustomStream(self._problem, stream, levels, until)
+        if open_ended is not None:
+            self._open_ended[stream] = open_ended
         return part

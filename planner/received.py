@@ -36,7 +36,8 @@ class Received:
         place[order] = np.arange(len(order))
         self.opened = place[[at for at, m in enumerate(messages) if not m.sent]]
         self.level = levels
-        self._delay, self._share = receivers(problem)
+        self.delay, self.share = receivers(problem)
+        """Of each receiver of each stream of the problem, filled up with receivers of no share."""
 
     def facts_around(self) -> tuple[Ints, Ints]:
         """Return the places of the last fact before and the first after each; −1 and the count if none."""
@@ -59,7 +60,7 @@ class Received:
         """
         born, streams = self.t_gen[which], self.stream[which]
         total = np.zeros(len(which))
-        for delay, share in zip(self._delay.T, self._share.T, strict=True):
+        for delay, share in zip(self.delay.T, self.share.T, strict=True):
             late = delay[streams]
             start = np.maximum(begin + late - born, 0.0)
             end = np.maximum(np.minimum(until + late, self.t_end) - born, start)

@@ -12,7 +12,7 @@ import numpy as np
 
 from planner import Constraint, Exponential, Linear, Message, Polynomial, Problem, Step, Stream, Video
 from planner.utility import MessageUtility
-from studies.workload import LEAST_SLOPE, Scenario, generation_times
+from studies.workload import Scenario, generation_times, message_slopes
 
 ROBOTS = (0, 0, 0, 1, 1, 2, 2, 2, 3, 3)
 """The robot of each of the ten streams."""
@@ -91,8 +91,7 @@ def _stream(
     scenario: Scenario, stream: int, draw: np.random.Generator, *, seconds: float, latency: float
 ) -> list[Message]:
     times = generation_times(draw, scenario.jitter, seconds)
-    slope = draw.normal(scenario.slope, scenario.slope_spread)
-    slopes = np.maximum(draw.normal(slope, scenario.message_spread, len(times)), LEAST_SLOPE)
+    slopes = message_slopes(draw, scenario, len(times))
     typical = draw.uniform(np.log(LEAST_SIZE), np.log(GREATEST_SIZE))
     sizes = np.clip(np.exp(draw.normal(typical, SIZE_SPREAD, len(times))), LEAST_SIZE, GREATEST_SIZE)
     weight, kind = scenario.weight(stream), KINDS[stream % len(KINDS)]

@@ -70,13 +70,18 @@ def _stream(
     scenario: Scenario, robot: int, draw: np.random.Generator, *, seconds: float, latency: float
 ) -> list[Message]:
     times = generation_times(draw, scenario.jitter, seconds)
-    slope = draw.normal(scenario.slope, scenario.slope_spread)
-    slopes = np.maximum(draw.normal(slope, scenario.message_spread, len(times)), LEAST_SLOPE)
+    slopes = message_slopes(draw, scenario, len(times))
     weight = scenario.weight(robot % 10)
     return [
         Message(robot, time, time, time + latency, Linear(1.0, fading), weight, (1.0,))
         for time, fading in zip(times.tolist(), slopes.tolist(), strict=True)
     ]
+
+
+def message_slopes(draw: np.random.Generator, scenario: Scenario, count: int) -> npt.NDArray[np.float64]:
+    """Return how fast the messages of one robot fade, around a slope of its own [1/s]."""
+    slope = draw.normal(scenario.slope, scenario.slope_spread)
+    return np.maximum(draw.normal(slope, scenario.message_spread, count), LEAST_SLOPE)
 
 
 def generation_times(draw: np.random.Generator, jitter: float, seconds: float) -> npt.NDArray[np.float64]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from planner.aggregations.part import Part, join
 from planner.errors import ProblemError
-from planner.received import Received, integrals, receivers
+from planner.received import Received, integrals
 from planner.utility import Flags, Floats, Ints
 
 CELLS = 128
@@ -93,10 +93,9 @@ class _Stream:
 
 def _cut(received: Received, places: Ints, until: float) -> _Cells:
     """Cut the time of each receiver into cells and integrate every message over them."""
-    delays, shares = receivers(received.problem)
     stream, t_rcv = received.stream[places[0]], received.t_rcv[places]
     parts = []
-    for delay, share in zip(delays[stream], shares[stream], strict=True):
+    for delay, share in zip(received.delay[stream], received.share[stream], strict=True):
         t_end, end = received.t_end - delay, until - delay
         first = min(float(t_rcv[0]), t_end)
         even = np.concatenate((np.linspace(first, t_end, CELLS + 1), np.linspace(t_end, end, CELLS_BEYOND + 1)))

@@ -106,8 +106,11 @@ class _Grown:
     closed: bool = True
 
 
-def tabulate(problem: Problem, stream: int, levels: list[int], until: float) -> tuple[Part, bool]:
-    """Return the table of one stream, and whether it holds all states; raise ProblemError when the model fails."""
+def tabulate(problem: Problem, stream: int, levels: list[int], until: float) -> tuple[Part, CustomStream | None]:
+    """Return the table of one stream, and the stream itself when it has more states than the table holds.
+
+    Raises ProblemError when the model fails.
+    """
     custom = CustomStream(problem, stream, levels, until)
     grown, begin = _Grown([custom.empty()]), 0
     for level in levels:
@@ -126,7 +129,7 @@ def tabulate(problem: Problem, stream: int, levels: list[int], until: float) -> 
         aim_facts=facts[1],
         everything=custom.everything(),
     )
-    return part, grown.closed
+    return part, None if grown.closed else custom
 
 
 def alone(problem: Problem, stream: int, message: Message, spans: Floats) -> Floats:
