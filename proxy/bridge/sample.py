@@ -27,12 +27,22 @@ class Held(NamedTuple):
     size: int
 
 
-def publish(session: zenoh.Session, sample: zenoh.Sample, stamp: zenoh.Timestamp | None) -> None:
-    """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`."""
+def publish(
+    session: zenoh.Session,
+    sample: zenoh.Sample,
+    stamp: zenoh.Timestamp | None,
+    *,
+    droppable: bool = False,
+) -> None:
+    """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`.
+
+    A `droppable` sample is dropped where a link is full, even if it says that it would wait.
+    """
+    control = zenoh.CongestionControl.DROP if droppable else sample.congestion_control
     if sample.kind == zenoh.SampleKind.DELETE:
         session.delete(
             sample.key_expr,
-            congestion_control=sample.congestion_control,
+            congestion_control=control,
             priority=sample.priority,
             express=sample.express,
             attachment=sample.attachment,
@@ -45,7 +55,7 @@ def publish(session: zenoh.Session, sample: zenoh.Sample, stamp: zenoh.Timestamp
         sample.key_expr,
         sample.payload,  # the ZBytes itself: bytes() would copy it
         encoding=sample.encoding,
-        congestion_control=sample.congestion_control,
+        congestion_control=control,
         priority=sample.priority,
         express=sample.express,
         attachment=sample.attachment,
