@@ -10,6 +10,7 @@ from pathlib import Path
 from tests.waiting import wait_until
 
 APPLICATION = Path(__file__).with_name("application.py")
+SERVICE = Path(__file__).with_name("service.py")
 SENDWORTHY = (sys.executable, "-m", "proxy.cli")
 SPECS = """
 [[constraint]]
@@ -29,7 +30,7 @@ utility = {{ kind = "video" }}
 class Robot:
     """A daemon on a host, with everything by default but its name, its specs and the interface of its radio."""
 
-    def __init__(self, host, folder, *, limit, interface):
+    def __init__(self, host, folder, *, limit, interface, mesh=""):
         self.host = host
         self.name = host.name
         self._folder = folder
@@ -37,7 +38,7 @@ class Robot:
         self._apps = []
         (folder / "specs.toml").write_text(SPECS.format(limit=limit))
         (folder / "sendworthy.toml").write_text(
-            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
+            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n{mesh}\n[specs]\npath = "specs.toml"\n'
         )
         self.start()
 
@@ -68,12 +69,23 @@ class Robot:
 
     def hear(self, key):
         """Start an application that subscribes to `key`."""
-        return self._started(Listener(self.host, self._folder / f"app{len(self._apps)}", "hear", key))
+        return self._started(Listener(self.host, self._output(), "hear", key))
 
     def say(self, key, *, size, rate, block=False):
         """Start an application that publishes on `key`: `rate` samples a second of `size` bytes."""
         words = ("say", key, str(size), str(rate), *(("block",) if block else ()))
-        return self._started(Speaker(self.host, self._folder / f"app{len(self._apps)}", *words))
+        return self._started(Speaker(self.host, self._output(), *words))
+
+    def serve(self, name):
+        """Start an application that has a token, answers and publishes, all under `name`."""
+        return self._started(Application(self.host, self._output(), "serve", name, program=SERVICE))
+
+    def watch(self):
+        """Start an application that sees tokens, asks and subscribes."""
+        return self._started(Watcher(self.host, self._output(), "watch", program=SERVICE))
+
+    def _output(self):
+        return self._folder / f"app{len(self._apps)}"
 
     def stop(self, number=signal.SIGTERM):
         """Ask the daemon to stop; return its exit code and how long it took [s]."""
@@ -101,14 +113,12 @@ class Robot:
 
 
 class Application:
-    """A program of `application.py` on a host."""
+    """A program on a host, `application.py` if no other."""
 
-    def __init__(self, host, output, *words):
+    def __init__(self, host, output, *words, program=APPLICATION):
         self._output = output
         with output.open("w") as written:
-            self._process = host.start(
-                *(sys.executable, str(APPLICATION), *words), stdin=subprocess.PIPE, stdout=written
-            )
+            self._process = host.start(*(sys.executable, str(program), *words), stdin=subprocess.PIPE, stdout=written)
 
     def ready(self):
         """Whether it is connected."""
@@ -136,6 +146,23 @@ class Listener(Application):
     def numbers(self, key):
         """The numbers of the samples of `key` that it heard so far, in order."""
         return [sample["number"] for sample in self.heard(key)]
+
+
+class Watcher(Application):
+    """An application that sees what is there."""
+
+    def samples(self):
+        """What it heard, in order."""
+        return [line["sample"] for line in self.told()[1:] if "sample" in line]
+
+    def tokens(self):
+        """The tokens that are alive as far as their coming and going tells."""
+        seen = {line["token"]: line["alive"] for line in self.told()[1:] if "token" in line}
+        return {token for token, alive in seen.items() if alive}
+
+    def rounds(self):
+        """Each round of questions: who answered, and which tokens were found."""
+        return [line for line in self.told()[1:] if "answers" in line]
 
 
 class Speaker(Application):
