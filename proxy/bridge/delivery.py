@@ -8,6 +8,7 @@ import zenoh
 from proxy import clock
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.owners import Owners
+from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import origin_of, publish, wall_of
 from proxy.core.events import Event, SampleHeard
 
@@ -23,11 +24,13 @@ class Delivery:
         app: zenoh.Session,
         mesh: zenoh.Session,
         covered: Callable[[str], object | None],
+        rules: Rules,
         post: Callable[[Event], None],
     ) -> None:
         self._app = app
         self._mesh = mesh
         self._covered = covered
+        self._rules = rules
         self._post = post
         self._owners = Owners()
         self._mirror = Mirror(self._subscribe, self._owners.discard)
@@ -54,6 +57,9 @@ class Delivery:
     def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
         if self._owners.owner(key) != expression:
+            return
+        if self._rules.into.verdict(key) is Verdict.DENIED:
+            self._rules.into.count("samples")
             return
         stamp = sample.timestamp
         publish(self._app, sample, stamp)

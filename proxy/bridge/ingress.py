@@ -11,7 +11,8 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.keys import INGRESS
-from proxy.bridge.passed import MODE, NO_SPEC, OVERFLOW, Passed
+from proxy.bridge.passed import BYPASS, DENIED, MODE, NO_SPEC, OVERFLOW, Passed
+from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
 from proxy.core.events import SamplePublished
 from proxy.core.mode import Mode
@@ -40,6 +41,7 @@ class Ingress:
         egress: Egress,
         demand: Demand,
         passed: Passed,
+        rules: Rules,
         submit: Submit,
         mode: Mode,
     ) -> None:
@@ -50,6 +52,7 @@ class Ingress:
         self._egress = egress
         self._demand = demand
         self._passed = passed
+        self._rules = rules
         self._submit = submit
         self._numbers = itertools.count(1)
         self._held: dict[int, Held] = {}
@@ -80,12 +83,17 @@ class Ingress:
     def _receive(self, sample: zenoh.Sample) -> None:
         now = clock.monotonic()
         key = str(sample.key_expr)
+        verdict = self._rules.outward(key)
+        if verdict is Verdict.DENIED:
+            self._rules.out.count("samples")
+            self._passed.add(DENIED, 0)
+            return
         stamp = sample.timestamp
         held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload))
-        covering = self._match(key)
+        covering = None if verdict is Verdict.BYPASS else self._match(key)
         self._demand.note(key, covered=covering is not None)
         if covering is None:
-            self._egress.pass_on(NO_SPEC, held)
+            self._egress.pass_on(NO_SPEC if verdict is Verdict.ORDINARY else BYPASS, held)
         elif self.mode is Mode.PASS:
             self._egress.pass_on(MODE, held)
         else:

@@ -3,6 +3,8 @@
 import zenoh
 
 from proxy.bridge.delivery import Delivery
+from proxy.bridge.rules import Rules
+from proxy.config import BridgeConfig
 from proxy.core.events import SampleHeard
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
@@ -14,7 +16,9 @@ def test_only_covered_samples_are_told_to_the_core(stack):
     mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
     app = closing(stack, plain_session("router", listen=(inside,)))
     events = []
-    delivery = Delivery(app, mesh, lambda key: key if key.startswith("covered") else None, events.append)
+    delivery = Delivery(
+        app, mesh, lambda key: key if key.startswith("covered") else None, Rules(BridgeConfig()), events.append
+    )
     stack.callback(delivery.close)
     delivery.update({"**": False})
     heard = Heard(closing(stack, plain_session("client", connect=(inside,))), "**")
