@@ -9,7 +9,7 @@ from proxy import clock
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.owners import Owners
 from proxy.bridge.rules import Rules, Verdict
-from proxy.bridge.sample import origin_of, publish, wall_of
+from proxy.bridge.sample import heartbeat, origin_of, publish, wall_of
 from proxy.core.events import Event, SampleHeard
 
 
@@ -58,10 +58,11 @@ class Delivery:
         key = str(sample.key_expr)
         if self._owners.owner(key) != expression:
             return
-        if self._rules.into.verdict(key) is Verdict.DENIED:
+        verdict, stamp = self._rules.into.verdict(key), sample.timestamp
+        if verdict is Verdict.DENIED:
             self._rules.into.count("samples")
+        if verdict is Verdict.DENIED or (verdict is Verdict.COMPANION and heartbeat(key, stamp)):
             return
-        stamp = sample.timestamp
         publish(self._app, sample, stamp)
         self.delivered += 1
         if self._covered(key) is not None:

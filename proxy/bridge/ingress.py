@@ -11,9 +11,9 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.keys import INGRESS
-from proxy.bridge.passed import BYPASS, DENIED, MODE, NO_SPEC, OVERFLOW, Passed
+from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC, OVERFLOW, Passed
 from proxy.bridge.rules import Rules, Verdict
-from proxy.bridge.sample import Held, generated, origin_of, priority_of
+from proxy.bridge.sample import Held, generated, heartbeat, origin_of, priority_of
 from proxy.core.events import SamplePublished
 from proxy.core.mode import Mode
 from utility_specs import InformationType
@@ -89,11 +89,14 @@ class Ingress:
             self._passed.add(DENIED, 0)
             return
         stamp = sample.timestamp
+        if verdict is Verdict.COMPANION and heartbeat(key, stamp):
+            self._passed.add(HEARTBEAT, 0)
+            return
         held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload))
-        covering = None if verdict is Verdict.BYPASS else self._match(key)
+        covering = self._match(key) if verdict is Verdict.ORDINARY else None
         self._demand.note(key, covered=covering is not None)
         if covering is None:
-            self._egress.pass_on(NO_SPEC if verdict is Verdict.ORDINARY else BYPASS, held)
+            self._egress.pass_on(BYPASS if verdict is Verdict.BYPASS else NO_SPEC, held)
         elif self.mode is Mode.PASS:
             self._egress.pass_on(MODE, held)
         else:

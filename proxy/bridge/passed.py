@@ -10,6 +10,7 @@ EGRESS = "dropped:egress"
 OVERFLOW = "dropped:overflow"
 DENIED = "dropped:denied"
 BYPASS = "passed:bypass"
+HEARTBEAT = "dropped:heartbeat"
 
 
 class Passed:

@@ -39,6 +39,8 @@ class Verdict(Enum):
     """It crosses at once, whatever specs and planner say."""
     ORDINARY = "ordinary"
     """It crosses unless the planner says no."""
+    COMPANION = "companion"
+    """It is on an advanced publisher's own key, and crosses unless it is a heartbeat that is of no use."""
 
 
 class Companion(NamedTuple):
@@ -126,6 +128,8 @@ class Way:
     def _verdict(self, key: str) -> Verdict:
         if not self._lets(key):
             return Verdict.DENIED
+        if ADVANCED in key:
+            return Verdict.COMPANION
         return Verdict.BYPASS if any(map(self._bypass.cover, _names(key))) else Verdict.ORDINARY
 
     def _lets(self, expression: str) -> bool:

@@ -150,7 +150,7 @@ class Node:
         self._declare("SS", service, VOLATILE)
 
     def client(self, service):
-        """Create a client; return a function that calls: payload in, all answers out, and whether each is to this call."""
+        """Create a client; return a function that calls: payload in, answers out, and whether each is to this call."""
         querier = self.session.declare_querier(
             key_of(service, self._domain),
             target=zenoh.QueryTarget.ALL_COMPLETE,
