@@ -59,12 +59,13 @@ class Delivery:
         if self._owners.owner(key) != expression:
             return
         verdict, stamp = self._rules.into.verdict(key), sample.timestamp
-        if verdict is Verdict.DENIED:
-            self._rules.into.count("samples")
-        if verdict is Verdict.DENIED or (verdict is Verdict.COMPANION and heartbeat(key, stamp)):
+        if verdict is Verdict.COMPANION and heartbeat(key, stamp):
             return
-        publish(self._app, sample, stamp)
-        self.delivered += 1
+        if verdict is Verdict.DENIED:
+            self._rules.into.count("samples")  # it was on the air all the same
+        else:
+            publish(self._app, sample, stamp)
+            self.delivered += 1
         if self._covered(key) is not None:
             self._post(
                 SampleHeard(

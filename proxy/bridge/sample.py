@@ -62,10 +62,11 @@ def source_of(sample: zenoh.Sample) -> zenoh.SourceInfo | None:
     no source info: subscribers would take both for different publishers, miss samples and get others twice. By the
     stamps alone they order and tell apart all of them.
     """
-    info, stamp = sample.source_info, sample.timestamp
-    if info is None or stamp is None or str(info.source_id.zid) != origin_of(stamp):
-        return info
-    return None
+    info = sample.source_info
+    if info is None:  # almost always
+        return None
+    stamp = sample.timestamp
+    return None if stamp is not None and str(info.source_id.zid) == origin_of(stamp) else info
 
 
 def heartbeat(key: str, stamp: zenoh.Timestamp | None) -> bool:

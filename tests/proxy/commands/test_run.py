@@ -38,8 +38,8 @@ def test_without_specs_everything_passes():
     """The line at the start says that nothing is filtered, and how others are found."""
     line = started(Config(robot="r1"), Specs.empty(), "r1-ab12")
     assert line.endswith(
-        "robot r1-ab12, mode enforce, apps on tcp/127.0.0.1:7447, mesh on tcp/0.0.0.0:7500 with scouting, "
-        "no specs: everything passes"
+        "robot r1-ab12, mode enforce, apps on tcp/127.0.0.1:7447 tcp/[::1]:7447, "
+        "mesh on tcp/0.0.0.0:7500 with scouting, no specs: everything passes"
     )
 
 
