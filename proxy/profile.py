@@ -11,8 +11,14 @@ from proxy.config_values import KeyExpressions
 FOLDER = Path(__file__).with_name("profiles")
 
 
-class Lists(Section):
-    """`[out]` or `[in]` of a profile: key expressions that are denied, and those whose samples bypass the planner."""
+class InLists(Section):
+    """`[in]` of a profile: key expressions that are denied."""
+
+    deny: KeyExpressions = ()
+
+
+class OutLists(Section):
+    """`[out]` of a profile: key expressions that are denied, and those whose samples bypass the planner."""
 
     deny: KeyExpressions = ()
     bypass: KeyExpressions = ()
@@ -21,8 +27,8 @@ class Lists(Section):
 class Profile(Section):
     """What a profile adds to the lists of the configuration."""
 
-    out: Lists = Lists()
-    into: Lists = Field(default=Lists(), alias="in")
+    out: OutLists = OutLists()
+    into: InLists = Field(default=InLists(), alias="in")
 
 
 def load_profile(name: str) -> Profile:

@@ -94,7 +94,7 @@ class Way:
         self.allow, self.deny, self._bypass = Expressions(allow), Expressions(deny), Expressions(bypass)
         self.verdict: Callable[[str], Verdict] = lru_cache(KEPT)(self._verdict)
         self.lets: Callable[[str], bool] = lru_cache(EXPRESSIONS_KEPT)(self._lets)
-        """Whether a declaration or query crosses: no key of it is allowed, or all of them are denied."""
+        """Whether a declaration or query crosses: some of its keys are allowed, and it is not wholly denied."""
         self._lock = threading.Lock()
         self._denied: Counter[str] = Counter()
         self._withheld = {"subscribers": 0, "queryables": 0, "tokens": 0}
