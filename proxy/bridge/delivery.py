@@ -8,7 +8,8 @@ import zenoh
 from proxy import clock
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.owners import Owners
-from proxy.bridge.sample import origin_of, publish, wall_of
+from proxy.bridge.rules import Rules, Verdict
+from proxy.bridge.sample import heartbeat, origin_of, publish, wall_of
 from proxy.core.events import Event, SampleHeard
 
 
@@ -23,11 +24,13 @@ class Delivery:
         app: zenoh.Session,
         mesh: zenoh.Session,
         covered: Callable[[str], object | None],
+        rules: Rules,
         post: Callable[[Event], None],
     ) -> None:
         self._app = app
         self._mesh = mesh
         self._covered = covered
+        self._rules = rules
         self._post = post
         self._owners = Owners()
         self._mirror = Mirror(self._subscribe, self._owners.discard)
@@ -55,9 +58,14 @@ class Delivery:
         key = str(sample.key_expr)
         if self._owners.owner(key) != expression:
             return
-        stamp = sample.timestamp
-        publish(self._app, sample, stamp)
-        self.delivered += 1
+        verdict, stamp = self._rules.into.verdict(key), sample.timestamp
+        if verdict is Verdict.COMPANION and heartbeat(key, stamp):
+            return
+        if verdict is Verdict.DENIED:
+            self._rules.into.count("samples")  # it was on the air all the same
+        else:
+            publish(self._app, sample, stamp)
+            self.delivered += 1
         if self._covered(key) is not None:
             self._post(
                 SampleHeard(

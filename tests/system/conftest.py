@@ -25,10 +25,13 @@ def start(network, tmp_path):
     """Start a robot on a host of its own; it ends with the test."""
     with ExitStack() as closing:
 
-        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, add=network.add, **options):
+        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, add=network.add, options=(), ipv6=True):
             folder = tmp_path / name
             folder.mkdir()
-            robot = Robot(add(name), folder, limit=limit, interface=interface, **options)
+            host = add(name)
+            if not ipv6:
+                host.lose_ipv6()
+            robot = Robot(host, folder, limit=limit, interface=interface, options=options)
             closing.callback(robot.close)
             return robot
 

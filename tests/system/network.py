@@ -114,6 +114,10 @@ class Host:
         command = ("bridge", "-n", self._air, "link", "set", "dev", self.name, "state", state)
         subprocess.run(command, check=True)
 
+    def lose_ipv6(self):
+        """Let the host be one without IPv6."""
+        self.run("sh", "-c", "echo 1 > /proc/sys/net/ipv6/conf/all/disable_ipv6")
+
     def slow_down(self, rate):
         """Let the radio send no faster than `rate`, with half a second of queue."""
         limit = ("tbf", "rate", rate, "burst", "4kb", "latency", "500ms")

@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+from tests.system.ros_node import RosNode
 from tests.waiting import wait_until
 
 APPLICATION = Path(__file__).with_name("application.py")
@@ -20,7 +21,7 @@ window = 0.5
 
 [[information_type]]
 name = "camera"
-keys = ["robot/*/camera"]
+keys = ["robot/*/camera", "*/**/camera/image_raw/*/*"]
 aggregation = "most_recent"
 weight = 1.0
 utility = {{ kind = "video" }}
@@ -28,23 +29,27 @@ utility = {{ kind = "video" }}
 
 
 class Robot:
-    """A daemon on a host, with everything by default but its name, its specs and the interface of its radio."""
+    """A daemon on a host, with everything by default but its name, its specs and the interface of its radio.
 
-    def __init__(self, host, folder, *, limit, interface, mesh=""):
+    `options` are further flags.
+    """
+
+    def __init__(self, host, folder, *, limit, interface, options=()):
         self.host = host
         self.name = host.name
         self._folder = folder
         self._log = folder / "log"
         self._apps = []
+        self._options = options
         (folder / "specs.toml").write_text(SPECS.format(limit=limit))
         (folder / "sendworthy.toml").write_text(
-            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n{mesh}\n[specs]\npath = "specs.toml"\n'
+            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
         )
         self.start()
 
     def start(self):
         """Start the daemon."""
-        command = (*SENDWORTHY, "run", "--config", str(self._folder / "sendworthy.toml"))
+        command = (*SENDWORTHY, "run", "--config", str(self._folder / "sendworthy.toml"), *self._options)
         with self._log.open("w") as log:
             self.daemon = self.host.start(*command, stderr=log)
 
@@ -86,6 +91,10 @@ class Robot:
 
     def _output(self):
         return self._folder / f"app{len(self._apps)}"
+
+    def node(self, name):
+        """Start a process with a node of ROS 2."""
+        return self._started(RosNode(self.host, self._output(), name))
 
     def stop(self, number=signal.SIGTERM):
         """Ask the daemon to stop; return its exit code and how long it took [s]."""

@@ -83,8 +83,8 @@ def assert_conserved(robot, total):
 def test_robots_with_a_router_between_them_meet_by_name(start, network):
     """Multicast stays on its side of a routed hop; a named endpoint crosses it, and with it everything."""
     near = start("a")
-    mesh = f'connect = ["tcp/{near.host.address}:7500"]'
-    far = start("b", add=network.add_beyond, mesh=mesh)
+    dial = ("--mesh.connect", f'["tcp/{near.host.address}:7500"]')
+    far = start("b", add=network.add_beyond, options=dial)
     for robot in (near, far):
         wait_until(robot.serves, what=f"start of {robot.name}")
     wait_until_met([near, far])
