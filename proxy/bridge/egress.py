@@ -26,7 +26,7 @@ log = logging.getLogger(__name__)
 
 MOST_SAMPLES = 8192
 """Bound of each lane."""
-MOST_BYTES = 64 * 1024 * 1024
+MOST_BYTES = 16 * 1024 * 1024
 """Bound of both lanes together [B]."""
 CATCH_UP = 0.001
 """How long whoever brings a sample lets the thread catch up, where no link holds it up [s]."""

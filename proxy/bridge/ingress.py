@@ -2,6 +2,7 @@
 
 import itertools
 import logging
+import threading
 from collections.abc import Callable
 from typing import Protocol
 
@@ -23,6 +24,8 @@ log = logging.getLogger(__name__)
 
 MOST_HELD = 4096
 """Samples held for the core, which has a bound of its own; this one holds when the loop stalls."""
+MOST_BYTES = 16 * 1024 * 1024
+"""Bytes of them [B]; one sample is held whatever its size."""
 
 
 class Submit(Protocol):
@@ -64,6 +67,8 @@ class Ingress:
         self._submit = submit
         self._numbers = itertools.count(1)
         self._held: dict[int, Held] = {}
+        self._bytes = 0
+        self._lock = threading.Lock()
         self._subscribers: list[Declaration] = []
 
     def open(self) -> None:
@@ -81,7 +86,10 @@ class Ingress:
 
     def release(self, number: int) -> Held | None:
         """Give out a held sample; None when it is not held (any more)."""
-        return self._held.pop(number, None)
+        with self._lock:
+            held = self._held.pop(number, None)
+            self._bytes -= 0 if held is None else held.size
+            return held
 
     @property
     def held(self) -> int:
@@ -111,11 +119,10 @@ class Ingress:
             self._hold(now, held, stamp, covering)
 
     def _hold(self, now: float, held: Held, stamp: zenoh.Timestamp | None, covering: InformationType) -> None:
-        if len(self._held) >= MOST_HELD:
+        number = next(self._numbers)
+        if not self._keep(number, held):
             self._passed.add(OVERFLOW, 0)
             return
-        number = next(self._numbers)
-        self._held[number] = held
         published = SamplePublished(
             now=now,
             sample=number,
@@ -130,3 +137,13 @@ class Ingress:
         superseded = self._submit(published, covering, held.sample.payload, each=self.mode is Mode.SHADOW)
         if superseded is not None:
             self.release(superseded)
+
+    def _keep(self, number: int, held: Held) -> bool:
+        """Hold a sample until `release`; whether there is room."""
+        with self._lock:
+            full = len(self._held) >= MOST_HELD or self._bytes + held.size > MOST_BYTES
+            if full and self._held:
+                return False
+            self._held[number] = held
+            self._bytes += held.size
+            return True

@@ -23,6 +23,20 @@ def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     assert (dropped.reason, dropped.count) == ("dropped:overflow", 2)
 
 
+def test_no_more_bytes_are_held_than_the_bound(pair, monkeypatch):
+    """One sample is held whatever its size, and what is released makes room."""
+    monkeypatch.setattr(ingress_module, "MOST_BYTES", 100)
+    publisher = pair[0].node()
+    for i in range(2):
+        publisher.put(f"covered/{i}", "x" * 101, congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: pair[0].posted(SamplesPassed), what="the count")
+    (asked,) = pair[0].asked
+    pair[0].bridge.drop(asked.sample)
+    publisher.put("covered/2", "x" * 101)
+    wait_until(lambda: len(pair[0].asked) == 2, what="the next one")
+    assert pair[0].bridge.describe()["held"] == 1
+
+
 def test_a_delete_of_a_covered_key_is_marked(pair):
     """The core is told that it is a delete."""
     pair[0].node().delete("covered/a")
