@@ -14,6 +14,7 @@ from typing import Any
 import zenoh
 
 from proxy import clock
+from proxy.bridge.air import Air
 from proxy.bridge.demand import Demand
 from proxy.bridge.passed import EGRESS, Passed
 from proxy.bridge.sample import Held, publish
@@ -38,14 +39,14 @@ class Egress:
 
     def __init__(
         self,
-        mesh: zenoh.Session,
+        air: Air,
         demand: Demand,
         passed: Passed,
         post: Callable[[SampleHanded | SampleRefused], None],
         rate: float | None,
     ) -> None:
         self.rate = rate
-        self._mesh = mesh
+        self._air = air
         self._demand = demand
         self._passed = passed
         self._post = post
@@ -141,8 +142,10 @@ class Egress:
     def _send(self, held: Held) -> bool:
         with self._wake:
             self._bytes -= held.size
+        if self._demand.silent(held.key):
+            return True
         try:
-            publish(self._mesh, held.sample, held.stamp)
+            publish(self._air, held.sample, held.stamp)
         except zenoh.ZError as error:
             if not self._failing:
                 log.error("the mesh session refuses %s: %s", held.key, error)

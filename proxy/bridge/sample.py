@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import zenoh
 
+from proxy.bridge.air import Air
+
 MAX_STAMP_ERROR = 1.0
 """A timestamp further than this from the arrival says nothing about when the sample was made [s]."""
 
@@ -27,7 +29,7 @@ class Held(NamedTuple):
     size: int
 
 
-def publish(session: zenoh.Session, sample: zenoh.Sample, stamp: zenoh.Timestamp | None) -> None:
+def publish(session: Air, sample: zenoh.Sample, stamp: zenoh.Timestamp | None) -> None:
     """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`."""
     if sample.kind == zenoh.SampleKind.DELETE:
         session.delete(

@@ -25,10 +25,10 @@ def start(network, tmp_path):
     """Start a robot on a host of its own; it ends with the test."""
     with ExitStack() as closing:
 
-        def start_one(name, *, limit="2 Mbit/s", interface=RADIO):
+        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, **options):
             folder = tmp_path / name
             folder.mkdir()
-            robot = Robot(network.add(name), folder, limit=limit, interface=interface)
+            robot = Robot(network.add(name), folder, limit=limit, interface=interface, **options)
             closing.callback(robot.close)
             return robot
 
@@ -37,10 +37,10 @@ def start(network, tmp_path):
 
 @pytest.fixture
 def team(start):
-    """Start three robots at once and wait until each knows the others."""
+    """Start robots at once, three unless more are named, and wait until each knows the others."""
 
-    def start_all(**options):
-        robots = [start(name, **options) for name in ("a", "b", "c")]
+    def start_all(names="abc", **options):
+        robots = [start(name, **options) for name in names]
         for robot in robots:
             wait_until(robot.serves, what=f"start of {robot.name}")
         wait_until_met(robots)

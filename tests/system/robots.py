@@ -27,9 +27,9 @@ utility = {{ kind = "video" }}
 
 
 class Robot:
-    """A daemon on a host, with everything by default but its name, its specs and the interface of its radio."""
+    """A daemon on a host, with everything by default but its name, its specs, the interface of its radio and transport."""
 
-    def __init__(self, host, folder, *, limit, interface):
+    def __init__(self, host, folder, *, limit, interface, transport="unicast"):
         self.host = host
         self.name = host.name
         self._folder = folder
@@ -37,7 +37,8 @@ class Robot:
         self._apps = []
         (folder / "specs.toml").write_text(SPECS.format(limit=limit))
         (folder / "sendworthy.toml").write_text(
-            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
+            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\ntransport = "{transport}"\n'
+            '[specs]\npath = "specs.toml"\n'
         )
         self.start()
 

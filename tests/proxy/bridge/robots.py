@@ -3,7 +3,7 @@
 import itertools
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import zenoh
 
@@ -31,18 +31,19 @@ T = TypeVar("T")
 class Robot:
     """One robot. `asked` are the samples that wait for the test's decision, `events` everything else posted."""
 
-    def __init__(self, stack: ExitStack, specs: Specs, connect: tuple[str, ...] = ()) -> None:
+    def __init__(self, stack: ExitStack, specs: Specs, connect: tuple[str, ...] = (), **mesh_options: Any) -> None:
         self._stack = stack
         self.asked: list[SamplePublished] = []
         self.events: list[Event] = []
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
         app = AppConfig(listen=(self.app_endpoint,))
-        mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False)
+        mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False, **mesh_options)
         sides = open_sides(app, mesh, stack)
-        self.app, self.mesh, self.voice = sides.app, sides.mesh, sides.apps.session
+        self.app, self.mesh, self.air, self.voice = sides.app, sides.mesh, sides.air, sides.apps.session
         self.bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
+            air=sides.air,
             apps=sides.apps,
             others=sides.others,
             wake=sides.wake,
@@ -70,14 +71,14 @@ class Robot:
         return [event for event in list(self.events) if isinstance(event, kind)]
 
 
-def team(stack: ExitStack, tmp_path: Path, size: int = 3, specs: str = SPECS) -> list[Robot]:
+def team(stack: ExitStack, tmp_path: Path, size: int = 3, specs: str = SPECS, **mesh_options: Any) -> list[Robot]:
     """Robots on a full mesh over loopback: each dials those before it."""
     path = tmp_path / "specs.toml"
     path.write_text(specs)
     loaded = load_specs(path)
     robots: list[Robot] = []
     for _ in range(size):
-        robots.append(Robot(stack, loaded, tuple(robot.mesh_endpoint for robot in robots)))
+        robots.append(Robot(stack, loaded, tuple(robot.mesh_endpoint for robot in robots), **mesh_options))
     wait_until(
         lambda: all(len(robot.mesh.info.peers_zid()) == size - 1 for robot in robots), what="the full mesh of links"
     )
