@@ -3,6 +3,9 @@
 Broadcast is a Zenoh peer with nothing but a multicast endpoint: one transmission reaches every robot. Nothing is
 acknowledged, repeated, encrypted or held back there, and Zenoh knows of nobody's subscriptions. So all else stays on
 the mesh session: what daemons tell each other, queries, liveliness, and who wants what.
+
+Nothing may be declared on a group once others are heard: where two nodes declare the same, Zenoh 1.10 lets them repeat
+each other's declarations without end. So each session subscribes to everything at once, before it hears anybody.
 """
 
 import logging
@@ -14,6 +17,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.keys import INGRESS
 from proxy.bridge.radio import interface_of
 from proxy.bridge.sessions import AT_ONCE, reason_of, zenoh_session
 from proxy.errors import SessionError
@@ -28,6 +32,8 @@ PATIENCE = 2.5
 """The session is opened anew when nobody is heard for so long although there are others [s]; then twice that, …"""
 MOST_PATIENCE = 60.0
 """… up to this [s]."""
+TRIES = 20
+"""So often a session is opened until it has subscribed before it hears anybody, which takes it a millisecond."""
 
 Hear = Callable[[zenoh.Sample], None]
 
@@ -59,8 +65,8 @@ class Broadcast:
         self._group = group
         self._interface = interface
         self._others = others
-        self._lock = threading.Lock()
-        self._subscriptions: dict[_Subscription, None] = {}
+        self._hear: Hear = lambda _: None
+        self._subscribers: list[Declaration] = []
         self._reopened = 0
         self._session = self._opened()
         self._stop = threading.Event()
@@ -75,51 +81,55 @@ class Broadcast:
         """Delete as `zenoh.Session.delete` does."""
         self._session.delete(*arguments, **options)
 
-    def declare_subscriber(self, expression: str, handler: Any, *, allowed_origin: zenoh.Locality) -> Declaration:
-        """Subscribe as `zenoh.Session.declare_subscriber` does, in every session to come."""
-
-        def declare(session: zenoh.Session) -> Declaration:
-            return session.declare_subscriber(expression, handler, allowed_origin=allowed_origin)
-
-        with self._lock:
-            subscription = _Subscription(self._forget, declare)
-            subscription.move(self._session)
-            self._subscriptions[subscription] = None
-        return subscription
+    def listen(self, hear: Hear) -> None:
+        """Call `hear` with every sample of an app on another robot from now on."""
+        self._hear = hear
 
     def close(self) -> None:
         """Leave the group."""
         self._stop.set()
         self._thread.join()
-        self._session.close()  # type: ignore[no-untyped-call] # the stubs leave its type out
+        _close(self._session)
 
     def describe(self) -> dict[str, Any]:
         """Return what the status says: where, how many robots are heard there, how often it had to be opened anew."""
         return {
             "group": self._group,
             "interface": self._interface,
-            "heard": self._heard(),
+            "heard": _heard(self._session),
             "reopened": self._reopened,
         }
 
-    def _heard(self) -> int:
-        return len({str(link.zid) for link in self._session.info.links()})
-
     def _opened(self) -> zenoh.Session:
         try:
-            interface = interface_of(self._interface)
-            return zenoh_session(broadcast_options(self._group, interface))
+            options = broadcast_options(self._group, interface_of(self._interface))
+            for _ in range(TRIES):
+                session = zenoh_session(options)
+                self._subscribe(session)
+                if not _heard(session):
+                    return session
+                _close(session)
         except zenoh.ZError as error:
-            raise SessionError(
-                f"mesh.interface {self._interface}, mesh.group {self._group}: cannot broadcast: "
-                f"{reason_of(error).rpartition('[')[2]}"
-            ) from error
+            reason = reason_of(error).rpartition("[")[2]
+        else:
+            reason = "others are too quick to be heard"
+        where = f"mesh.interface {self._interface}, mesh.group {self._group}"
+        raise SessionError(f"{where}: cannot broadcast: {reason}")
+
+    def _subscribe(self, session: zenoh.Session) -> None:
+        handler = zenoh.handlers.Callback(self._take, indirect=False)
+        remote = zenoh.Locality.REMOTE
+        # These leave out Sendworthy's own keys: those are believed on the mesh only.
+        self._subscribers = [session.declare_subscriber(key, handler, allowed_origin=remote) for key in INGRESS]
+
+    def _take(self, sample: zenoh.Sample) -> None:
+        self._hear(sample)
 
     def _run(self) -> None:
         """Look whether anybody is heard; a dead session hears nobody."""
         patience, since = PATIENCE, clock.monotonic()
         while not self._stop.wait(CHECK):
-            if self._heard() or not self._others():
+            if _heard(self._session) or not self._others():
                 patience, since = PATIENCE, clock.monotonic()
             elif clock.monotonic() - since > patience:
                 self._reopen()
@@ -131,43 +141,18 @@ class Broadcast:
         except SessionError as error:
             log.warning("%s", error)
             return
-        with self._lock:
-            old, self._session = self._session, session
-            for subscription in self._subscriptions:
-                subscription.move(session)
+        old, self._session = self._session, session
         self._reopened += 1
-        log.info("nobody is heard on %s: joined the group anew", self._group)
-        old.close()  # type: ignore[no-untyped-call]
-
-    def _forget(self, subscription: "_Subscription") -> None:
-        with self._lock:
-            self._subscriptions.pop(subscription, None)
+        log.info("nobody was heard on %s: joined the group anew", self._group)
+        _close(old)
 
 
-class _Subscription:
-    """A subscription that moves from session to session."""
+def _heard(session: zenoh.Session) -> int:
+    return len({str(link.zid) for link in session.info.links()})
 
-    def __init__(
-        self, forget: Callable[["_Subscription"], None], declare: Callable[[zenoh.Session], Declaration]
-    ) -> None:
-        self._forget = forget
-        self._declare = declare
-        self._declared: Declaration | None = None
 
-    def move(self, session: zenoh.Session) -> None:
-        """Be declared on `session` instead of where it was."""
-        self._take_back()
-        self._declared = self._declare(session)
-
-    def undeclare(self) -> None:
-        """Take it back for good."""
-        self._forget(self)
-        self._take_back()
-
-    def _take_back(self) -> None:
-        declared, self._declared = self._declared, None
-        if declared is not None:
-            declared.undeclare()
+def _close(session: zenoh.Session) -> None:
+    session.close()  # type: ignore[no-untyped-call] # the stubs leave its type out
 
 
 Air = zenoh.Session | Broadcast

@@ -3,7 +3,6 @@
 import math
 import threading
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import zenoh
@@ -16,7 +15,6 @@ from proxy.bridge.egress import Egress
 from proxy.bridge.ingress import Ingress, Submit
 from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
-from proxy.bridge.overhearing import Overhearing
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.voice import Voice
@@ -30,7 +28,9 @@ _PATIENCE = 0.15
 
 
 class Bridge:
-    """Carries samples between the session `app` and the `air`, in unicast `mesh`; queries and tokens between the voices.
+    """Carries samples between the session `app` and the `air`, queries and tokens between their voices.
+
+    In unicast the air is the session `mesh`.
 
     What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by
     itself. `post` gets what the core must know. In mode `enforce` forwarded samples are paced to the specs'
@@ -67,8 +67,9 @@ class Bridge:
             submit=submit,
             mode=mode,
         )
-        self._delivery = Delivery(app, mesh, air, self._match, post)
-        self._overhearing = Overhearing(air, self._delivery.wants, post) if isinstance(air, Broadcast) else None
+        self._delivery = Delivery(app, mesh, self._match, post)
+        if isinstance(air, Broadcast):
+            air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))
         # What a voice asks reaches all but itself, so a query never comes back to who mirrors it.
         self._outward = Queries(apps.session, others.session, self.lanes[0])
@@ -91,15 +92,12 @@ class Bridge:
         """Let things cross."""
         self._egress.start()
         self._ingress.open()
-        self._overhear(self._specs)
         self._watch.start()
 
     def close(self) -> None:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
         self._ingress.close()
         self._watch.close(_PATIENCE)
-        if self._overhearing is not None:
-            self._overhearing.close()
         for part in (self._delivery, self._outward, self._inward, self.demand):
             part.close()
         for thread in (self._egress, *self.lanes):
@@ -126,7 +124,6 @@ class Bridge:
         """Put another generation of specs in force for samples that come from now on."""
         self._specs = specs
         self._egress.rate = _pace(specs, self._ingress.mode)
-        self.lanes[1].insist(partial(self._overhear, specs))
 
     def flush(self) -> None:
         """Report what passed without a decision up to now."""
@@ -147,10 +144,6 @@ class Bridge:
                 "inward": list(self._inward.expressions),
             },
         }
-
-    def _overhear(self, specs: Specs) -> None:
-        if self._overhearing is not None:
-            self._overhearing.update(specs)
 
     def _match(self, key: str) -> InformationType | None:
         return self._specs.match(key)

@@ -23,7 +23,7 @@ def cast_warnings(limits: Iterable[Limit], transport: str) -> list[str]:
     """Name every limit of airtime that counts another kind of transmission than there is."""
     cast = "multicast" if is_broadcast(transport) else "unicast"
     return [
-        f'{limit.name} counts airtime with cast = "{limit.measure.cast}", but samples travel by {cast}: correct the spec'
+        f'{limit.name} counts airtime with cast = "{limit.measure.cast}", but samples go by {cast}: correct the spec'
         for limit in limits
         if isinstance(limit.measure, Airtime) and limit.measure.cast != cast
     ]

@@ -165,9 +165,8 @@ def test_what_is_wrong_is_said_at_the_end(change, warning):
 
 def test_a_status_of_another_version_is_shown_as_far_as_it_goes():
     """What is missing is a dash."""
-    assert table({"robot": "r1"}).splitlines()[0] == (
-        "robot r1   mode -   specs -   coordination -   transport -   up -"
-    )
+    headline = "robot r1   mode -   specs -   coordination -   transport -   up -"
+    assert table({"robot": "r1"}).splitlines()[0] == headline
     assert "robot/x  -      -          -     -      0     0     0       0       -          0" in table(
         {"streams": [{"key": "robot/x"}]}
     )

@@ -27,7 +27,7 @@ utility = {{ kind = "video" }}
 
 
 class Robot:
-    """A daemon on a host, with everything by default but its name, its specs, the interface of its radio and transport."""
+    """A daemon on a host, all by default but its name, its specs, the interface of its radio and the transport."""
 
     def __init__(self, host, folder, *, limit, interface, transport="unicast"):
         self.host = host

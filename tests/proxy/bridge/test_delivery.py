@@ -14,7 +14,7 @@ def test_only_covered_samples_are_told_to_the_core(stack):
     mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
     app = closing(stack, plain_session("router", listen=(inside,)))
     events = []
-    delivery = Delivery(app, mesh, mesh, lambda key: key if key.startswith("covered") else None, events.append)
+    delivery = Delivery(app, mesh, lambda key: key if key.startswith("covered") else None, events.append)
     stack.callback(delivery.close)
     delivery.update({"**": False})
     heard = Heard(closing(stack, plain_session("client", connect=(inside,))), "**")
