@@ -4,11 +4,14 @@ Broadcast is a Zenoh peer with nothing but a multicast endpoint: one transmissio
 acknowledged, repeated, encrypted or held back there, and Zenoh knows of nobody's subscriptions. So all else stays on
 the mesh session: what daemons tell each other, queries, liveliness, and who wants what.
 
-Nothing may be declared on a group once others are heard: where two nodes declare the same, Zenoh 1.10 lets them repeat
-each other's declarations without end. So each session subscribes to everything at once, before it hears anybody.
+Where two nodes of a group declare the same key expression, Zenoh 1.10 lets them repeat each other's declaration without
+end, and that takes all of the air. So no two robots may subscribe to the same: samples travel below a chunk that each
+robot matches by a pattern of its own, and arrive under their own key.
 """
 
 import logging
+import re
+import secrets
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -32,10 +35,11 @@ PATIENCE = 2.5
 """The session is opened anew when nobody is heard for so long although there are others [s]; then twice that, …"""
 MOST_PATIENCE = 60.0
 """… up to this [s]."""
-TRIES = 20
-"""So often a session is opened until it has subscribed before it hears anybody, which takes it a millisecond."""
+PREFIX = "sendworthy-broadcast-sample"
+"""Above the keys of all samples on the air."""
 
-Hear = Callable[[zenoh.Sample], None]
+Hear = Callable[[str, zenoh.Sample], None]
+"""Gets a sample, and the key that it was published under."""
 
 
 def broadcast_options(group: str, interface: str) -> dict[str, Any]:
@@ -65,7 +69,7 @@ class Broadcast:
         self._group = group
         self._interface = interface
         self._others = others
-        self._hear: Hear = lambda _: None
+        self._hear: Hear = lambda _key, _sample: None
         self._subscribers: list[Declaration] = []
         self._reopened = 0
         self._session = self._opened()
@@ -73,13 +77,13 @@ class Broadcast:
         self._thread = threading.Thread(target=self._run, name="broadcast", daemon=True)
         self._thread.start()
 
-    def put(self, *arguments: Any, **options: Any) -> None:
+    def put(self, key: zenoh.KeyExpr | str, payload: Any, **options: Any) -> None:
         """Publish as `zenoh.Session.put` does."""
-        self._session.put(*arguments, **options)
+        self._session.put(f"{PREFIX}/{key}", payload, **options)
 
-    def delete(self, *arguments: Any, **options: Any) -> None:
+    def delete(self, key: zenoh.KeyExpr | str, **options: Any) -> None:
         """Delete as `zenoh.Session.delete` does."""
-        self._session.delete(*arguments, **options)
+        self._session.delete(f"{PREFIX}/{key}", **options)
 
     def listen(self, hear: Hear) -> None:
         """Call `hear` with every sample of an app on another robot from now on."""
@@ -103,27 +107,26 @@ class Broadcast:
     def _opened(self) -> zenoh.Session:
         try:
             options = broadcast_options(self._group, interface_of(self._interface))
-            for _ in range(TRIES):
-                session = zenoh_session(options)
-                self._subscribe(session)
-                if not _heard(session):
-                    return session
-                _close(session)
+            session = zenoh_session(options)
         except zenoh.ZError as error:
-            reason = reason_of(error).rpartition("[")[2]
-        else:
-            reason = "others are too quick to be heard"
-        where = f"mesh.interface {self._interface}, mesh.group {self._group}"
-        raise SessionError(f"{where}: cannot broadcast: {reason}")
+            where = f"mesh.interface {self._interface}, mesh.group {self._group}"
+            raise SessionError(f"{where}: cannot broadcast: {reason_of(error).rpartition('[')[2]}") from error
+        self._subscribe(session)
+        return session
 
     def _subscribe(self, session: zenoh.Session) -> None:
         handler = zenoh.handlers.Callback(self._take, indirect=False)
-        remote = zenoh.Locality.REMOTE
-        # These leave out Sendworthy's own keys: those are believed on the mesh only.
-        self._subscribers = [session.declare_subscriber(key, handler, allowed_origin=remote) for key in INGRESS]
+        remote, prefix = zenoh.Locality.REMOTE, pattern(secrets.randbits(2 * len(PREFIX)))
+        self._subscribers = [
+            # These leave out Sendworthy's own keys: those are believed on the mesh only.
+            session.declare_subscriber(f"{prefix}/{key}", handler, allowed_origin=remote)
+            for key in INGRESS
+        ]
 
     def _take(self, sample: zenoh.Sample) -> None:
-        self._hear(sample)
+        prefix, _, key = str(sample.key_expr).partition("/")
+        if prefix == PREFIX:
+            self._hear(key, sample)
 
     def _run(self) -> None:
         """Look whether anybody is heard; a dead session hears nobody."""
@@ -145,6 +148,18 @@ class Broadcast:
         self._reopened += 1
         log.info("nobody was heard on %s: joined the group anew", self._group)
         _close(old)
+
+
+def pattern(number: int) -> str:
+    """Return a pattern that `PREFIX` matches; numbers of two bits per letter hardly ever give the same one.
+
+    Of each letter one bit says whether "$*", which stands for any text, takes its place, the other whether it follows.
+    """
+    parts = (
+        ("$*" if number >> 2 * i & 1 else letter) + ("$*" if number >> 2 * i & 2 else "")
+        for i, letter in enumerate(PREFIX[1:])
+    )
+    return PREFIX[0] + re.sub(r"(\$\*)+", "$*", "".join(parts))
 
 
 def _heard(session: zenoh.Session) -> int:

@@ -49,9 +49,8 @@ class Delivery:
         """Subscribe to nothing."""
         self._mirror.close()
 
-    def overhear(self, sample: zenoh.Sample) -> None:
-        """Take in a sample that was broadcast, wanted or not: the core learns of all that are covered."""
-        key = str(sample.key_expr)
+    def overhear(self, key: str, sample: zenoh.Sample) -> None:
+        """Take in a sample of `key` that was broadcast, wanted or not: the core learns of all that are covered."""
         if self._owners.owner(key) is not None:
             self._hand(key, sample)
         elif self._covered(key) is not None:
@@ -68,7 +67,7 @@ class Delivery:
             self._hand(key, sample)
 
     def _hand(self, key: str, sample: zenoh.Sample) -> None:
-        publish(self._app, sample, sample.timestamp)
+        publish(self._app, sample, sample.timestamp, key)
         self.delivered += 1
         if self._covered(key) is not None:
             self._post(_heard(key, sample))

@@ -29,11 +29,14 @@ class Held(NamedTuple):
     size: int
 
 
-def publish(session: Air, sample: zenoh.Sample, stamp: zenoh.Timestamp | None) -> None:
-    """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`."""
+def publish(session: Air, sample: zenoh.Sample, stamp: zenoh.Timestamp | None, key: str | None = None) -> None:
+    """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`.
+
+    `key` is that of the sample unless one is given.
+    """
     if sample.kind == zenoh.SampleKind.DELETE:
         session.delete(
-            sample.key_expr,
+            key or sample.key_expr,
             congestion_control=sample.congestion_control,
             priority=sample.priority,
             express=sample.express,
@@ -44,7 +47,7 @@ def publish(session: Air, sample: zenoh.Sample, stamp: zenoh.Timestamp | None) -
         )
         return
     session.put(
-        sample.key_expr,
+        key or sample.key_expr,
         sample.payload,  # the ZBytes itself: bytes() would copy it
         encoding=sample.encoding,
         congestion_control=sample.congestion_control,
