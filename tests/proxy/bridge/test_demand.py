@@ -74,3 +74,24 @@ def test_the_cache_is_bounded(demand, monkeypatch):
     demand.told("z1", ["k/*"])
     assert [demand.copies(f"k/{i}") for i in range(10)] == [1] * 10
     assert len(demand._counts) <= 3
+
+
+def test_in_broadcast_one_transmission_is_for_all(stack, mesh):
+    """However many want a key; when it is known that none does, the bridge itself must be silent."""
+    demand = Demand(mesh[0], lambda _: None, lambda: None, broadcast=True)
+    stack.callback(demand.close)
+    demand.told("z1", ["k"])
+    demand.told("z2", ["k"])
+    assert (demand.copies("k"), demand.silent("k")) == (1, False)
+    follow(demand, "k")
+    assert (demand.copies("k"), demand.silent("k")) == (0, True)
+    heard = Heard(closing(stack, plain_session("peer", connect=(mesh[1],))), "k")
+    wait_until(lambda: demand.copies("k") == 1, what="the subscriber")
+    assert not demand.silent("k")
+    assert not heard.samples
+
+
+def test_in_unicast_zenoh_itself_is_silent(demand):
+    """A key nobody wants is published all the same: Zenoh knows best."""
+    follow(demand, "k")
+    assert (demand.copies("k"), demand.silent("k")) == (0, False)
