@@ -1,7 +1,6 @@
 """Samples that are broadcast, on the loopback interface: it carries multicast to other sessions of the host."""
 
 import json
-import socket
 from itertools import pairwise
 
 import pytest
@@ -14,6 +13,7 @@ from proxy.bridge.air import PREFIX, Broadcast, broadcast_options, pattern
 from proxy.bridge.sessions import zenoh_session
 from proxy.core.events import SampleHeard
 from proxy.errors import SessionError
+from tests.ports import free_port
 from tests.proxy.bridge import robots
 from tests.proxy.bridge.robots import wait_interest
 from tests.proxy.nodes import Heard, closing
@@ -25,9 +25,7 @@ LOOPBACK = "lo"
 @pytest.fixture
 def group():
     """A group that nobody else uses."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"224.0.0.226:{probe.getsockname()[1]}"
+    return f"224.0.0.226:{free_port()}"
 
 
 @pytest.fixture
@@ -128,7 +126,9 @@ def test_nothing_of_sendworthys_own_is_heard(stack, group):
 
 def test_an_interface_that_is_none_is_named_with_its_key(group):
     """The operator learns what to correct."""
-    with pytest.raises(SessionError, match=rf"^mesh\.interface nope, mesh\.group {group}: cannot broadcast: .*nope not"):
+    with pytest.raises(
+        SessionError, match=rf"^mesh\.interface nope, mesh\.group {group}: cannot broadcast: .*nope not"
+    ):
         Broadcast(group, "nope", lambda: False)
 
 

@@ -26,14 +26,14 @@ def meet(talk, transport):
     return talk.tell(ev.StateHeard(0.1, State("r2", "z-r2", "enforce", "", transport=transport)))
 
 
-@pytest.mark.parametrize(
-    ("ours", "theirs"), [(HERE, UNICAST), (UNICAST, HERE), (HERE, broadcast("224.0.0.227:7449"))]
-)
+@pytest.mark.parametrize(("ours", "theirs"), [(HERE, UNICAST), (UNICAST, HERE), (HERE, broadcast("224.0.0.227:7449"))])
 def test_a_robot_on_another_transport_is_named(make_talk, ours, theirs):
     """It is said loudly once, and stays in the status."""
     talk = make_talk(transport=ours)
     loud = [c for c in meet(talk, theirs) if isinstance(c, Notice) and c.level == "error"]
-    text = f"robot r2 has mesh.transport {theirs}, this one {ours}: what one of them broadcasts does not reach the other"
+    text = (
+        f"robot r2 has mesh.transport {theirs}, this one {ours}: what one of them broadcasts does not reach the other"
+    )
     assert [notice.text for notice in loud] == [text]
     assert not [c for c in meet(talk, theirs) if isinstance(c, Notice) and c.level == "error"]
     assert talk.core.status(1.0)["warnings"] == [text]
