@@ -100,7 +100,7 @@ class Daemon:
         # The paper's search comes with the paper's reduction; `best` has its own and ignores this.
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
         self._worker = Worker(search, planner.deadline, loop.post)
-        self._extractor = Extractor(loop.post)
+        self._extractor = Extractor(loop.post_at)
         self._bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
@@ -162,7 +162,7 @@ class Daemon:
                 "mesh": list(self._config.mesh.listen),
                 "waiting": self._loop.waiting,
                 "faults": self._loop.faults,
-                "features": {"skipped": self._extractor.skipped},
+                "features": {"superseded": self._extractor.superseded},
                 **self._bridge.describe(),
                 **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
             }

@@ -1,37 +1,49 @@
-"""Extracts the features of covered samples, off the Zenoh callbacks and off the loop."""
+"""Hands covered samples to the core with their features, extracted off the Zenoh callbacks and off the loop.
+
+Where only the most recent sample of a stream counts, the core is not told of more than it can use: while one of a key
+has not been taken up, a newer one takes its place. That costs neither an extraction nor an event.
+"""
 
 import threading
-from collections import Counter, deque
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import zenoh
 
 from proxy.core.events import SamplePublished
 from utility_specs import InformationType
 
+PACE = 0.002
+"""The core takes up samples of one Markovian stream at least this far apart [s]."""
 _REMEMBERED = 4096
 
-Job = tuple[SamplePublished, InformationType, zenoh.ZBytes]
+
+@dataclass(slots=True)
+class _Place:
+    """What the core will be told: the newest sample of its key so far, and how many it superseded."""
+
+    event: SamplePublished
+    covering: InformationType
+    payload: zenoh.ZBytes
+    superseded: int = 0
 
 
 class Extractor:
-    """Posts each sample with what its type extracts, in order of arrival.
+    """Posts each sample with what its type extracts, in order of arrival, or a newer one of its key in its place.
 
-    When it falls behind, a sample of a Markovian type whose key has a newer one waiting takes over the features of
-    its predecessor: the newer one will supersede it anyway, so the backlog costs one extraction per key. Its
-    length is bounded by what ingress holds.
+    `post_at` runs a job on the loop's thread, not before a time. What waits is bounded by what ingress holds.
     """
 
-    def __init__(self, post: Callable[[SamplePublished], None]) -> None:
-        self._post = post
-        self._jobs: deque[Job] = deque()
-        self._waiting: Counter[str] = Counter()
-        self._last: dict[str, Mapping[str, float]] = {}
+    def __init__(self, post_at: Callable[[float, Callable[[], SamplePublished]], None]) -> None:
+        self._post_at = post_at
+        self._jobs: deque[_Place] = deque()
+        self._places: dict[str, _Place] = {}
+        self._next: dict[str, float] = {}
         self._wake = threading.Condition()
         self._open = True
         self._thread = threading.Thread(target=self._run, name="features", daemon=True)
-        self.skipped = 0
+        self.superseded = 0
 
     def start(self) -> None:
         """Start extracting."""
@@ -44,18 +56,45 @@ class Extractor:
             self._wake.notify()
         self._thread.join(timeout)
 
-    def submit(self, event: SamplePublished, covering: InformationType, payload: zenoh.ZBytes) -> None:
-        """Post `event` with its features, soon. Whatever needs no payload does not wait for what does.
+    def submit(
+        self, event: SamplePublished, covering: InformationType, payload: zenoh.ZBytes, *, each: bool = False
+    ) -> int | None:
+        """Post `event` with its features, soon; return the sample whose place it took, if there was one.
 
-        A delete has no features, but waits its turn behind the samples of its key.
+        With `each` it takes none and leaves none to others: where all of them go, none may be superseded. Whatever
+        needs no payload does not wait for what does. A delete has no features, but waits its turn behind the samples
+        of its key, and those that come later wait behind it.
         """
-        if not covering.needs_payload:
-            self._post(event if event.delete else replace(event, features=covering.extract(event.key, b"")))
+        with self._wake:
+            place = self._places.get(event.key)
+            if place is not None and not event.delete and not each:
+                gone, place.event, place.payload = place.event.sample, event, payload
+                place.superseded += 1
+                self.superseded += 1
+                return gone
+            self._places.pop(event.key, None)
+            self._add(
+                _Place(event, covering, payload), replaceable=covering.markovian and not event.delete and not each
+            )
+            return None
+
+    def _add(self, place: _Place, *, replaceable: bool) -> None:
+        if replaceable:
+            self._places[place.event.key] = place
+        if place.covering.needs_payload:
+            self._jobs.append(place)
+            self._wake.notify()
         else:
-            with self._wake:
-                self._jobs.append((event, covering, payload))
-                self._waiting[event.key] += 1
-                self._wake.notify()
+            self._post(place, PACE if replaceable else 0.0)
+
+    def _post(self, place: _Place, pause: float) -> None:
+        """Let the loop take up the place when its time has come; the next one of its key `pause` [s] later."""
+        key, now = place.event.key, place.event.now
+        when = max(now, self._next.pop(key, now))
+        self._next[key] = when + pause
+        if len(self._next) > _REMEMBERED:
+            del self._next[next(iter(self._next))]
+        self._post_at(when, lambda: self._taken(place))
 
     def _run(self) -> None:
         while True:
@@ -64,24 +103,14 @@ class Extractor:
                     self._wake.wait()
                 if not self._open:
                     return
-                event, covering, payload = self._jobs.popleft()
-                self._waiting[event.key] -= 1
-                newer = self._waiting[event.key] > 0
-                if not newer:
-                    del self._waiting[event.key]
-            self._post(replace(event, features=self._features(event, covering, payload, newer=newer)))
+                place = self._jobs.popleft()
+            event = self._taken(place)
+            self._post_at(event.now, lambda event=event: event)  # type: ignore[misc] # a default binds it now
 
-    def _features(
-        self, event: SamplePublished, covering: InformationType, payload: zenoh.ZBytes, *, newer: bool
-    ) -> Mapping[str, float]:
-        if event.delete:
-            return {}
-        if newer and covering.markovian and event.key in self._last:
-            self.skipped += 1
-            return self._last[event.key]
-        features = covering.extract(event.key, payload)
-        self._last.pop(event.key, None)
-        self._last[event.key] = features
-        if len(self._last) > _REMEMBERED:
-            del self._last[next(iter(self._last))]
-        return features
+    def _taken(self, place: _Place) -> SamplePublished:
+        """Close the place, and return the sample that is in it with its features."""
+        with self._wake:
+            if self._places.get(place.event.key) is place:
+                del self._places[place.event.key]
+        features = {} if place.event.delete else place.covering.extract(place.event.key, place.payload)
+        return replace(place.event, features=features, superseded=place.superseded)

@@ -1,8 +1,10 @@
 """The one thread on which the core runs: events in, commands out, time passing."""
 
+import itertools
 import logging
 import threading
 from collections.abc import Callable
+from heapq import heappop, heappush
 from queue import Empty, SimpleQueue
 
 from proxy import clock
@@ -16,6 +18,10 @@ Item = Event | Callable[[], Event | None]
 """An event, or a job for the loop's thread that may make one."""
 
 
+_Timed = tuple[float, int, Item]
+"""When an item is due, a number that keeps those due at once in order, and the item."""
+
+
 class Loop:
     """Feeds the core. `execute` carries out each command, on this thread: it must not block."""
 
@@ -24,7 +30,9 @@ class Loop:
         self.faults = 0
         """Events that the core could not digest."""
         self._execute = execute
-        self._items: SimpleQueue[Item | None] = SimpleQueue()
+        self._items: SimpleQueue[Item | _Timed | None] = SimpleQueue()
+        self._timed: list[_Timed] = []
+        self._numbers = itertools.count()
         self._thread = threading.Thread(target=self._run, name="loop", daemon=True)
 
     def start(self) -> None:
@@ -40,10 +48,14 @@ class Loop:
         """Let the core know. From any thread; never blocks."""
         self._items.put(item)
 
+    def post_at(self, when: float, item: Item) -> None:
+        """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""
+        self._items.put((when, next(self._numbers), item))
+
     @property
     def waiting(self) -> int:
         """Items that wait for the core."""
-        return self._items.qsize()
+        return self._items.qsize() + len(self._timed)
 
     def handle(self, event: Event) -> None:
         """Take in `event` and carry out what follows. On the loop's thread only."""
@@ -56,10 +68,20 @@ class Loop:
             wake_at = self._digest(item)
 
     def _next(self, wake_at: float) -> Item | None:
-        try:
-            return self._items.get(timeout=max(wake_at - clock.monotonic(), 0.0))
-        except Empty:
-            return TimePassed(clock.monotonic())
+        while True:
+            now = clock.monotonic()
+            if self._timed and self._timed[0][0] <= now:
+                return heappop(self._timed)[2]
+            until = min(wake_at, self._timed[0][0]) if self._timed else wake_at
+            try:
+                item = self._items.get(timeout=max(until - now, 0.0))
+            except Empty:
+                if until == wake_at:
+                    return TimePassed(clock.monotonic())
+                continue
+            if not isinstance(item, tuple):
+                return item
+            heappush(self._timed, item)
 
     def _digest(self, item: Item) -> float:
         """Handle one item; return when time must pass next."""

@@ -77,6 +77,11 @@ class Broadcast:
         self._thread = threading.Thread(target=self._run, name="broadcast", daemon=True)
         self._thread.start()
 
+    @property
+    def info(self) -> zenoh.SessionInfo:
+        """Return what Zenoh knows of the session in use."""
+        return self._session.info
+
     def put(self, key: zenoh.KeyExpr | str, payload: Any, **options: Any) -> None:
         """Publish as `zenoh.Session.put` does."""
         self._session.put(f"{PREFIX}/{key}", payload, **options)

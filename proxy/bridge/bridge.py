@@ -83,6 +83,7 @@ class Bridge:
             outward=self._outward,
             inward=self._inward,
             links=self._links,
+            headroom=self._egress.headroom,
             passed=passed,
             post=post,
             wake=wake,

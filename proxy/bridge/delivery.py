@@ -52,7 +52,8 @@ class Delivery:
     def overhear(self, key: str, sample: zenoh.Sample) -> None:
         """Take in a sample of `key` that was broadcast, wanted or not: the core learns of all that are covered."""
         if self._owners.owner(key) is not None:
-            self._hand(key, sample)
+            publish(self._app, sample, sample.timestamp, key)
+            self._note(key, sample)
         elif self._covered(key) is not None:
             self._post(_heard(key, sample))
 
@@ -64,10 +65,10 @@ class Delivery:
     def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
         if self._owners.owner(key) == expression:
-            self._hand(key, sample)
+            publish(self._app, sample, sample.timestamp)
+            self._note(key, sample)
 
-    def _hand(self, key: str, sample: zenoh.Sample) -> None:
-        publish(self._app, sample, sample.timestamp, key)
+    def _note(self, key: str, sample: zenoh.Sample) -> None:
         self.delivered += 1
         if self._covered(key) is not None:
             self._post(_heard(key, sample))

@@ -3,17 +3,36 @@
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
 
 import zenoh
 
 from proxy import clock
-from proxy.bridge.declaration import Declaration
 from proxy.core.events import MatchingChanged
 
 MOST = 1024
 """Keys whose demand is followed; of more, one node is assumed to want them."""
 _CACHED = 8192
+
+
+@dataclass(frozen=True, slots=True)
+class Outlet:
+    """A declared publisher: cheaper than publishing with the session, but of one quality of service."""
+
+    publisher: zenoh.Publisher
+    priority: zenoh.Priority
+    congestion_control: zenoh.CongestionControl
+    express: bool
+
+    def suits(self, sample: zenoh.Sample) -> bool:
+        """Whether what it publishes is like `sample`."""
+        return (
+            sample.kind == zenoh.SampleKind.PUT
+            and sample.priority == self.priority
+            and sample.congestion_control == self.congestion_control
+            and sample.express == self.express
+        )
 
 
 class Demand:
@@ -39,18 +58,22 @@ class Demand:
         self._wake = wake
         self._lock = threading.Lock()
         self._seen: dict[str, bool] = {}
-        self._new: deque[str] = deque()
+        self._new: deque[tuple[str, zenoh.Sample]] = deque()
         self._matching: dict[str, bool] = {}
-        self._publishers: list[Declaration] = []
+        self._outlets: dict[str, Outlet] = {}
         self._robots: dict[str, tuple[zenoh.KeyExpr, ...]] = {}
         self._counts: dict[str, int] = {}
 
-    def note(self, key: str, *, covered: bool) -> None:
+    def note(self, key: str, sample: zenoh.Sample, *, covered: bool) -> None:
         """Follow `key` from now on. Called for every sample: cheap when not new."""
         if key not in self._seen and len(self._seen) < MOST:
             self._seen[key] = covered
-            self._new.append(key)
+            self._new.append((key, sample))
             self._wake()
+
+    def outlet(self, key: str) -> Outlet | None:
+        """Return the publisher of a key that is followed; it is as the first sample was. In broadcast there is none."""
+        return None if self._broadcast else self._outlets.get(key)
 
     def told(self, zid: str, subscriptions: Iterable[str]) -> None:
         """Take in what a robot says that its apps subscribe to; nothing when it is gone."""
@@ -81,18 +104,25 @@ class Demand:
     def update(self) -> None:
         """Declare publishers for the keys that are new. May block for as long as the mesh does."""
         while self._new:
-            key = self._new.popleft()
-            publisher = self._mesh.declare_publisher(key, allowed_destination=zenoh.Locality.REMOTE)
-            self._publishers.append(publisher)
+            key, sample = self._new.popleft()
+            kind = sample.priority, sample.congestion_control, sample.express
+            publisher = self._mesh.declare_publisher(
+                key,
+                priority=kind[0],
+                congestion_control=kind[1],
+                express=kind[2],
+                allowed_destination=zenoh.Locality.REMOTE,
+            )
+            self._outlets[key] = Outlet(publisher, *kind)
             handler = zenoh.handlers.Callback(partial(self._hear, key), indirect=False)
             publisher.declare_matching_listener(handler)
             self._set(key, matching=_matches(publisher))
 
     def close(self) -> None:
         """Follow nothing more."""
-        publishers, self._publishers = self._publishers, []
-        for publisher in publishers:
-            publisher.undeclare()
+        outlets, self._outlets = self._outlets, {}
+        for outlet in outlets.values():
+            outlet.publisher.undeclare()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
 
     @property
     def wanted(self) -> int:

@@ -1,8 +1,9 @@
-"""Publishes on the mesh, on a thread of its own: a mesh that stalls holds up nothing else.
+"""Publishes on the mesh. A mesh that stalls holds up nothing else.
 
-Two lanes. What was forwarded by a decision is paced to the limit of the channel, so that the queues behind us
-stay empty. What passes without a decision goes at once and pushes the next decided sample back by what it
-used, up to a floor: decided samples are never starved.
+What passes without a decision is published at once, by whoever brings it, while all links surely take it. All else
+waits for a thread that may be held up: two lanes. What was forwarded by a decision is paced to the limit of the
+channel, so that the queues behind us stay empty. What passes goes as fast as it can and pushes the next decided sample
+back by what it used, up to a floor: decided samples are never starved.
 """
 
 import logging
@@ -16,7 +17,9 @@ import zenoh
 from proxy import clock
 from proxy.bridge.air import Air
 from proxy.bridge.demand import Demand
+from proxy.bridge.headroom import Headroom
 from proxy.bridge.passed import EGRESS, Passed
+from proxy.bridge.patience import Patience
 from proxy.bridge.sample import Held, publish
 from proxy.core.events import SampleHanded, SampleRefused
 
@@ -26,6 +29,10 @@ MOST_SAMPLES = 8192
 """Bound of each lane."""
 MOST_BYTES = 64 * 1024 * 1024
 """Bound of both lanes together [B]."""
+CATCH_UP = 0.001
+"""How long whoever brings a sample lets the thread catch up, where no link holds it up [s]."""
+BEHIND = 32
+"""It has to, with more than so many passing samples."""
 _PUSHED_BACK = 0.05
 """Passing traffic delays a decided sample by no more than this [s]."""
 
@@ -46,6 +53,8 @@ class Egress:
         rate: float | None,
     ) -> None:
         self.rate = rate
+        self.headroom = Headroom(air)
+        self._patience = Patience(self.headroom)
         self._air = air
         self._demand = demand
         self._passed = passed
@@ -55,7 +64,10 @@ class Egress:
         self._bytes = 0
         self._free_at = 0.0
         self._open = True
-        self._wake = threading.Condition()
+        self._busy = False
+        """Whether the thread has a passing sample in hand."""
+        lock = threading.RLock()
+        self._wake, self._caught_up = threading.Condition(lock), threading.Condition(lock)
         self._thread = threading.Thread(target=self._run, name="egress", daemon=True)
         self._failing = False
 
@@ -78,8 +90,14 @@ class Egress:
 
     def pass_on(self, reason: str, held: Held) -> None:
         """Send a sample at once, counted under `reason`."""
-        if not self._enqueue(self._passing, (reason, held)):
+        # Read in this order: a sample leaves the lane only when the thread is busy with it. So none is overtaken.
+        if self._open and not self._passing and not self._busy and self.headroom.takes(held.size):
+            self._send_passing(reason, held)
+        elif not self._enqueue(self._passing, (reason, held)):
             self._passed.add(EGRESS, 0)
+        elif len(self._passing) > BEHIND and not self.headroom.slow()[0]:
+            with self._wake:
+                self._caught_up.wait_for(lambda: not self._passing, CATCH_UP)
 
     @property
     def waiting(self) -> dict[str, int]:
@@ -99,17 +117,21 @@ class Egress:
     def _run(self) -> None:
         while True:
             with self._wake:
+                self._busy = False
+                if not self._passing:
+                    self._caught_up.notify_all()
                 while self._open and (pause := self._pause()) != 0.0:
                     self._wake.wait(pause)
                 if not self._open:
                     return
                 # Decided samples first when their time has come: they are paced and starve nobody.
                 decided = self._decided.popleft() if self._ripe() else None
+                self._busy = decided is None
                 passing = self._passing.popleft() if decided is None else None
             if decided is not None:
                 self._send_decided(*decided)
             elif passing is not None:
-                self._send_passing(*passing)
+                self._send_passing(*passing, droppable=self._take(passing[1]))
 
     def _ripe(self) -> bool:
         return bool(self._decided) and (self.rate is None or clock.monotonic() >= self._free_at)
@@ -121,16 +143,16 @@ class Egress:
         return max(self._free_at - clock.monotonic(), 1e-4) if self._decided else None
 
     def _send_decided(self, number: int, held: Held) -> None:
-        sent = self._send(held)
+        sent = self._send(held, droppable=self._take(held))
         now = clock.monotonic()
         if sent and self.rate is not None:
             air = held.size * self._demand.copies(held.key)
             self._free_at = max(self._free_at, now) + air / self.rate
         self._post(SampleHanded(now, number) if sent else SampleRefused(now, number))
 
-    def _send_passing(self, reason: str, held: Held) -> None:
+    def _send_passing(self, reason: str, held: Held, *, droppable: bool = False) -> None:
         air = held.size * self._demand.copies(held.key)
-        if not self._send(held):
+        if not self._send(held, droppable=droppable):
             self._passed.add(EGRESS, 0)
             return
         self._passed.add(reason, air)
@@ -139,13 +161,28 @@ class Egress:
             pushed = max(self._free_at, now) + air / self.rate
             self._free_at = max(self._free_at, min(pushed, now + _PUSHED_BACK))
 
-    def _send(self, held: Held) -> bool:
+    def _take(self, held: Held) -> bool:
+        """Take a sample out of what waits; whether it may be dropped on links that have no room for it."""
         with self._wake:
             self._bytes -= held.size
+        return held.sample.congestion_control != zenoh.CongestionControl.DROP and self._patience.runs_out()
+
+    def _send(self, held: Held, *, droppable: bool = False) -> bool:
+        sample = held.sample
         if self._demand.silent(held.key):
             return True
         try:
-            publish(self._air, held.sample, held.stamp)
+            outlet = self._demand.outlet(held.key)
+            if outlet is not None and not droppable and outlet.suits(sample):
+                outlet.publisher.put(
+                    sample.payload,
+                    encoding=sample.encoding,
+                    attachment=sample.attachment,
+                    timestamp=held.stamp,
+                    source_info=sample.source_info,
+                )
+            else:
+                publish(self._air, sample, held.stamp, droppable=droppable)
         except zenoh.ZError as error:
             if not self._failing:
                 log.error("the mesh session refuses %s: %s", held.key, error)

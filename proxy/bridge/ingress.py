@@ -3,6 +3,7 @@
 import itertools
 import logging
 from collections.abc import Callable
+from typing import Protocol
 
 import zenoh
 
@@ -22,7 +23,14 @@ log = logging.getLogger(__name__)
 MOST_HELD = 4096
 """Samples held for the core, which has a bound of its own; this one holds when the loop stalls."""
 
-Submit = Callable[[SamplePublished, InformationType, zenoh.ZBytes], None]
+
+class Submit(Protocol):
+    """Takes a sample for the core; returns the number of one that it need not be told of any more."""
+
+    def __call__(
+        self, event: SamplePublished, covering: InformationType, payload: zenoh.ZBytes, *, each: bool
+    ) -> int | None:
+        """`each`: the core must be told of each sample."""
 
 
 class Ingress:
@@ -83,7 +91,7 @@ class Ingress:
         stamp = sample.timestamp
         held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload))
         covering = self._match(key)
-        self._demand.note(key, covered=covering is not None)
+        self._demand.note(key, sample, covered=covering is not None)
         if covering is None:
             self._egress.pass_on(NO_SPEC, held)
         elif self.mode is Mode.PASS:
@@ -108,4 +116,6 @@ class Ingress:
             features={},
             delete=held.sample.kind == zenoh.SampleKind.DELETE,
         )
-        self._submit(published, covering, held.sample.payload)
+        superseded = self._submit(published, covering, held.sample.payload, each=self.mode is Mode.SHADOW)
+        if superseded is not None:
+            self.release(superseded)

@@ -29,15 +29,24 @@ class Held(NamedTuple):
     size: int
 
 
-def publish(session: Air, sample: zenoh.Sample, stamp: zenoh.Timestamp | None, key: str | None = None) -> None:
+def publish(
+    session: Air,
+    sample: zenoh.Sample,
+    stamp: zenoh.Timestamp | None,
+    key: str | None = None,
+    *,
+    droppable: bool = False,
+) -> None:
     """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`.
 
-    `key` is that of the sample unless one is given.
+    `key` is that of the sample unless one is given. A `droppable` sample is dropped where a link is full, even if it
+    says that it would wait.
     """
+    control = zenoh.CongestionControl.DROP if droppable else sample.congestion_control
     if sample.kind == zenoh.SampleKind.DELETE:
         session.delete(
             key or sample.key_expr,
-            congestion_control=sample.congestion_control,
+            congestion_control=control,
             priority=sample.priority,
             express=sample.express,
             attachment=sample.attachment,
@@ -50,7 +59,7 @@ def publish(session: Air, sample: zenoh.Sample, stamp: zenoh.Timestamp | None, k
         key or sample.key_expr,
         sample.payload,  # the ZBytes itself: bytes() would copy it
         encoding=sample.encoding,
-        congestion_control=sample.congestion_control,
+        congestion_control=control,
         priority=sample.priority,
         express=sample.express,
         attachment=sample.attachment,

@@ -10,6 +10,7 @@ from proxy import clock
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
+from proxy.bridge.headroom import Headroom
 from proxy.bridge.keys import CROSSING
 from proxy.bridge.links import Links
 from proxy.bridge.mirror import Mirror
@@ -43,6 +44,7 @@ class Watch:
         outward: Queries,
         inward: Queries,
         links: Links,
+        headroom: Headroom,
         passed: Passed,
         post: Callable[[Event], None],
         wake: threading.Event,
@@ -54,6 +56,7 @@ class Watch:
         self._outward = outward
         self._inward = inward
         self._links = links
+        self._headroom = headroom
         self._passed = passed
         self._post = post
         self._wake = wake
@@ -105,6 +108,7 @@ class Watch:
         self._tokens_in.update(self._of_others(alive_in))
         self._demand.update()
         self._links.check(clock.monotonic())
+        self._headroom.refresh()
 
     def _of_others(self, alive: dict[str, bool]) -> dict[str, bool]:
         """Leave out our own tokens: a peer echoes a client's tokens to it, and for a moment after their end."""

@@ -16,7 +16,7 @@ from proxy.core.commands import Command, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
 from proxy.core.digests import DigestPacer
 from proxy.core.gate import Gate
-from proxy.core.inbox import Waiting
+from proxy.core.inbox import SUPERSEDED, Waiting
 from proxy.core.limits import allowance_of, limits_of, use_of
 from proxy.core.mode import Mode
 from proxy.core.report import report
@@ -80,6 +80,8 @@ class Core:
     @_on.register
     def _(self, event: ev.SamplePublished) -> list[Command]:
         self.counts.enter(event.sample)
+        if event.superseded:
+            self.counts.passed(event.superseded, SUPERSEDED)
         self.view.claim(event.origin)
         robot = self.settings.robot
         if self.view.robot_of(event.origin) != robot:
@@ -95,9 +97,12 @@ class Core:
             return self.gate.delete(event.key, event.sample)
         features = event.features
         scale = stream.information_type.scale(features)
-        stream.note_generated(stream.generated + 1, Generated(event.t_gen, event.size, scale, features))
+        stream.note_generated(
+            stream.generated + event.superseded + 1, Generated(event.t_gen, event.size, scale, features)
+        )
         self._urgent |= self.pacer.value_changed(stream)
-        markovian = stream.information_type.markovian
+        # In shadow all go, so none gives way to a newer one.
+        markovian = stream.information_type.markovian and self.gate.mode is not Mode.SHADOW
         waiting = Waiting(
             event.sample, event.key, event.size, event.t_gen, scale, event.priority, markovian, features=features
         )

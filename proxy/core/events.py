@@ -18,7 +18,8 @@ class SamplePublished:
 
     `t_gen` is its generation time, `origin` the id inside its timestamp (hex, None: unstamped by the app),
     `priority` is Zenoh's (1 real time … 7 background), `features` what its type extracts. `delete` marks a
-    deletion of the key: it passes.
+    deletion of the key: it passes. `superseded` samples of the stream came before it since the last one told of, and
+    gave way to it.
     """
 
     now: float
@@ -30,6 +31,7 @@ class SamplePublished:
     priority: int
     features: Mapping[str, float]
     delete: bool = False
+    superseded: int = 0
 
 
 @dataclass(frozen=True, slots=True)

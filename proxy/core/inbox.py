@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+SUPERSEDED = "dropped:superseded"
+
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
@@ -50,14 +52,14 @@ class Inbox:
 
     def put(self, new: Waiting) -> list[Evicted]:
         """Queue a sample; return those that had to leave for it (the new one may be among them)."""
-        superseded = [self._evict(w, "dropped:superseded") for w in self._of(new.key) if new.markovian]
+        superseded = [self._evict(w, SUPERSEDED) for w in self._of(new.key) if new.markovian]
         self._waiting[new.sample] = new
         least = self._least(new.key)
         return superseded if least is None else [*superseded, self._evict(least, "dropped:overflow")]
 
     def supersede(self, key: str) -> list[Evicted]:
         """Remove what waits of a Markovian stream, because something newer came; return it."""
-        return [self._evict(w, "dropped:superseded") for w in self._of(key) if w.markovian]
+        return [self._evict(w, SUPERSEDED) for w in self._of(key) if w.markovian]
 
     def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
         """Remove and return the next sample to decide; one that is `held` back has to wait."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
+from studies.benchmarks.bridge import measure_bridge
 from studies.benchmarks.charts import Chart
 from studies.benchmarks.designs import measure_designs
 from studies.benchmarks.grid import measure_grid
@@ -32,6 +33,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "latency": ("What missions reach with latency", lambda quick: measure_latency(quick=quick)),
     "iterations": ("What more iterations give", lambda quick: measure_iterations(quick=quick)),
     "receding": ("Beside the exact receding-horizon optimiser", lambda quick: measure_receding(quick=quick)),
+    "bridge": ("What the bridge costs", lambda quick: measure_bridge(quick=quick)),
     "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }
 

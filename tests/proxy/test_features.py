@@ -1,4 +1,4 @@
-"""Features are extracted in order, off the caller's thread, and a backlog costs one extraction per key."""
+"""Features are extracted in order, off the caller's thread; where only the latest sample counts, only of that."""
 
 import threading
 from contextlib import ExitStack
@@ -8,7 +8,7 @@ import zenoh
 
 from proxy import features as features_module
 from proxy.core.events import SamplePublished
-from proxy.features import Extractor
+from proxy.features import PACE, Extractor
 from tests.waiting import wait_until
 
 
@@ -30,82 +30,129 @@ class Type:
         return {"n": float(bytes(payload) or -1)}
 
 
-@pytest.fixture
-def posted():
-    return []
+class Loop:
+    """Keeps what is posted, and runs it when the test says so; what comes off a thread is run at once."""
+
+    def __init__(self):
+        self.due = []
+        self.posted = []
+
+    def post_at(self, when, job):
+        self.due.append((when, job))
+        if threading.current_thread().name == "features":
+            self.run()
+
+    def run(self):
+        """Take up all that waits."""
+        due, self.due = self.due, []
+        self.posted += [job() for _, job in due]
 
 
 @pytest.fixture
-def extractor(posted):
+def loop():
+    return Loop()
+
+
+@pytest.fixture
+def extractor(loop):
     with ExitStack() as stack:
-        made = Extractor(posted.append)
+        made = Extractor(loop.post_at)
         made.start()
         stack.callback(made.close, 1.0)
         yield made
 
 
-def sample(number, key="k", *, delete=False):
-    return SamplePublished(0.0, number, key, 1, 0.0, None, 5, {}, delete=delete)
+def sample(number, key="k", *, now=0.0, delete=False):
+    return SamplePublished(now, number, key, 1, 0.0, None, 5, {}, delete=delete)
 
 
 def payload(number):
     return zenoh.ZBytes(str(number))
 
 
-def test_features_come_with_the_sample_in_order(extractor, posted):
+def told(loop):
+    return [(event.sample, event.superseded, event.features) for event in loop.posted]
+
+
+def test_features_come_with_the_sample_in_order(extractor, loop):
     """Each sample is posted with what was extracted from its payload."""
     covering = Type()
     for i in range(3):
         extractor.submit(sample(i, f"k{i}"), covering, payload(i))
-    wait_until(lambda: len(posted) == 3, what="three samples")
-    assert [(event.sample, event.features) for event in posted] == [(i, {"n": float(i)}) for i in range(3)]
+    wait_until(lambda: len(loop.posted) == 3, what="three samples")
+    assert told(loop) == [(i, 0, {"n": float(i)}) for i in range(3)]
 
 
-def test_a_backlog_costs_one_extraction_per_key(extractor, posted):
-    """While the first is extracted three more of its key arrive: only the newest of them is extracted."""
+def test_the_newest_takes_the_place_of_those_that_wait(extractor, loop):
+    """While another key is extracted four samples arrive: one extraction, one event, which counts the other three."""
+    slow = Type()
+    slow.gate.clear()
+    extractor.submit(sample(9, "slow"), slow, payload(9))
     covering = Type()
-    covering.gate.clear()
-    for i in range(4):
-        extractor.submit(sample(i), covering, payload(i))
-    covering.gate.set()
-    wait_until(lambda: len(posted) == 4, what="four samples")
-    assert [event.sample for event in posted] == [0, 1, 2, 3]
-    assert [event.features["n"] for event in posted] in ([0.0, 0.0, 0.0, 3.0], [3.0] * 4)
-    assert extractor.skipped in (2, 3)
-    assert covering.extracted[-1] == ("k", b"3")
+    gone = [extractor.submit(sample(i), covering, payload(i)) for i in range(4)]
+    assert gone == [None, 0, 1, 2]
+    slow.gate.set()
+    wait_until(lambda: len(loop.posted) == 2, what="both keys")
+    assert told(loop)[1] == (3, 3, {"n": 3.0})
+    assert covering.extracted == [("k", b"3")]
+    assert extractor.superseded == 3
 
 
-def test_where_every_sample_counts_each_has_its_own_features(extractor, posted):
+@pytest.mark.parametrize(("markovian", "each"), [(False, False), (True, True)], ids=["not markovian", "each asked for"])
+def test_where_every_sample_counts_each_is_told_with_its_own_features(extractor, loop, markovian, each):
     """Nothing supersedes them, so a backlog costs what it costs."""
-    covering = Type(markovian=False)
+    covering = Type(markovian=markovian)
     covering.gate.clear()
-    for i in range(4):
-        extractor.submit(sample(i), covering, payload(i))
+    gone = [extractor.submit(sample(i), covering, payload(i), each=each) for i in range(4)]
     covering.gate.set()
-    wait_until(lambda: len(posted) == 4, what="four samples")
-    assert [event.features["n"] for event in posted] == [0.0, 1.0, 2.0, 3.0]
-    assert extractor.skipped == 0
+    wait_until(lambda: len(loop.posted) == 4, what="four samples")
+    assert gone == [None] * 4
+    assert told(loop) == [(i, 0, {"n": float(i)}) for i in range(4)]
 
 
-def test_what_needs_no_payload_does_not_wait(extractor, posted):
-    """Types without such features overtake a slow extraction of others; a delete waits behind its key's samples."""
+def test_what_needs_no_payload_does_not_wait(extractor, loop):
+    """Types without such features overtake a slow extraction of others."""
     slow = Type()
     slow.gate.clear()
     extractor.submit(sample(1), slow, payload(1))
     extractor.submit(sample(2, "free"), Type(needs_payload=False), payload(2))
-    extractor.submit(sample(3, delete=True), slow, payload(3))
-    assert [(event.sample, event.features) for event in posted] == [(2, {"n": -1.0})]
+    loop.run()
+    assert [event.sample for event in loop.posted] == [2]
     slow.gate.set()
-    wait_until(lambda: len(posted) == 3, what="the slow ones")
-    assert [event.sample for event in posted] == [2, 1, 3]
-    assert posted[-1].features == {}
+    wait_until(lambda: len(loop.posted) == 2, what="the slow one")
 
 
-def test_remembered_features_are_bounded(extractor, posted, monkeypatch):
+@pytest.mark.parametrize("needs_payload", [True, False])
+def test_a_delete_keeps_its_place(extractor, loop, needs_payload):
+    """It waits behind the samples of its key, none of them superseded by one that came after it; it has no features."""
+    covering = Type(needs_payload=needs_payload)
+    covering.gate.clear()
+    extractor.submit(sample(1), covering, payload(1))
+    extractor.submit(sample(2, delete=True), covering, payload(2))
+    assert extractor.submit(sample(3), covering, payload(3)) is None
+    covering.gate.set()
+    loop.run()
+    wait_until(lambda: len(loop.posted) == 3, what="all three")
+    assert [event.sample for event in loop.posted] == [1, 2, 3]
+    assert loop.posted[1].features == {}
+
+
+def test_one_stream_is_taken_up_no_faster_than_the_pace(extractor, loop):
+    """The first at once, the next a pace later, with the newest in it; other keys do not wait for it."""
+    covering = Type(needs_payload=False)
+    extractor.submit(sample(1, now=1.0), covering, payload(1))
+    loop.run()
+    extractor.submit(sample(2, now=1.0001), covering, payload(2))
+    extractor.submit(sample(3, "other", now=1.0002), covering, payload(3))
+    assert [when for when, _ in loop.due] == [1.0 + PACE, 1.0002]
+    assert extractor.submit(sample(4, now=1.001), covering, payload(4)) == 2
+    loop.run()
+    assert [(event.sample, event.superseded) for event in loop.posted] == [(1, 0), (4, 1), (3, 0)]
+
+
+def test_remembered_keys_are_bounded(extractor, monkeypatch):
     """Many keys do not fill the memory."""
     monkeypatch.setattr(features_module, "_REMEMBERED", 2)
-    covering = Type()
     for i in range(5):
-        extractor.submit(sample(i, f"k{i}"), covering, payload(i))
-    wait_until(lambda: len(posted) == 5, what="five samples")
-    assert len(extractor._last) == 2
+        extractor.submit(sample(i, f"k{i}"), Type(needs_payload=False), payload(i))
+    assert len(extractor._next) == 2

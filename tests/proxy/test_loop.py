@@ -63,6 +63,18 @@ def test_jobs_run_on_the_loops_thread_and_may_make_events(loop, executed):
     assert texts(executed) == ["robot r2 is on the mesh"]
 
 
+def test_jobs_run_when_their_time_has_come(loop):
+    """In the order of their times, not of their posting, and after what is due at once."""
+    ran = []
+    now = clock.monotonic()
+    for delay in (0.04, 0.02, 0.02):
+        loop.post_at(now + delay, lambda delay=delay: ran.append((delay, clock.monotonic())))
+    loop.post(lambda: ran.append((0.0, clock.monotonic())))
+    wait_until(lambda: len(ran) == 4, what="all jobs")
+    assert [delay for delay, _ in ran] == [0.0, 0.02, 0.02, 0.04]
+    assert all(at >= now + delay for delay, at in ran)
+
+
 def test_what_cannot_be_handled_is_counted_and_the_loop_goes_on(loop, executed, caplog):
     """A fault is logged and counted, and the next event is handled."""
 

@@ -56,8 +56,12 @@ class Robot:
         stack.callback(self.bridge.close)
         self.bridge.open()
 
-    def _submit(self, event: SamplePublished, _covering: InformationType, _payload: zenoh.ZBytes) -> None:
+    def _submit(
+        self, event: SamplePublished, _covering: InformationType, _payload: zenoh.ZBytes, *, each: bool
+    ) -> int | None:
+        assert not each
         self.asked.append(event)
+        return None
 
     def node(self, mode: str = "client", *, stamps: bool = False) -> zenoh.Session:
         """An application of this robot."""

@@ -1,6 +1,7 @@
 """How many nodes of the mesh want a key."""
 
 import pytest
+import zenoh
 
 from proxy.bridge import demand as demand_module
 from proxy.bridge.demand import Demand
@@ -20,15 +21,32 @@ def events():
 
 
 @pytest.fixture
-def demand(stack, mesh, events):
-    made = Demand(mesh[0], events.append, lambda: None)
+def broadcast():
+    """Whether samples travel elsewhere."""
+    return False
+
+
+@pytest.fixture
+def demand(stack, mesh, events, broadcast):
+    made = Demand(mesh[0], events.append, lambda: None, broadcast=broadcast)
     stack.callback(made.close)
     return made
 
 
-def follow(demand, key, *, covered=True):
-    demand.note(key, covered=covered)
-    demand.update()
+@pytest.fixture
+def follow(mesh, demand):
+    """Let the demand for a key be followed, as with its first sample."""
+    made = Heard(mesh[0], "made")
+
+    def follow_one(key, *, covered=True, **quality):
+        before = len(made.samples)
+        mesh[0].put("made", "x", **quality)
+        wait_until(lambda: len(made.samples) > before, what="a sample")
+        demand.note(key, made.samples[-1], covered=covered)
+        demand.update()
+        return made.samples[-1]
+
+    return follow_one
 
 
 def test_an_unknown_key_is_assumed_to_be_wanted_once(demand):
@@ -36,10 +54,10 @@ def test_an_unknown_key_is_assumed_to_be_wanted_once(demand):
     assert demand.copies("k") == 1
 
 
-def test_matching_follows_the_subscribers(stack, mesh, demand, events):
+def test_matching_follows_the_subscribers(stack, mesh, demand, events, follow):
     """A key nobody wants costs nothing; the core learns of each change, for covered keys only."""
     for key, covered in (("k", True), ("free", False)):
-        follow(demand, key, covered=covered)
+        follow(key, covered=covered)
     assert demand.copies("k") == 0
     heard = Heard(closing(stack, plain_session("peer", connect=(mesh[1],))), "**")
     wait_until(lambda: demand.copies("k") == demand.copies("free") == 1, what="the subscriber")
@@ -59,11 +77,11 @@ def test_copies_are_the_robots_that_say_they_want_it(demand):
     assert demand.copies("k/a") == 1
 
 
-def test_keys_are_followed_once_and_up_to_a_bound(demand, monkeypatch, events):
+def test_keys_are_followed_once_and_up_to_a_bound(demand, monkeypatch, events, follow):
     """The same key again changes nothing; beyond the bound a key stays unknown."""
     monkeypatch.setattr(demand_module, "MOST", 1)
     for key in ("a", "a", "b"):
-        follow(demand, key)
+        follow(key)
     assert [event.key for event in events] == ["a"]
     assert (demand.copies("a"), demand.copies("b")) == (0, 1)
 
@@ -76,22 +94,39 @@ def test_the_cache_is_bounded(demand, monkeypatch):
     assert len(demand._counts) <= 3
 
 
-def test_in_broadcast_one_transmission_is_for_all(stack, mesh):
+@pytest.mark.parametrize("broadcast", [True])
+def test_in_broadcast_one_transmission_is_for_all(stack, mesh, demand, follow):
     """However many want a key; when it is known that none does, the bridge itself must be silent."""
-    demand = Demand(mesh[0], lambda _: None, lambda: None, broadcast=True)
-    stack.callback(demand.close)
     demand.told("z1", ["k"])
     demand.told("z2", ["k"])
     assert (demand.copies("k"), demand.silent("k")) == (1, False)
-    follow(demand, "k")
-    assert (demand.copies("k"), demand.silent("k")) == (0, True)
+    follow("k")
+    assert (demand.copies("k"), demand.silent("k"), demand.outlet("k")) == (0, True, None)
     heard = Heard(closing(stack, plain_session("peer", connect=(mesh[1],))), "k")
     wait_until(lambda: demand.copies("k") == 1, what="the subscriber")
     assert not demand.silent("k")
     assert not heard.samples
 
 
-def test_in_unicast_zenoh_itself_is_silent(demand):
+def test_in_unicast_zenoh_itself_is_silent(demand, follow):
     """A key nobody wants is published all the same: Zenoh knows best."""
-    follow(demand, "k")
+    follow("k")
     assert (demand.copies("k"), demand.silent("k")) == (0, False)
+
+
+def test_an_outlet_publishes_as_the_first_sample_did(stack, mesh, demand, follow):
+    """It suits samples of that quality of service; a key that is not followed has none."""
+    plain = follow("k")
+    urgent = {"priority": zenoh.Priority.REAL_TIME, "congestion_control": zenoh.CongestionControl.BLOCK}
+    other = follow("urgent", **urgent, express=True)
+    heard = Heard(closing(stack, plain_session("peer", connect=(mesh[1],))), "urgent")
+    wait_until(lambda: demand.copies("urgent") == 1, what="the subscriber")
+    outlet = demand.outlet("urgent")
+    assert outlet.suits(other)
+    assert not outlet.suits(plain)
+    assert demand.outlet("k").suits(plain)
+    assert demand.outlet("never seen") is None
+    outlet.publisher.put("x")
+    wait_until(lambda: heard.samples, what="the sample")
+    (sample,) = heard.samples
+    assert (sample.priority, sample.congestion_control, sample.express) == (*urgent.values(), True)

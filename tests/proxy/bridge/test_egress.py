@@ -3,15 +3,20 @@
 import itertools
 
 import pytest
+import zenoh
 
 from proxy.bridge import egress as egress_module
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.passed import Passed
 from proxy.bridge.sample import Held
+from proxy.bridge.sessions import mesh_options, open_session
 from proxy.core.events import SampleHanded, SampleRefused
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
+
+LARGE = "x" * 200_000
+"""More than a link surely takes at once."""
 
 
 class Bench:
@@ -19,7 +24,8 @@ class Bench:
 
     def __init__(self, stack, rate):
         endpoint = free_endpoint()
-        self.mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
+        options = mesh_options([endpoint], [], scouting=False, interface="auto", zenoh_options={})
+        self.mesh = closing(stack, open_session(options, "mesh"))
         peer = closing(stack, plain_session("peer", connect=(endpoint,)))
         self.heard = Heard(peer, "**")
         self.posted = []
@@ -30,13 +36,14 @@ class Bench:
         publisher = self.mesh.declare_publisher("probe")
         wait_until(lambda: publisher.matching_status.matching, what="the peer's subscription")
         publisher.undeclare()
+        self.egress.headroom.refresh()
         self._samples = Heard(self.mesh, "made")
         self._numbers = itertools.count()
 
-    def held(self, payload):
+    def held(self, payload, **quality):
         """A sample as ingress holds it."""
         before = len(self._samples.samples)
-        self.mesh.put("made", payload)
+        self.mesh.put("made", payload, **quality)
         wait_until(lambda: len(self._samples.samples) > before, what="the sample")
         sample = self._samples.samples[-1]
         return Held(sample, self.mesh.new_timestamp(), "made", len(sample.payload))
@@ -102,12 +109,45 @@ def test_passing_traffic_does_not_starve_decided_samples(stack):
 def test_a_full_egress_refuses(bench, monkeypatch):
     """Beyond its bounds samples are refused: decided ones by number, passing ones by count."""
     monkeypatch.setattr(egress_module, "MOST_SAMPLES", 1)
-    held = bench.held("x")
+    held = bench.held(LARGE)
     for number in (1, 2):
         bench.egress.forward(number, held)
         bench.egress.pass_on("passed:no-spec", held)
     assert [(type(event), event.sample) for event in bench.posted] == [(SampleRefused, 2)]
     assert [(r.reason, r.count, r.size) for r in bench.passed.take(0.0)] == [("dropped:egress", 1, 0)]
+
+
+def test_what_passes_is_sent_by_whoever_brings_it(bench):
+    """While the links take it no thread is needed; behind what waits it waits its turn."""
+    bench.egress.pass_on("passed:no-spec", bench.held("first"))
+    wait_until(lambda: bench.mine() == ["first"], what="the sample")
+    for payload in (LARGE, "last"):
+        bench.egress.pass_on("passed:no-spec", bench.held(payload))
+    assert bench.egress.waiting["passing"] == 2
+    bench.egress.start()
+    wait_until(lambda: bench.mine() == ["first", LARGE, "last"], what="all of them, in order")
+
+
+def test_whoever_brings_more_than_the_thread_can_send_lets_it_catch_up(bench, monkeypatch):
+    """The wait is bounded where the thread does not come, and ends when nothing waits any more."""
+    monkeypatch.setattr(egress_module, "BEHIND", 0)
+    monkeypatch.setattr(egress_module, "CATCH_UP", 0.01)
+    bench.egress.pass_on("passed:no-spec", bench.held(LARGE))
+    assert bench.egress.waiting["passing"] == 1
+    monkeypatch.setattr(egress_module, "CATCH_UP", 60.0)
+    bench.egress.start()
+    bench.egress.pass_on("passed:no-spec", bench.held(LARGE))
+    wait_until(lambda: len(bench.mine()) == 2, what="both")
+
+
+def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch):
+    """It is published as one that may be; others see that only while a link is full."""
+    monkeypatch.setattr(bench.egress._patience, "runs_out", lambda: True)
+    bench.egress.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
+    bench.egress.start()
+    wait_until(bench.mine, what="the sample")
+    (sample,) = [s for s in bench.heard.samples if s.timestamp is not None]
+    assert sample.congestion_control == zenoh.CongestionControl.DROP
 
 
 def test_bytes_are_bounded_too(bench, monkeypatch):

@@ -102,6 +102,31 @@ def test_in_shadow_everything_goes_and_the_decision_is_counted(make_talk):
     assert (decisions["made"], decisions["iterations"], decisions["would_drop"]) == (1, 10, 1)
 
 
+def test_in_shadow_nothing_is_superseded(make_talk):
+    """All go, in order, however slow the decisions are."""
+    talk = make_talk(mode=Mode.SHADOW)
+    talk.want(0.0)
+    (first, commands), (second, _), (third, _) = (talk.publish(at) for at in (0.1, 0.11, 0.12))
+    went = []
+    for now in (0.13, 0.14, 0.15):
+        (decide,) = only(commands, Decide)
+        commands = talk.answer(now, decide, send=False)
+        went += only(commands, Forward, Drop)
+    assert went == [Forward(first), Forward(second), Forward(third)]
+
+
+def test_samples_that_gave_way_before_the_core_are_counted_and_generated(make_talk):
+    """The core learns of them with the one that took their place."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.publish(0.1)
+    talk.publish(0.4, superseded=2)
+    (stream,) = talk.core.view.own()
+    assert (stream.generated, round(stream.schedule.period, 3)) == (4, 0.1)
+    assert talk.core.counts.by_reason["dropped:superseded"] == 2
+    assert talk.core.counts.conserved
+
+
 def test_in_pass_nothing_is_decided(make_talk):
     """A plain bridge; switching to it releases what is being decided, and then what waits."""
     talk = make_talk()

@@ -1,0 +1,124 @@
+"""How much the links of a session take before a publication has to wait.
+
+Zenoh does not say when a link is full: a publication then waits, or is dropped. The kernel knows what waits in the
+socket of each link; while that is little, a publication returns at once, whatever becomes of the radio.
+"""
+
+import ctypes
+import ipaddress
+import socket
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+import zenoh
+
+from proxy.bridge.air import Air
+
+_libc = ctypes.CDLL(None)
+_MEMINFO = 55
+"""SO_MEMINFO of <asm-generic/socket.h>."""
+_SNDBUF, _QUEUED, _ALLOCATED = 3, 5, 2
+"""Places in what it gives: size of the send buffer, memory queued to be sent (TCP), memory being sent (UDP)."""
+USABLE = 0.5
+"""Part of a send buffer that is filled without asking again."""
+LITTLE = 16384
+"""With less room than this a link counts as slow [B]."""
+EACH = 2048
+"""What a small sample may take of a send buffer beside its bytes, in the worst case [B]."""
+
+Address = tuple[str, int]
+
+
+class Headroom:
+    """Watches the sockets of all links of `session`. One that cannot be found counts as full."""
+
+    def __init__(self, session: Air) -> None:
+        self._session = session
+        self._lock = threading.Lock()
+        self._links: tuple[str, ...] = ()
+        self._sockets: tuple[int, ...] = ()
+        self._unknown = True
+        self._budget = 0.0
+        self.refresh()
+
+    def takes(self, size: int) -> bool:
+        """Whether a publication of `size` bytes surely does not wait; what it takes is accounted for."""
+        cost = size + EACH
+        with self._lock:
+            if self._budget < cost:
+                self._budget = self._look()
+            if self._budget < cost:
+                return False
+            self._budget -= cost
+            return True
+
+    def slow(self) -> tuple[int, int]:
+        """Return how many links have little room, and how many there are."""
+        rooms = [_room(number) for number in self._sockets]
+        return sum(room < LITTLE for room in rooms), len(rooms)
+
+    def refresh(self) -> None:
+        """Take note of links that came and went."""
+        links = tuple(sorted(f"{link.src} {link.dst}" for link in self._session.info.links() if not _private(link)))
+        if links == self._links and not self._unknown:
+            return
+        found = _sockets()
+        numbers = [found.get(tuple(_address(end) for end in link.split())) for link in links]  # type: ignore[arg-type]
+        with self._lock:
+            self._links = links
+            self._sockets = tuple(number for number in numbers if number is not None)
+            self._unknown = None in numbers
+            self._budget = 0.0
+
+    def _look(self) -> float:
+        if self._unknown:
+            return 0.0
+        return min((_room(number) for number in self._sockets), default=float("inf"))
+
+
+def _private(link: zenoh.Link) -> bool:
+    """Whether this is the link of our own voice."""
+    return str(link.src).startswith("unixsock-stream")
+
+
+def _room(number: int) -> float:
+    """Return what may be written into a socket without asking again [B]; nothing when it is gone."""
+    info = (ctypes.c_uint32 * 9)()
+    size = ctypes.c_uint32(ctypes.sizeof(info))
+    if _libc.getsockopt(number, socket.SOL_SOCKET, _MEMINFO, info, ctypes.byref(size)) != 0:
+        return 0.0
+    return USABLE * info[_SNDBUF] - max(info[_QUEUED], info[_ALLOCATED])
+
+
+def _sockets() -> dict[tuple[Address, Address], int]:
+    """Return the numbers of this process's open TCP sockets by their two ends."""
+    found = {}
+    for entry in Path("/proc/self/fd").iterdir():
+        with suppress(OSError):  # closed meanwhile, or not connected
+            if not str(entry.readlink()).startswith("socket:"):
+                continue
+            borrowed = socket.socket(fileno=int(entry.name))
+            try:
+                if borrowed.family in (socket.AF_INET, socket.AF_INET6):
+                    ends = _plain(borrowed.getsockname()), _plain(borrowed.getpeername())
+                    found[ends] = borrowed.fileno()
+            finally:
+                borrowed.detach()  # it is Zenoh's
+    return found
+
+
+def _address(locator: str) -> Address:
+    """Return the address in a locator such as `tcp/[::1]:7447`."""
+    host, _, port = locator.partition("/")[2].split("#")[0].split("?")[0].rpartition(":")
+    return _plain((host.strip("[]").split("%")[0], port))
+
+
+def _plain(name: tuple[str, int | str] | tuple[str, int, int, int]) -> Address:
+    """Return an address without what differs between how Zenoh and the kernel write it."""
+    try:
+        host = ipaddress.ip_address(name[0].split("%")[0])
+    except ValueError:
+        return name[0], 0
+    mapped = host.ipv4_mapped if isinstance(host, ipaddress.IPv6Address) else None
+    return str(mapped or host), int(name[1] or 0)

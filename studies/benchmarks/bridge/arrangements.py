@@ -1,0 +1,120 @@
+"""What may stand between a publisher and a subscriber on one machine."""
+
+import json
+import os
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from studies.demo.processes import Process, Troupe
+
+ARRANGEMENTS = ("direct", "router", "pass", "enforce", "covered")
+"""Nothing, a stock router, one daemon in mode `pass`, one in `enforce` with no spec for the keys, one with a spec."""
+
+PATIENCE = 30.0
+"""How long a process may take to get ready [s]."""
+SPEC = """
+[[constraint]]
+kind = "throughput"
+limit = "{limit}"
+window = 0.5
+
+[[information_type]]
+name = "bench"
+keys = ["{key}"]
+aggregation = "most_recent"
+weight = 1.0
+utility = {{ kind = "video" }}
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A publisher and a listener, and what is `between` them (None: nothing)."""
+
+    publisher: Process
+    listener: Process
+    between: Process | None
+
+    def publish(self, *, size: int, seconds: float, rate: float = 0.0, block: bool = False) -> dict[str, float]:
+        """Publish as the application does; return what it sent."""
+        order = {"key": "bench/x", "size": size, "seconds": seconds, "rate": rate, "block": block}
+        self.publisher.tell(order)
+        return dict(self.publisher.hear(seconds + PATIENCE))
+
+    def heard(self) -> dict[str, float | list[float]]:
+        """Return what arrived since the last time, once nothing more comes."""
+        self.listener.tell({})
+        return dict(self.listener.hear(PATIENCE))
+
+    def processor_time(self) -> float:
+        """Return the processor time that what is between has used so far [s]."""
+        if self.between is None:
+            return 0.0
+        fields = Path(f"/proc/{self.between.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def private_memory(self) -> float:
+        """Return the memory that nobody shares with what is between [B]."""
+        if self.between is None:
+            return 0.0
+        lines = Path(f"/proc/{self.between.pid}/status").read_text().splitlines()
+        return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith("RssAnon"))
+
+
+@contextmanager
+def arranged(name: str) -> Iterator[Line]:
+    """Start the processes of an arrangement; end them afterwards."""
+    app, mesh = _endpoint(), _endpoint()
+    with TemporaryDirectory(prefix="sendworthy-bench-") as folder, Troupe(Path(folder)) as troupe:
+        between = None if name == "direct" else _between(troupe, name, app, mesh, Path(folder))
+        if between is None:
+            publisher = _application(troupe, "publish", "--mode", "peer", "--listen", app)
+            listener = _application(troupe, "listen", "--mode", "peer", "--connect", app)
+        else:
+            publisher = _application(troupe, "publish", "--connect", app)
+            listener = _application(troupe, "listen", "--mode", "peer", "--connect", mesh)
+        line = Line(publisher, listener, between)
+        _wait_until_linked(line)
+        yield line
+
+
+def _between(troupe: Troupe, name: str, app: str, mesh: str, folder: Path) -> Process:
+    if name == "router":
+        router = troupe.start(
+            "router", "-m", "studies.demo.stock_router", "--listen", app, "--listen", mesh, "--others", "0"
+        )
+        router.hear(PATIENCE)
+        return router
+    key = "bench/**" if name == "covered" else "other/**"
+    (folder / "spec.toml").write_text(SPEC.format(key=key, limit="20 Mbit/s"))
+    config = folder / "sendworthy.toml"
+    sides = f"[app]\nlisten = {json.dumps([app])}\n[mesh]\nlisten = {json.dumps([mesh])}\nscouting = false\n"
+    mode = "pass" if name == "pass" else "enforce"
+    config.write_text(f'robot = "bench"\nmode = "{mode}"\n{sides}[specs]\npath = "spec.toml"\n')
+    return troupe.start("daemon", "-m", "proxy.cli", "run", "--config", str(config))
+
+
+def _application(troupe: Troupe, role: str, *options: str) -> Process:
+    process = troupe.start(role, "-m", "studies.benchmarks.bridge.application", role, *options)
+    process.hear(PATIENCE)
+    return process
+
+
+def _wait_until_linked(line: Line) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not line.heard()["count"]:
+        if time.monotonic() > deadline:
+            raise TimeoutError("nothing gets through")
+        line.publish(size=64, seconds=0.2, rate=50.0)
+
+
+def _endpoint() -> str:
+    """Return an endpoint on loopback that is free."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"

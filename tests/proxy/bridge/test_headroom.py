@@ -1,0 +1,99 @@
+"""The links of a session are asked whether they take more, and a full one says no before anybody waits."""
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import ExitStack
+
+import pytest
+import zenoh
+
+from proxy.bridge.headroom import Headroom
+from proxy.bridge.sessions import mesh_options, open_session
+from tests.proxy.nodes import closing, free_endpoint, plain_session
+from tests.waiting import wait_until
+
+LISTEN = """
+import sys, zenoh
+config = zenoh.Config.from_json5('{connect: {endpoints: ["%s"]}, scouting: {multicast: {enabled: false}}}')
+with zenoh.open(config) as session:
+    subscriber = session.declare_subscriber("**", zenoh.handlers.RingChannel(1))
+    print("ready", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.fixture(params=["127.0.0.1", "[::1]"])
+def mesh(request, stack):
+    endpoint = free_endpoint().replace("127.0.0.1", request.param)
+    options = mesh_options([endpoint], [], scouting=False, interface="auto", zenoh_options={})
+    return closing(stack, open_session(options, "mesh")), endpoint
+
+
+@pytest.fixture
+def listener(mesh):
+    """A peer in a process of its own, which can be frozen."""
+    with ExitStack() as ending:
+        process = subprocess.Popen(
+            [sys.executable, "-c", LISTEN % mesh[1]], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        ending.callback(process.wait)
+        ending.callback(process.kill)
+        for pipe in (process.stdin, process.stdout):
+            ending.callback(pipe.close)
+        assert process.stdout.readline() == "ready\n"
+        yield process
+
+
+def linked(headroom, links):
+    headroom.refresh()
+    return headroom.slow()[1] == links
+
+
+def test_without_links_anything_goes(mesh):
+    """Nobody waits for nobody."""
+    assert Headroom(mesh[0]).takes(1_000_000_000)
+
+
+def test_a_link_takes_a_part_of_its_buffer(stack, mesh):
+    """What is taken is accounted for; links that end are forgotten."""
+    headroom = Headroom(mesh[0])
+    peer = closing(stack, plain_session("peer", connect=(mesh[1],)))
+    wait_until(lambda: linked(headroom, 1), what="the link")
+    assert headroom.takes(40_000)
+    assert not headroom.takes(1_000_000)
+    assert headroom.slow() == (0, 1)
+    peer.close()
+    wait_until(lambda: linked(headroom, 0), what="the end of the link")
+    assert headroom.takes(1_000_000)
+
+
+def test_a_peer_that_stops_reading_is_noticed_before_anybody_waits(mesh, listener):
+    """Publications that may not be dropped all return while there is headroom, and there is none in the end."""
+    session, _ = mesh
+    headroom = Headroom(session)
+    wait_until(lambda: linked(headroom, 1), what="the link")
+    publisher = session.declare_publisher("k", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: publisher.matching_status.matching, what="the subscription")
+    os.kill(listener.pid, signal.SIGSTOP)
+    taken = 0
+    while headroom.takes(1000):
+        publisher.put(b"x" * 1000)
+        taken += 1
+        assert taken < 100_000
+    assert taken > 0
+    assert headroom.slow() == (1, 1)
+    os.kill(listener.pid, signal.SIGCONT)
+    wait_until(lambda: headroom.takes(1000), what="room again")
+
+
+def test_a_link_whose_socket_cannot_be_found_counts_as_full(stack):
+    """Who listens on UDP has one socket for all links, which tells nothing of any."""
+    endpoint = free_endpoint().replace("tcp", "udp")
+    mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
+    headroom = Headroom(mesh)
+    closing(stack, plain_session("peer", connect=(endpoint,)))
+    wait_until(lambda: list(mesh.info.peers_zid()), what="the link")
+    headroom.refresh()
+    assert not headroom.takes(1)

@@ -1,0 +1,53 @@
+"""Nobody waits long for a link that is slower than the others."""
+
+from proxy.bridge.patience import LONGEST, REST, Patience
+
+
+class Links:
+    """Links that are full or not, and a wait that lets something happen."""
+
+    def __init__(self, slow, links):
+        self.state = slow, links
+        self.waits = 0
+
+    def slow(self):
+        return self.state
+
+
+def test_nobody_waits_where_all_links_have_room_or_none_has():
+    """A channel that is full is no reason to drop what may not be dropped."""
+    for state in ((0, 3), (3, 3), (1, 1), (0, 0)):
+        assert not Patience(Links(*state), wait=lambda _: None).runs_out()
+
+
+def test_it_waits_until_the_slow_link_has_room():
+    """Then nothing is dropped."""
+    links = Links(1, 3)
+
+    def wait(_):
+        links.waits += 1
+        links.state = (int(links.waits < 5), 3)
+
+    patience = Patience(links, wait)
+    assert not patience.runs_out()
+    assert (links.waits, patience.lost) == (5, 0)
+
+
+def test_it_runs_out_once_and_rests(monkeypatch):
+    """After the longest wait what comes next does not wait again, until it has rested."""
+    now = [100.0]
+    monkeypatch.setattr("proxy.clock.monotonic", lambda: now[0])
+
+    def wait(seconds):
+        now[0] += seconds
+
+    patience = Patience(Links(1, 2), wait)
+    assert patience.runs_out()
+    assert LONGEST <= now[0] - 100.0 < LONGEST + 0.01
+    before = now[0]
+    assert patience.runs_out()
+    assert now[0] == before
+    assert patience.lost == 1
+    now[0] += REST
+    assert patience.runs_out()
+    assert patience.lost == 2
