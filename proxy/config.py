@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from proxy.config_values import (
     Interface,
+    KeyExpressions,
     ListenEndpoints,
     MulticastGroup,
     RemoteEndpoints,
@@ -36,7 +37,8 @@ class AppConfig(Section):
     """`[app]`: the side of the robot's own applications."""
 
     listen: SomeListenEndpoints = Field(
-        default=("tcp/127.0.0.1:7447",), description="endpoints where this robot's applications connect"
+        default=("tcp/127.0.0.1:7447", "tcp/[::1]:7447"),
+        description="endpoints where this robot's applications connect",
     )
     zenoh: ZenohTable = Field(default={}, description="further Zenoh configuration of the application side")
 
@@ -60,6 +62,31 @@ class MeshConfig(Section):
         default=0.02, ge=0.0, le=0.5, description="share of every limit for what the daemons tell each other"
     )
     zenoh: ZenohTable = Field(default={}, description="further Zenoh configuration of the mesh side")
+
+
+class InConfig(Section):
+    """`[bridge.in]`: what others offer and this robot takes."""
+
+    allow: KeyExpressions = Field(default=("**",), description="key expressions of what this robot takes from others")
+    deny: KeyExpressions = Field(default=(), description="key expressions of what it does not take, allowed or not")
+
+
+class OutConfig(Section):
+    """`[bridge.out]`: what this robot offers to others."""
+
+    allow: KeyExpressions = Field(default=("**",), description="key expressions of what this robot gives to others")
+    deny: KeyExpressions = Field(default=(), description="key expressions of what it keeps to itself, allowed or not")
+    bypass: KeyExpressions = Field(
+        default=(), description="key expressions of samples that go at once, whatever specs and planner say"
+    )
+
+
+class BridgeConfig(Section):
+    """`[bridge]`: what may cross between the applications and the mesh."""
+
+    profile: Literal["none", "ros2"] = Field(default="none", description="ready-made rules that are added to yours")
+    out: OutConfig = OutConfig()
+    into: InConfig = Field(default=InConfig(), alias="in")
 
 
 class SpecsConfig(Section):
@@ -99,6 +126,7 @@ class Config(Section):
     mode: Annotated[Mode, Field(strict=False)] = Field(default=Mode.ENFORCE, description="pass, shadow or enforce")
     app: AppConfig = AppConfig()
     mesh: MeshConfig = MeshConfig()
+    bridge: BridgeConfig = BridgeConfig()
     specs: SpecsConfig = SpecsConfig()
     planner: PlannerConfig = PlannerConfig()
     log: LogConfig = LogConfig()
@@ -124,11 +152,12 @@ def settings(model: type[BaseModel] = Config, path: tuple[str, ...] = ()) -> Ite
     """Yield every key of the configuration in the order of the manual."""
     for name, field in model.model_fields.items():
         kind = field.annotation
+        here = (*path, field.alias or name)
         if isinstance(kind, type) and issubclass(kind, BaseModel):
-            yield from settings(kind, (*path, name))
+            yield from settings(kind, here)
         else:
             yield Setting(
-                path=(*path, name),
+                path=here,
                 default=field.get_default(call_default_factory=True),
                 description=field.description or "",
                 takes_text=kind not in (bool, int, float) and get_origin(kind) not in (tuple, dict),

@@ -1,4 +1,4 @@
-"""The syntax of single configuration values: robot names, endpoints, interfaces."""
+"""The syntax of single configuration values: robot names, endpoints, interfaces, key expressions."""
 
 import ipaddress
 import re
@@ -95,6 +95,19 @@ def multicast_group(text: str) -> str:
     return text
 
 
+def key_expression(text: str) -> str:
+    """Return `text` if it is a key expression of Zenoh; ValueError otherwise."""
+    import zenoh  # noqa: PLC0415 - few configurations need it
+
+    try:
+        return str(zenoh.KeyExpr(text))
+    except zenoh.ZError as error:
+        # Zenoh repeats the text first and ends with a place in its own source.
+        cause = str(error).split("`: ", maxsplit=1)[-1].split(" at /")[0]
+        ros = f'; the ROS 2 topic {text} has keys like "*{text}/**"' if text.startswith("/") else ""
+        raise ValueError(f"must be a key expression, not {quoted(text)}: {cause}{ros}") from None
+
+
 def path_text(value: object) -> object:
     """Return `value` if it can be a path; ValueError otherwise, in the words of the other settings."""
     if not isinstance(value, str | Path):
@@ -116,3 +129,4 @@ RemoteEndpoints = Annotated[tuple[Annotated[str, AfterValidator(remote_endpoint)
 SpecsPath = Annotated[Path, Field(strict=False), BeforeValidator(path_text)]
 MulticastGroup = Annotated[str, AfterValidator(multicast_group)]
 Interface = Annotated[str, AfterValidator(interface)]
+KeyExpressions = Annotated[tuple[Annotated[str, AfterValidator(key_expression)], ...], Field(strict=False)]

@@ -14,6 +14,7 @@ from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
 from proxy.bridge.lane import Lane
 from proxy.bridge.presence import Presence, free_name
+from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
 from proxy.core import transport
@@ -111,6 +112,7 @@ class Daemon:
             specs=self._specs,
             mode=config.mode,
             connect=config.mesh.connect,
+            rules=Rules(config.bridge),
             submit=self._extractor.submit,
             post=loop.post,
         )

@@ -18,6 +18,7 @@ def table(status: Status) -> str:
     parts = [
         _headline(status),
         _counts(status.get("counts", {})),
+        _denied(status.get("daemon", {}).get("denied", {})),
         _decisions(status.get("decisions", {})),
         _budget(status.get("budget", ())),
         _streams(status.get("streams", ())),
@@ -41,10 +42,22 @@ def _headline(status: Status) -> str:
 
 
 def _counts(counts: Status) -> str:
-    reasons = counts.get("by_reason", {})
+    reasons, sizes = counts.get("by_reason", {}), counts.get("bytes", {})
     law = " + ".join(f"{counts.get(name, 0)} {name}" for name in ("forwarded", "dropped", "queued"))
-    rows = [("", reason, str(n)) for reason, n in sorted(reasons.items(), key=lambda pair: -pair[1])]
-    return "\n".join([f"samples  {counts.get('in', 0)} in = {law}", *_columns(rows, "llr")])
+    rows = [
+        ("", reason, str(n), amount(sizes[reason], "B") if reason in sizes else "")
+        for reason, n in sorted(reasons.items(), key=lambda pair: -pair[1])
+    ]
+    return "\n".join([f"samples  {counts.get('in', 0)} in = {law}", *_columns(rows, "llrr")])
+
+
+def _denied(denied: Mapping[str, Status]) -> str:
+    """What the rules of the bridge kept from crossing, by direction; nothing when it was nothing."""
+    names = ("samples", "queries", "replies", "subscribers", "queryables", "tokens")
+    rows = [
+        (way, *(str(counts.get(name, 0)) for name in names)) for way, counts in denied.items() if any(counts.values())
+    ]
+    return _section(("DENIED", *(name.upper() for name in names)), "lrrrrrr", rows)
 
 
 def _decisions(decisions: Status) -> str:

@@ -17,6 +17,7 @@ from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
+from proxy.bridge.rules import Rules
 from proxy.bridge.voice import Voice
 from proxy.bridge.watch import Watch
 from proxy.core.events import Event, SampleRefused
@@ -49,11 +50,13 @@ class Bridge:
         specs: Specs,
         mode: Mode,
         connect: tuple[str, ...],
+        rules: Rules,
         submit: Submit,
         post: Callable[[Event], None],
     ) -> None:
         self._specs = specs
         self._post = post
+        self._rules = rules
         self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh)
         passed = Passed()
         self._egress = Egress(air, self.demand, passed, post, _pace(specs, mode))
@@ -64,16 +67,17 @@ class Bridge:
             egress=self._egress,
             demand=self.demand,
             passed=passed,
+            rules=rules,
             submit=submit,
             mode=mode,
         )
-        self._delivery = Delivery(app, mesh, self._match, post)
+        self._delivery = Delivery(app, mesh, self._match, rules, post)
         if isinstance(air, Broadcast):
             air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))
         # What a voice asks reaches all but itself, so a query never comes back to who mirrors it.
-        self._outward = Queries(apps.session, others.session, self.lanes[0])
-        self._inward = Queries(others.session, apps.session, self.lanes[1])
+        self._outward = Queries(apps.session, others.session, self.lanes[0], rules.into)
+        self._inward = Queries(others.session, apps.session, self.lanes[1], rules.out)
         self._links = Links(mesh, connect, clock.monotonic())
         self._watch = Watch(
             apps=apps,
@@ -84,6 +88,7 @@ class Bridge:
             inward=self._inward,
             links=self._links,
             headroom=self._egress.headroom,
+            rules=rules,
             passed=passed,
             post=post,
             wake=wake,
@@ -133,6 +138,7 @@ class Bridge:
     def describe(self) -> dict[str, Any]:
         """Return what the status says of the bridge."""
         return {
+            "denied": self._rules.describe(),
             "links": self._links.describe(),
             "held": self._ingress.held,
             "egress": self._egress.waiting,

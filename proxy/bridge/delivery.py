@@ -8,7 +8,8 @@ import zenoh
 from proxy import clock
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.owners import Owners
-from proxy.bridge.sample import origin_of, publish, wall_of
+from proxy.bridge.rules import Rules, Verdict
+from proxy.bridge.sample import heartbeat, origin_of, publish, wall_of
 from proxy.core.events import Event, SampleHeard
 
 
@@ -26,11 +27,13 @@ class Delivery:
         app: zenoh.Session,
         mesh: zenoh.Session,
         covered: Callable[[str], object | None],
+        rules: Rules,
         post: Callable[[Event], None],
     ) -> None:
         self._app = app
         self._mesh = mesh
         self._covered = covered
+        self._rules = rules
         self._post = post
         self._owners = Owners()
         self._mirror = Mirror(self._subscribe, self._owners.discard)
@@ -52,8 +55,7 @@ class Delivery:
     def overhear(self, key: str, sample: zenoh.Sample) -> None:
         """Take in a sample of `key` that was broadcast, wanted or not: the core learns of all that are covered."""
         if self._owners.owner(key) is not None:
-            publish(self._app, sample, sample.timestamp, key)
-            self._note(key, sample)
+            self._hand(key, sample, key)
         elif self._covered(key) is not None:
             self._post(_heard(key, sample))
 
@@ -65,11 +67,17 @@ class Delivery:
     def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
         if self._owners.owner(key) == expression:
-            publish(self._app, sample, sample.timestamp)
-            self._note(key, sample)
+            self._hand(key, sample)
 
-    def _note(self, key: str, sample: zenoh.Sample) -> None:
-        self.delivered += 1
+    def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None) -> None:
+        verdict, stamp = self._rules.into.verdict(key), sample.timestamp
+        if verdict is Verdict.COMPANION and heartbeat(key, stamp):
+            return
+        if verdict is Verdict.DENIED:
+            self._rules.into.count("samples")  # it was on the air all the same
+        else:
+            publish(self._app, sample, stamp, renamed)
+            self.delivered += 1
         if self._covered(key) is not None:
             self._post(_heard(key, sample))
 

@@ -20,7 +20,7 @@ from proxy.bridge.demand import Demand
 from proxy.bridge.headroom import Headroom
 from proxy.bridge.passed import EGRESS, Passed
 from proxy.bridge.patience import Patience
-from proxy.bridge.sample import Held, publish
+from proxy.bridge.sample import Held, publish, source_of
 from proxy.core.events import SampleHanded, SampleRefused
 
 log = logging.getLogger(__name__)
@@ -179,7 +179,7 @@ class Egress:
                     encoding=sample.encoding,
                     attachment=sample.attachment,
                     timestamp=held.stamp,
-                    source_info=sample.source_info,
+                    source_info=source_of(sample),
                 )
             else:
                 publish(self._air, sample, held.stamp, droppable=droppable)

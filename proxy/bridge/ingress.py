@@ -12,8 +12,9 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.keys import INGRESS
-from proxy.bridge.passed import MODE, NO_SPEC, OVERFLOW, Passed
-from proxy.bridge.sample import Held, generated, origin_of, priority_of
+from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC, OVERFLOW, Passed
+from proxy.bridge.rules import Rules, Verdict
+from proxy.bridge.sample import Held, generated, heartbeat, origin_of, priority_of
 from proxy.core.events import SamplePublished
 from proxy.core.mode import Mode
 from utility_specs import InformationType
@@ -48,6 +49,7 @@ class Ingress:
         egress: Egress,
         demand: Demand,
         passed: Passed,
+        rules: Rules,
         submit: Submit,
         mode: Mode,
     ) -> None:
@@ -58,6 +60,7 @@ class Ingress:
         self._egress = egress
         self._demand = demand
         self._passed = passed
+        self._rules = rules
         self._submit = submit
         self._numbers = itertools.count(1)
         self._held: dict[int, Held] = {}
@@ -88,12 +91,20 @@ class Ingress:
     def _receive(self, sample: zenoh.Sample) -> None:
         now = clock.monotonic()
         key = str(sample.key_expr)
+        verdict = self._rules.outward(key)
+        if verdict is Verdict.DENIED:
+            self._rules.out.count("samples")
+            self._passed.add(DENIED, 0)
+            return
         stamp = sample.timestamp
+        if verdict is Verdict.COMPANION and heartbeat(key, stamp):
+            self._passed.add(HEARTBEAT, 0)
+            return
         held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload))
-        covering = self._match(key)
+        covering = self._match(key) if verdict is Verdict.ORDINARY else None
         self._demand.note(key, sample, covered=covering is not None)
         if covering is None:
-            self._egress.pass_on(NO_SPEC, held)
+            self._egress.pass_on(BYPASS if verdict is Verdict.BYPASS else NO_SPEC, held)
         elif self.mode is Mode.PASS:
             self._egress.pass_on(MODE, held)
         else:

@@ -8,6 +8,9 @@ NO_SPEC = "passed:no-spec"
 MODE = "passed:mode"
 EGRESS = "dropped:egress"
 OVERFLOW = "dropped:overflow"
+DENIED = "dropped:denied"
+BYPASS = "passed:bypass"
+HEARTBEAT = "dropped:heartbeat"
 
 
 class Passed:

@@ -9,6 +9,7 @@ import zenoh
 from proxy.bridge.lane import Lane
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.owners import Owners
+from proxy.bridge.rules import Way
 
 MOST_PENDING = 1024
 """Queries under way in one direction; more are answered with an error."""
@@ -17,12 +18,16 @@ TIMEOUT = 60.0
 
 
 class Queries:
-    """One direction: queries that nodes of `near` ask for what nodes of `far` answer."""
+    """One direction: queries that nodes of `near` ask for what nodes of `far` answer.
 
-    def __init__(self, near: zenoh.Session, far: zenoh.Session, lane: Lane) -> None:
+    `way` is the one that the answers go: a query for what it denies is not answered, as if nobody did.
+    """
+
+    def __init__(self, near: zenoh.Session, far: zenoh.Session, lane: Lane, way: Way) -> None:
         self._near = near
         self._far = far
         self._lane = lane
+        self._way = way
         self._owners = Owners()
         self._mirror = Mirror(self._declare, self._owners.discard)
         self._pending = 0
@@ -51,7 +56,8 @@ class Queries:
 
     def _receive(self, expression: str, query: zenoh.Query) -> None:
         # Of several queryables that a query reaches here one asks everybody on the far side.
-        if self._owners.owner(str(query.key_expr)) != expression:
+        asked = str(query.key_expr)
+        if self._owners.owner(asked) != expression or not self._way.admits("queries", asked):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         with self._lock:
@@ -82,7 +88,8 @@ class Queries:
             self._finish(query)
 
     def _reply(self, query: zenoh.Query, reply: zenoh.Reply) -> None:
-        self._lane.offer(partial(_answer, query, reply))
+        if reply.ok is None or self._way.admits("replies", str(reply.ok.key_expr)):
+            self._lane.offer(partial(_answer, query, reply))
 
     def _finish(self, query: zenoh.Query) -> None:
         self._lane.insist(partial(self._end, query))

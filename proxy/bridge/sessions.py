@@ -19,11 +19,15 @@ LEASE = 2000
 BATCH = 16384
 """Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than `LEASE`, which ends the link."""
 
-WAITS = {
-    "drop": {"wait_before_drop": 1000, "max_wait_before_drop_fragments": 10_000},
-    "block": {"wait_before_close": 2_000_000},
+QUEUES = {
+    "size": {"data_high": 4, "data": 4, "data_low": 4},
+    "congestion_control": {
+        "drop": {"wait_before_drop": 1000, "max_wait_before_drop_fragments": 10_000},
+        "block": {"wait_before_close": 2_000_000},
+    },
 }
-"""How long a publication waits for a full link before the sample is dropped there, or the link given up [µs]."""
+"""Zenoh's queues on the mesh: pieces that wait in each, and how long a publication waits for a full link before its
+sample is dropped there, or the link given up [µs]."""
 THREADS = "(tx: (worker_threads: 8), rx: (worker_threads: 64), net: (worker_threads: 4))"
 """Both sides share Zenoh's threads, and a lost link keeps one for 10 s: with few, it would stop the apps' side."""
 os.environ.setdefault("ZENOH_RUNTIME", THREADS)  # read when the first session of the process opens
@@ -89,7 +93,7 @@ def mesh_options(
         "transport": {
             "shared_memory": {"enabled": False},
             "link": {
-                "tx": {"lease": LEASE, "batch_size": BATCH, "queue": {"congestion_control": WAITS}},
+                "tx": {"lease": LEASE, "batch_size": BATCH, "queue": QUEUES},
                 # For links that scouting finds; endpoints carry their own.
                 "tcp": {"so_sndbuf": SOCKET_BUFFER, "so_rcvbuf": SOCKET_BUFFER},
             },

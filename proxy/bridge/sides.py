@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import zenoh
 
 from proxy.bridge.air import Air, Broadcast
+from proxy.bridge.loopback import has_ipv6, present
 from proxy.bridge.sessions import app_options, mesh_options, open_session
 from proxy.bridge.voice import Door, Voice
 from proxy.config import AppConfig, MeshConfig
@@ -33,7 +34,7 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
     for door in doors:
         closing.callback(door.close)
     wake = threading.Event()
-    app_session = open_session(doors[0].added_to(app_options(app.listen, app.zenoh)), "app")
+    app_session = open_session(doors[0].added_to(app_options(present(app.listen, ipv6=has_ipv6()), app.zenoh)), "app")
     closing.callback(app_session.close)
     options = mesh_options(
         mesh.listen,

@@ -16,6 +16,7 @@ from proxy.bridge.links import Links
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
+from proxy.bridge.rules import Rules
 from proxy.bridge.voice import Voice
 from proxy.core.events import Event, InterestChanged
 
@@ -45,6 +46,7 @@ class Watch:
         inward: Queries,
         links: Links,
         headroom: Headroom,
+        rules: Rules,
         passed: Passed,
         post: Callable[[Event], None],
         wake: threading.Event,
@@ -57,6 +59,7 @@ class Watch:
         self._inward = inward
         self._links = links
         self._headroom = headroom
+        self._rules = rules
         self._passed = passed
         self._post = post
         self._wake = wake
@@ -100,12 +103,13 @@ class Watch:
         wanted = self._apps.declared("subscriber")
         if self._apps.ledger.broken:
             wanted |= dict.fromkeys(CROSSING, False)
-        if self._delivery.update(wanted):
+        out, into = self._rules.out, self._rules.into
+        if self._delivery.update(into.crossing("subscribers", wanted)):
             self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
-        self._inward.update(self._apps.declared("queryable"))
-        self._outward.update(self._others.declared("queryable"))
-        self._tokens_out.update(alive_out)
-        self._tokens_in.update(self._of_others(alive_in))
+        self._inward.update(out.crossing("queryables", self._apps.declared("queryable")))
+        self._outward.update(into.crossing("queryables", self._others.declared("queryable")))
+        self._tokens_out.update(self._rules.tokens(out, alive_out))
+        self._tokens_in.update(self._rules.tokens(into, self._of_others(alive_in)))
         self._demand.update()
         self._links.check(clock.monotonic())
         self._headroom.refresh()

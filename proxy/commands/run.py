@@ -10,7 +10,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from proxy import exit_codes
-from proxy.config import Config
+from proxy.config import BridgeConfig, Config
 from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
 from proxy.log import set_up_logging
@@ -133,8 +133,10 @@ def started(config: Config, specs: Specs, robot: str) -> str:
     types = len(specs.types)
     covered = f"{types} information type{'s' * (types != 1)} from {config.specs.path}"
     specs_in_force = f"specs {specs.generation} ({covered})" if types else "no specs: everything passes"
+    ruled = config.bridge != BridgeConfig()
     return (
         f"sendworthy {version('sendworthy')}: robot {robot}, mode {config.mode.value}, "
         f"apps on {' '.join(config.app.listen)}, mesh on {' '.join(config.mesh.listen) or 'nothing'}"
         f"{' with scouting' * config.mesh.scouting}{broadcasting(config)}, {specs_in_force}"
+        f"{f', rules of [bridge], profile {config.bridge.profile}' * ruled}"
     )

@@ -110,7 +110,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SamplesPassed) -> list[Command]:
-        self.counts.passed(event.count, event.reason)
+        self.counts.passed(event.count, event.reason, event.size)
         if not event.reason.startswith(DROPPED):
             self._uncovered(event.now, event.count, event.size)
         return []

@@ -11,6 +11,8 @@ class Counts:
     def __init__(self) -> None:
         self.received = 0
         self.by_reason: Counter[str] = Counter()
+        self.bytes: Counter[str] = Counter()
+        """What passed without a decision put on the air, by reason [B]."""
         self._queued: dict[int, str] = {}
 
     def enter(self, sample: int) -> None:
@@ -31,10 +33,11 @@ class Counts:
         del self._queued[sample]
         self.by_reason[reason] += 1
 
-    def passed(self, count: int, reason: str) -> None:
-        """`count` samples went through at once."""
+    def passed(self, count: int, reason: str, size: int = 0) -> None:
+        """`count` samples went through at once, `size` bytes of the air in all."""
         self.received += count
         self.by_reason[reason] += count
+        self.bytes[reason] += size
 
     @property
     def queued(self) -> int:

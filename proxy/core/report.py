@@ -42,6 +42,7 @@ def _counts(core: Core) -> dict[str, Any]:
         "queued": counts.queued,
         "conserved": counts.conserved,
         "by_reason": dict(sorted(counts.by_reason.items())),
+        "bytes": {reason: size for reason, size in sorted(counts.bytes.items()) if size},
     }
 
 

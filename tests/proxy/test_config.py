@@ -10,10 +10,10 @@ from proxy.core.mode import Mode
 def test_defaults_are_those_of_the_manual():
     """A robot without any configuration filters between localhost and a scouted mesh."""
     config = Config(robot="r1")
-    assert config.model_dump(mode="json") == {
+    assert config.model_dump(mode="json", by_alias=True) == {
         "robot": "r1",
         "mode": "enforce",
-        "app": {"listen": ["tcp/127.0.0.1:7447"], "zenoh": {}},
+        "app": {"listen": ["tcp/127.0.0.1:7447", "tcp/[::1]:7447"], "zenoh": {}},
         "mesh": {
             "listen": ["tcp/0.0.0.0:7500"],
             "connect": [],
@@ -23,6 +23,11 @@ def test_defaults_are_those_of_the_manual():
             "group": "224.0.0.226:7449",
             "allowance": 0.02,
             "zenoh": {},
+        },
+        "bridge": {
+            "profile": "none",
+            "out": {"allow": ["**"], "deny": [], "bypass": []},
+            "in": {"allow": ["**"], "deny": []},
         },
         "specs": {"path": "specs.d"},
         "planner": {
@@ -47,13 +52,17 @@ def test_config_is_frozen():
 def test_settings_name_every_key_with_a_description():
     """Every key of the model is a setting, so it has a flag, a variable and a help text."""
     found = {setting.key: setting for setting in settings()}
-    dumped = Config().model_dump(mode="json")
-    keys = {
-        f"{name}.{inner}" if isinstance(value, dict) else name
-        for name, value in dumped.items()
-        for inner in (value if isinstance(value, dict) else [""])
-    }
-    assert set(found) == keys
+    dumped = Config().model_dump(mode="json", by_alias=True)
+
+    def keys(tree, path=()):
+        """The paths of everything but tables; `zenoh` is a setting itself."""
+        for name, value in tree.items():
+            if isinstance(value, dict) and name != "zenoh":
+                yield from keys(value, (*path, name))
+            else:
+                yield ".".join((*path, name))
+
+    assert list(found) == list(keys(dumped))
     assert all(setting.description for setting in found.values())
 
 
@@ -67,6 +76,7 @@ def test_settings_tell_what_a_flag_may_hold():
         "mesh.interface",
         "mesh.transport",
         "mesh.group",
+        "bridge.profile",
         "specs.path",
         "planner.search",
         "planner.engine",

@@ -187,6 +187,36 @@ BROKEN = {
         '2: planner.coordination: unknown "share" (did you mean "shares"?)',
     ),
     "level unknown": ('[log]\nlevel = "warn"', '2: log.level: unknown "warn" (did you mean "warning"?)'),
+    "profile unknown": (
+        '[bridge]\nprofile = "ros"',
+        '2: bridge.profile: unknown "ros" (did you mean "ros2"?)',
+    ),
+    "key expression with an empty chunk": (
+        '[bridge.out]\n\ndeny = ["ok", "a//b"]',
+        (
+            '3: bridge.out.deny[1]: must be a key expression, not "a//b": empty chunks are forbidden, as well as '
+            "leading and trailing slashes"
+        ),
+    ),
+    "key expression not canonical": (
+        '[bridge.in]\nallow = ["a/**/**"]',
+        (
+            '2: bridge.in.allow[0]: must be a key expression, not "a/**/**": `**/**` must be replaced by `**` to reach '
+            "canon-form"
+        ),
+    ),
+    "name of a ROS 2 topic": (
+        '[bridge.out]\nbypass = ["/cmd_vel"]',
+        (
+            '2: bridge.out.bypass[0]: must be a key expression, not "/cmd_vel": empty chunks are forbidden, as well as '
+            'leading and trailing slashes; the ROS 2 topic /cmd_vel has keys like "*/cmd_vel/**"'
+        ),
+    ),
+    "bypass of what comes in": (
+        '[bridge.in]\nbypass = ["a"]',
+        '2: bridge.in.bypass: unknown key (known keys: "allow", "deny")',
+    ),
+    "into is no table": ("[bridge]\ninto = {}", '2: bridge.into: unknown key (did you mean "in"?)'),
     "specs missing": ('[specs]\npath = "none.d"', "2: specs.path: none.d does not exist"),
     "specs no text": ("[specs]\npath = false", "2: specs.path: must be a string, not false"),
     "specs no table": ("specs = false", "1: specs: must be a table, not false"),

@@ -16,7 +16,7 @@ from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.air import PREFIX, broadcast_options
 from proxy.bridge.sessions import zenoh_session
-from proxy.config import AppConfig, Config, MeshConfig, PlannerConfig
+from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
 from proxy.core.mode import Mode
 from proxy.daemon import Daemon
 from proxy.errors import PortInUseError
@@ -53,7 +53,7 @@ window = 30
 class Robot:
     """A running daemon and its applications."""
 
-    def __init__(self, stack, name, specs, connect=(), mode=Mode.ENFORCE, **mesh):
+    def __init__(self, stack, name, specs, connect=(), mode=Mode.ENFORCE, *, bridge=None, **mesh):
         self._stack = stack
         self.name = name
         self.app, self.mesh = free_endpoint(), free_endpoint()
@@ -63,6 +63,7 @@ class Robot:
                 mode=mode,
                 app=AppConfig(listen=(self.app,)),
                 mesh=MeshConfig(listen=(self.mesh,), connect=connect, scouting=False, **mesh),
+                bridge=BridgeConfig.model_validate(bridge or {}),
                 planner=PlannerConfig(iterations=50),
             ),
             specs,
@@ -383,3 +384,22 @@ def test_a_forged_digest_on_the_group_is_not_even_malformed(stack, specs):
     assert robot.status()["malformed"] == 0
     insider = closing(stack, plain_session("peer", connect=(robot.mesh,)))
     wait_until(lambda: insider.put(keys.digest("r2"), "forged") or robot.status()["malformed"], what="its effect")
+
+
+def test_the_status_says_what_was_denied_and_what_bypassed(stack, specs):
+    """A bypassing sample is counted with its bytes and against the limit; denied ones by direction."""
+    robot = Robot(stack, "r1", specs, bridge={"out": {"deny": ["secret/**"], "bypass": ["covered/stop"]}})
+    other, app = Robot(stack, "r2", specs, (robot.mesh,)), robot.node()
+    remote = Heard(other.node(), "covered/*")
+    wait_until(lambda: app.put("covered/stop", b"0123456789") or remote.samples, what="the other to hear")
+    wait_until(lambda: robot.status()["daemon"]["wanted"], what="its demand to be known")
+    before = robot.status()["counts"]["bytes"].get("passed:bypass", 0)
+    for key in ("covered/stop", "secret/a", "secret/b"):
+        app.put(key, b"0123456789", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: robot.status()["counts"]["by_reason"].get("dropped:denied") == 2, what="the counts")
+    wait_until(lambda: robot.status()["counts"]["bytes"].get("passed:bypass", 0) > before, what="its bytes")
+    status = robot.status()
+    assert set(status["counts"]["by_reason"]) == {"dropped:denied", "passed:bypass"}
+    assert status["counts"]["conserved"]
+    assert status["budget"][0]["used"] >= 10
+    assert status["daemon"]["denied"]["out"]["samples"] == 2

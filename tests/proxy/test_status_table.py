@@ -135,6 +135,21 @@ def test_decisions_are_told_as_far_as_anything_is_known_of_them():
     ]
 
 
+def test_what_the_rules_denied_is_a_table():
+    """By direction, as far as there is anything, with the bytes of what bypassed among the counts."""
+    nothing = {"samples": 0, "queries": 0, "replies": 0, "subscribers": 0, "queryables": 0, "tokens": 0}
+    counts = {"in": 9, "by_reason": {"dropped:denied": 2, "passed:bypass": 7}, "bytes": {"passed:bypass": 4200}}
+    denied = {"out": nothing | {"samples": 2, "tokens": 12}, "in": nothing}
+    assert table({"counts": counts, "daemon": {"denied": denied}}).splitlines()[2:] == [
+        "samples  9 in = 0 forwarded + 0 dropped + 0 queued",
+        "  passed:bypass   7  4.2 kB",
+        "  dropped:denied  2",
+        "",
+        "DENIED  SAMPLES  QUERIES  REPLIES  SUBSCRIBERS  QUERYABLES  TOKENS",
+        "out           2        0        0            0           0      12",
+    ]
+
+
 def test_the_status_of_a_new_core_is_short():
     """A daemon that has seen nothing yet has no empty sections."""
     core = Core(CoreSettings(robot="r1", zid="a1"), Specs.empty(), 0.0)

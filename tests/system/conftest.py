@@ -25,10 +25,13 @@ def start(network, tmp_path):
     """Start a robot on a host of its own; it ends with the test."""
     with ExitStack() as closing:
 
-        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, **options):
+        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, add=network.add, options=(), ipv6=True):
             folder = tmp_path / name
             folder.mkdir()
-            robot = Robot(network.add(name), folder, limit=limit, interface=interface, **options)
+            host = add(name)
+            if not ipv6:
+                host.lose_ipv6()
+            robot = Robot(host, folder, limit=limit, interface=interface, options=options)
             closing.callback(robot.close)
             return robot
 
@@ -37,7 +40,7 @@ def start(network, tmp_path):
 
 @pytest.fixture
 def team(start):
-    """Start robots at once, three unless more are named, and wait until each knows the others."""
+    """Start robots at once, three unless others are named, and wait until each knows the others."""
 
     def start_all(names="abc", **options):
         robots = [start(name, **options) for name in names]

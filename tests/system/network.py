@@ -13,6 +13,8 @@ from pathlib import Path
 RADIO = "wlan0"
 """The interface of every host."""
 ROOT = Path(__file__).parent.parent.parent
+ROUTER = "10.77.0.254"
+"""Where hosts of the channel find the router to the hosts beyond it."""
 _PREFIX = "sendworthy"
 _BRIDGE = "channel"
 
@@ -43,6 +45,25 @@ class Network:
         ip("-n", host.namespace, "address", "add", f"{host.address}/24", "dev", RADIO)
         for interface in ("lo", RADIO):
             ip("-n", host.namespace, "link", "set", "dev", interface, "up")
+        return host
+
+    def add_beyond(self, name):
+        """Add a host in another subnet, with a router between it and the channel: only unicast crosses."""
+        host = Host(name, "10.78.0.1", self._air, self._place)
+        self.hosts[name] = host
+        ip("netns", "add", host.namespace)
+        ip("-n", self._air, "link", "add", "name", name, "type", "veth", "peer", "name", RADIO, "netns", host.namespace)
+        ip("-n", self._air, "address", "add", f"{ROUTER}/24", "dev", _BRIDGE)
+        ip("-n", self._air, "address", "add", "10.78.0.254/24", "dev", name)
+        ip("-n", self._air, "link", "set", "dev", name, "up")
+        ip("netns", "exec", self._air, "sh", "-c", "echo 1 > /proc/sys/net/ipv4/ip_forward")
+        ip("-n", host.namespace, "address", "add", f"{host.address}/24", "dev", RADIO)
+        for interface in ("lo", RADIO):
+            ip("-n", host.namespace, "link", "set", "dev", interface, "up")
+        ip("-n", host.namespace, "route", "add", "default", "via", "10.78.0.254")
+        for other in self.hosts.values():
+            if other is not host:
+                ip("-n", other.namespace, "route", "add", "10.78.0.0/24", "via", ROUTER)
         return host
 
     def close(self):
@@ -93,10 +114,19 @@ class Host:
         command = ("bridge", "-n", self._air, "link", "set", "dev", self.name, "state", state)
         subprocess.run(command, check=True)
 
+    def lose_ipv6(self):
+        """Let the host be one without IPv6."""
+        self.run("sh", "-c", "echo 1 > /proc/sys/net/ipv6/conf/all/disable_ipv6")
+
     def slow_down(self, rate):
         """Let the radio send no faster than `rate`, with half a second of queue."""
         limit = ("tbf", "rate", rate, "burst", "4kb", "latency", "500ms")
         self._tc("replace", "dev", RADIO, "root", *limit)
+
+    def slow_reception(self, rate):
+        """Let the channel bring no more than `rate` to the host: who sends to it is slowed down, others are not."""
+        limit = ("tbf", "rate", rate, "burst", "4kb", "latency", "500ms")
+        subprocess.run(["tc", "-n", self._air, "qdisc", "replace", "dev", self.name, "root", *limit], check=True)
 
     def backlog(self):
         """What waits at the radio [B]."""

@@ -7,9 +7,11 @@ import sys
 import time
 from pathlib import Path
 
+from tests.system.ros_node import RosNode
 from tests.waiting import wait_until
 
 APPLICATION = Path(__file__).with_name("application.py")
+SERVICE = Path(__file__).with_name("service.py")
 SENDWORTHY = (sys.executable, "-m", "proxy.cli")
 SPECS = """
 [[constraint]]
@@ -19,7 +21,7 @@ window = 0.5
 
 [[information_type]]
 name = "camera"
-keys = ["robot/*/camera"]
+keys = ["robot/*/camera", "*/**/camera/image_raw/*/*"]
 aggregation = "most_recent"
 weight = 1.0
 utility = {{ kind = "video" }}
@@ -27,24 +29,27 @@ utility = {{ kind = "video" }}
 
 
 class Robot:
-    """A daemon on a host, all by default but its name, its specs, the interface of its radio and the transport."""
+    """A daemon on a host, with everything by default but its name, its specs and the interface of its radio.
 
-    def __init__(self, host, folder, *, limit, interface, transport="unicast"):
+    `options` are further flags.
+    """
+
+    def __init__(self, host, folder, *, limit, interface, options=()):
         self.host = host
         self.name = host.name
         self._folder = folder
         self._log = folder / "log"
         self._apps = []
+        self._options = options
         (folder / "specs.toml").write_text(SPECS.format(limit=limit))
         (folder / "sendworthy.toml").write_text(
-            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\ntransport = "{transport}"\n'
-            '[specs]\npath = "specs.toml"\n'
+            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
         )
         self.start()
 
     def start(self):
         """Start the daemon."""
-        command = (*SENDWORTHY, "run", "--config", str(self._folder / "sendworthy.toml"))
+        command = (*SENDWORTHY, "run", "--config", str(self._folder / "sendworthy.toml"), *self._options)
         with self._log.open("w") as log:
             self.daemon = self.host.start(*command, stderr=log)
 
@@ -69,12 +74,27 @@ class Robot:
 
     def hear(self, key):
         """Start an application that subscribes to `key`."""
-        return self._started(Listener(self.host, self._folder / f"app{len(self._apps)}", "hear", key))
+        return self._started(Listener(self.host, self._output(), "hear", key))
 
     def say(self, key, *, size, rate, block=False):
         """Start an application that publishes on `key`: `rate` samples a second of `size` bytes."""
         words = ("say", key, str(size), str(rate), *(("block",) if block else ()))
-        return self._started(Speaker(self.host, self._folder / f"app{len(self._apps)}", *words))
+        return self._started(Speaker(self.host, self._output(), *words))
+
+    def serve(self, name):
+        """Start an application that has a token, answers and publishes, all under `name`."""
+        return self._started(Application(self.host, self._output(), "serve", name, program=SERVICE))
+
+    def watch(self):
+        """Start an application that sees tokens, asks and subscribes."""
+        return self._started(Watcher(self.host, self._output(), "watch", program=SERVICE))
+
+    def _output(self):
+        return self._folder / f"app{len(self._apps)}"
+
+    def node(self, name):
+        """Start a process with a node of ROS 2."""
+        return self._started(RosNode(self.host, self._output(), name))
 
     def stop(self, number=signal.SIGTERM):
         """Ask the daemon to stop; return its exit code and how long it took [s]."""
@@ -102,14 +122,12 @@ class Robot:
 
 
 class Application:
-    """A program of `application.py` on a host."""
+    """A program on a host, `application.py` if no other."""
 
-    def __init__(self, host, output, *words):
+    def __init__(self, host, output, *words, program=APPLICATION):
         self._output = output
         with output.open("w") as written:
-            self._process = host.start(
-                *(sys.executable, str(APPLICATION), *words), stdin=subprocess.PIPE, stdout=written
-            )
+            self._process = host.start(*(sys.executable, str(program), *words), stdin=subprocess.PIPE, stdout=written)
 
     def ready(self):
         """Whether it is connected."""
@@ -137,6 +155,23 @@ class Listener(Application):
     def numbers(self, key):
         """The numbers of the samples of `key` that it heard so far, in order."""
         return [sample["number"] for sample in self.heard(key)]
+
+
+class Watcher(Application):
+    """An application that sees what is there."""
+
+    def samples(self):
+        """What it heard, in order."""
+        return [line["sample"] for line in self.told()[1:] if "sample" in line]
+
+    def tokens(self):
+        """The tokens that are alive as far as their coming and going tells."""
+        seen = {line["token"]: line["alive"] for line in self.told()[1:] if "token" in line}
+        return {token for token, alive in seen.items() if alive}
+
+    def rounds(self):
+        """Each round of questions: who answered, and which tokens were found."""
+        return [line for line in self.told()[1:] if "answers" in line]
 
 
 class Speaker(Application):

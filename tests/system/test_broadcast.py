@@ -9,6 +9,7 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
 
+BROADCAST = ("--mesh.transport", "broadcast")
 SIZE = 40_000
 """Of a large sample, which is 28 frames [B]."""
 
@@ -19,7 +20,7 @@ SIZE = 40_000
 )
 def test_one_transmission_reaches_all(team, names, transport, copies):
     """A sample is on the air once however many robots hear it; in unicast once for each of them."""
-    speaking, *hearing = robots = team(names, transport=transport)
+    speaking, *hearing = robots = team(names, options=("--mesh.transport", transport))
     listeners = [robot.hear("bulk") for robot in hearing]
     speaking.say("bulk", size=SIZE, rate=10)
     wait_until(lambda: all(listener.numbers("bulk") for listener in listeners), what="a sample everywhere")
@@ -34,7 +35,7 @@ def test_one_transmission_reaches_all(team, names, transport, copies):
 def test_a_covered_stream_is_thinned_to_the_limit(team):
     """What is on the air of a broadcast stream stays below its limit, whose whole amount reaches every robot."""
     limit, window = 50_000, 0.5
-    robots = team(limit="400 kbit/s", transport="broadcast")
+    robots = team(limit="400 kbit/s", options=BROADCAST)
     key = "robot/a/camera"
     local, *remote = (robot.hear(key) for robot in robots)
     speaker = robots[0].say(key, size=5000, rate=40)
@@ -68,7 +69,7 @@ def test_a_covered_stream_is_thinned_to_the_limit(team):
 )
 def test_a_robot_that_comes_back_hears_and_is_heard(team, vanish, come_back):
     """A robot that was killed, or whose radio was off, takes part in the broadcast again; nobody else notices."""
-    lost, *others = robots = team(transport="broadcast")
+    lost, *others = robots = team(options=BROADCAST)
     vanish(lost)
     wait_until(lambda: lost.name not in others[0].peers(), what="the loss")
     come_back(lost)
@@ -90,7 +91,7 @@ def test_a_robot_that_comes_back_hears_and_is_heard(team, vanish, come_back):
 
 def test_robots_on_different_transports_say_so_loudly(start):
     """Both name the other and what does not arrive; what goes by unicast does."""
-    broadcasting, other = start("a", transport="broadcast"), start("b")
+    broadcasting, other = start("a", options=BROADCAST), start("b")
     for robot, name in ((broadcasting, "b"), (other, "a")):
         wait_until(robot.serves, what=f"start of {robot.name}")
         wait_until(lambda robot=robot, name=name: f"robot {name} has mesh.transport" in robot.log(), what="the warning")

@@ -6,6 +6,7 @@ from itertools import product
 import pytest
 
 from tests.system.network import RADIO
+from tests.system.robots import wait_until_met
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
@@ -77,3 +78,25 @@ def assert_conserved(robot, total):
     assert counts["conserved"]
     assert counts["forwarded"] + counts["dropped"] + counts["queued"] == total
     assert sum(counts["by_reason"].values()) == total - counts["queued"]
+
+
+def test_robots_with_a_router_between_them_meet_by_name(start, network):
+    """Multicast stays on its side of a routed hop; a named endpoint crosses it, and with it everything."""
+    near = start("a")
+    dial = ("--mesh.connect", f'["tcp/{near.host.address}:7500"]')
+    far = start("b", add=network.add_beyond, options=dial)
+    for robot in (near, far):
+        wait_until(robot.serves, what=f"start of {robot.name}")
+    wait_until_met([near, far])
+    for there, here in ((near, far), (far, near)):
+        assert_all_cross(there, here)
+
+
+def assert_all_cross(there, here):
+    """All that an application on one robot says, another on the other hears."""
+    key = f"from/{there.name}"
+    listener = here.hear(key)
+    speaker = there.say(key, size=2000, rate=50)
+    wait_until(lambda: listener.numbers(key), what="samples")
+    total = speaker.stop()
+    wait_until(lambda: listener.numbers(key)[-1] == total - 1, what="the last one")

@@ -8,8 +8,9 @@ from typing import Any, TypeVar
 import zenoh
 
 from proxy.bridge.bridge import Bridge
+from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
-from proxy.config import AppConfig, MeshConfig
+from proxy.config import AppConfig, BridgeConfig, MeshConfig
 from proxy.core.events import Event, SamplePublished
 from proxy.core.mode import Mode
 from tests.proxy.nodes import closing, free_endpoint, plain_session
@@ -31,7 +32,14 @@ T = TypeVar("T")
 class Robot:
     """One robot. `asked` are the samples that wait for the test's decision, `events` everything else posted."""
 
-    def __init__(self, stack: ExitStack, specs: Specs, connect: tuple[str, ...] = (), **mesh_options: Any) -> None:
+    def __init__(
+        self,
+        stack: ExitStack,
+        specs: Specs,
+        connect: tuple[str, ...] = (),
+        rules: dict[str, Any] | None = None,
+        **mesh_options: Any,
+    ) -> None:
         self._stack = stack
         self.asked: list[SamplePublished] = []
         self.events: list[Event] = []
@@ -50,6 +58,7 @@ class Robot:
             specs=specs,
             mode=Mode.ENFORCE,
             connect=connect,
+            rules=Rules(BridgeConfig.model_validate(rules or {})),
             submit=self._submit,
             post=self.events.append,
         )
@@ -75,14 +84,21 @@ class Robot:
         return [event for event in list(self.events) if isinstance(event, kind)]
 
 
-def team(stack: ExitStack, tmp_path: Path, size: int = 3, specs: str = SPECS, **mesh_options: Any) -> list[Robot]:
-    """Robots on a full mesh over loopback: each dials those before it."""
+def team(
+    stack: ExitStack,
+    tmp_path: Path,
+    size: int = 3,
+    specs: str = SPECS,
+    rules: tuple[dict[str, Any] | None, ...] = (None, None, None),
+    **mesh_options: Any,
+) -> list[Robot]:
+    """Robots on a full mesh over loopback: each dials those before it. `rules` are the `[bridge]` of each."""
     path = tmp_path / "specs.toml"
     path.write_text(specs)
     loaded = load_specs(path)
     robots: list[Robot] = []
-    for _ in range(size):
-        robots.append(Robot(stack, loaded, tuple(robot.mesh_endpoint for robot in robots), **mesh_options))
+    for own in rules[:size]:
+        robots.append(Robot(stack, loaded, tuple(robot.mesh_endpoint for robot in robots), own, **mesh_options))
     wait_until(
         lambda: all(len(robot.mesh.info.peers_zid()) == size - 1 for robot in robots), what="the full mesh of links"
     )

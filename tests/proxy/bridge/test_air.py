@@ -75,7 +75,7 @@ def test_a_sample_keeps_all_that_it_has(team):
         "priority": zenoh.Priority.INTERACTIVE_HIGH,
         "congestion_control": zenoh.CongestionControl.BLOCK,
         "express": True,
-        "timestamp": app.new_timestamp(),
+        "timestamp": team[0].node().new_timestamp(),
         "source_info": source,
     }
     encoding = zenoh.Encoding.IMAGE_JPEG.with_schema("mono")

@@ -58,7 +58,7 @@ def test_attributes_of_a_put_are_preserved(pair):
     heard = Heard(pair[1].node(), "free/all")
     wait_interest(pair[1], pair[0], keys=("free/all",))
     app = pair[0].node()
-    stamp = app.new_timestamp()
+    stamp = pair[0].node().new_timestamp()  # of somebody else: who numbers and stamps is another matter
     source = zenoh.SourceInfo(app.id, 7)
     app.put(
         "free/all",

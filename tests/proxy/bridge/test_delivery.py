@@ -3,6 +3,8 @@
 import zenoh
 
 from proxy.bridge.delivery import Delivery
+from proxy.bridge.rules import Rules
+from proxy.config import BridgeConfig
 from proxy.core.events import SampleHeard
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
@@ -14,7 +16,9 @@ def test_only_covered_samples_are_told_to_the_core(stack):
     mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
     app = closing(stack, plain_session("router", listen=(inside,)))
     events = []
-    delivery = Delivery(app, mesh, lambda key: key if key.startswith("covered") else None, events.append)
+    delivery = Delivery(
+        app, mesh, lambda key: key if key.startswith("covered") else None, Rules(BridgeConfig()), events.append
+    )
     stack.callback(delivery.close)
     delivery.update({"**": False})
     heard = Heard(closing(stack, plain_session("client", connect=(inside,))), "**")
@@ -31,3 +35,45 @@ def test_only_covered_samples_are_told_to_the_core(stack):
         (SampleHeard, "covered/b", 3, str(other.zid())),
     ]
     assert (events[0].stamp is None, events[1].stamp > 1e9) == (True, True)
+
+
+def test_heartbeats_of_plain_nodes_that_stamp_stay_on_the_mesh(stack):
+    """A robot without a daemon may send them; what they speak of is delivered without its numbers."""
+    endpoint, inside = free_endpoint(), free_endpoint()
+    mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
+    app = closing(stack, plain_session("router", listen=(inside,)))
+    delivery = Delivery(app, mesh, lambda _: None, Rules(BridgeConfig()), lambda _: None)
+    stack.callback(delivery.close)
+    delivery.update({"a": False, "a/@adv/**": False})
+    node = closing(stack, plain_session("client", connect=(inside,)))
+    heard, beats = Heard(node, "a"), Heard(node, "a/@adv/**")
+    other = closing(stack, plain_session("peer", connect=(endpoint,), stamps=True))
+    publisher = other.declare_publisher("a")
+    wait_until(lambda: publisher.matching_status.matching, what="the mirrored subscription")
+    beat = other.declare_publisher(f"a/@adv/pub/{other.zid()}/{publisher.id.eid}/_")
+    wait_until(lambda: beat.matching_status.matching, what="the other one")
+    beat.put("heartbeat")
+    publisher.put("x", source_info=zenoh.SourceInfo(publisher.id, 1))
+    wait_until(lambda: heard.samples, what="the sample")
+    assert heard.samples[0].source_info is None
+    assert not beats.samples
+
+
+def test_a_covered_sample_that_is_denied_is_heard_all_the_same(stack):
+    """It was on the air: the core learns of it, and the apps do not."""
+    endpoint, inside = free_endpoint(), free_endpoint()
+    mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
+    app = closing(stack, plain_session("router", listen=(inside,)))
+    events, rules = [], Rules(BridgeConfig.model_validate({"in": {"deny": ["a"]}}))
+    delivery = Delivery(app, mesh, lambda key: key, rules, events.append)
+    stack.callback(delivery.close)
+    delivery.update({"*": False})
+    heard = Heard(closing(stack, plain_session("client", connect=(inside,))), "*")
+    publishers = [closing(stack, plain_session("peer", connect=(endpoint,))).declare_publisher(key) for key in "ab"]
+    for publisher in publishers:
+        wait_until(lambda publisher=publisher: publisher.matching_status.matching, what="the mirrored subscription")
+        publisher.put("x")
+    wait_until(lambda: len(events) == 2, what="both samples")
+    wait_until(lambda: heard.samples, what="the one that is not denied")
+    assert [str(sample.key_expr) for sample in heard.samples] == ["b"]
+    assert (delivery.delivered, rules.describe()["in"]["samples"]) == (1, 1)

@@ -4,6 +4,7 @@ import zenoh
 
 from proxy.bridge import ingress as ingress_module
 from proxy.core.events import SamplesPassed
+from tests.proxy.bridge.robots import wait_interest
 from tests.proxy.nodes import Heard
 from tests.waiting import wait_until
 
@@ -39,6 +40,19 @@ def test_apps_stamps_are_named_and_ours_are_not(pair):
         "covered/a": str(stamping.zid()),
         "covered/b": None,
     }
+
+
+def test_heartbeats_of_advanced_publishers_with_a_cache_stay(pair):
+    """Their numbers do not cross, so nobody could make use of them; a heartbeat of unstamped numbers crosses."""
+    remote = Heard(pair[1].node(), "**/@adv/**")
+    wait_interest(pair[1], pair[0], keys=("**/@adv/**",))
+    stamping, plain = pair[0].node(stamps=True), pair[0].node()
+    stamping.put(f"a/@adv/pub/{stamping.zid()}/1/_", "heartbeat")
+    plain.put(f"a/@adv/pub/{plain.zid()}/1/_", "of use")
+    wait_until(lambda: remote.samples, what="the one of use")
+    wait_until(lambda: len(pair[0].posted(SamplesPassed)) == 2, what="the counts")
+    assert remote.payloads == ["of use"]
+    assert {event.reason for event in pair[0].posted(SamplesPassed)} == {"dropped:heartbeat", "passed:no-spec"}
 
 
 def test_peers_on_the_app_side_are_heard_once(pair):

@@ -7,6 +7,7 @@ import zenoh
 from proxy.bridge import queries as queries_module
 from proxy.bridge.lane import Lane
 from proxy.bridge.queries import Queries
+from proxy.bridge.rules import Way
 from tests.proxy.bridge.robots import fence_apps
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
@@ -120,7 +121,7 @@ def test_too_many_queries_are_answered_with_an_error(stack, monkeypatch):
     far = closing(stack, plain_session("peer"))
     lane = Lane("test")
     stack.callback(lane.close, 1.0)
-    queries = Queries(near, far, lane)
+    queries = Queries(near, far, lane, Way(("**",), ()))
     queries.update({"service/a": False})
     stack.callback(queries.close)
     asker = closing(stack, plain_session("client", connect=(near_endpoint,)))
@@ -134,7 +135,7 @@ def test_a_closed_far_side_is_an_error_and_ends_the_query(stack):
     far = plain_session("peer")
     lane = Lane("test")
     stack.callback(lane.close, 1.0)
-    queries = Queries(near, far, lane)
+    queries = Queries(near, far, lane, Way(("**",), ()))
     queries.update({"service/a": False})
     stack.callback(queries.close)
     far.close()

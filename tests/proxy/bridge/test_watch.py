@@ -122,6 +122,39 @@ def test_an_advanced_subscriber_gets_the_history_of_a_remote_publisher(pair):
     publisher.undeclare()
 
 
+def test_what_was_dropped_is_not_fetched_from_the_cache(pair):
+    """A subscriber that recovers what it misses hears what the decisions forwarded, once and in order, and no more."""
+    publisher = zenoh.ext.declare_advanced_publisher(
+        pair[1].node(stamps=True),
+        "covered/a",
+        cache=zenoh.ext.CacheConfig(max_samples=10),
+        sample_miss_detection=zenoh.ext.MissDetectionConfig(heartbeat=0.05, sporadic_heartbeat=None),
+        publisher_detection=True,
+    )
+    heard = []
+    subscriber = zenoh.ext.declare_advanced_subscriber(
+        pair[0].node(),
+        "covered/a",
+        lambda sample: heard.append(sample.payload.to_string()),
+        history=zenoh.ext.HistoryConfig(detect_late_publishers=True),
+        recovery=zenoh.ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
+    )
+    wait_interest(pair[0], pair[1], keys=("covered/a",))
+    for i in range(6):
+        publisher.put(str(i))
+    wait_until(lambda: len(pair[1].asked) == 6, what="the samples to be asked for")
+    for event in pair[1].asked:
+        (pair[1].bridge.drop if event.sample % 2 else pair[1].bridge.forward)(event.sample)
+
+    def beats():
+        return sum(event.count for event in pair[1].posted(SamplesPassed) if event.reason == "dropped:heartbeat")
+
+    wait_until(lambda: len(heard) == 3 and beats() > 3, what="every other one, and heartbeats")
+    assert heard == ["1", "3", "5"]
+    subscriber.undeclare()
+    publisher.undeclare()
+
+
 def test_the_core_learns_when_somebody_begins_and_ceases_to_want_a_key(pair):
     """Matching of a covered key is told with its first sample and with every change."""
     publisher = pair[0].node()

@@ -9,7 +9,7 @@ import pytest
 from proxy import exit_codes
 from proxy.cli import main
 from proxy.commands.run import started
-from proxy.config import Config
+from proxy.config import BridgeConfig, Config
 from tests.daemons import specs_file
 from tests.ports import free_port
 from utility_specs import Specs
@@ -39,9 +39,16 @@ def test_without_specs_everything_passes():
     """The line at the start says that nothing is filtered, and how others are found."""
     line = started(Config(robot="r1"), Specs.empty(), "r1-ab12")
     assert line.endswith(
-        "robot r1-ab12, mode enforce, apps on tcp/127.0.0.1:7447, mesh on tcp/0.0.0.0:7500 with scouting, "
-        "no specs: everything passes"
+        "robot r1-ab12, mode enforce, apps on tcp/127.0.0.1:7447 tcp/[::1]:7447, "
+        "mesh on tcp/0.0.0.0:7500 with scouting, no specs: everything passes"
     )
+
+
+def test_rules_of_the_bridge_are_told_at_the_start():
+    """Who reads that everything passes reads also what keeps it from it."""
+    bridge = BridgeConfig(profile="ros2")
+    line = started(Config(robot="r1", bridge=bridge), Specs.empty(), "r1")
+    assert line.endswith("no specs: everything passes, rules of [bridge], profile ros2")
 
 
 def test_the_environment_configures_the_daemon(start, capsys):

@@ -38,3 +38,11 @@ def test_reasons_are_counted_apart():
     counts.drop(1, "dropped:superseded")
     assert counts.by_reason == {"forwarded": 1, "dropped:superseded": 1}
     assert (counts.received, counts.forwarded, counts.dropped, counts.queued) == (3, 1, 1, 1)
+
+
+def test_bytes_of_what_passed_are_summed_by_reason():
+    """What goes without a decision is told with what it took of the air."""
+    counts = Counts()
+    counts.passed(2, "passed:bypass", 300)
+    counts.passed(1, "passed:bypass", 50)
+    assert (counts.by_reason["passed:bypass"], counts.bytes["passed:bypass"]) == (3, 350)

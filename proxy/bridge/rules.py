@@ -1,0 +1,180 @@
+"""What may cross, by key and direction.
+
+*Out* is what this robot offers: samples, deletes, the answers of its queryables, its liveliness tokens. *In* is what
+others offer and this robot takes. A rule speaks of a key and of what accompanies it: the verbatim keys of advanced
+pub/sub behind it (`<key>/@adv/…`) and the tokens of its ROS 2 publishers, subscribers, services and clients. `**` alone
+stands for every key, those with verbatim chunks too.
+"""
+
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from enum import Enum
+from functools import lru_cache
+from typing import NamedTuple
+
+import zenoh
+
+from proxy.config import BridgeConfig
+from proxy.profile import load_profile
+
+KEPT = 8192
+"""Keys whose verdict is remembered, for each direction."""
+EXPRESSIONS_KEPT = 65536
+"""Declared key expressions of which it is remembered whether they cross, for each direction."""
+
+EVERYTHING = "**"
+ADVANCED = "/@adv/"
+ROS_TOKEN = "@ros2_lv"  # noqa: S105 - not a password
+ROS_TOKEN_CHUNKS = 13
+"""`@ros2_lv/domain/session/node id/id/kind/enclave/namespace/node/topic/type/hash/qos`, slashes in names as `%`."""
+
+
+class Verdict(Enum):
+    """What becomes of a sample."""
+
+    DENIED = "denied"
+    """It does not cross."""
+    BYPASS = "bypass"
+    """It crosses at once, whatever specs and planner say."""
+    ORDINARY = "ordinary"
+    """It crosses unless the planner says no."""
+    COMPANION = "companion"
+    """It is on an advanced publisher's own key, and crosses unless it is a heartbeat that is of no use."""
+
+
+class Companion(NamedTuple):
+    """The key that something accompanies. `takes`: it belongs to a subscriber or client, not to who offers the key."""
+
+    key: str
+    takes: bool
+
+
+def companion(expression: str) -> Companion | None:
+    """Return the key that a key or token of advanced pub/sub or ROS 2 accompanies; None: it stands for itself."""
+    key, advanced, rest = expression.partition(ADVANCED)
+    if advanced:
+        return Companion(key, rest.startswith("sub/"))
+    chunks = expression.split("/")
+    if chunks[0] != ROS_TOKEN or len(chunks) != ROS_TOKEN_CHUNKS:
+        return None
+    domain, kind, (topic, *type_and_hash) = chunks[1], chunks[5], chunks[9:12]
+    name = topic.replace("%", "/").strip("/")
+    return Companion("/".join((domain, name, *type_and_hash)), kind in {"MS", "SC"})
+
+
+class Expressions:
+    """A list of key expressions, as an operator writes it."""
+
+    def __init__(self, texts: Iterable[str]) -> None:
+        found = set(texts)
+        self._everything = EVERYTHING in found
+        self._keys = tuple(zenoh.KeyExpr(text) for text in sorted(found))
+
+    def cover(self, expression: str) -> bool:
+        """Whether `expression` lies wholly inside one of them."""
+        return self._everything or self._any(zenoh.KeyExpr.includes, expression)
+
+    def touch(self, expression: str) -> bool:
+        """Whether `expression` has a key in common with one of them."""
+        return self._everything or self._any(zenoh.KeyExpr.intersects, expression)
+
+    def _any(self, relation: Callable[[zenoh.KeyExpr, zenoh.KeyExpr], bool], expression: str) -> bool:
+        try:
+            other = zenoh.KeyExpr(expression)
+        except zenoh.ZError:  # a strange token of somebody's
+            return False
+        return any(relation(key, other) for key in self._keys)
+
+
+class Way:
+    """One direction. `verdict` is asked for every sample: a cached look-up."""
+
+    def __init__(self, allow: Iterable[str], deny: Iterable[str], bypass: Iterable[str] = ()) -> None:
+        self.allow, self.deny, self._bypass = Expressions(allow), Expressions(deny), Expressions(bypass)
+        self.verdict: Callable[[str], Verdict] = lru_cache(KEPT)(self._verdict)
+        self.lets: Callable[[str], bool] = lru_cache(EXPRESSIONS_KEPT)(self._lets)
+        """Whether a declaration or query crosses: some of its keys are allowed, and it is not wholly denied."""
+        self._lock = threading.Lock()
+        self._denied: Counter[str] = Counter()
+        self._withheld = {"subscribers": 0, "queryables": 0, "tokens": 0}
+
+    def count(self, what: str) -> None:
+        """Count one of `what` ("samples", "queries", "replies") as denied."""
+        with self._lock:
+            self._denied[what] += 1
+
+    def admits(self, what: str, key: str) -> bool:
+        """Whether one of `what` crosses; it is counted when not."""
+        if self.lets(key):
+            return True
+        self.count(what)
+        return False
+
+    def crossing(
+        self, what: str, declared: Mapping[str, bool], lets: Callable[[str], bool] | None = None
+    ) -> dict[str, bool]:
+        """Leave out the declarations that do not cross, and remember how many of `what` those are."""
+        lets = lets or self.lets
+        found = {expression: complete for expression, complete in declared.items() if lets(expression)}
+        self._withheld[what] = len(declared) - len(found)
+        return found
+
+    def describe(self) -> dict[str, int]:
+        """How many samples, queries and replies were denied so far, and how many declarations are not shown now."""
+        with self._lock:
+            return {what: self._denied[what] for what in ("samples", "queries", "replies")} | self._withheld
+
+    def _verdict(self, key: str) -> Verdict:
+        if not self._lets(key):
+            return Verdict.DENIED
+        if ADVANCED in key:
+            return Verdict.COMPANION
+        return Verdict.BYPASS if any(map(self._bypass.cover, _names(key))) else Verdict.ORDINARY
+
+    def _lets(self, expression: str) -> bool:
+        names = _names(expression)
+        return any(map(self.allow.touch, names)) and not any(map(self.deny.cover, names))
+
+
+class Rules:
+    """Both directions, from `[bridge]` and its profile."""
+
+    def __init__(self, config: BridgeConfig) -> None:
+        profile = load_profile(config.profile)
+        out, into = config.out, config.into
+        self.out = Way(out.allow, (*out.deny, *profile.out.deny), (*out.bypass, *profile.out.bypass))
+        self.into = Way(into.allow, (*into.deny, *profile.into.deny))
+        self.outward = self.out.verdict
+        """What becomes of a sample of the robot's applications, by its key."""
+        self._lets_token = {
+            way: lru_cache(EXPRESSIONS_KEPT)(_token_rule(way, other))
+            for way, other in ((self.out, self.into), (self.into, self.out))
+        }
+
+    def tokens(self, way: Way, declared: Mapping[str, bool]) -> dict[str, bool]:
+        """Leave out the tokens that do not cross `way`."""
+        return way.crossing("tokens", declared, self._lets_token[way])
+
+    def describe(self) -> dict[str, dict[str, int]]:
+        """What was denied, by direction."""
+        return {"out": self.out.describe(), "in": self.into.describe()}
+
+
+def _token_rule(way: Way, other: Way) -> Callable[[str], bool]:
+    """Say which tokens cross: those of who takes a key are for who offers it, and offers go the other way."""
+
+    def lets(token: str) -> bool:
+        subject = companion(token)
+        if subject is None or not subject.takes:
+            return way.lets(token)
+        allowed = way.allow.touch(token) or other.allow.touch(subject.key)
+        return allowed and not way.deny.cover(token) and not other.deny.cover(subject.key)
+
+    return lets
+
+
+def _names(expression: str) -> tuple[str, ...]:
+    """Return all that a rule may call it by."""
+    subject = companion(expression)
+    return (expression,) if subject is None else (expression, subject.key)
