@@ -86,8 +86,8 @@ class Airtime(Windowed):
 
     @property
     def pace(self) -> float:
-        """What unicast frames without any overhead would carry [B/s]; infinite for multicast, which is not copied."""
-        return self.fraction / (self.hops * self._per_byte) if self.cast == "unicast" else math.inf
+        """What frames without any overhead would carry [B/s]."""
+        return self.fraction / (self.hops * self._per_byte)
 
     def use(self, size: int, copies: int, *, own: bool) -> float:  # noqa: ARG002 - the air is everybody's
         """Time that all transmissions of the message take together [s]."""

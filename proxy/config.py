@@ -14,6 +14,7 @@ from proxy.config_values import (
     Interface,
     KeyExpressions,
     ListenEndpoints,
+    MulticastGroup,
     RemoteEndpoints,
     RobotName,
     SomeListenEndpoints,
@@ -50,7 +51,13 @@ class MeshConfig(Section):
     scouting: bool = Field(
         default=True, description="find other robots by multicast; false: only named endpoints are dialled"
     )
-    interface: Interface = Field(default="auto", description="network interface of the radio, for scouting")
+    interface: Interface = Field(default="auto", description="network interface of the radio")
+    transport: Literal["unicast", "broadcast"] = Field(
+        default="unicast", description="unicast: a copy of a sample for each robot; broadcast: one for all"
+    )
+    group: MulticastGroup = Field(
+        default="224.0.0.226:7449", description="multicast group and port on which samples are broadcast"
+    )
     allowance: float = Field(
         default=0.02, ge=0.0, le=0.5, description="share of every limit for what the daemons tell each other"
     )
@@ -100,7 +107,7 @@ class PlannerConfig(Section):
     search: Literal["best", "paper"] = Field(default="best", description="kind of search")
     engine: Literal["native", "python"] = Field(default="native", description="who searches")
     coordination: Literal["auto", "shares", "overhear"] = Field(
-        default="auto", description="how robots divide the limit; auto: shares on a unicast mesh"
+        default="auto", description="how robots divide the limit; auto: shares in unicast, overhear in broadcast"
     )
 
 

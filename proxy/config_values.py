@@ -1,5 +1,6 @@
 """The syntax of single configuration values: robot names, endpoints, interfaces, key expressions."""
 
+import ipaddress
 import re
 import socket
 from pathlib import Path
@@ -13,6 +14,8 @@ FORBIDDEN = "/*$#?"
 """Characters that no chunk of a key may hold."""
 
 HOST_AND_PORT = re.compile(r"(?P<host>\[[0-9A-Fa-f:.%\w]+\]|[^\[\]:\s]+):(?P<port>\d+)")
+SCOUTING = {"224.0.0.224:7446": "Zenoh", "224.0.0.225:7448": "Sendworthy"}
+"""Groups on which robots are found."""
 ON_HOSTS = ("tcp", "udp", "tls", "quic", "ws")
 ELSEWHERE = ("unixsock-stream", "unixpipe", "vsock", "serial")
 
@@ -75,6 +78,23 @@ def interface(text: str) -> str:
     return text
 
 
+def multicast_group(text: str) -> str:
+    """Return `text` if it is a multicast group and a port; ValueError otherwise."""
+    wrong = f'must be a multicast group and a port like "224.0.0.226:7449" or "[ff02::226]:7449", not {quoted(text)}'
+    found = HOST_AND_PORT.fullmatch(text)
+    if found is None:
+        raise ValueError(wrong)
+    try:
+        address = ipaddress.ip_address(found["host"].strip("[]"))
+    except ValueError:
+        raise ValueError(wrong) from None
+    if not address.is_multicast or not 0 < int(found["port"]) <= 65535:
+        raise ValueError(wrong)
+    if text in SCOUTING:
+        raise ValueError(f"{text} is where {SCOUTING[text]} finds others; take another one")
+    return text
+
+
 def key_expression(text: str) -> str:
     """Return `text` if it is a key expression of Zenoh; ValueError otherwise."""
     import zenoh  # noqa: PLC0415 - few configurations need it
@@ -107,5 +127,6 @@ ListenEndpoints = Annotated[tuple[Annotated[str, AfterValidator(endpoint)], ...]
 SomeListenEndpoints = Annotated[ListenEndpoints, AfterValidator(at_least_one)]
 RemoteEndpoints = Annotated[tuple[Annotated[str, AfterValidator(remote_endpoint)], ...], Field(strict=False)]
 SpecsPath = Annotated[Path, Field(strict=False), BeforeValidator(path_text)]
+MulticastGroup = Annotated[str, AfterValidator(multicast_group)]
 Interface = Annotated[str, AfterValidator(interface)]
 KeyExpressions = Annotated[tuple[Annotated[str, AfterValidator(key_expression)], ...], Field(strict=False)]

@@ -3,12 +3,13 @@
 import logging
 import threading
 from contextlib import ExitStack
-from typing import Any
+from typing import Any, Literal
 
 import zenoh
 
 from planner import SearchSettings
 from proxy import clock
+from proxy.bridge.air import Broadcast
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
 from proxy.bridge.lane import Lane
@@ -16,6 +17,7 @@ from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
+from proxy.core import transport
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, SendDigest, SendState
 from proxy.core.core import Core
 from proxy.core.events import ModeChanged, SpecsChanged
@@ -90,6 +92,7 @@ class Daemon:
         """Build everything between the sessions, and start it from the core outwards."""
         config = self._config
         sides = open_sides(config.app, config.mesh, opening)
+        self._air = sides.air
         self._zids = {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())}
         robot = self.robot = free_name(sides.mesh, config.robot)
         core = Core(_core_settings(config, robot, self._zids["mesh"]), self._specs, clock.monotonic())
@@ -102,6 +105,7 @@ class Daemon:
         self._bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
+            air=sides.air,
             apps=sides.apps,
             others=sides.others,
             wake=sides.wake,
@@ -162,12 +166,13 @@ class Daemon:
                 "faults": self._loop.faults,
                 "features": {"superseded": self._extractor.superseded},
                 **self._bridge.describe(),
+                **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
             }
         }
 
 
 def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
-    planner = config.planner
+    planner, mesh = config.planner, config.mesh
     return CoreSettings(
         robot=robot,
         zid=zid,
@@ -175,11 +180,13 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         horizon=planner.horizon,
         iterations=planner.iterations,
         backlog=planner.backlog,
-        # A unicast mesh, the only one there is yet, overhears nothing.
-        coordination="shares" if planner.coordination == "auto" else planner.coordination,
-        allowance=config.mesh.allowance,
+        # A unicast mesh overhears nothing.
+        coordination=_COORDINATION[mesh.transport] if planner.coordination == "auto" else planner.coordination,
+        transport=transport.broadcast(mesh.group) if mesh.transport == "broadcast" else transport.UNICAST,
+        allowance=mesh.allowance,
         wall_offset=clock.wall() - clock.monotonic(),
     )
 
 
+_COORDINATION: dict[str, Literal["shares", "overhear"]] = {"unicast": "shares", "broadcast": "overhear"}
 _LEVELS = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}

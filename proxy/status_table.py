@@ -35,6 +35,7 @@ def _headline(status: Status) -> str:
             f"mode {status.get('mode', UNKNOWN)}",
             f"specs {status.get('specs', UNKNOWN)}",
             f"coordination {status.get('coordination', UNKNOWN)}",
+            f"transport {status.get('transport', UNKNOWN)}",
             f"up {duration(status.get('uptime'))}",
         )
     )

@@ -8,6 +8,7 @@ from typing import Any
 import zenoh
 
 from proxy import clock
+from proxy.bridge.air import Air, Broadcast
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
@@ -28,7 +29,9 @@ _PATIENCE = 0.15
 
 
 class Bridge:
-    """Carries samples between the sessions `app` and `mesh`, queries and tokens between their voices.
+    """Carries samples between the session `app` and the `air`, queries and tokens between their voices.
+
+    In unicast the air is the session `mesh`.
 
     What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by
     itself. `post` gets what the core must know. In mode `enforce` forwarded samples are paced to the specs'
@@ -40,6 +43,7 @@ class Bridge:
         *,
         app: zenoh.Session,
         mesh: zenoh.Session,
+        air: Air,
         apps: Voice,
         others: Voice,
         wake: threading.Event,
@@ -53,9 +57,9 @@ class Bridge:
         self._specs = specs
         self._post = post
         self._rules = rules
-        self.demand = Demand(mesh, post, wake.set)
+        self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh)
         passed = Passed()
-        self._egress = Egress(mesh, self.demand, passed, post, _pace(specs, mode))
+        self._egress = Egress(air, self.demand, passed, post, _pace(specs, mode))
         self._ingress = Ingress(
             app=app,
             mesh=mesh,
@@ -68,6 +72,8 @@ class Bridge:
             mode=mode,
         )
         self._delivery = Delivery(app, mesh, self._match, rules, post)
+        if isinstance(air, Broadcast):
+            air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))
         # What a voice asks reaches all but itself, so a query never comes back to who mirrors it.
         self._outward = Queries(apps.session, others.session, self.lanes[0], rules.into)

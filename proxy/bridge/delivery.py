@@ -16,6 +16,9 @@ from proxy.core.events import Event, SampleHeard
 class Delivery:
     """Subscribes on the mesh to exactly what the apps subscribe to.
 
+    In broadcast these subscriptions tell the others what is wanted, and hear who does not broadcast; samples come by
+    `overhear`. Nobody publishes a sample both ways.
+
     `covered` says whether an information type covers a key; for such samples `post` gets a `SampleHeard`.
     """
 
@@ -49,6 +52,13 @@ class Delivery:
         """Subscribe to nothing."""
         self._mirror.close()
 
+    def overhear(self, key: str, sample: zenoh.Sample) -> None:
+        """Take in a sample of `key` that was broadcast, wanted or not: the core learns of all that are covered."""
+        if self._owners.owner(key) is not None:
+            self._hand(key, sample, key)
+        elif self._covered(key) is not None:
+            self._post(_heard(key, sample))
+
     def _subscribe(self, expression: str, _complete: bool) -> zenoh.Subscriber[None]:  # noqa: FBT001 - as Mirror calls it
         self._owners.add(expression)
         handler = zenoh.handlers.Callback(partial(self._deliver, expression), indirect=False)
@@ -56,25 +66,30 @@ class Delivery:
 
     def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
-        if self._owners.owner(key) != expression:
-            return
+        if self._owners.owner(key) == expression:
+            self._hand(key, sample)
+
+    def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None) -> None:
         verdict, stamp = self._rules.into.verdict(key), sample.timestamp
         if verdict is Verdict.COMPANION and heartbeat(key, stamp):
             return
         if verdict is Verdict.DENIED:
             self._rules.into.count("samples")  # it was on the air all the same
         else:
-            publish(self._app, sample, stamp)
+            publish(self._app, sample, stamp, renamed)
             self.delivered += 1
         if self._covered(key) is not None:
-            self._post(
-                SampleHeard(
-                    now=clock.monotonic(),
-                    key=key,
-                    size=len(sample.payload),
-                    origin=None if stamp is None else origin_of(stamp),
-                    stamp=None if stamp is None else wall_of(stamp),
-                    # The sender's digest carries their worth; decoding every frame again would cost a core.
-                    features=None,
-                )
-            )
+            self._post(_heard(key, sample))
+
+
+def _heard(key: str, sample: zenoh.Sample) -> SampleHeard:
+    stamp = sample.timestamp
+    return SampleHeard(
+        now=clock.monotonic(),
+        key=key,
+        size=len(sample.payload),
+        origin=None if stamp is None else origin_of(stamp),
+        stamp=None if stamp is None else wall_of(stamp),
+        # The sender's digest carries their worth; decoding every frame again would cost a core.
+        features=None,
+    )

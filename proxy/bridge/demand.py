@@ -1,4 +1,4 @@
-"""Who on the mesh wants a key. A unicast sample is transmitted once per node that does."""
+"""Who on the mesh wants a key. A sample is transmitted once per node that does, in broadcast once for all."""
 
 import threading
 from collections import deque
@@ -40,10 +40,19 @@ class Demand:
 
     Whether anybody wants a key Zenoh tells, by a publisher's matching status; how many do is known from what robots say
     they subscribe to. `post` learns of every change for keys that an information type covers; `wake` is called when
-    `update` has something to do.
+    `update` has something to do. With `broadcast` samples travel elsewhere, where Zenoh knows of no demand; that on the
+    mesh session holds there too.
     """
 
-    def __init__(self, mesh: zenoh.Session, post: Callable[[MatchingChanged], None], wake: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        mesh: zenoh.Session,
+        post: Callable[[MatchingChanged], None],
+        wake: Callable[[], None],
+        *,
+        broadcast: bool = False,
+    ) -> None:
+        self._broadcast = broadcast
         self._mesh = mesh
         self._post = post
         self._wake = wake
@@ -63,8 +72,8 @@ class Demand:
             self._wake()
 
     def outlet(self, key: str) -> Outlet | None:
-        """Return the publisher of a key that is followed; it is as the first sample was."""
-        return self._outlets.get(key)
+        """Return the publisher of a key that is followed; it is as the first sample was. In broadcast there is none."""
+        return None if self._broadcast else self._outlets.get(key)
 
     def told(self, zid: str, subscriptions: Iterable[str]) -> None:
         """Take in what a robot says that its apps subscribe to; nothing when it is gone."""
@@ -75,9 +84,11 @@ class Demand:
             self._counts = {}
 
     def copies(self, key: str) -> int:
-        """Return how many nodes of the mesh want `key`; at least 1 unless it is known that none does."""
+        """Return how often a sample of `key` is transmitted; at least once unless it is known that nobody wants it."""
         if not self._matching.get(key, True):
             return 0
+        if self._broadcast:
+            return 1
         counts = self._counts
         if (count := counts.get(key)) is None:
             if len(counts) >= _CACHED:
@@ -85,6 +96,10 @@ class Demand:
             robots = self._robots.values()
             count = counts[key] = sum(any(each.intersects(key) for each in wanted) for wanted in robots)
         return max(1, count)
+
+    def silent(self, key: str) -> bool:
+        """Whether `key` must not be published: on a mesh session Zenoh sees to that itself, on the air it does not."""
+        return self._broadcast and not self._matching.get(key, True)
 
     def update(self) -> None:
         """Declare publishers for the keys that are new. May block for as long as the mesh does."""

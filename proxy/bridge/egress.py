@@ -15,6 +15,7 @@ from typing import Any
 import zenoh
 
 from proxy import clock
+from proxy.bridge.air import Air
 from proxy.bridge.demand import Demand
 from proxy.bridge.headroom import Headroom
 from proxy.bridge.passed import EGRESS, Passed
@@ -45,16 +46,16 @@ class Egress:
 
     def __init__(
         self,
-        mesh: zenoh.Session,
+        air: Air,
         demand: Demand,
         passed: Passed,
         post: Callable[[SampleHanded | SampleRefused], None],
         rate: float | None,
     ) -> None:
         self.rate = rate
-        self.headroom = Headroom(mesh)
+        self.headroom = Headroom(air)
         self._patience = Patience(self.headroom)
-        self._mesh = mesh
+        self._air = air
         self._demand = demand
         self._passed = passed
         self._post = post
@@ -168,6 +169,8 @@ class Egress:
 
     def _send(self, held: Held, *, droppable: bool = False) -> bool:
         sample = held.sample
+        if self._demand.silent(held.key):
+            return True
         try:
             outlet = self._demand.outlet(held.key)
             if outlet is not None and not droppable and outlet.suits(sample):
@@ -179,7 +182,7 @@ class Egress:
                     source_info=source_of(sample),
                 )
             else:
-                publish(self._mesh, sample, held.stamp, droppable=droppable)
+                publish(self._air, sample, held.stamp, droppable=droppable)
         except zenoh.ZError as error:
             if not self._failing:
                 log.error("the mesh session refuses %s: %s", held.key, error)

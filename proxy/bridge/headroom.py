@@ -13,6 +13,8 @@ from pathlib import Path
 
 import zenoh
 
+from proxy.bridge.air import Air
+
 _libc = ctypes.CDLL(None)
 _MEMINFO = 55
 """SO_MEMINFO of <asm-generic/socket.h>."""
@@ -31,7 +33,7 @@ Address = tuple[str, int]
 class Headroom:
     """Watches the sockets of all links of `session`. One that cannot be found counts as full."""
 
-    def __init__(self, session: zenoh.Session) -> None:
+    def __init__(self, session: Air) -> None:
         self._session = session
         self._lock = threading.Lock()
         self._links: tuple[str, ...] = ()

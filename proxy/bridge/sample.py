@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import zenoh
 
+from proxy.bridge.air import Air
+
 MAX_STAMP_ERROR = 1.0
 """A timestamp further than this from the arrival says nothing about when the sample was made [s]."""
 
@@ -28,20 +30,22 @@ class Held(NamedTuple):
 
 
 def publish(
-    session: zenoh.Session,
+    session: Air,
     sample: zenoh.Sample,
     stamp: zenoh.Timestamp | None,
+    key: str | None = None,
     *,
     droppable: bool = False,
 ) -> None:
     """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`.
 
-    A `droppable` sample is dropped where a link is full, even if it says that it would wait.
+    `key` is that of the sample unless one is given. A `droppable` sample is dropped where a link is full, even if it
+    says that it would wait.
     """
     control = zenoh.CongestionControl.DROP if droppable else sample.congestion_control
     if sample.kind == zenoh.SampleKind.DELETE:
         session.delete(
-            sample.key_expr,
+            key or sample.key_expr,
             congestion_control=control,
             priority=sample.priority,
             express=sample.express,
@@ -52,7 +56,7 @@ def publish(
         )
         return
     session.put(
-        sample.key_expr,
+        key or sample.key_expr,
         sample.payload,  # the ZBytes itself: bytes() would copy it
         encoding=sample.encoding,
         congestion_control=control,

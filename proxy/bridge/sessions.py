@@ -48,7 +48,7 @@ def app_options(listen: Iterable[str], zenoh_options: Mapping[str, Any]) -> dict
     options: dict[str, Any] = {
         "mode": "router",
         "listen": {"endpoints": list(listen)},
-        "open": _AT_ONCE,
+        "open": AT_ONCE,
         "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": True}},
         "timestamping": {"enabled": False},
         "adminspace": {"enabled": True, "permissions": {"read": True, "write": False}},
@@ -79,7 +79,7 @@ def mesh_options(
             "exit_on_failure": False,
             "retry": {"period_init_ms": 200, "period_max_ms": 2000, "period_increase_factor": 1.5},
         },
-        "open": _AT_ONCE,
+        "open": AT_ONCE,
         "scouting": {
             "multicast": {
                 "enabled": scouting,
@@ -109,7 +109,7 @@ def voice_options(mode: str, endpoint: str, zenoh_options: Mapping[str, Any]) ->
         "mode": mode,
         "listen": {"endpoints": []},
         "connect": {"endpoints": [endpoint], "timeout_ms": 5000, "exit_on_failure": True},
-        "open": _AT_ONCE,
+        "open": AT_ONCE,
         "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
         "timestamping": {"enabled": False},
         "transport": {"shared_memory": {"enabled": False}, "auth": auth},
@@ -141,18 +141,24 @@ def open_session(options: Mapping[str, Any], side: str) -> zenoh.Session:
     shown = [endpoint for endpoint in options["listen"]["endpoints"] if PRIVATE not in endpoint]
     endpoints = ", ".join(endpoint.split("#")[0] for endpoint in shown)
     try:
-        return zenoh.open(zenoh.Config.from_json5(json.dumps(options)))
+        return zenoh_session(options)
     except zenoh.ZError as error:
         if "in use" in str(error):
             raise PortInUseError(
                 f"{side}.listen: {endpoints}: port in use; another Zenoh router or daemon runs here already"
             ) from error
-        raise SessionError(f"{side}: cannot open a Zenoh session on {endpoints}: {_first_part(error)}") from error
+        raise SessionError(f"{side}: cannot open a Zenoh session on {endpoints}: {reason_of(error)}") from error
 
 
-def _first_part(error: zenoh.ZError) -> str:
+def zenoh_session(options: Mapping[str, Any]) -> zenoh.Session:
+    """Open a session with these options. Raises `zenoh.ZError`."""
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(options)))
+
+
+def reason_of(error: zenoh.ZError) -> str:
     """Return what Zenoh says, without where in its sources it says so."""
     return str(error).split(" at /")[0]
 
 
-_AT_ONCE = {"return_conditions": {"connect_scouted": False, "declares": False}}
+AT_ONCE = {"return_conditions": {"connect_scouted": False, "declares": False}}
+"""Opening a session waits for nobody."""

@@ -1,4 +1,4 @@
-"""Opens all sessions of a daemon: one per side for the data, and a voice beside each."""
+"""Opens all sessions of a daemon: one per side, a voice beside each, and in broadcast one for the samples."""
 
 import threading
 from contextlib import ExitStack
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import zenoh
 
+from proxy.bridge.air import Air, Broadcast
 from proxy.bridge.loopback import has_ipv6, present
 from proxy.bridge.sessions import app_options, mesh_options, open_session
 from proxy.bridge.voice import Door, Voice
@@ -14,10 +15,14 @@ from proxy.config import AppConfig, MeshConfig
 
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """The sessions of both sides. `wake` is set whenever somebody on either side declares something."""
+    """The sessions of both sides. `wake` is set whenever somebody on either side declares something.
+
+    Samples travel between robots on `air`: in unicast that is `mesh`.
+    """
 
     app: zenoh.Session
     mesh: zenoh.Session
+    air: Air
     apps: Voice
     others: Voice
     wake: threading.Event
@@ -40,8 +45,17 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
     )
     mesh_session = open_session(doors[1].added_to(options), "mesh")
     closing.callback(mesh_session.close)
+    air = _open_air(mesh, mesh_session, closing)
     apps = Voice(doors[0], "router", app.zenoh, wake.set)
     closing.callback(apps.close)
     others = Voice(doors[1], "client", mesh.zenoh, wake.set)
     closing.callback(others.close)
-    return Sides(app_session, mesh_session, apps, others, wake)
+    return Sides(app_session, mesh_session, air, apps, others, wake)
+
+
+def _open_air(mesh: MeshConfig, session: zenoh.Session, closing: ExitStack) -> Air:
+    if mesh.transport == "unicast":
+        return session
+    air = Broadcast(mesh.group, mesh.interface, lambda: bool(session.info.peers_zid()))
+    closing.callback(air.close)
+    return air

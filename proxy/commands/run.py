@@ -122,6 +122,12 @@ def next_of(asked: SimpleQueue[str]) -> str:
             continue
 
 
+def broadcasting(config: Config) -> str:
+    """Say where samples are broadcast; nothing in unicast."""
+    mesh = config.mesh
+    return f", broadcast on {mesh.group} ({mesh.interface})" if mesh.transport == "broadcast" else ""
+
+
 def started(config: Config, specs: Specs, robot: str) -> str:
     """Describe the daemon in one line."""
     types = len(specs.types)
@@ -131,6 +137,6 @@ def started(config: Config, specs: Specs, robot: str) -> str:
     return (
         f"sendworthy {version('sendworthy')}: robot {robot}, mode {config.mode.value}, "
         f"apps on {' '.join(config.app.listen)}, mesh on {' '.join(config.mesh.listen) or 'nothing'}"
-        f"{' with scouting' * config.mesh.scouting}, {specs_in_force}"
+        f"{' with scouting' * config.mesh.scouting}{broadcasting(config)}, {specs_in_force}"
         f"{f', rules of [bridge], profile {config.bridge.profile}' * ruled}"
     )

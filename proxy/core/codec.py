@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import msgpack
 
 from proxy.core.errors import MalformedWireError
+from proxy.core.transport import UNICAST
 from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState
 
 VERSION = 1
@@ -69,6 +70,7 @@ def pack_state(state: State) -> bytes:
             list(state.subscriptions),
             _ticks(state.wall_offset),
             list(state.origins),
+            state.transport,
         ]
     )
 
@@ -124,6 +126,8 @@ def _state(f: list[Any]) -> State:
         subscriptions=tuple(_name(key) for key in _list(f[6])),
         wall_offset=_time(f[7]),
         origins=tuple(_name(origin) for origin in _list(f[8])),
+        # Daemons that knew nothing but unicast do not say so.
+        transport=_name(f[9]) if len(f) > 9 else UNICAST,
     )
 
 

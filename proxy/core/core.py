@@ -24,6 +24,7 @@ from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Generated, Stream
 from proxy.core.view import SharedView
+from proxy.core.warnings import transport_warnings
 from proxy.core.window import WindowBuilder
 from proxy.core.wire import PARTS, Digest, State, StreamState, tag
 from utility_specs import Specs
@@ -140,8 +141,9 @@ class Core:
 
     @_on.register
     def _(self, event: ev.StateHeard) -> list[Command]:
+        before = transport_warnings(self.view)
         self.view.heard_state(event.now, event.state)
-        return []
+        return [Notice("error", warning) for warning in transport_warnings(self.view) if warning not in before]
 
     @_on.register
     def _(self, _event: ev.MalformedHeard) -> list[Command]:
@@ -290,6 +292,7 @@ class Core:
             subscriptions=self.view.interest,
             wall_offset=self.settings.wall_offset,
             origins=tuple(self.view.origins),
+            transport=self.settings.transport,
         )
 
 

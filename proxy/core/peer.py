@@ -23,6 +23,7 @@ class Peer:
     origins: tuple[str, ...] = ()
     mode: str = ""
     specs: str = ""
+    transport: str = ""
     digest: Digest | None = None
     digest_received: float = 0.0
     pending: dict[int, StreamDigest] = field(default_factory=dict)
@@ -46,6 +47,7 @@ class Peer:
         self.periods = {stream.key: stream.period for stream in state.streams}
         self.subscriptions, self.origins = state.subscriptions, state.origins
         self.mode, self.specs, self.wall_offset = state.mode, state.specs, state.wall_offset
+        self.transport = state.transport
 
     def postpone(self, news: StreamDigest) -> None:
         """Keep news of a stream whose key is not known yet."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from proxy.core.peer import Peer
 from proxy.core.stream import Stream
+from proxy.core.warnings import cast_warnings, transport_warnings
 
 if TYPE_CHECKING:
     from proxy.core.core import Core
@@ -19,12 +20,14 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "mode": core.gate.mode.value,
         "specs": core.view.specs.generation,
         "coordination": core.settings.coordination,
+        "transport": core.settings.transport,
         "uptime": now - core.started,
         "counts": _counts(core),
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "streams": [_stream(core, stream, now) for stream in core.view.streams()],
         "peers": [_peer(peer, now) for peer in core.view.peers.values()],
+        "warnings": [*transport_warnings(core.view), *cast_warnings(core.gate.limits, core.settings.transport)],
         "malformed": core.malformed,
         "evicted": core.view.evicted,
     }
@@ -82,6 +85,7 @@ def _peer(peer: Peer, now: float) -> dict[str, Any]:
         "robot": peer.robot,
         "zid": peer.zid,
         "mode": peer.mode,
+        "transport": peer.transport,
         "specs": peer.specs,
         "latency": peer.latency_in or peer.offset.latency,
         "clock_offset": peer.offset.offset,

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from proxy.core.mode import Mode
+from proxy.core.transport import UNICAST
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,7 +14,7 @@ class CoreSettings:
     `horizon` counts messages, `horizon_time` and `settle` are seconds, `allowance` is the share of every limit that
     all digests together may use (at least 100 B/s per robot), `floor` the part of a limit that a newcomer may use
     before all others know of it, `inbox` the samples that may wait for a decision, `backlog` those of one stream where
-    each sample counts.
+    each sample counts, `transport` how samples travel (`proxy.core.transport`).
     """
 
     robot: str
@@ -23,6 +24,7 @@ class CoreSettings:
     horizon_time: float = 60.0
     iterations: int = 300
     coordination: Literal["shares", "overhear"] = "shares"
+    transport: str = UNICAST
     allowance: float = 0.02
     floor: float = 0.01
     settle: float = 0.5

@@ -10,6 +10,7 @@ from proxy.core.events import SampleHeard
 from proxy.core.peer import Peer
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
+from proxy.core.transport import is_broadcast
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
@@ -41,6 +42,8 @@ class SharedView:
         self.evicted = 0
         self._streams: dict[tuple[str, str], Stream] = {}
         self._wanting: dict[tuple[str, str], tuple[str, ...]] = {}
+        self._broadcasting: set[str] = set()
+        self._note_broadcasting()
         self._ids = 0
 
     def set_interest(self, keys: tuple[str, ...]) -> None:
@@ -119,8 +122,8 @@ class SharedView:
         stream.reached.update(self.wanting(stream))
 
     def copies(self, stream: Stream) -> int:
-        """Transmissions that one sample costs: one per receiver."""
-        return max(1, self.receivers(stream))
+        """Transmissions that one sample costs: one per receiver, in broadcast one for all."""
+        return 1 if stream.robot in self._broadcasting else max(1, self.receivers(stream))
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected."""
@@ -193,6 +196,7 @@ class SharedView:
         if peer is None:
             return
         peer.take_state(state)
+        self._note_broadcasting()
         self._wanting.clear()
         for number in [n for n in peer.pending if n in peer.keys]:
             self._take(now, peer, peer.pending.pop(number))
@@ -209,6 +213,7 @@ class SharedView:
         """A robot left: it and its streams take no part in plans any more."""
         peer = self.peers.pop(tag(zid), None)
         self._wanting.clear()
+        self._note_broadcasting()
         for stream in self.streams():
             stream.reached.discard(tag(zid))
         if peer is not None and all(other.robot != peer.robot for other in self.peers.values()):
@@ -232,6 +237,11 @@ class SharedView:
             for name, robot, expressions in robots
             if robot != stream.robot and any(intersects(expression, stream.key) for expression in expressions)
         )
+
+    def _note_broadcasting(self) -> None:
+        transports = {peer.robot: peer.transport for peer in self.peers.values()}
+        transports[self.settings.robot] = self.settings.transport
+        self._broadcasting = {robot for robot, transport in transports.items() if is_broadcast(transport)}
 
     def _take(self, now: float, peer: Peer, news: StreamDigest) -> None:
         key = peer.keys.get(news.id)

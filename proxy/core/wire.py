@@ -6,6 +6,8 @@ All counters are cumulative, so a lost digest costs nothing.
 
 from dataclasses import dataclass
 
+from proxy.core.transport import UNICAST
+
 
 def tag(zid: str) -> str:
     """The short form of an id, enough to tell the robots of a team apart within a digest."""
@@ -100,3 +102,5 @@ class State:
     """Its wall clock minus its monotonic clock [s], to read the timestamps of its samples."""
     origins: tuple[str, ...] = ()
     """Ids seen in timestamps of samples that entered on this robot's app side."""
+    transport: str = UNICAST
+    """How its samples travel."""

@@ -71,7 +71,7 @@ def test_a_measure_makes_its_constraint(measure, limit):
         (Energy(1.0, per_byte=1.0), math.inf),
         (Airtime(0.5, 1e6), 500_000.0),
         (Airtime(0.5, 1e6, hops=2, wifi="infrastructure"), 125_000.0),
-        (Airtime(0.5, 1e6, cast="multicast"), math.inf),
+        (Airtime(0.5, 1e6, cast="multicast"), 62_500.0),
     ],
 )
 def test_a_measure_of_the_channel_tells_its_pace(measure, pace):

@@ -105,6 +105,7 @@ def test_specs_of_a_flag_are_relative_to_the_working_directory(load, tmp_path, m
     assert load('[specs]\npath = "gone"', {}, {"specs.path": "here"}).specs.path == Path("here")
 
 
+GROUP = 'must be a multicast group and a port like "224.0.0.226:7449" or "[ff02::226]:7449", not'
 BROKEN = {
     "robot empty": ('robot = ""', "1: robot: must not be empty"),
     "robot with slash": ('robot = "a/b"', '1: robot: must be one chunk of a key, without /: "a/b"'),
@@ -172,6 +173,14 @@ BROKEN = {
     "engine unknown": (
         '[planner]\nengine = "c"',
         '2: planner.engine: unknown "c" (known: "native", "python")',
+    ),
+    "transport unknown": (
+        '[mesh]\ntransport = "multicast"',
+        '2: mesh.transport: unknown "multicast" (did you mean "unicast"?)',
+    ),
+    "group that is none": (
+        '[mesh]\ntransport = "broadcast"\ngroup = "10.0.0.1:7449"',
+        f'3: mesh.group: {GROUP} "10.0.0.1:7449"',
     ),
     "coordination unknown": (
         '[planner]\ncoordination = "share"',

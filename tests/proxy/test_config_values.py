@@ -1,11 +1,19 @@
-"""Robot names, endpoints and interfaces."""
+"""Robot names, endpoints, interfaces and groups."""
 
 import pytest
 import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.config_values import endpoint, interface, remote_endpoint, robot_name, robot_of_host, this_robot
+from proxy.config_values import (
+    endpoint,
+    interface,
+    multicast_group,
+    remote_endpoint,
+    robot_name,
+    robot_of_host,
+    this_robot,
+)
 
 
 @pytest.mark.parametrize("name", ["r1", "robot-7", "Ω", "a@b", "r.1"])
@@ -102,3 +110,27 @@ def test_what_is_no_interface_is_refused(text):
     """A name that no interface can have is a mistake."""
     with pytest.raises(ValueError, match='must be "auto" or an interface like "wlan0"'):
         interface(text)
+
+
+@pytest.mark.parametrize("text", ["224.0.0.226:7449", "239.1.2.3:1", "[ff02::226]:7449"])
+def test_multicast_groups(text):
+    """A group is an address and a port."""
+    assert multicast_group(text) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("224.0.0.226", 'must be a multicast group and a port like "224.0.0.226:7449"'),
+        ("radio:7449", "must be a multicast group and a port"),
+        ("192.168.1.2:7449", "must be a multicast group and a port"),
+        ("224.0.0.226:0", "must be a multicast group and a port"),
+        ("224.0.0.226:65536", "must be a multicast group and a port"),
+        ("224.0.0.224:7446", "224.0.0.224:7446 is where Zenoh finds others; take another one"),
+        ("224.0.0.225:7448", "224.0.0.225:7448 is where Sendworthy finds others; take another one"),
+    ],
+)
+def test_what_is_no_group_to_broadcast_on_is_refused(text, message):
+    """Nor is a group on which robots are looked for."""
+    with pytest.raises(ValueError, match=message):
+        multicast_group(text)

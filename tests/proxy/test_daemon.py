@@ -1,5 +1,6 @@
 """Whole daemons with their cores, on real sessions over loopback."""
 
+import itertools
 import json
 import os
 import signal
@@ -13,11 +14,14 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys
+from proxy.bridge.air import PREFIX, broadcast_options
+from proxy.bridge.sessions import zenoh_session
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
 from proxy.core.mode import Mode
 from proxy.daemon import Daemon
 from proxy.errors import PortInUseError
 from tests.daemons import Running
+from tests.ports import free_port
 from tests.proxy.nodes import Heard, answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 from utility_specs import Specs, load_specs
@@ -49,7 +53,7 @@ window = 30
 class Robot:
     """A running daemon and its applications."""
 
-    def __init__(self, stack, name, specs, connect=(), mode=Mode.ENFORCE, *, bridge=None):
+    def __init__(self, stack, name, specs, connect=(), mode=Mode.ENFORCE, *, bridge=None, **mesh):
         self._stack = stack
         self.name = name
         self.app, self.mesh = free_endpoint(), free_endpoint()
@@ -58,7 +62,7 @@ class Robot:
                 robot=name,
                 mode=mode,
                 app=AppConfig(listen=(self.app,)),
-                mesh=MeshConfig(listen=(self.mesh,), connect=connect, scouting=False),
+                mesh=MeshConfig(listen=(self.mesh,), connect=connect, scouting=False, **mesh),
                 bridge=BridgeConfig.model_validate(bridge or {}),
                 planner=PlannerConfig(iterations=50),
             ),
@@ -321,6 +325,65 @@ def test_the_process_ends_within_a_second_although_the_mesh_stands_still(stack):
         daemon.end()
         frozen.kill()
         frozen.communicate()
+
+
+def broadcasting(stack, specs, size):
+    """So many daemons that broadcast on loopback, linked each to each, and their group."""
+    group = f"224.0.0.226:{free_port()}"
+    team = []
+    for n in range(1, size + 1):
+        dialled = tuple(robot.mesh for robot in team)
+        options = {"transport": "broadcast", "group": group, "interface": "lo"}
+        team.append(Robot(stack, f"r{n}", specs, dialled, **options))
+    for robot in team:
+        wait_until(
+            lambda robot=robot: (
+                [p["transport"] for p in robot.status()["peers"]] == [f"broadcast {group}"] * (size - 1)
+                and robot.status()["daemon"]["broadcast"]["heard"] == size - 1
+            ),
+            what=f"{robot.name} to see the others",
+        )
+    return team, group
+
+
+def test_robots_that_broadcast_thin_a_stream_to_the_limit_whoever_hears_it(stack, specs):
+    """Both receivers get the same, as much as the limit allows once; the status tells of the transport."""
+    (first, *others), group = broadcasting(stack, specs, 3)
+    publisher, remote = first.node(), [Heard(other.node(), "covered/**") for other in others]
+    wait_until(lambda: publisher.put("covered/a", "first") or known(first, "covered/a") == 2, what="the receivers")
+    numbers = itertools.count()
+
+    def arrived(heard):
+        return [int(sample.payload.to_string()) for sample in heard.samples if len(sample.payload) == 1000]
+
+    def publish():
+        publisher.put("covered/a", f"{next(numbers):01000}", congestion_control=zenoh.CongestionControl.BLOCK)
+
+    wait_until(lambda: publish() or len(arrived(remote[0])) >= 5, what="those that are worth sending")
+    wait_until(lambda: not first.status()["counts"]["queued"], what="every sample to be decided")
+    wait_until(lambda: arrived(remote[0]) == arrived(remote[1]), what="the same on both")
+    status = first.status()
+    assert status["counts"]["conserved"]
+    assert (status["transport"], status["coordination"]) == (f"broadcast {group}", "overhear")
+    assert status["daemon"]["broadcast"] == {"group": group, "interface": "lo", "heard": 2, "reopened": 0}
+    assert arrived(remote[0]) == sorted(set(arrived(remote[0])))
+    assert status["counts"]["dropped"] > 0
+
+
+def test_a_forged_digest_on_the_group_is_not_even_malformed(stack, specs):
+    """What is said on Sendworthy's keys counts only on the mesh session, which can be authenticated."""
+    (robot,), group = broadcasting(stack, specs, 1)
+    forger = closing(stack, zenoh_session(broadcast_options(group, "lo")))
+    wait_until(lambda: robot.status()["daemon"]["broadcast"]["heard"] == 1, what="the forger")
+    heard = Heard(robot.node(), "**")
+    wait_until(lambda: robot.status()["daemon"]["subscriptions"] == ["**"], what="the subscription")
+    for prefix in ("", f"{PREFIX}/"):
+        forger.put(f"{prefix}{keys.digest('r2')}", "forged")
+        forger.put(f"{prefix}{keys.state('r2')}", "forged")
+    wait_until(lambda: forger.put(f"{PREFIX}/mark", "mark") or heard.samples, what="an ordinary sample")
+    assert robot.status()["malformed"] == 0
+    insider = closing(stack, plain_session("peer", connect=(robot.mesh,)))
+    wait_until(lambda: insider.put(keys.digest("r2"), "forged") or robot.status()["malformed"], what="its effect")
 
 
 def test_the_status_says_what_was_denied_and_what_bypassed(stack, specs):

@@ -12,6 +12,7 @@ STATUS = {
     "mode": "enforce",
     "specs": "50b2553b9f23",
     "coordination": "shares",
+    "transport": "unicast",
     "uptime": 200.0,
     "counts": {
         "in": 120,
@@ -88,7 +89,7 @@ STATUS = {
 }
 
 TABLE = """\
-robot r1   mode enforce   specs 50b2553b9f23   coordination shares   up 3 min 20 s
+robot r1   mode enforce   specs 50b2553b9f23   coordination shares   transport unicast   up 3 min 20 s
 
 samples  120 in = 70 forwarded + 49 dropped + 1 queued
   passed:no-spec   60
@@ -179,7 +180,8 @@ def test_what_is_wrong_is_said_at_the_end(change, warning):
 
 def test_a_status_of_another_version_is_shown_as_far_as_it_goes():
     """What is missing is a dash."""
-    assert table({"robot": "r1"}).splitlines()[0] == ("robot r1   mode -   specs -   coordination -   up -")
+    headline = "robot r1   mode -   specs -   coordination -   transport -   up -"
+    assert table({"robot": "r1"}).splitlines()[0] == headline
     assert "robot/x  -      -          -     -      0     0     0       0       -          0" in table(
         {"streams": [{"key": "robot/x"}]}
     )

@@ -40,10 +40,10 @@ def start(network, tmp_path):
 
 @pytest.fixture
 def team(start):
-    """Start three robots at once and wait until each knows the others."""
+    """Start robots at once, three unless others are named, and wait until each knows the others."""
 
-    def start_all(**options):
-        robots = [start(name, **options) for name in ("a", "b", "c")]
+    def start_all(names="abc", **options):
+        robots = [start(name, **options) for name in names]
         for robot in robots:
             wait_until(robot.serves, what=f"start of {robot.name}")
         wait_until_met(robots)

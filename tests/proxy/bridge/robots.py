@@ -33,19 +33,25 @@ class Robot:
     """One robot. `asked` are the samples that wait for the test's decision, `events` everything else posted."""
 
     def __init__(
-        self, stack: ExitStack, specs: Specs, connect: tuple[str, ...] = (), rules: dict[str, Any] | None = None
+        self,
+        stack: ExitStack,
+        specs: Specs,
+        connect: tuple[str, ...] = (),
+        rules: dict[str, Any] | None = None,
+        **mesh_options: Any,
     ) -> None:
         self._stack = stack
         self.asked: list[SamplePublished] = []
         self.events: list[Event] = []
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
         app = AppConfig(listen=(self.app_endpoint,))
-        mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False)
+        mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False, **mesh_options)
         sides = open_sides(app, mesh, stack)
-        self.app, self.mesh, self.voice = sides.app, sides.mesh, sides.apps.session
+        self.app, self.mesh, self.air, self.voice = sides.app, sides.mesh, sides.air, sides.apps.session
         self.bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
+            air=sides.air,
             apps=sides.apps,
             others=sides.others,
             wake=sides.wake,
@@ -84,6 +90,7 @@ def team(
     size: int = 3,
     specs: str = SPECS,
     rules: tuple[dict[str, Any] | None, ...] = (None, None, None),
+    **mesh_options: Any,
 ) -> list[Robot]:
     """Robots on a full mesh over loopback: each dials those before it. `rules` are the `[bridge]` of each."""
     path = tmp_path / "specs.toml"
@@ -91,7 +98,7 @@ def team(
     loaded = load_specs(path)
     robots: list[Robot] = []
     for own in rules[:size]:
-        robots.append(Robot(stack, loaded, tuple(robot.mesh_endpoint for robot in robots), own))
+        robots.append(Robot(stack, loaded, tuple(robot.mesh_endpoint for robot in robots), own, **mesh_options))
     wait_until(
         lambda: all(len(robot.mesh.info.peers_zid()) == size - 1 for robot in robots), what="the full mesh of links"
     )

@@ -21,8 +21,14 @@ def events():
 
 
 @pytest.fixture
-def demand(stack, mesh, events):
-    made = Demand(mesh[0], events.append, lambda: None)
+def broadcast():
+    """Whether samples travel elsewhere."""
+    return False
+
+
+@pytest.fixture
+def demand(stack, mesh, events, broadcast):
+    made = Demand(mesh[0], events.append, lambda: None, broadcast=broadcast)
     stack.callback(made.close)
     return made
 
@@ -86,6 +92,26 @@ def test_the_cache_is_bounded(demand, monkeypatch):
     demand.told("z1", ["k/*"])
     assert [demand.copies(f"k/{i}") for i in range(10)] == [1] * 10
     assert len(demand._counts) <= 3
+
+
+@pytest.mark.parametrize("broadcast", [True])
+def test_in_broadcast_one_transmission_is_for_all(stack, mesh, demand, follow):
+    """However many want a key; when it is known that none does, the bridge itself must be silent."""
+    demand.told("z1", ["k"])
+    demand.told("z2", ["k"])
+    assert (demand.copies("k"), demand.silent("k")) == (1, False)
+    follow("k")
+    assert (demand.copies("k"), demand.silent("k"), demand.outlet("k")) == (0, True, None)
+    heard = Heard(closing(stack, plain_session("peer", connect=(mesh[1],))), "k")
+    wait_until(lambda: demand.copies("k") == 1, what="the subscriber")
+    assert not demand.silent("k")
+    assert not heard.samples
+
+
+def test_in_unicast_zenoh_itself_is_silent(demand, follow):
+    """A key nobody wants is published all the same: Zenoh knows best."""
+    follow("k")
+    assert (demand.copies("k"), demand.silent("k")) == (0, False)
 
 
 def test_an_outlet_publishes_as_the_first_sample_did(stack, mesh, demand, follow):

@@ -11,6 +11,7 @@ from proxy.cli import main
 from proxy.commands.run import started
 from proxy.config import BridgeConfig, Config
 from tests.daemons import specs_file
+from tests.ports import free_port
 from utility_specs import Specs
 
 
@@ -94,3 +95,19 @@ def test_an_unreachable_peer_does_not_hinder_the_start(start):
     daemon = start("--robot", "r1", "--mesh.connect", '["tcp/127.0.0.1:1"]')
     daemon.wait_for("sendworthy ")
     assert main(["mode", "pass", "--connect", daemon.endpoint]) == exit_codes.OK
+
+
+def test_a_radio_that_is_none_is_one_clear_line(start):
+    """Broadcast needs the interface of the radio; the line names the key."""
+    daemon = start("--mesh.transport", "broadcast", "--mesh.interface", "nope0")
+    assert daemon.process.wait(20) == exit_codes.UNAVAILABLE
+    daemon.end()
+    (line,) = daemon.lines
+    assert "mesh.interface nope0, mesh.group 224.0.0.226:7449: cannot broadcast: Interface nope0 not found" in line
+
+
+def test_the_start_says_where_samples_are_broadcast(start):
+    """Group and interface stand beside the endpoints of the mesh."""
+    group = f"224.0.0.226:{free_port()}"
+    daemon = start("--mesh.transport", "broadcast", "--mesh.interface", "lo", "--mesh.group", group)
+    assert f", broadcast on {group} (lo), " in daemon.wait_for("sendworthy ")

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from proxy.core.codec import MAX_BYTES, pack_digest, pack_state, unpack_digest, unpack_state
 from proxy.core.errors import MalformedWireError
+from proxy.core.transport import UNICAST, broadcast
 from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState
 
 micro = st.integers(0, 10**15).map(lambda ticks: ticks / 1e6)
@@ -37,6 +38,7 @@ states = st.builds(
     subscriptions=st.tuples(name, name),
     wall_offset=micro,
     origins=st.tuples(name),
+    transport=name,
 )
 
 
@@ -122,3 +124,11 @@ def test_a_digest_is_small():
         (Grant("b1b2c3d4", 0, 35_000_000),),
     )
     assert len(pack_digest(digest)) < 100
+
+
+def test_a_state_that_says_nothing_of_its_transport_is_unicast():
+    """Daemons that knew nothing else do not say it."""
+    state = State("r1", "z", "enforce", "", transport=broadcast("224.0.0.226:7449"))
+    fields = msgpack.unpackb(pack_state(state))
+    assert unpack_state(msgpack.packb(fields)) == state
+    assert unpack_state(msgpack.packb(fields[:9])).transport == UNICAST

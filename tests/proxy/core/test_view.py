@@ -6,6 +6,7 @@ from planner import Video
 from proxy.core.events import SampleHeard
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
+from proxy.core.transport import UNICAST, broadcast
 from proxy.core.view import SharedView, intersects
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 
@@ -251,3 +252,18 @@ def test_sends_nobody_told_us_of_are_spread_evenly():
     stream.note_generated(0, Generated(1.0, 1, 1.0))
     with pytest.raises(LookupError, match="nothing was generated"):
         _ = stream.newest
+
+
+def test_a_broadcast_sample_is_one_copy_for_all(make_specs):
+    """How many want it does not matter; each robot's samples cost what its own transport makes of them."""
+    group = broadcast("224.0.0.226:7449")
+    view = SharedView(CoreSettings("r1", "z-r1", transport=group), make_specs())
+    for robot, transport in (("r2", UNICAST), ("r3", group), ("r4", group)):
+        view.add_peer(0.0, robot, f"z-{robot}")
+        state = State(robot, f"z-{robot}", "enforce", "", (), ("robot/*/camera",), transport=transport)
+        view.heard_state(0.0, state)
+    streams = {robot: view.stream(0.0, robot, f"robot/{robot}/camera") for robot in ("r1", "r2", "r3")}
+    assert {robot: view.receivers(stream) for robot, stream in streams.items()} == {"r1": 3, "r2": 2, "r3": 2}
+    assert {robot: view.copies(stream) for robot, stream in streams.items()} == {"r1": 1, "r2": 2, "r3": 1}
+    view.gone("z-r3")
+    assert view.copies(view.stream(1.0, "r3", "robot/r3/camera")) == 2

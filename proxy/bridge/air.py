@@ -1,0 +1,179 @@
+"""The air: the session on which samples travel. In unicast the mesh session, in broadcast one of its own.
+
+Broadcast is a Zenoh peer with nothing but a multicast endpoint: one transmission reaches every robot. Nothing is
+acknowledged, repeated, encrypted or held back there, and Zenoh knows of nobody's subscriptions. So all else stays on
+the mesh session: what daemons tell each other, queries, liveliness, and who wants what.
+
+Where two nodes of a group declare the same key expression, Zenoh 1.10 lets them repeat each other's declaration without
+end, and that takes all of the air. So no two robots may subscribe to the same: samples travel below a chunk that each
+robot matches by a pattern of its own, and arrive under their own key.
+"""
+
+import logging
+import re
+import secrets
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import zenoh
+
+from proxy import clock
+from proxy.bridge.declaration import Declaration
+from proxy.bridge.keys import INGRESS
+from proxy.bridge.radio import interface_of
+from proxy.bridge.sessions import AT_ONCE, reason_of, zenoh_session
+from proxy.errors import SessionError
+
+log = logging.getLogger(__name__)
+
+JOIN = 1000
+"""How often a robot says that it is on the group [ms]: a newcomer is heard this late at most. Costs 135 B/s."""
+CHECK = 0.5
+"""Time between two looks at who is heard [s]."""
+PATIENCE = 2.5
+"""The session is opened anew when nobody is heard for so long although there are others [s]; then twice that, …"""
+MOST_PATIENCE = 60.0
+"""… up to this [s]."""
+PREFIX = "sendworthy-broadcast-sample"
+"""Above the keys of all samples on the air."""
+
+Hear = Callable[[str, zenoh.Sample], None]
+"""Gets a sample, and the key that it was published under."""
+
+
+def broadcast_options(group: str, interface: str) -> dict[str, Any]:
+    """Zenoh configuration of a session on a multicast group alone, with lanes for the priorities."""
+    return {
+        "mode": "peer",
+        "listen": {"endpoints": [f"udp/{group}#iface={interface}"]},
+        "connect": {"endpoints": []},
+        "open": AT_ONCE,
+        "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
+        "timestamping": {"enabled": False},
+        "transport": {
+            "shared_memory": {"enabled": False},
+            # Without lanes every sample arrives with the default priority.
+            "multicast": {"qos": {"enabled": True}, "join_interval": JOIN},
+        },
+    }
+
+
+class Broadcast:
+    """A session on a multicast group, opened anew when it died: Zenoh gives up on one whose radio was off.
+
+    `others` says whether there is anybody to be heard. Raises `SessionError` when it cannot be opened.
+    """
+
+    def __init__(self, group: str, interface: str, others: Callable[[], bool]) -> None:
+        self._group = group
+        self._interface = interface
+        self._others = others
+        self._hear: Hear = lambda _key, _sample: None
+        self._subscribers: list[Declaration] = []
+        self._reopened = 0
+        self._session = self._opened()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="broadcast", daemon=True)
+        self._thread.start()
+
+    @property
+    def info(self) -> zenoh.SessionInfo:
+        """Return what Zenoh knows of the session in use."""
+        return self._session.info
+
+    def put(self, key: zenoh.KeyExpr | str, payload: Any, **options: Any) -> None:
+        """Publish as `zenoh.Session.put` does."""
+        self._session.put(f"{PREFIX}/{key}", payload, **options)
+
+    def delete(self, key: zenoh.KeyExpr | str, **options: Any) -> None:
+        """Delete as `zenoh.Session.delete` does."""
+        self._session.delete(f"{PREFIX}/{key}", **options)
+
+    def listen(self, hear: Hear) -> None:
+        """Call `hear` with every sample of an app on another robot from now on."""
+        self._hear = hear
+
+    def close(self) -> None:
+        """Leave the group."""
+        self._stop.set()
+        self._thread.join()
+        _close(self._session)
+
+    def describe(self) -> dict[str, Any]:
+        """Return what the status says: where, how many robots are heard there, how often it had to be opened anew."""
+        return {
+            "group": self._group,
+            "interface": self._interface,
+            "heard": _heard(self._session),
+            "reopened": self._reopened,
+        }
+
+    def _opened(self) -> zenoh.Session:
+        try:
+            options = broadcast_options(self._group, interface_of(self._interface))
+            session = zenoh_session(options)
+        except zenoh.ZError as error:
+            where = f"mesh.interface {self._interface}, mesh.group {self._group}"
+            raise SessionError(f"{where}: cannot broadcast: {reason_of(error).rpartition('[')[2]}") from error
+        self._subscribe(session)
+        return session
+
+    def _subscribe(self, session: zenoh.Session) -> None:
+        handler = zenoh.handlers.Callback(self._take, indirect=False)
+        remote, prefix = zenoh.Locality.REMOTE, pattern(secrets.randbits(2 * len(PREFIX)))
+        self._subscribers = [
+            # These leave out Sendworthy's own keys: those are believed on the mesh only.
+            session.declare_subscriber(f"{prefix}/{key}", handler, allowed_origin=remote)
+            for key in INGRESS
+        ]
+
+    def _take(self, sample: zenoh.Sample) -> None:
+        prefix, _, key = str(sample.key_expr).partition("/")
+        if prefix == PREFIX:
+            self._hear(key, sample)
+
+    def _run(self) -> None:
+        """Look whether anybody is heard; a dead session hears nobody."""
+        patience, since = PATIENCE, clock.monotonic()
+        while not self._stop.wait(CHECK):
+            if _heard(self._session) or not self._others():
+                patience, since = PATIENCE, clock.monotonic()
+            elif clock.monotonic() - since > patience:
+                self._reopen()
+                patience, since = min(2.0 * patience, MOST_PATIENCE), clock.monotonic()
+
+    def _reopen(self) -> None:
+        try:
+            session = self._opened()
+        except SessionError as error:
+            log.warning("%s", error)
+            return
+        old, self._session = self._session, session
+        self._reopened += 1
+        log.info("nobody was heard on %s: joined the group anew", self._group)
+        _close(old)
+
+
+def pattern(number: int) -> str:
+    """Return a pattern that `PREFIX` matches; numbers of two bits per letter hardly ever give the same one.
+
+    Of each letter one bit says whether "$*", which stands for any text, takes its place, the other whether it follows.
+    """
+    parts = (
+        ("$*" if number >> 2 * i & 1 else letter) + ("$*" if number >> 2 * i & 2 else "")
+        for i, letter in enumerate(PREFIX[1:])
+    )
+    return PREFIX[0] + re.sub(r"(\$\*)+", "$*", "".join(parts))
+
+
+def _heard(session: zenoh.Session) -> int:
+    return len({str(link.zid) for link in session.info.links()})
+
+
+def _close(session: zenoh.Session) -> None:
+    session.close()  # type: ignore[no-untyped-call] # the stubs leave its type out
+
+
+Air = zenoh.Session | Broadcast
+"""Where samples travel."""

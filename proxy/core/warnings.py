@@ -1,0 +1,29 @@
+"""What an operator must be told although everything runs: robots or specs that do not fit together."""
+
+from collections.abc import Iterable
+
+from planner import Airtime
+from proxy.core.limits import Limit
+from proxy.core.transport import is_broadcast
+from proxy.core.view import SharedView
+
+
+def transport_warnings(view: SharedView) -> list[str]:
+    """Name every robot whose samples travel in another way than ours; it may not have said yet."""
+    ours = view.settings.transport
+    return [
+        f"robot {peer.robot} has mesh.transport {peer.transport}, this one {ours}: "
+        "what one of them broadcasts does not reach the other"
+        for peer in view.peers.values()
+        if peer.transport and peer.transport != ours
+    ]
+
+
+def cast_warnings(limits: Iterable[Limit], transport: str) -> list[str]:
+    """Name every limit of airtime that counts another kind of transmission than there is."""
+    cast = "multicast" if is_broadcast(transport) else "unicast"
+    return [
+        f'{limit.name} counts airtime with cast = "{limit.measure.cast}", but samples go by {cast}: correct the spec'
+        for limit in limits
+        if isinstance(limit.measure, Airtime) and limit.measure.cast != cast
+    ]

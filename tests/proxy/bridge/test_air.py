@@ -1,0 +1,175 @@
+"""Samples that are broadcast, on the loopback interface: it carries multicast to other sessions of the host."""
+
+import json
+from itertools import pairwise
+
+import pytest
+import zenoh
+from hypothesis import given
+from hypothesis import strategies as st
+
+from proxy.bridge import air as air_module
+from proxy.bridge.air import PREFIX, Broadcast, broadcast_options, pattern
+from proxy.bridge.sessions import zenoh_session
+from proxy.core.events import SampleHeard
+from proxy.errors import SessionError
+from tests.ports import free_port
+from tests.proxy.bridge import robots
+from tests.proxy.bridge.robots import wait_interest
+from tests.proxy.nodes import Heard, closing
+from tests.waiting import wait_until
+
+LOOPBACK = "lo"
+
+
+@pytest.fixture
+def group():
+    """A group that nobody else uses."""
+    return f"224.0.0.226:{free_port()}"
+
+
+@pytest.fixture
+def team(stack, tmp_path, group):
+    """Three robots that broadcast, each of which hears the other two."""
+    made = robots.team(stack, tmp_path, transport="broadcast", group=group, interface=LOOPBACK)
+    wait_until(lambda: all(robot.air.describe()["heard"] == 2 for robot in made), what="all on the group")
+    return made
+
+
+def opened(stack, group, *, others=False):
+    """A broadcast, and what is heard by it."""
+    made, heard = Broadcast(group, LOOPBACK, lambda: others), []
+    stack.callback(made.close)
+    made.listen(lambda key, sample: heard.append((key, sample.payload.to_string())))
+    return made, heard
+
+
+def test_each_sample_arrives_once_where_it_is_wanted_and_the_core_hears_it_everywhere(team):
+    """An app gets what it subscribes to; the core learns of covered samples that no app of its robot wants, too."""
+    heard = Heard(team[1].node(), "**")
+    wait_interest(team[1], team[0], keys=("**",))
+    app = team[0].node()
+    for i in range(20):
+        app.put("free/a", str(i), congestion_control=zenoh.CongestionControl.BLOCK)
+        app.put("covered/a", str(i), congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: len(team[0].asked) == 20, what="the covered ones")
+    for asked in team[0].asked:
+        team[0].bridge.forward(asked.sample)
+    wait_until(lambda: all(len(robot.posted(SampleHeard)) == 20 for robot in team[1:]), what="all overheard")
+    wait_until(lambda: len(heard.samples) == 40, what="all delivered")
+    for key in ("free/a", "covered/a"):
+        assert [s.payload.to_string() for s in heard.samples if str(s.key_expr) == key] == [str(i) for i in range(20)]
+    assert [robot.bridge.describe()["delivered"] for robot in team] == [0, 40, 0]
+    event = team[2].posted(SampleHeard)[0]
+    assert (event.key, event.size, event.origin) == ("covered/a", 1, str(team[0].mesh.zid()))
+
+
+def test_a_sample_keeps_all_that_it_has(team):
+    """Also one of many frames, and a delete: by broadcast it arrives as the app published it."""
+    heard = Heard(team[1].node(), "free/**")
+    wait_interest(team[1], team[0], keys=("free/**",))
+    app = team[0].node()
+    source = zenoh.SourceInfo(app.id, 7)
+    common = {
+        "attachment": b"\x01attached",
+        "priority": zenoh.Priority.INTERACTIVE_HIGH,
+        "congestion_control": zenoh.CongestionControl.BLOCK,
+        "express": True,
+        "timestamp": team[0].node().new_timestamp(),
+        "source_info": source,
+    }
+    encoding = zenoh.Encoding.IMAGE_JPEG.with_schema("mono")
+    app.put("free/all", b"\x00\xff" * 60_000, encoding=encoding, **common)
+    app.delete("free/all", **common)
+    wait_until(lambda: len(heard.samples) == 2, what="both")
+    put, delete = heard.samples
+    assert (bytes(put.payload), put.encoding, put.kind) == (b"\x00\xff" * 60_000, encoding, zenoh.SampleKind.PUT)
+    assert delete.kind == zenoh.SampleKind.DELETE
+    for sample in (put, delete):
+        assert str(sample.key_expr) == "free/all"
+        assert {name: getattr(sample, name) for name in common if name not in ("attachment", "source_info")} == {
+            name: value for name, value in common.items() if name not in ("attachment", "source_info")
+        }
+        assert bytes(sample.attachment) == b"\x01attached"
+        assert str(sample.source_info.source_id) == str(source.source_id)
+        assert sample.source_info.source_sn == source.source_sn
+
+
+def test_what_nobody_wants_is_not_transmitted(stack, team, group):
+    """Zenoh would: on a group it knows of no subscribers."""
+    listener, heard = opened(stack, group)
+    wait_until(lambda: listener.describe()["heard"] == 3, what="the robots")
+    app = team[0].node()
+    app.put("free/a", "before it is known")
+    wait_until(lambda: "free/a" in team[0].bridge.demand._matching, what="the demand")
+    app.put("free/a", "unwanted", congestion_control=zenoh.CongestionControl.BLOCK)
+    other = Heard(team[1].node(), "free/*")
+    wait_interest(team[1], team[0], keys=("free/*",))
+    wait_until(lambda: team[0].bridge.demand.copies("free/a") == 1, what="the wish")
+    app.put("free/a", "wanted", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: ("free/a", "wanted") in heard, what="the sample")
+    wait_until(lambda: other.payloads == ["wanted"], what="its delivery")
+    assert ("free/a", "unwanted") not in heard
+
+
+def test_nothing_of_sendworthys_own_is_heard(stack, group):
+    """Whoever is on the group can forge; digests, states and presence come by the mesh session only."""
+    _, heard = opened(stack, group)
+    forger = closing(stack, zenoh_session(broadcast_options(group, LOOPBACK)))
+    for prefix in (f"{PREFIX}/", "", "sendworthy-broadcast-x/"):
+        for key in ("@sendworthy/r2/digest", "@sendworthy/r2/state"):
+            forger.put(f"{prefix}{key}", "forged")
+    forger.put("sendworthy-broadcast-sampling/a", "below a chunk that is like ours")
+    wait_until(lambda: forger.put(f"{PREFIX}/last", "last") or heard, what="the last one")
+    assert set(heard) == {("last", "last")}
+
+
+def test_an_interface_that_is_none_is_named_with_its_key(group):
+    """The operator learns what to correct."""
+    complaint = rf"^mesh\.interface nope, mesh\.group {group}: cannot broadcast: Interface nope not found"
+    with pytest.raises(SessionError, match=complaint):
+        Broadcast(group, "nope", lambda: False)
+
+
+def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(stack, group, monkeypatch, caplog):
+    """Zenoh never uses a group again after an error of the radio. An interface that is still gone is said."""
+    caplog.set_level("INFO")
+    monkeypatch.setattr(air_module, "CHECK", 0.01)
+    monkeypatch.setattr(air_module, "PATIENCE", 0.02)
+    monkeypatch.setattr(air_module, "MOST_PATIENCE", 0.05)
+    first, heard = opened(stack, group, others=True)
+    wait_until(lambda: first.describe()["reopened"], what="a first time")
+    monkeypatch.setattr(first, "_interface", "nope")
+    wait_until(lambda: "nope" in caplog.text, what="the warning")
+    monkeypatch.setattr(first, "_interface", LOOPBACK)
+    monkeypatch.setattr(air_module, "PATIENCE", 5.0)
+    monkeypatch.setattr(air_module, "MOST_PATIENCE", 5.0)
+    second, _ = opened(stack, group)
+    wait_until(lambda: second.describe()["heard"] == first.describe()["heard"] == 1, what="each other")
+    assert f"nobody was heard on {group}: joined the group anew" in caplog.text
+    wait_until(lambda: second.put("k", "x") or heard, what="a sample")
+    assert heard[0] == ("k", "x")
+
+
+def test_options_have_lanes_for_priorities_and_nothing_but_the_group():
+    """Zenoh's own reader takes them."""
+    config = zenoh.Config.from_json5(json.dumps(broadcast_options("224.0.0.226:7449", "wlan0")))
+    assert json.loads(config.get_json("transport/multicast/qos/enabled"))
+    assert json.loads(config.get_json("listen/endpoints")) == ["udp/224.0.0.226:7449#iface=wlan0"]
+    assert not json.loads(config.get_json("scouting/multicast/enabled"))
+
+
+BITS = st.integers(0, 2 ** (2 * len(PREFIX)) - 1)
+
+
+@given(BITS)
+def test_every_pattern_matches_the_prefix(number):
+    """Whatever the number, it is a valid key expression."""
+    assert zenoh.KeyExpr(pattern(number)).intersects(zenoh.KeyExpr(PREFIX))
+
+
+def test_patterns_differ():
+    """No two robots may subscribe to the same: Zenoh would repeat it without end."""
+    numbers = [(i * 0x9E3779B97F4A7C15F39CC0605CEDC835) % 2 ** (2 * len(PREFIX)) for i in range(1, 2001)]
+    patterns = sorted(map(pattern, numbers))
+    assert all(one != other for one, other in pairwise(patterns))
