@@ -11,6 +11,7 @@ from proxy import clock
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
+from proxy.bridge.fence import Fence
 from proxy.bridge.ingress import Ingress, Submit
 from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
@@ -65,13 +66,15 @@ class Bridge:
         )
         self._delivery = Delivery(app, mesh, self._match, post)
         self.lanes = (Lane("queries out"), Lane("queries in"))
-        # What a voice asks reaches all but itself, so a query never comes back to who mirrors it.
-        self._outward = Queries(apps.session, others.session, self.lanes[0])
-        self._inward = Queries(others.session, apps.session, self.lanes[1])
+        fence = Fence(wake.set)
+        self._outward = Queries(apps, others.session, self.lanes[0], fence)
+        self._inward = Queries(others, apps.session, self.lanes[1], fence)
         self._links = Links(mesh, connect, clock.monotonic())
         self._watch = Watch(
             apps=apps,
             others=others,
+            main=(app, mesh),
+            ingress=self._ingress,
             delivery=self._delivery,
             demand=self.demand,
             outward=self._outward,
@@ -80,18 +83,18 @@ class Bridge:
             passed=passed,
             post=post,
             wake=wake,
+            fence=fence,
         )
 
     def open(self) -> None:
         """Let things cross."""
         self._egress.start()
-        self._ingress.open()
         self._watch.start()
 
     def close(self) -> None:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
-        self._ingress.close()
         self._watch.close(_PATIENCE)
+        self._ingress.close()
         for part in (self._delivery, self._outward, self._inward, self.demand):
             part.close()
         for thread in (self._egress, *self.lanes):
@@ -131,6 +134,7 @@ class Bridge:
             "egress": self._egress.waiting,
             "delivered": self._delivery.delivered,
             "subscriptions": list(self._delivery.expressions),
+            "observed": sorted(self._ingress.declared),
             "wanted": self.demand.wanted,
             "queries": {"outward": self._outward.crossed, "inward": self._inward.crossed},
             "queryables": {

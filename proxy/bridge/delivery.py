@@ -1,6 +1,6 @@
 """Hands what arrives from the mesh to the apps: at once, in full, each sample once."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 import zenoh
@@ -38,6 +38,11 @@ class Delivery:
         """What we subscribe to on the mesh for the apps."""
         return self._mirror.expressions
 
+    @property
+    def declared(self) -> Collection[str]:
+        """The same, as it is."""
+        return self._mirror.declared
+
     def update(self, wanted: Mapping[str, bool]) -> bool:
         """Subscribe to exactly `wanted`, as the apps do now; return whether that is news."""
         return self._mirror.update(wanted)
@@ -53,7 +58,7 @@ class Delivery:
 
     def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
-        if self._owners.owner(key) != expression:
+        if not self._owners.takes(expression, key):
             return
         stamp = sample.timestamp
         publish(self._app, sample, stamp)

@@ -2,15 +2,18 @@
 
 import itertools
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
+from functools import partial
 
 import zenoh
 
 from proxy import clock
+from proxy.bridge.cover import Cover
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
-from proxy.bridge.keys import INGRESS
+from proxy.bridge.mirror import Mirror
+from proxy.bridge.owners import Owners
 from proxy.bridge.passed import MODE, NO_SPEC, OVERFLOW, Passed
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
 from proxy.core.events import SamplePublished
@@ -26,7 +29,7 @@ Submit = Callable[[SamplePublished, InformationType, zenoh.ZBytes], None]
 
 
 class Ingress:
-    """Subscribes to everything on the app side and sorts it: the core gets what is covered, the rest passes.
+    """Subscribes on the app side to what the mesh wants and sorts it: the core gets what is covered, the rest passes.
 
     Covered samples are held until `release`. `submit` gets them for the core, with the type that covers them.
     """
@@ -53,20 +56,22 @@ class Ingress:
         self._submit = submit
         self._numbers = itertools.count(1)
         self._held: dict[int, Held] = {}
-        self._subscribers: list[Declaration] = []
+        self._cover = Cover()
+        self._owners = Owners()
+        self._mirror = Mirror(self._subscribe, self._owners.discard)
 
-    def open(self) -> None:
-        """Start receiving."""
-        handler = zenoh.handlers.Callback(self._receive, indirect=False)
-        self._subscribers = [
-            self._app.declare_subscriber(key, handler, allowed_origin=zenoh.Locality.REMOTE) for key in INGRESS
-        ]
+    @property
+    def declared(self) -> Collection[str]:
+        """What we subscribe to on the app side for the mesh."""
+        return self._mirror.declared
+
+    def update(self, wanted: Iterable[str]) -> None:
+        """Receive exactly what `wanted` matches, each sample once."""
+        self._mirror.update(self._cover.update(wanted))
 
     def close(self) -> None:
         """Receive nothing more."""
-        for subscriber in self._subscribers:
-            subscriber.undeclare()
-        self._subscribers = []
+        self._mirror.close()
 
     def release(self, number: int) -> Held | None:
         """Give out a held sample; None when it is not held (any more)."""
@@ -77,9 +82,16 @@ class Ingress:
         """Samples that wait for the core's answer."""
         return len(self._held)
 
-    def _receive(self, sample: zenoh.Sample) -> None:
+    def _subscribe(self, expression: str, _complete: bool) -> Declaration:  # noqa: FBT001 - as Mirror calls it
+        self._owners.add(expression)
+        handler = zenoh.handlers.Callback(partial(self._receive, expression), indirect=False)
+        return self._app.declare_subscriber(expression, handler, allowed_origin=zenoh.Locality.REMOTE)
+
+    def _receive(self, expression: str, sample: zenoh.Sample) -> None:
         now = clock.monotonic()
         key = str(sample.key_expr)
+        if not self._owners.takes(expression, key):
+            return
         stamp = sample.timestamp
         held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload))
         covering = self._match(key)

@@ -1,7 +1,7 @@
 """Keeps on one session exactly the declarations that exist on the other."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 import zenoh
 
@@ -30,25 +30,38 @@ class Mirror:
         self._refused: set[str] = set()
 
     @property
+    def declared(self) -> Collection[str]:
+        """What is declared now."""
+        return self._declared.keys()
+
+    @property
     def expressions(self) -> tuple[str, ...]:
         """What is declared now, sorted."""
         return tuple(sorted(self._declared))
 
     def update(self, wanted: Mapping[str, bool]) -> bool:
         """Declare and undeclare until exactly `wanted` is declared; return whether anything changed."""
-        stale = [key for key, (_, complete) in self._declared.items() if wanted.get(key) is not complete]
-        for expression in stale:
-            self._before_undeclare(expression)
-            self._declared.pop(expression)[0].undeclare()
+        altered = {
+            key for key, (_, complete) in self._declared.items() if key in wanted and wanted[key] is not complete
+        }
+        self._take_back(altered)
+        # What is new stands before what is stale goes: between them nothing that both match is missed.
         new = sorted(wanted.keys() - self._declared.keys() - self._refused)
         for expression in new:
             self._add(expression, wanted[expression])
+        stale = self._declared.keys() - wanted.keys()
+        self._take_back(stale)
         self._refused &= wanted.keys()
         return bool(stale or new)
 
     def close(self) -> None:
         """Undeclare everything."""
         self.update({})
+
+    def _take_back(self, expressions: Collection[str]) -> None:
+        for expression in expressions:
+            self._before_undeclare(expression)
+            self._declared.pop(expression)[0].undeclare()
 
     def _add(self, expression: str, complete: bool) -> None:  # noqa: FBT001 - the value of a mapping
         if len(self._declared) >= MOST:

@@ -15,10 +15,10 @@ from typing import Any, Literal
 import zenoh
 
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.keys import CROSSING
 from proxy.bridge.ledger import Ledger
 from proxy.bridge.sessions import PRIVATE, merged, open_session, voice_options
 from proxy.bridge.tap import Tap
+from proxy.bridge.widening import EVERYTHING
 from proxy.bridge.wire import Kind
 
 
@@ -48,7 +48,8 @@ class Voice:
     """The voice of the main session that listens at `door`.
 
     On the app side it is a router, which is told everything; on the mesh, where peers route for nobody but their
-    clients, a client, which is told what it says it is interested in. `changed` is called when `declared` changes.
+    clients, a client, which is told what it says it is interested in: `widening` makes that everything. `changed` is
+    called when `declared` changes.
     """
 
     def __init__(
@@ -61,17 +62,19 @@ class Voice:
         door.hide()
         self.ledger = Ledger(changed)
         self._closing = ExitStack()
-        tap = Tap(door.tap, door.main, self.ledger)
+        told = (self._publish, self._ask, self._attend) if mode == "client" else ()
+        tap = Tap(door.tap, door.main, self.ledger, interests=len(told))
         self._closing.callback(tap.close)
         options = voice_options(mode, f"unixsock-stream/{door.tap}", zenoh_options)
         self.session = open_session(options, "voice")
         self._closing.callback(self.session.close)
-        self._interests: list[Declaration] = []
-        if mode == "client":
-            self._interests = [declare(key) for key in CROSSING for declare in (self._ask, self._attend)]
+        self._interests: list[Declaration] = [declare(EVERYTHING) for declare in told]
 
-    def declared(self, kind: Kind) -> dict[str, bool]:
-        """Return what others declared to the main session; for queryables whether complete."""
+    def declared(self, kind: Kind) -> Mapping[str, bool]:
+        """Return what others declared to the main session, and subscribers of its own; for queryables whether complete.
+
+        The same mapping until something changes.
+        """
         return self.ledger.declared(kind)
 
     def close(self) -> None:
@@ -80,6 +83,10 @@ class Voice:
             interest.undeclare()
         self._interests = []
         self._closing.close()
+
+    def _publish(self, key: str) -> Declaration:
+        """Be told of subscribers."""
+        return self.session.declare_publisher(key)
 
     def _ask(self, key: str) -> Declaration:
         """Be told of queryables."""

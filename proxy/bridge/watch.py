@@ -1,8 +1,8 @@
-"""Mirrors what both sides declare, as soon as it changes."""
+"""Mirrors what both sides declare, as soon as it changes, and looks only at what has."""
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import zenoh
 
@@ -10,26 +10,32 @@ from proxy import clock
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
-from proxy.bridge.keys import CROSSING
+from proxy.bridge.fence import Fence
+from proxy.bridge.ingress import Ingress
+from proxy.bridge.keys import CROSSING, INGRESS
 from proxy.bridge.links import Links
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.voice import Voice
+from proxy.bridge.witnesses import Witnesses
 from proxy.core.events import Event, InterestChanged
 
 log = logging.getLogger(__name__)
 
 INTERVAL = 0.1
-"""Time between two looks when nothing is said to have changed [s]."""
+"""Time between two reports of what passed, and looks at the links [s]."""
 
 ECHO = 0.25
 """How long after its end a token of ours may still be echoed [s]."""
+
+_NOTHING: Mapping[str, bool] = {}
 
 
 class Watch:
     """Follows two voices on a thread of its own.
 
+    `main` are the main sessions of app side and mesh, which declare what `ingress` and `delivery` subscribe to;
     `outward` and `inward` are queries from apps to mesh and from mesh to apps. `wake` is set when there is news.
     """
 
@@ -38,6 +44,8 @@ class Watch:
         *,
         apps: Voice,
         others: Voice,
+        main: tuple[zenoh.Session, zenoh.Session],
+        ingress: Ingress,
         delivery: Delivery,
         demand: Demand,
         outward: Queries,
@@ -46,9 +54,12 @@ class Watch:
         passed: Passed,
         post: Callable[[Event], None],
         wake: threading.Event,
+        fence: Fence,
     ) -> None:
         self._apps = apps
         self._others = others
+        self._witnesses = tuple(Witnesses(session, wake.set) for session in main)
+        self._ingress = ingress
         self._delivery = delivery
         self._demand = demand
         self._outward = outward
@@ -57,14 +68,17 @@ class Watch:
         self._passed = passed
         self._post = post
         self._wake = wake
+        self._fence = fence
         self._tokens_out = Mirror(_token(others.session))
         self._tokens_in = Mirror(_token(apps.session))
         self._own: dict[str, float] = {}
+        self._seen: dict[str, Mapping[str, bool]] = {}
         self._stop = False
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
     def start(self) -> None:
         """Start looking."""
+        self._wake.set()
         self._thread.start()
 
     def close(self, timeout: float) -> None:
@@ -74,6 +88,8 @@ class Watch:
         self._thread.join(timeout)
         self._tokens_out.close()
         self._tokens_in.close()
+        for witnesses in self._witnesses:
+            witnesses.close()
 
     def flush(self) -> None:
         """Report what passed without a decision since the last time."""
@@ -81,35 +97,65 @@ class Watch:
             self._post(event)
 
     def _run(self) -> None:
+        again = False
         while not self._stop:
+            woken = self._wake.wait(INTERVAL)
             self._wake.clear()
             try:
-                self._look()
+                self.flush()
+                self._links.check(clock.monotonic())
+                if woken or again:
+                    again = self._look()
             except Exception:
                 # A look that fails must not be the last one.
+                self._seen.clear()
+                again = True
                 log.exception("cannot mirror what was declared")
-            self._wake.wait(INTERVAL)
 
-    def _look(self) -> None:
-        self.flush()
+    def _look(self) -> bool:
+        """Mirror what has changed; return whether to look again although nothing changes."""
+        self._fence.begin()
+        now = clock.monotonic()
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.
         alive_in, alive_out = self._others.declared("token"), self._apps.declared("token")
-        wanted = self._apps.declared("subscriber")
+        answered_in, answered_out = self._others.declared("queryable"), self._apps.declared("queryable")
+        self._subscribe(now)
+        if self._news("queryables out", answered_out):
+            self._inward.update(answered_out)
+        if self._news("queryables in", answered_in):
+            self._outward.update(answered_in)
+        if self._news("tokens out", alive_out):
+            self._tokens_out.update(alive_out)
+        theirs = self._of_others(alive_in, now)
+        if theirs != self._seen.get("tokens in"):
+            self._seen["tokens in"] = theirs
+            self._tokens_in.update(theirs)
+        self._fence.end()
+        self._demand.update()
+        ours = len(self._own) > len(self._tokens_out.declared)
+        return ours or any(witnesses.waiting for witnesses in self._witnesses)
+
+    def _news(self, name: str, told: Mapping[str, bool]) -> bool:
+        """Whether a ledger has told something else of `name` than at the last look."""
+        before = self._seen.get(name, _NOTHING)
+        self._seen[name] = told
+        return told is not before
+
+    def _subscribe(self, now: float) -> None:
+        by_apps, by_mesh = self._witnesses
+        wanted = by_apps.others(self._apps.declared("subscriber"), self._ingress.declared, now)
         if self._apps.ledger.broken:
             wanted |= dict.fromkeys(CROSSING, False)
         if self._delivery.update(wanted):
             self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
-        self._inward.update(self._apps.declared("queryable"))
-        self._outward.update(self._others.declared("queryable"))
-        self._tokens_out.update(alive_out)
-        self._tokens_in.update(self._of_others(alive_in))
-        self._demand.update()
-        self._links.check(clock.monotonic())
+        wanted = by_mesh.others(self._others.declared("subscriber"), self._delivery.declared, now)
+        if self._others.ledger.broken:
+            wanted |= dict.fromkeys(INGRESS, False)
+        self._ingress.update(wanted)
 
-    def _of_others(self, alive: dict[str, bool]) -> dict[str, bool]:
+    def _of_others(self, alive: Mapping[str, bool], now: float) -> dict[str, bool]:
         """Leave out our own tokens: a peer echoes a client's tokens to it, and for a moment after their end."""
-        now = clock.monotonic()
-        self._own |= dict.fromkeys(self._tokens_out.expressions, now + ECHO)
+        self._own |= dict.fromkeys(self._tokens_out.declared, now + ECHO)
         self._own = {token: until for token, until in self._own.items() if until > now}
         return {token: False for token in alive if token not in self._own}
 
