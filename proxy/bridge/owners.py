@@ -11,12 +11,22 @@ import zenoh
 _CACHED = 8192
 
 
-class _Round(threading.local):
+class _Round:
     """The calls for one sample or query, which Zenoh makes one after the other on one thread."""
 
-    key = ""
-    owner = ""
-    left: frozenset[str] = frozenset()
+    __slots__ = ("among", "key", "left")
+
+    def __init__(self, key: str, among: tuple[str, ...], called: str) -> None:
+        self.key = key
+        self.among = among
+        self.left = {name for name in among if name != called}
+
+    def goes_on(self, expression: str, key: str) -> bool:
+        """Whether a call belongs to this round; it does so only once."""
+        if self.key != key or expression not in self.left:
+            return False
+        self.left.discard(expression)
+        return True
 
 
 class Owners:
@@ -25,7 +35,7 @@ class Owners:
     def __init__(self) -> None:
         self._expressions: dict[str, zenoh.KeyExpr] = {}
         self._cache: dict[str, tuple[str, ...]] = {}
-        self._round = _Round()
+        self._rounds: dict[int, _Round] = {}  # by thread: what Zenoh calls has no thread-local state in Python
 
     def add(self, expression: str) -> None:
         """Let `expression` own what no older one owns. Call it before declaring."""
@@ -45,14 +55,27 @@ class Owners:
 
         The owner of a round stays when it changes meanwhile, or both the old and the new one might hand it on, or none.
         """
-        current = self._round
-        if current.left and current.key == key and expression in current.left:
-            current.left -= {expression}
-            return current.owner == expression
+        thread = threading.get_ident()
+        current = self._rounds.get(thread)
+        if current is not None and current.goes_on(expression, key):
+            return current.among[0] == expression
         matching = self._matching(key)
         if len(matching) > 1:
-            current.key, current.owner, current.left = key, matching[0], frozenset(matching) - {expression}
+            self._rounds[thread] = _Round(key, matching, expression)
         return bool(matching) and matching[0] == expression
+
+    def first(self, expression: str, key: str) -> bool:
+        """Whether a call of `expression` is the first one for a query.
+
+        For queries the owner does not do: one that asks for complete queryables does not reach the others.
+        """
+        matching = self._matching(key)
+        thread = threading.get_ident()
+        current = self._rounds.get(thread)
+        if current is not None and current.among is matching and current.goes_on(expression, key):
+            return False
+        self._rounds[thread] = _Round(key, matching, expression)
+        return True
 
     def _matching(self, key: str) -> tuple[str, ...]:
         cache = self._cache

@@ -6,7 +6,6 @@ replies up. There is no message for a query that its asker gave up: it ends with
 routers.
 """
 
-import threading
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
@@ -53,14 +52,13 @@ class Queries:
         self._fence = fence
         self._owners = Owners()
         self._mirror = Mirror(self._declare, self._owners.discard)
-        self._pending = 0
-        self._lock = threading.Lock()
+        self._pending: dict[int, zenoh.Query] = {}
         self.crossed = 0
 
     @property
     def pending(self) -> int:
         """Queries under way."""
-        return self._pending
+        return len(self._pending)
 
     @property
     def expressions(self) -> tuple[str, ...]:
@@ -84,13 +82,12 @@ class Queries:
 
     def _receive(self, expression: str, query: zenoh.Query) -> None:
         # Of several queryables that a query reaches here one asks everybody on the far side.
-        if not self._owners.takes(expression, str(query.key_expr)):
+        if not self._owners.first(expression, str(query.key_expr)):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         asked = self._near.ledger.take(str(query.key_expr), str(query.parameters))
-        with self._lock:
-            self._pending += 1
-        if self._pending > MOST_PENDING or not self._lane.offer(partial(self._ask, query, asked, self._fence.mark())):
+        self._pending[id(query)] = query
+        if self.pending > MOST_PENDING or not self._lane.offer(partial(self._ask, query, asked, self._fence.mark())):
             query.reply_err("too many queries under way")
             self._end(query)
 
@@ -122,9 +119,9 @@ class Queries:
         self._lane.insist(partial(self._end, query))
 
     def _end(self, query: zenoh.Query) -> None:
-        with self._lock:
-            self._pending -= 1
-        query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
+        # A get that fails ends its query twice: by its error, and when Zenoh gives the handler up.
+        if self._pending.pop(id(query), None) is not None:
+            query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
 
 
 def _answer(query: zenoh.Query, reply: zenoh.Reply) -> None:

@@ -107,6 +107,7 @@ def test_too_much_is_dropped_and_local_apps_hear_everything(pair):
     """Ten times the limit: all of it is heard locally, part of it remotely, and every sample is accounted for."""
     publisher, local = pair[0].node(), Heard(pair[0].node(), "covered/**")
     remote = Heard(pair[1].node(), "covered/**")
+    wait_until(lambda: pair[0].status()["daemon"]["observed"] == ["covered/**"], what="somebody to want it")
     wait_until(lambda: publisher.put("covered/a", "first") or known(pair[0], "covered/a"), what="the receiver")
     wait_until(lambda: not pair[0].status()["counts"]["queued"], what="the first ones to be decided")
     before = pair[0].status()["counts"]["forwarded"]
@@ -191,8 +192,12 @@ def test_specs_are_swapped_while_running(pair, tmp_path):
     path.write_text(SPECS.replace("covered/**", "other/**"))
     pair[0].daemon.swap_specs(load_specs(path))
     wait_until(lambda: pair[0].status()["specs"] != before, what="the new generation")
-    pair[0].node().put("other/a", "x")
+    wanted = Heard(pair[1].node(), "other/a")
+    publisher = pair[0].node().declare_publisher("other/a")
+    wait_until(lambda: publisher.matching_status.matching, what="the receiver")
+    publisher.put("x")
     wait_until(lambda: [s["key"] for s in pair[0].status()["streams"]] == ["other/a"], what="the stream")
+    wait_until(lambda: wanted.samples, what="the sample")
 
 
 def test_a_daemon_stops_within_a_second_and_its_peers_notice(pair):
