@@ -65,9 +65,9 @@ class Ingress:
         """What we subscribe to on the app side for the mesh."""
         return self._mirror.declared
 
-    def update(self, wanted: Iterable[str]) -> None:
-        """Receive exactly what `wanted` matches, each sample once."""
-        self._mirror.update(self._cover.update(wanted))
+    def update(self, wanted: Iterable[str]) -> bool:
+        """Receive exactly what `wanted` matches, each sample once; return whether that is news."""
+        return self._mirror.update(self._cover.update(wanted))
 
     def close(self) -> None:
         """Receive nothing more."""

@@ -52,8 +52,7 @@ class Ledger:
             if found is None:  # what was told last has changed since
                 found = self._told[kind] = {}
                 for expression, complete in self._entries[kind].values():
-                    if crosses(expression):
-                        found[expression] = complete or found.get(expression, False)
+                    found[expression] = complete or found.get(expression, False)
             return found
 
     def take(self, expression: str, parameters: str) -> Asked | None:
@@ -93,9 +92,10 @@ class Ledger:
                 self._remember(message)
             case Declared() if inward:
                 expression = self._expression(message, inward=inward)
-                # Routers number nothing: there the key expression is the name.
-                self._entries[message.kind][message.number or expression] = (expression, message.complete)
-                self._change(message.kind)
+                if crosses(expression):
+                    # Routers number nothing: there the key expression is the name.
+                    self._entries[message.kind][message.number or expression] = (expression, message.complete)
+                    self._change(message.kind)
             case Undeclared() if inward:
                 by_name = message.by_expression
                 gone = self._expression(message, inward=inward) if by_name else message.number

@@ -8,40 +8,17 @@ itself it is not told. So the voice declares what mirrors the other side.
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 import zenoh
 
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.door import Door
 from proxy.bridge.ledger import Ledger
-from proxy.bridge.sessions import PRIVATE, merged, open_session, voice_options
+from proxy.bridge.sessions import open_session, voice_options
 from proxy.bridge.tap import Tap
 from proxy.bridge.widening import EVERYTHING
 from proxy.bridge.wire import Kind
-
-
-class Door:
-    """A private place where a main session listens for its voice."""
-
-    def __init__(self) -> None:
-        self._folder = TemporaryDirectory(prefix=PRIVATE)
-        self.main = Path(self._folder.name, "main")
-        self.tap = Path(self._folder.name, "tap")
-
-    def added_to(self, options: dict[str, Any]) -> dict[str, Any]:
-        """Return the options of a main session, which listens here too."""
-        here = {"endpoints": [*options["listen"]["endpoints"], f"unixsock-stream/{self.main}"]}
-        return merged(options, {"listen": here})
-
-    def hide(self) -> None:
-        """Move the socket from where the main session announces it: only its voice shall link here."""
-        self.main = self.main.rename(self.main.with_name("hidden"))
-
-    def close(self) -> None:
-        """Remove the place."""
-        self._folder.cleanup()
 
 
 class Voice:

@@ -73,6 +73,8 @@ class Watch:
         self._tokens_in = Mirror(_token(apps.session))
         self._own: dict[str, float] = {}
         self._seen: dict[str, Mapping[str, bool]] = {}
+        self._editions = (0, 0)
+        self._stirred = True
         self._stop = False
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
@@ -109,12 +111,26 @@ class Watch:
             except Exception:
                 # A look that fails must not be the last one.
                 self._seen.clear()
-                again = True
+                self._stirred = again = True
                 log.exception("cannot mirror what was declared")
 
     def _look(self) -> bool:
         """Mirror what has changed; return whether to look again although nothing changes."""
         self._fence.begin()
+        editions = self._apps.ledger.edition, self._others.ledger.edition
+        if editions != self._editions or self._unsettled():
+            self._mirror()
+            self._editions = editions
+        self._fence.end()
+        self._demand.update()
+        return self._unsettled()
+
+    def _unsettled(self) -> bool:
+        """Whether what we declare or took back ourselves is not told yet, or what others want has turned."""
+        ours = len(self._own) > len(self._tokens_out.declared)
+        return ours or self._stirred or any(witnesses.waiting for witnesses in self._witnesses)
+
+    def _mirror(self) -> None:
         now = clock.monotonic()
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.
         alive_in, alive_out = self._others.declared("token"), self._apps.declared("token")
@@ -126,14 +142,7 @@ class Watch:
             self._outward.update(answered_in)
         if self._news("tokens out", alive_out):
             self._tokens_out.update(alive_out)
-        theirs = self._of_others(alive_in, now)
-        if theirs != self._seen.get("tokens in"):
-            self._seen["tokens in"] = theirs
-            self._tokens_in.update(theirs)
-        self._fence.end()
-        self._demand.update()
-        ours = len(self._own) > len(self._tokens_out.declared)
-        return ours or any(witnesses.waiting for witnesses in self._witnesses)
+        self._tokens_in.update(self._of_others(alive_in, now))
 
     def _news(self, name: str, told: Mapping[str, bool]) -> bool:
         """Whether a ledger has told something else of `name` than at the last look."""
@@ -146,12 +155,17 @@ class Watch:
         wanted = by_apps.others(self._apps.declared("subscriber"), self._ingress.declared, now)
         if self._apps.ledger.broken:
             wanted |= dict.fromkeys(CROSSING, False)
-        if self._delivery.update(wanted):
+        asked = self._delivery.update(wanted)
+        if asked:
             self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
         wanted = by_mesh.others(self._others.declared("subscriber"), self._delivery.declared, now)
         if self._others.ledger.broken:
             wanted |= dict.fromkeys(INGRESS, False)
-        self._ingress.update(wanted)
+        taken = self._ingress.update(wanted)
+        # What we subscribe to ourselves from now on needs its witnesses: at once, for the ledgers may know it already.
+        self._stirred = asked or taken
+        if self._stirred:
+            self._wake.set()
 
     def _of_others(self, alive: Mapping[str, bool], now: float) -> dict[str, bool]:
         """Leave out our own tokens: a peer echoes a client's tokens to it, and for a moment after their end."""

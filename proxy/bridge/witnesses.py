@@ -8,6 +8,7 @@ then the same keys cross either way.
 """
 
 from collections.abc import Callable, Collection, Mapping
+from functools import partial
 
 import zenoh
 
@@ -28,12 +29,14 @@ class Witnesses:
         self._session = session
         self._changed = changed
         self._standing: dict[str, tuple[zenoh.Publisher, ...]] = {}
+        self._known: dict[str, bool] = {}
+        self._turned: set[str] = set()
         self._leaving: dict[str, float] = {}
 
     @property
     def waiting(self) -> bool:
-        """Whether `others` must be asked again although nothing is told."""
-        return bool(self._leaving)
+        """Whether `others` must be asked again although nothing else is told."""
+        return bool(self._leaving or self._turned)
 
     def others(self, told: Mapping[str, bool], own: Collection[str], now: float) -> dict[str, bool]:
         """Return what of `told` others subscribe to, `own` being what the main session does.
@@ -42,32 +45,42 @@ class Witnesses:
         """
         for expression in own:
             if expression not in self._standing:
-                self._standing[expression] = tuple(self._call(key) for key in examples(expression))
+                self._standing[expression] = tuple(self._call(key, expression) for key in examples(expression))
+                self._turned.add(expression)
             self._leaving.pop(expression, None)
         for expression in [name for name in self._standing if name not in own]:
             until = self._leaving.setdefault(expression, now + ECHO)
             if now >= until and expression not in told:
                 self._dismiss(expression)
-        return {name: False for name in told if name not in self._standing or self._testifies(name)}
+        self._hear()
+        return {name: False for name in told if self._known.get(name, True)}
 
     def close(self) -> None:
         """Let all witnesses go."""
         for expression in list(self._standing):
             self._dismiss(expression)
 
-    def _testifies(self, expression: str) -> bool:
-        return all(_matches(witness) for witness in self._standing[expression])
+    def _hear(self) -> None:
+        """Hear those that turned: each costs a look of Zenoh's at all subscribers there are."""
+        while self._turned:
+            expression = self._turned.pop()
+            if expression in self._standing:
+                self._known[expression] = all(_matches(witness) for witness in self._standing[expression])
 
-    def _call(self, key: str) -> zenoh.Publisher:
+    def _call(self, key: str, expression: str) -> zenoh.Publisher:
         witness = self._session.declare_publisher(key, allowed_destination=zenoh.Locality.REMOTE)
-        witness.declare_matching_listener(zenoh.handlers.Callback(self._turn, indirect=False))
+        handler = zenoh.handlers.Callback(partial(self._turn, expression), indirect=False)
+        witness.declare_matching_listener(handler)
         return witness
 
-    def _turn(self, _: zenoh.MatchingStatus) -> None:
+    def _turn(self, expression: str, _: zenoh.MatchingStatus) -> None:
+        # What it says is not kept: of two turns in quick succession the later may be told first.
+        self._turned.add(expression)
         self._changed()
 
     def _dismiss(self, expression: str) -> None:
         self._leaving.pop(expression, None)
+        self._known.pop(expression, None)
         witnesses: tuple[Declaration, ...] = self._standing.pop(expression)
         for witness in witnesses:
             witness.undeclare()

@@ -79,3 +79,14 @@ def test_the_number_of_declarations_is_bounded(monkeypatch, caplog):
     mirror.update(dict.fromkeys("abc", False))
     assert mirror.expressions == ("a", "b")
     assert "c is not mirrored" in caplog.text
+
+
+def test_what_is_new_stands_before_what_is_stale_goes():
+    """While one replaces the other both are there."""
+    made = Made()
+    seen = []
+    mirror = Mirror(made, lambda _: seen.append(sorted(made.now)))
+    mirror.update({"a/*": False})
+    mirror.update({"a/b": False})
+    assert seen == [[("a/*", False), ("a/b", False)]]
+    assert set(mirror.declared) == {"a/b"}

@@ -257,8 +257,13 @@ def test_any_verbatim_chunk_crosses(pair):
     served.undeclare()
 
 
-def test_late_joiners_miss_nothing_and_hear_nothing_twice(pair):
-    """History and live samples of a fast publisher join without a gap, for one late joiner after the other."""
+@pytest.mark.parametrize("local", [False, True], ids=["wanted there only", "wanted here too"])
+def test_late_joiners_miss_nothing_and_hear_nothing_twice(pair, local):
+    """History and live samples of a fast publisher join without a gap, for one late joiner after the other.
+
+    Also when an app beside the publisher subscribes to the same.
+    """
+    here = [Heard(pair[1].node(), "fast/a")] if local else []
     publisher = zenoh.ext.declare_advanced_publisher(
         pair[1].node(stamps=True),
         "fast/a",
@@ -286,6 +291,7 @@ def test_late_joiners_miss_nothing_and_hear_nothing_twice(pair):
     for subscriber, _ in joined:
         subscriber.undeclare()
     publisher.undeclare()
+    del here
 
 
 def join(app, key):
