@@ -50,5 +50,9 @@ def zid_of(token: str) -> str:
 
 
 def crosses(expression: str) -> bool:
-    """Whether declarations on `expression` are mirrored: all but ours and those of Zenoh's admin space."""
+    """Whether declarations on `expression` are mirrored: all but ours and those of Zenoh's admin space.
+
+    Through connected routers an app can ask another robot's router for its admin space. Here it does not cross: a
+    router that answers while something is declared to it blocks for ever, and no robot should do that to another.
+    """
     return not {PREFIX, "@"}.intersection(expression.split("/")) and expression not in INGRESS

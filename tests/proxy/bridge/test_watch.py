@@ -9,7 +9,7 @@ import zenoh.ext
 
 from proxy.bridge.keys import INGRESS
 from proxy.core.events import InterestChanged, MatchingChanged
-from tests.proxy.bridge.robots import fence, wait_interest
+from tests.proxy.bridge.robots import fence, observes, wait_interest
 from tests.proxy.bridge.test_wire import frame
 from tests.proxy.nodes import Heard, answers
 from tests.waiting import wait_until
@@ -315,3 +315,30 @@ def test_tokens_of_a_robot_that_vanishes_vanish(pair):
     wait_until(lambda: len(told) == 2, what="its end")
     assert not list(app.liveliness().get("alive/*", timeout=5.0))
     del token
+
+
+def test_wishes_that_come_and_go_cost_a_standing_one_nothing(pair):
+    """While wider and overlapping subscriptions come and go, the one that stays hears everything once, in order."""
+    publisher = pair[0].node().declare_publisher("flow/a", congestion_control=zenoh.CongestionControl.BLOCK)
+    stays, app = Heard(pair[1].node(), "flow/a"), pair[1].node()
+    wait_interest(pair[1], pair[0], keys=("flow/a",))
+    wait_until(lambda: publisher.matching_status.matching, what="the subscriber")
+    stop = threading.Event()
+    sent = itertools.count()
+
+    def publish():
+        while not stop.wait(0.0002):
+            publisher.put(str(next(sent)))
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    for expression in ("flow/*", "**", "*/a", "flow/**") * 3:
+        passing = Heard(app, expression)
+        wait_until(lambda e=expression: observes(pair[0], e), what="the wish")
+        passing.subscriber.undeclare()
+        wait_until(lambda: pair[0].bridge.describe()["observed"] == ["flow/a"], what="its end")
+    stop.set()
+    thread.join()
+    total = next(sent)
+    wait_until(lambda: len(stays.samples) >= total, what="all samples")
+    assert stays.payloads == [str(i) for i in range(total)]
