@@ -6,7 +6,7 @@ from functools import partial
 import zenoh
 
 from proxy import clock
-from proxy.bridge.mirror import Mirror
+from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.owners import Owners
 from proxy.bridge.sample import origin_of, publish, wall_of
 from proxy.core.events import Event, SampleHeard
@@ -30,7 +30,7 @@ class Delivery:
         self._covered = covered
         self._post = post
         self._owners = Owners()
-        self._mirror = Mirror(self._subscribe, self._owners.discard)
+        self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
         self.delivered = 0
 
     @property
@@ -42,6 +42,11 @@ class Delivery:
     def declared(self) -> Collection[str]:
         """The same, as it is."""
         return self._mirror.declared
+
+    @property
+    def leaving(self) -> bool:
+        """Whether something waits to be taken back: `update` has to be called again."""
+        return self._mirror.leaving
 
     def update(self, wanted: Mapping[str, bool]) -> bool:
         """Subscribe to exactly `wanted`, as the apps do now; return whether that is news."""

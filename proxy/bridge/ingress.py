@@ -12,7 +12,7 @@ from proxy.bridge.cover import Cover
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
-from proxy.bridge.mirror import Mirror
+from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.owners import Owners
 from proxy.bridge.passed import MODE, NO_SPEC, OVERFLOW, Passed
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
@@ -58,12 +58,17 @@ class Ingress:
         self._held: dict[int, Held] = {}
         self._cover = Cover()
         self._owners = Owners()
-        self._mirror = Mirror(self._subscribe, self._owners.discard)
+        self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
 
     @property
     def declared(self) -> Collection[str]:
         """What we subscribe to on the app side for the mesh."""
         return self._mirror.declared
+
+    @property
+    def leaving(self) -> bool:
+        """Whether something waits to be taken back: `update` has to be called again."""
+        return self._mirror.leaving
 
     def update(self, wanted: Iterable[str]) -> bool:
         """Receive exactly what `wanted` matches, each sample once; return whether that is news."""

@@ -126,9 +126,10 @@ class Watch:
         return self._unsettled()
 
     def _unsettled(self) -> bool:
-        """Whether what we declare or took back ourselves is not told yet, or what others want has turned."""
+        """Whether what we declare or took back ourselves is not told yet, or waits, or what others want has turned."""
         ours = len(self._own) > len(self._tokens_out.declared)
-        return ours or self._stirred or any(witnesses.waiting for witnesses in self._witnesses)
+        waiting = (part.waiting for part in self._witnesses)
+        return ours or self._stirred or self._ingress.leaving or self._delivery.leaving or any(waiting)
 
     def _mirror(self) -> None:
         now = clock.monotonic()
