@@ -76,11 +76,17 @@ class Ledger:
                 for message in self._batches[inward].feed(data):
                     self._enter(message, inward=inward)
         except (WireError, UnicodeDecodeError, KeyError) as error:
-            self.broken = True
-            self.edition += 1
-            log.error("cannot follow Zenoh's declarations, everything is bridged from now on: %r", error)
+            self.give_up(repr(error))
+            return
         if self.edition != before:
             self._changed()
+
+    def give_up(self, reason: str) -> None:
+        """Say that the link cannot be followed, and read no more."""
+        self.broken = True
+        self.edition += 1
+        log.error("cannot follow Zenoh's declarations, everything is bridged from now on: %s", reason)
+        self._changed()
 
     def _enter(self, message: Message, *, inward: bool) -> None:
         match message:

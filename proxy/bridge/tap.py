@@ -22,6 +22,8 @@ class Tap:
         self._far = far
         self._ledger = ledger
         self._interests = interests
+        self.widened = threading.Event()
+        """All of a link's interests have been."""
         self._listener = socket.socket(socket.AF_UNIX)
         self._listener.bind(str(near))
         self._listener.listen()
@@ -56,7 +58,15 @@ class Tap:
         outward.join()
 
     def _pass_outward(self, near: socket.socket, far: socket.socket) -> None:
-        self._pass_on(near, far, Widening(self._interests).feed, inward=False)
+        widening = Widening(self._interests)
+
+        def alter(data: bytes) -> bytes:
+            data = widening.feed(data)
+            if widening.done:
+                self.widened.set()
+            return data
+
+        self._pass_on(near, far, alter, inward=False)
 
     def _pass_on(
         self, source: socket.socket, target: socket.socket, alter: Callable[[bytes], bytes], *, inward: bool

@@ -20,6 +20,9 @@ from proxy.bridge.tap import Tap
 from proxy.bridge.widening import EVERYTHING
 from proxy.bridge.wire import Kind
 
+_PATIENCE = 2.0
+"""How long the interests of a voice may take to its main session [s]; they take a few milliseconds."""
+
 
 class Voice:
     """The voice of the main session that listens at `door`.
@@ -46,6 +49,8 @@ class Voice:
         self.session = open_session(options, "voice")
         self._closing.callback(self.session.close)
         self._interests: list[Declaration] = [declare(EVERYTHING) for declare in told]
+        if told and not tap.widened.wait(_PATIENCE):
+            self.ledger.give_up("the voice's interests are written in another way")
 
     def declared(self, kind: Kind) -> Mapping[str, bool]:
         """Return what others declared to the main session, and subscribers of its own; for queryables whether complete.

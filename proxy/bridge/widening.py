@@ -27,6 +27,11 @@ class Widening:
         self._number: int | None = None
         self._buffer = bytearray()
 
+    @property
+    def done(self) -> bool:
+        """Whether all of them have passed."""
+        return not self._left
+
     def feed(self, data: bytes) -> bytes:
         """Return what is to be passed on now that `data` came."""
         if not self._left and not self._buffer:
