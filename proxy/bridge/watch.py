@@ -99,7 +99,7 @@ class Watch:
             self._post(event)
 
     def _run(self) -> None:
-        again = False
+        again = failing = False
         while not self._stop:
             woken = self._wake.wait(INTERVAL)
             self._wake.clear()
@@ -108,11 +108,14 @@ class Watch:
                 self._links.check(clock.monotonic())
                 if woken or again:
                     again = self._look()
+                failing = False
             except Exception:
                 # A look that fails must not be the last one.
                 self._seen.clear()
                 self._stirred = again = True
-                log.exception("cannot mirror what was declared")
+                if not failing:
+                    log.exception("cannot mirror what was declared")
+                failing = True
 
     def _look(self) -> bool:
         """Mirror what has changed; return whether to look again although nothing changes."""

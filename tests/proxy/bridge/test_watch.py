@@ -342,3 +342,19 @@ def test_wishes_that_come_and_go_cost_a_standing_one_nothing(pair):
     total = next(sent)
     wait_until(lambda: len(stays.samples) >= total, what="all samples")
     assert stays.payloads == [str(i) for i in range(total)]
+
+
+def test_a_look_that_fails_is_said_once_and_not_the_last(pair, caplog):
+    """With a mesh session that is closed nothing can be declared there; the watch goes on, and says so only once."""
+    wanted = Heard(pair[1].node(), "**")
+    wait_interest(pair[1], pair[0], keys=("**",))
+    app = pair[0].node()
+    pair[0].mesh.close()
+    app.put("free/a", "x")
+    wait_until(lambda: "cannot mirror" in caplog.text, what="the failure")
+    app.put("free/b", "x")
+    token = app.liveliness().declare_token("alive/still")
+    wait_until(lambda: "alive/still" in pair[0].bridge._watch._apps.declared("token"), what="the token")
+    wait_until(lambda: "alive/still" in pair[0].bridge._watch._tokens_out.declared, what="another look")
+    assert caplog.text.count("cannot mirror what was declared") == 1
+    del wanted, token
