@@ -12,6 +12,7 @@ from proxy.bridge.air import Air, Broadcast
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
+from proxy.bridge.fence import Fence
 from proxy.bridge.ingress import Ingress, Submit
 from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
@@ -75,13 +76,15 @@ class Bridge:
         if isinstance(air, Broadcast):
             air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))
-        # What a voice asks reaches all but itself, so a query never comes back to who mirrors it.
-        self._outward = Queries(apps.session, others.session, self.lanes[0], rules.into)
-        self._inward = Queries(others.session, apps.session, self.lanes[1], rules.out)
+        fence = Fence(wake.set)
+        self._outward = Queries(apps, others.session, self.lanes[0], fence, rules.into)
+        self._inward = Queries(others, apps.session, self.lanes[1], fence, rules.out)
         self._links = Links(mesh, connect, clock.monotonic())
         self._watch = Watch(
             apps=apps,
             others=others,
+            main=(app, mesh),
+            ingress=self._ingress,
             delivery=self._delivery,
             demand=self.demand,
             outward=self._outward,
@@ -92,18 +95,18 @@ class Bridge:
             passed=passed,
             post=post,
             wake=wake,
+            fence=fence,
         )
 
     def open(self) -> None:
         """Let things cross."""
         self._egress.start()
-        self._ingress.open()
         self._watch.start()
 
     def close(self) -> None:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
-        self._ingress.close()
         self._watch.close(_PATIENCE)
+        self._ingress.close()
         for part in (self._delivery, self._outward, self._inward, self.demand):
             part.close()
         for thread in (self._egress, *self.lanes):
@@ -144,6 +147,7 @@ class Bridge:
             "egress": self._egress.waiting,
             "delivered": self._delivery.delivered,
             "subscriptions": list(self._delivery.expressions),
+            "observed": sorted(self._ingress.declared),
             "wanted": self.demand.wanted,
             "queries": {"outward": self._outward.crossed, "inward": self._inward.crossed},
             "queryables": {

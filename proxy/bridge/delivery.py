@@ -1,12 +1,12 @@
 """Hands what arrives from the mesh to the apps: at once, in full, each sample once."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 import zenoh
 
 from proxy import clock
-from proxy.bridge.mirror import Mirror
+from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.owners import Owners
 from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import heartbeat, origin_of, publish, wall_of
@@ -36,13 +36,23 @@ class Delivery:
         self._rules = rules
         self._post = post
         self._owners = Owners()
-        self._mirror = Mirror(self._subscribe, self._owners.discard)
+        self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
         self.delivered = 0
 
     @property
     def expressions(self) -> tuple[str, ...]:
         """What we subscribe to on the mesh for the apps."""
         return self._mirror.expressions
+
+    @property
+    def declared(self) -> Collection[str]:
+        """The same, as it is."""
+        return self._mirror.declared
+
+    @property
+    def leaving(self) -> bool:
+        """Whether something waits to be taken back: `update` has to be called again."""
+        return self._mirror.leaving
 
     def update(self, wanted: Mapping[str, bool]) -> bool:
         """Subscribe to exactly `wanted`, as the apps do now; return whether that is news."""
@@ -66,7 +76,7 @@ class Delivery:
 
     def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
-        if self._owners.owner(key) == expression:
+        if self._owners.takes(expression, key):
             self._hand(key, sample)
 
     def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None) -> None:

@@ -3,16 +3,19 @@
 import itertools
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
+from functools import partial
 from typing import Protocol
 
 import zenoh
 
 from proxy import clock
+from proxy.bridge.cover import Cover
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
-from proxy.bridge.keys import INGRESS
+from proxy.bridge.mirror import GRACE, Mirror
+from proxy.bridge.owners import Owners
 from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC, OVERFLOW, Passed
 from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import Held, generated, heartbeat, origin_of, priority_of
@@ -38,7 +41,7 @@ class Submit(Protocol):
 
 
 class Ingress:
-    """Subscribes to everything on the app side and sorts it: the core gets what is covered, the rest passes.
+    """Subscribes on the app side to what the mesh wants and sorts it: the core gets what is covered, the rest passes.
 
     Covered samples are held until `release`. `submit` gets them for the core, with the type that covers them.
     """
@@ -69,20 +72,27 @@ class Ingress:
         self._held: dict[int, Held] = {}
         self._bytes = 0
         self._lock = threading.Lock()
-        self._subscribers: list[Declaration] = []
+        self._cover = Cover()
+        self._owners = Owners()
+        self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
 
-    def open(self) -> None:
-        """Start receiving."""
-        handler = zenoh.handlers.Callback(self._receive, indirect=False)
-        self._subscribers = [
-            self._app.declare_subscriber(key, handler, allowed_origin=zenoh.Locality.REMOTE) for key in INGRESS
-        ]
+    @property
+    def declared(self) -> Collection[str]:
+        """What we subscribe to on the app side for the mesh."""
+        return self._mirror.declared
+
+    @property
+    def leaving(self) -> bool:
+        """Whether something waits to be taken back: `update` has to be called again."""
+        return self._mirror.leaving
+
+    def update(self, wanted: Iterable[str]) -> bool:
+        """Receive exactly what `wanted` matches, each sample once; return whether that is news."""
+        return self._mirror.update(self._cover.update(wanted))
 
     def close(self) -> None:
         """Receive nothing more."""
-        for subscriber in self._subscribers:
-            subscriber.undeclare()
-        self._subscribers = []
+        self._mirror.close()
 
     def release(self, number: int) -> Held | None:
         """Give out a held sample; None when it is not held (any more)."""
@@ -96,9 +106,16 @@ class Ingress:
         """Samples that wait for the core's answer."""
         return len(self._held)
 
-    def _receive(self, sample: zenoh.Sample) -> None:
+    def _subscribe(self, expression: str, _complete: bool) -> Declaration:  # noqa: FBT001 - as Mirror calls it
+        self._owners.add(expression)
+        handler = zenoh.handlers.Callback(partial(self._receive, expression), indirect=False)
+        return self._app.declare_subscriber(expression, handler, allowed_origin=zenoh.Locality.REMOTE)
+
+    def _receive(self, expression: str, sample: zenoh.Sample) -> None:
         now = clock.monotonic()
         key = str(sample.key_expr)
+        if not self._owners.takes(expression, key):
+            return
         verdict = self._rules.outward(key)
         if verdict is Verdict.DENIED:
             self._rules.out.count("samples")

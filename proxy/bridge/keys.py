@@ -3,11 +3,11 @@
 PREFIX = "@sendworthy"
 
 CROSSING = ("**", "**/@adv/**", "@ros2_lv/**")
-"""What crosses between apps and mesh: keys without verbatim chunks, which `**` matches, and those of advanced pub/sub
-and of ROS 2."""
+"""What crosses when it cannot be followed who subscribes to what: keys without verbatim chunks, which `**` matches, and
+those of advanced pub/sub and of ROS 2."""
 
 INGRESS = ("*/**", "**/@adv/*/**", "@ros2_lv/*/**")
-"""The same, in words that no app uses: so our own subscriptions are told from an app's `**`."""
+"""The same on the app side, in words that no app uses: so our own subscriptions are told from an app's `**`."""
 
 ALL_DIGESTS = f"{PREFIX}/*/digest"
 ALL_STATES = f"{PREFIX}/*/state"
@@ -50,5 +50,9 @@ def zid_of(token: str) -> str:
 
 
 def crosses(expression: str) -> bool:
-    """Whether declarations on `expression` are mirrored: all but ours and those of Zenoh's admin space."""
-    return not expression.startswith(("@/", f"{PREFIX}/")) and expression not in INGRESS
+    """Whether declarations on `expression` are mirrored: all but ours and those of Zenoh's admin space.
+
+    Through connected routers an app can ask another robot's router for its admin space. Here it does not cross: a
+    router that answers while something is declared to it blocks for ever, and no robot should do that to another.
+    """
+    return not {PREFIX, "@"}.intersection(expression.split("/")) and expression not in INGRESS

@@ -1,77 +1,124 @@
-"""Who declares what on the far side of a tapped link, kept from the bytes that pass."""
+"""Who declares what on the far side of a tapped link, and how it asks, kept from the bytes that pass."""
 
 import logging
 import threading
-from collections.abc import Callable
+from collections import OrderedDict, deque
+from collections.abc import Callable, Mapping
 
+from proxy.bridge.cursor import WireError
 from proxy.bridge.keys import crosses
-from proxy.bridge.wire import Batches, Declared, KeyNumber, Kind, Undeclared, WireError
+from proxy.bridge.wire import Asked, Batches, Declared, Interest, KeyNumber, Kind, Message, Undeclared
 
 log = logging.getLogger(__name__)
+
+MOST_ASKED = 1024
+"""Queries whose asking is remembered until somebody takes it; of more, the oldest are forgotten."""
 
 
 class Ledger:
     """What the main session declares to the voice, that is: what all others declared to the main session.
 
     `changed` is called after each change. When the protocol is not understood the ledger stays as it is: `broken`.
+    `edition` grows with every change of what is declared.
     """
 
     def __init__(self, changed: Callable[[], None]) -> None:
         self.broken = False
+        self.edition = 0
         self._changed = changed
         self._lock = threading.Lock()
-        self._entries: dict[tuple[Kind, int | str], tuple[str, bool]] = {}
+        self._entries: dict[Kind, dict[int | str, tuple[str, bool]]] = {}
+        self._told: dict[Kind, dict[str, bool]] = {}
+        self._asked: OrderedDict[tuple[str, str], deque[Asked]] = OrderedDict()
         self.reset()
 
     def reset(self) -> None:
         """Begin anew, with a new link."""
         with self._lock:
-            self._entries.clear()
+            self._entries = {"subscriber": {}, "queryable": {}, "token": {}}
+            self._told.clear()
+            self._asked.clear()
+            self.edition += 1
             self._batches = (Batches(), Batches())
             self._numbers: tuple[dict[int, str], dict[int, str]] = ({}, {})
 
-    def declared(self, kind: Kind) -> dict[str, bool]:
-        """Return the key expressions that cross; for queryables whether a complete one is among them."""
-        found: dict[str, bool] = {}
+    def declared(self, kind: Kind) -> Mapping[str, bool]:
+        """Return the key expressions that cross; for queryables whether a complete one is among them.
+
+        The same mapping until something changes.
+        """
         with self._lock:
-            for (entry, _), (expression, complete) in self._entries.items():
-                if entry == kind and crosses(expression):
+            found = self._told.get(kind)
+            if found is None:  # what was told last has changed since
+                found = self._told[kind] = {}
+                for expression, complete in self._entries[kind].values():
                     found[expression] = complete or found.get(expression, False)
-        return found
+            return found
+
+    def take(self, expression: str, parameters: str) -> Asked | None:
+        """Return how the oldest query that is not taken yet was asked; None when it is not known."""
+        with self._lock:
+            waiting = self._asked.get((expression, parameters))
+            if waiting is None:
+                return None
+            asked = waiting.popleft()
+            if not waiting:
+                del self._asked[expression, parameters]
+            return asked
 
     def read(self, data: bytes, *, inward: bool) -> None:
         """Take in what went from the main session to the voice (`inward`) or the other way."""
         if self.broken:
             return
-        news = False
+        before = self.edition
         try:
             with self._lock:
-                for declaration in self._batches[inward].feed(data):
-                    news |= self._enter(declaration, inward=inward)
+                for message in self._batches[inward].feed(data):
+                    self._enter(message, inward=inward)
         except (WireError, UnicodeDecodeError, KeyError) as error:
-            self.broken = True
-            news = True
-            log.error("cannot follow Zenoh's declarations, everything is bridged from now on: %r", error)
-        if news:
+            self.give_up(repr(error))
+            return
+        if self.edition != before:
             self._changed()
 
-    def _enter(self, declaration: KeyNumber | Declared | Undeclared, *, inward: bool) -> bool:
-        if isinstance(declaration, KeyNumber):
-            self._numbers[inward][declaration.number] = self._expression(declaration, inward=inward)
-            return False
-        if not inward:
-            return False
-        if isinstance(declaration, Declared):
-            expression = self._expression(declaration, inward=inward)
-            # Routers number nothing: there the key expression is the name.
-            name = declaration.number or expression
-            self._entries[declaration.kind, name] = (expression, declaration.complete)
-            return True
-        by_name = declaration.by_expression
-        gone = self._expression(declaration, inward=inward) if by_name else declaration.number
-        return self._entries.pop((declaration.kind, gone), None) is not None
+    def give_up(self, reason: str) -> None:
+        """Say that the link cannot be followed, and read no more."""
+        self.broken = True
+        self.edition += 1
+        log.error("cannot follow Zenoh's declarations, everything is bridged from now on: %s", reason)
+        self._changed()
 
-    def _expression(self, told: KeyNumber | Declared | Undeclared, *, inward: bool) -> str:
+    def _enter(self, message: Message, *, inward: bool) -> None:
+        match message:
+            case KeyNumber():
+                self._numbers[inward][message.number] = self._expression(message, inward=inward)
+            case Interest():
+                pass
+            case Asked() if inward:
+                self._remember(message)
+            case Declared() if inward:
+                expression = self._expression(message, inward=inward)
+                if crosses(expression):
+                    # Routers number nothing: there the key expression is the name.
+                    self._entries[message.kind][message.number or expression] = (expression, message.complete)
+                    self._change(message.kind)
+            case Undeclared() if inward:
+                by_name = message.by_expression
+                gone = self._expression(message, inward=inward) if by_name else message.number
+                if self._entries[message.kind].pop(gone, None) is not None:
+                    self._change(message.kind)
+
+    def _change(self, kind: Kind) -> None:
+        self._told.pop(kind, None)
+        self.edition += 1
+
+    def _remember(self, asked: Asked) -> None:
+        name = self._expression(asked, inward=True), asked.parameters
+        self._asked.setdefault(name, deque(maxlen=MOST_ASKED)).append(asked)
+        while len(self._asked) > MOST_ASKED:
+            self._asked.popitem(last=False)
+
+    def _expression(self, told: KeyNumber | Declared | Undeclared | Asked, *, inward: bool) -> str:
         if not told.scope:
             return told.suffix
         return self._numbers[inward == told.senders][told.scope] + told.suffix

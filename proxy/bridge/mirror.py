@@ -1,14 +1,17 @@
 """Keeps on one session exactly the declarations that exist on the other."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 import zenoh
 
+from proxy import clock
 from proxy.bridge.declaration import Declaration
 
 log = logging.getLogger(__name__)
 
+GRACE = 0.1
+"""Longer than a callback of Zenoh's waits before it runs [s]; for `grace`."""
 MOST = 16384
 """Declarations of one kind in one direction; more are refused and said."""
 
@@ -16,39 +19,67 @@ MOST = 16384
 class Mirror:
     """One declaration per key expression, made by `declare` and taken back when no longer wanted.
 
-    `declare` gets the key expression and whether it is complete, which matters for queryables only.
+    `declare` gets the key expression and whether it is complete, which matters for queryables only. What is declared
+    anew has `grace` [s] before what it may replace goes: samples under way by then do not know it yet.
     """
 
     def __init__(
         self,
         declare: Callable[[str, bool], Declaration],
         before_undeclare: Callable[[str], None] = lambda _: None,
+        grace: float = 0.0,
     ) -> None:
         self._declare = declare
         self._before_undeclare = before_undeclare
         self._declared: dict[str, tuple[Declaration, bool]] = {}
         self._refused: set[str] = set()
+        self._grace = grace
+        self._settled_at = 0.0
+        self._leaving: dict[str, float] = {}
+
+    @property
+    def declared(self) -> Collection[str]:
+        """What is declared now."""
+        return self._declared.keys()
 
     @property
     def expressions(self) -> tuple[str, ...]:
         """What is declared now, sorted."""
         return tuple(sorted(self._declared))
 
+    @property
+    def leaving(self) -> bool:
+        """Whether something waits to be taken back: `update` has to be called again."""
+        return bool(self._leaving)
+
     def update(self, wanted: Mapping[str, bool]) -> bool:
         """Declare and undeclare until exactly `wanted` is declared; return whether anything changed."""
-        stale = [key for key, (_, complete) in self._declared.items() if wanted.get(key) is not complete]
-        for expression in stale:
-            self._before_undeclare(expression)
-            self._declared.pop(expression)[0].undeclare()
+        altered = {
+            key for key, (_, complete) in self._declared.items() if key in wanted and wanted[key] is not complete
+        }
+        self._take_back(altered)
         new = sorted(wanted.keys() - self._declared.keys() - self._refused)
         for expression in new:
             self._add(expression, wanted[expression])
+        now = clock.monotonic()
+        if new:
+            self._settled_at = now + self._grace
+        stale = self._declared.keys() - wanted.keys()
+        self._leaving = {name: self._leaving.get(name, self._settled_at) for name in stale}
+        gone = [name for name, due in self._leaving.items() if due <= now]
+        self._take_back(gone)
         self._refused &= wanted.keys()
-        return bool(stale or new)
+        return bool(gone or new)
 
     def close(self) -> None:
         """Undeclare everything."""
-        self.update({})
+        self._take_back(list(self._declared))
+
+    def _take_back(self, expressions: Collection[str]) -> None:
+        for expression in expressions:
+            self._leaving.pop(expression, None)
+            self._before_undeclare(expression)
+            self._declared.pop(expression)[0].undeclare()
 
     def _add(self, expression: str, complete: bool) -> None:  # noqa: FBT001 - the value of a mapping
         if len(self._declared) >= MOST:

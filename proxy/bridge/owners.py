@@ -4,9 +4,29 @@ Zenoh calls every matching subscriber and queryable of a session, so one sample 
 both `a/*` and `a/b` are declared. Exactly one of them, the owner, hands it on.
 """
 
+import threading
+
 import zenoh
 
 _CACHED = 8192
+
+
+class _Round:
+    """The calls for one sample or query, which Zenoh makes one after the other on one thread."""
+
+    __slots__ = ("among", "key", "left")
+
+    def __init__(self, key: str, among: tuple[str, ...], called: str) -> None:
+        self.key = key
+        self.among = among
+        self.left = {name for name in among if name != called}
+
+    def goes_on(self, expression: str, key: str) -> bool:
+        """Whether a call belongs to this round; it does so only once."""
+        if self.key != key or expression not in self.left:
+            return False
+        self.left.discard(expression)
+        return True
 
 
 class Owners:
@@ -14,7 +34,8 @@ class Owners:
 
     def __init__(self) -> None:
         self._expressions: dict[str, zenoh.KeyExpr] = {}
-        self._cache: dict[str, str | None] = {}
+        self._cache: dict[str, tuple[str, ...]] = {}
+        self._rounds: dict[int, _Round] = {}  # by thread: what Zenoh calls has no thread-local state in Python
 
     def add(self, expression: str) -> None:
         """Let `expression` own what no older one owns. Call it before declaring."""
@@ -26,12 +47,44 @@ class Owners:
 
     def owner(self, key: str) -> str | None:
         """Return the expression that owns `key` (a key or, for a query, a key expression)."""
+        matching = self._matching(key)
+        return matching[0] if matching else None
+
+    def takes(self, expression: str, key: str) -> bool:
+        """Whether `expression` is the one to hand on what it was just called with: exactly one of all called is.
+
+        The owner of a round stays when it changes meanwhile, or both the old and the new one might hand it on, or none.
+        """
+        thread = threading.get_ident()
+        current = self._rounds.get(thread)
+        if current is not None and current.goes_on(expression, key):
+            return current.among[0] == expression
+        matching = self._matching(key)
+        if len(matching) > 1:
+            self._rounds[thread] = _Round(key, matching, expression)
+        return bool(matching) and matching[0] == expression
+
+    def first(self, expression: str, key: str) -> bool:
+        """Whether a call of `expression` is the first one for a query.
+
+        For queries the owner does not do: one that asks for complete queryables does not reach the others.
+        """
+        matching = self._matching(key)
+        thread = threading.get_ident()
+        current = self._rounds.get(thread)
+        if current is not None and current.among is matching and current.goes_on(expression, key):
+            return False
+        self._rounds[thread] = _Round(key, matching, expression)
+        return True
+
+    def _matching(self, key: str) -> tuple[str, ...]:
         cache = self._cache
-        if key not in cache:
+        found = cache.get(key)
+        if found is None:
             if len(cache) >= _CACHED:
                 cache.clear()
-            cache[key] = next((name for name, own in self._expressions.items() if own.intersects(key)), None)
-        return cache.get(key)
+            found = cache[key] = tuple(name for name, own in self._expressions.items() if own.intersects(key))
+        return found
 
     def _replace(self, expressions: dict[str, zenoh.KeyExpr]) -> None:
         # A new cache: callbacks that still fill the old one cannot spoil it.

@@ -1,38 +1,67 @@
-"""Takes queries across: queryables of one side are declared on the other, and answered by asking them."""
+"""Takes queries across: queryables of one side are declared on the other, and answered by asking them.
 
-import threading
+A query is asked on as it was asked: Zenoh's interface does not tell how, but the ledger of the near side has read it.
+Only consolidation is left to the asker, who consolidates what comes back in any case: doing it twice would only hold
+replies up. There is no message for a query that its asker gave up: it ends with its answers or its timeout, as between
+routers.
+"""
+
 from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import zenoh
 
+from proxy.bridge.fence import Fence
 from proxy.bridge.lane import Lane
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.owners import Owners
 from proxy.bridge.rules import Way
+from proxy.bridge.voice import Voice
+from proxy.bridge.wire import Asked
 
 MOST_PENDING = 1024
 """Queries under way in one direction; more are answered with an error."""
 TIMEOUT = 60.0
-"""The asker's own timeout is not ours to see; it ends a query sooner, a dead answerer does too [s]."""
+"""For a query of which is not known how it was asked [s]."""
+
+_TARGETS = (zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL, zenoh.QueryTarget.ALL_COMPLETE)
+_PRIORITIES = (
+    zenoh.Priority.DATA,  # 0 is Zenoh's own, for what controls links
+    zenoh.Priority.REAL_TIME,
+    zenoh.Priority.INTERACTIVE_HIGH,
+    zenoh.Priority.INTERACTIVE_LOW,
+    zenoh.Priority.DATA_HIGH,
+    zenoh.Priority.DATA,
+    zenoh.Priority.DATA_LOW,
+    zenoh.Priority.BACKGROUND,
+)
+_WAITS, _EXPRESS = 0x08, 0x10
 
 
 class Queries:
     """One direction: queries that nodes of `near` ask for what nodes of `far` answer.
 
-    `way` is the one that the answers go: a query for what it denies is not answered, as if nobody did.
+    What the voice `far` asks reaches all but itself, so a query never comes back to who mirrors it. A query is not
+    asked on before `fence` says that what was declared before it is mirrored. `way` is the one that the answers go: a
+    query for what it denies is not answered, as if nobody did.
     """
 
-    def __init__(self, near: zenoh.Session, far: zenoh.Session, lane: Lane, way: Way) -> None:
+    def __init__(self, near: Voice, far: zenoh.Session, lane: Lane, fence: Fence, way: Way) -> None:
         self._near = near
         self._far = far
         self._lane = lane
+        self._fence = fence
         self._way = way
         self._owners = Owners()
         self._mirror = Mirror(self._declare, self._owners.discard)
-        self._pending = 0
-        self._lock = threading.Lock()
+        self._pending: dict[int, zenoh.Query] = {}
         self.crossed = 0
+
+    @property
+    def pending(self) -> int:
+        """Queries under way."""
+        return len(self._pending)
 
     @property
     def expressions(self) -> tuple[str, ...]:
@@ -50,33 +79,36 @@ class Queries:
     def _declare(self, expression: str, complete: bool) -> zenoh.Queryable[None]:  # noqa: FBT001 - as Mirror calls it
         self._owners.add(expression)
         handler = zenoh.handlers.Callback(partial(self._receive, expression), indirect=False)
-        return self._near.declare_queryable(
+        return self._near.session.declare_queryable(
             expression, handler, complete=complete, allowed_origin=zenoh.Locality.REMOTE
         )
 
     def _receive(self, expression: str, query: zenoh.Query) -> None:
         # Of several queryables that a query reaches here one asks everybody on the far side.
-        asked = str(query.key_expr)
-        if self._owners.owner(asked) != expression or not self._way.admits("queries", asked):
+        key = str(query.key_expr)
+        if not self._owners.first(expression, key):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
-        with self._lock:
-            self._pending += 1
-        if self._pending > MOST_PENDING or not self._lane.offer(partial(self._ask, query)):
+        asked = self._near.ledger.take(key, str(query.parameters))
+        if not self._way.admits("queries", key):
+            query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
+            return
+        self._pending[id(query)] = query
+        if self.pending > MOST_PENDING or not self._lane.offer(partial(self._ask, query, asked, self._fence.mark())):
             query.reply_err("too many queries under way")
             self._end(query)
 
-    def _ask(self, query: zenoh.Query) -> None:
+    def _ask(self, query: zenoh.Query, asked: Asked | None, mark: int) -> None:
+        self._fence.wait(mark)
         self.crossed += 1
         handler = zenoh.handlers.Callback(partial(self._reply, query), partial(self._finish, query), indirect=False)
         try:
             self._far.get(
                 query.selector,
                 handler,
-                target=zenoh.QueryTarget.ALL,
+                **_manner(asked),
                 consolidation=zenoh.ConsolidationMode.NONE,
                 accept_replies=query.accepts_replies(),
-                timeout=TIMEOUT,
                 payload=query.payload,
                 encoding=query.encoding,
                 attachment=query.attachment,
@@ -95,9 +127,9 @@ class Queries:
         self._lane.insist(partial(self._end, query))
 
     def _end(self, query: zenoh.Query) -> None:
-        with self._lock:
-            self._pending -= 1
-        query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
+        # A get that fails ends its query twice: by its error, and when Zenoh gives the handler up.
+        if self._pending.pop(id(query), None) is not None:
+            query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
 
 
 def _answer(query: zenoh.Query, reply: zenoh.Reply) -> None:
@@ -117,3 +149,16 @@ def _answer(query: zenoh.Query, reply: zenoh.Reply) -> None:
         )
     elif error is not None:
         query.reply_err(error.payload, encoding=error.encoding)
+
+
+def _manner(asked: Asked | None) -> dict[str, Any]:
+    """How to ask; of everybody and patiently when it is not known."""
+    if asked is None:
+        return {"target": zenoh.QueryTarget.ALL, "timeout": TIMEOUT}
+    return {
+        "target": _TARGETS[asked.target] if asked.target < len(_TARGETS) else zenoh.QueryTarget.ALL,
+        "timeout": TIMEOUT if asked.timeout is None else asked.timeout,
+        "priority": _PRIORITIES[asked.qos & 0x07],
+        "congestion_control": zenoh.CongestionControl.BLOCK if asked.qos & _WAITS else zenoh.CongestionControl.DROP,
+        "express": bool(asked.qos & _EXPRESS),
+    }

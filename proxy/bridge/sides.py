@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import zenoh
 
 from proxy.bridge.air import Air, Broadcast
+from proxy.bridge.door import Door
 from proxy.bridge.loopback import has_ipv6, present
 from proxy.bridge.sessions import app_options, mesh_options, open_session
-from proxy.bridge.voice import Door, Voice
+from proxy.bridge.voice import Voice
 from proxy.config import AppConfig, MeshConfig
 
 

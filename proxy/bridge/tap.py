@@ -1,21 +1,29 @@
-"""A local link that passes every byte on, and shows it to a ledger."""
+"""A local link that passes every byte on, and shows it to a ledger. What it alters, `widening` says."""
 
 import socket
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
 from proxy.bridge.ledger import Ledger
+from proxy.bridge.widening import Widening
 
 _CHUNK = 65536
 
 
 class Tap:
-    """Listens on the socket `near`; whoever connects is connected with the socket `far`. One link at a time."""
+    """Listens on the socket `near`; whoever connects is connected with the socket `far`. One link at a time.
 
-    def __init__(self, near: Path, far: Path, ledger: Ledger) -> None:
+    The first `interests` of each link in one key of ours are widened.
+    """
+
+    def __init__(self, near: Path, far: Path, ledger: Ledger, interests: int = 0) -> None:
         self._far = far
         self._ledger = ledger
+        self._interests = interests
+        self.widened = threading.Event()
+        """All of a link's interests have been."""
         self._listener = socket.socket(socket.AF_UNIX)
         self._listener.bind(str(near))
         self._listener.listen()
@@ -44,16 +52,29 @@ class Tap:
 
     def _carry(self, near: socket.socket, far: socket.socket) -> None:
         self._ledger.reset()
-        outward = threading.Thread(target=self._pass_on, args=(near, far, False), name="tap out", daemon=True)
+        outward = threading.Thread(target=self._pass_outward, args=(near, far), name="tap out", daemon=True)
         outward.start()
-        self._pass_on(far, near, inward=True)
+        self._pass_on(far, near, lambda data: data, inward=True)
         outward.join()
 
-    def _pass_on(self, source: socket.socket, target: socket.socket, inward: bool) -> None:  # noqa: FBT001 - a thread's argument
+    def _pass_outward(self, near: socket.socket, far: socket.socket) -> None:
+        widening = Widening(self._interests)
+
+        def alter(data: bytes) -> bytes:
+            data = widening.feed(data)
+            if widening.done:
+                self.widened.set()
+            return data
+
+        self._pass_on(near, far, alter, inward=False)
+
+    def _pass_on(
+        self, source: socket.socket, target: socket.socket, alter: Callable[[bytes], bytes], *, inward: bool
+    ) -> None:
         try:
             while data := source.recv(_CHUNK):
                 self._ledger.read(data, inward=inward)
-                target.sendall(data)
+                target.sendall(alter(data))
         except OSError:
             pass  # the link is gone, which the ends notice themselves
         finally:

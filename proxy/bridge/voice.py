@@ -8,47 +8,28 @@ itself it is not told. So the voice declares what mirrors the other side.
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 import zenoh
 
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.keys import CROSSING
+from proxy.bridge.door import Door
 from proxy.bridge.ledger import Ledger
-from proxy.bridge.sessions import PRIVATE, merged, open_session, voice_options
+from proxy.bridge.sessions import open_session, voice_options
 from proxy.bridge.tap import Tap
+from proxy.bridge.widening import EVERYTHING
 from proxy.bridge.wire import Kind
 
-
-class Door:
-    """A private place where a main session listens for its voice."""
-
-    def __init__(self) -> None:
-        self._folder = TemporaryDirectory(prefix=PRIVATE)
-        self.main = Path(self._folder.name, "main")
-        self.tap = Path(self._folder.name, "tap")
-
-    def added_to(self, options: dict[str, Any]) -> dict[str, Any]:
-        """Return the options of a main session, which listens here too."""
-        here = {"endpoints": [*options["listen"]["endpoints"], f"unixsock-stream/{self.main}"]}
-        return merged(options, {"listen": here})
-
-    def hide(self) -> None:
-        """Move the socket from where the main session announces it: only its voice shall link here."""
-        self.main = self.main.rename(self.main.with_name("hidden"))
-
-    def close(self) -> None:
-        """Remove the place."""
-        self._folder.cleanup()
+_PATIENCE = 2.0
+"""How long the interests of a voice may take to its main session [s]; they take a few milliseconds."""
 
 
 class Voice:
     """The voice of the main session that listens at `door`.
 
     On the app side it is a router, which is told everything; on the mesh, where peers route for nobody but their
-    clients, a client, which is told what it says it is interested in. `changed` is called when `declared` changes.
+    clients, a client, which is told what it says it is interested in: `widening` makes that everything. `changed` is
+    called when `declared` changes.
     """
 
     def __init__(
@@ -61,17 +42,21 @@ class Voice:
         door.hide()
         self.ledger = Ledger(changed)
         self._closing = ExitStack()
-        tap = Tap(door.tap, door.main, self.ledger)
+        told = (self._publish, self._ask, self._attend) if mode == "client" else ()
+        tap = Tap(door.tap, door.main, self.ledger, interests=len(told))
         self._closing.callback(tap.close)
         options = voice_options(mode, f"unixsock-stream/{door.tap}", zenoh_options)
         self.session = open_session(options, "voice")
         self._closing.callback(self.session.close)
-        self._interests: list[Declaration] = []
-        if mode == "client":
-            self._interests = [declare(key) for key in CROSSING for declare in (self._ask, self._attend)]
+        self._interests: list[Declaration] = [declare(EVERYTHING) for declare in told]
+        if told and not tap.widened.wait(_PATIENCE):
+            self.ledger.give_up("the voice's interests are written in another way")
 
-    def declared(self, kind: Kind) -> dict[str, bool]:
-        """Return what others declared to the main session; for queryables whether complete."""
+    def declared(self, kind: Kind) -> Mapping[str, bool]:
+        """Return what others declared to the main session, and subscribers of its own; for queryables whether complete.
+
+        The same mapping until something changes.
+        """
         return self.ledger.declared(kind)
 
     def close(self) -> None:
@@ -80,6 +65,10 @@ class Voice:
             interest.undeclare()
         self._interests = []
         self._closing.close()
+
+    def _publish(self, key: str) -> Declaration:
+        """Be told of subscribers."""
+        return self.session.declare_publisher(key)
 
     def _ask(self, key: str) -> Declaration:
         """Be told of queryables."""

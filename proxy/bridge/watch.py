@@ -1,8 +1,8 @@
-"""Mirrors what both sides declare, as soon as it changes."""
+"""Mirrors what both sides declare, as soon as it changes, and looks only at what has."""
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import zenoh
 
@@ -10,28 +10,34 @@ from proxy import clock
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
+from proxy.bridge.fence import Fence
 from proxy.bridge.headroom import Headroom
-from proxy.bridge.keys import CROSSING
+from proxy.bridge.ingress import Ingress
+from proxy.bridge.keys import CROSSING, INGRESS
 from proxy.bridge.links import Links
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Rules
 from proxy.bridge.voice import Voice
+from proxy.bridge.witnesses import Witnesses
 from proxy.core.events import Event, InterestChanged
 
 log = logging.getLogger(__name__)
 
 INTERVAL = 0.1
-"""Time between two looks when nothing is said to have changed [s]."""
+"""Time between two reports of what passed, and looks at the links [s]."""
 
 ECHO = 0.25
 """How long after its end a token of ours may still be echoed [s]."""
+
+_NOTHING: Mapping[str, bool] = {}
 
 
 class Watch:
     """Follows two voices on a thread of its own.
 
+    `main` are the main sessions of app side and mesh, which declare what `ingress` and `delivery` subscribe to;
     `outward` and `inward` are queries from apps to mesh and from mesh to apps. `wake` is set when there is news.
     """
 
@@ -40,6 +46,8 @@ class Watch:
         *,
         apps: Voice,
         others: Voice,
+        main: tuple[zenoh.Session, zenoh.Session],
+        ingress: Ingress,
         delivery: Delivery,
         demand: Demand,
         outward: Queries,
@@ -50,9 +58,12 @@ class Watch:
         passed: Passed,
         post: Callable[[Event], None],
         wake: threading.Event,
+        fence: Fence,
     ) -> None:
         self._apps = apps
         self._others = others
+        self._witnesses = tuple(Witnesses(session, wake.set) for session in main)
+        self._ingress = ingress
         self._delivery = delivery
         self._demand = demand
         self._outward = outward
@@ -63,14 +74,19 @@ class Watch:
         self._passed = passed
         self._post = post
         self._wake = wake
+        self._fence = fence
         self._tokens_out = Mirror(_token(others.session))
         self._tokens_in = Mirror(_token(apps.session))
         self._own: dict[str, float] = {}
+        self._seen: dict[str, Mapping[str, bool]] = {}
+        self._editions = (0, 0)
+        self._stirred = True
         self._stop = False
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
     def start(self) -> None:
         """Start looking."""
+        self._wake.set()
         self._thread.start()
 
     def close(self, timeout: float) -> None:
@@ -80,6 +96,8 @@ class Watch:
         self._thread.join(timeout)
         self._tokens_out.close()
         self._tokens_in.close()
+        for witnesses in self._witnesses:
+            witnesses.close()
 
     def flush(self) -> None:
         """Report what passed without a decision since the last time."""
@@ -87,37 +105,83 @@ class Watch:
             self._post(event)
 
     def _run(self) -> None:
+        again = failing = False
         while not self._stop:
+            woken = self._wake.wait(INTERVAL)
             self._wake.clear()
             try:
-                self._look()
+                self.flush()
+                self._links.check(clock.monotonic())
+                self._headroom.refresh()
+                if woken or again:
+                    again = self._look()
+                failing = False
             except Exception:
                 # A look that fails must not be the last one.
-                log.exception("cannot mirror what was declared")
-            self._wake.wait(INTERVAL)
+                self._seen.clear()
+                self._stirred = again = True
+                if not failing:
+                    log.exception("cannot mirror what was declared")
+                failing = True
 
-    def _look(self) -> None:
-        self.flush()
+    def _look(self) -> bool:
+        """Mirror what has changed; return whether to look again although nothing changes."""
+        self._fence.begin()
+        editions = self._apps.ledger.edition, self._others.ledger.edition
+        if editions != self._editions or self._unsettled():
+            self._mirror()
+            self._editions = editions
+        self._fence.end()
+        self._demand.update()
+        return self._unsettled()
+
+    def _unsettled(self) -> bool:
+        """Whether what we declare or took back ourselves is not told yet, or waits, or what others want has turned."""
+        ours = len(self._own) > len(self._tokens_out.declared)
+        waiting = (part.waiting for part in self._witnesses)
+        return ours or self._stirred or self._ingress.leaving or self._delivery.leaving or any(waiting)
+
+    def _mirror(self) -> None:
+        now = clock.monotonic()
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.
         alive_in, alive_out = self._others.declared("token"), self._apps.declared("token")
-        wanted = self._apps.declared("subscriber")
+        answered_in, answered_out = self._others.declared("queryable"), self._apps.declared("queryable")
+        self._subscribe(now)
+        if self._news("queryables out", answered_out):
+            self._inward.update(self._rules.out.crossing("queryables", answered_out))
+        if self._news("queryables in", answered_in):
+            self._outward.update(self._rules.into.crossing("queryables", answered_in))
+        if self._news("tokens out", alive_out):
+            self._tokens_out.update(self._rules.tokens(self._rules.out, alive_out))
+        self._tokens_in.update(self._rules.tokens(self._rules.into, self._of_others(alive_in, now)))
+
+    def _news(self, name: str, told: Mapping[str, bool]) -> bool:
+        """Whether a ledger has told something else of `name` than at the last look."""
+        before = self._seen.get(name, _NOTHING)
+        self._seen[name] = told
+        return told is not before
+
+    def _subscribe(self, now: float) -> None:
+        by_apps, by_mesh = self._witnesses
+        wanted = by_apps.others(self._apps.declared("subscriber"), self._ingress.declared, now)
         if self._apps.ledger.broken:
             wanted |= dict.fromkeys(CROSSING, False)
         out, into = self._rules.out, self._rules.into
-        if self._delivery.update(into.crossing("subscribers", wanted)):
+        asked = self._delivery.update(into.crossing("subscribers", wanted))
+        if asked:
             self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
-        self._inward.update(out.crossing("queryables", self._apps.declared("queryable")))
-        self._outward.update(into.crossing("queryables", self._others.declared("queryable")))
-        self._tokens_out.update(self._rules.tokens(out, alive_out))
-        self._tokens_in.update(self._rules.tokens(into, self._of_others(alive_in)))
-        self._demand.update()
-        self._links.check(clock.monotonic())
-        self._headroom.refresh()
+        wanted = by_mesh.others(self._others.declared("subscriber"), self._delivery.declared, now)
+        if self._others.ledger.broken:
+            wanted |= dict.fromkeys(INGRESS, False)
+        taken = self._ingress.update(out.crossing("subscribers", wanted))
+        # What we subscribe to ourselves from now on needs its witnesses: at once, for the ledgers may know it already.
+        self._stirred = asked or taken
+        if self._stirred:
+            self._wake.set()
 
-    def _of_others(self, alive: dict[str, bool]) -> dict[str, bool]:
+    def _of_others(self, alive: Mapping[str, bool], now: float) -> dict[str, bool]:
         """Leave out our own tokens: a peer echoes a client's tokens to it, and for a moment after their end."""
-        now = clock.monotonic()
-        self._own |= dict.fromkeys(self._tokens_out.expressions, now + ECHO)
+        self._own |= dict.fromkeys(self._tokens_out.declared, now + ECHO)
         self._own = {token: until for token, until in self._own.items() if until > now}
         return {token: False for token in alive if token not in self._own}
 

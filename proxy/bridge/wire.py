@@ -1,18 +1,16 @@
-"""Reads Zenoh's wire protocol (version 9) just far enough to know what is declared.
+"""Reads Zenoh's wire protocol (version 9) just far enough to know what is declared and how it is asked.
 
 A batch holds transport messages, a frame network messages, with no length before each: so all are parsed, and all but
-declarations are skipped. Integers are LEB128, extensions carry their own size.
+declarations, interests and queries are skipped.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from proxy.bridge.cursor import Cursor, WireError
+
 Kind = Literal["subscriber", "queryable", "token"]
-
-
-class WireError(ValueError):
-    """Bytes that are not what this reader knows of the protocol."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,83 +51,53 @@ class Undeclared:
         return bool(self.scope or self.suffix)
 
 
-Declaration = KeyNumber | Declared | Undeclared
+@dataclass(frozen=True, slots=True)
+class Interest:
+    """Somebody wants to be told of what is declared on a key expression.
 
-_Z, _N, _M = 0x80, 0x20, 0x40
+    `options` is where in its batch the byte stands that says of what, `end` where the key expression after it ends.
+    """
+
+    scope: int
+    suffix: str
+    options: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A query, and how it is asked: `target` is Zenoh's number of it, the timeout is in [s].
+
+    `qos` holds the priority in its three lowest bits, then whether it waits for room, and whether it is express.
+    """
+
+    scope: int
+    suffix: str
+    senders: bool
+    parameters: str
+    target: int
+    timeout: float | None
+    qos: int
+
+
+Message = KeyNumber | Declared | Undeclared | Interest | Asked
+
+RESTRICTED = 0x10
+"""Flag of an interest: a key expression follows."""
+_QOS, _TARGET, _TIMEOUT = 0x1, 0x4, 0x6
+
 _DECLARED: dict[int, Kind] = {0x02: "subscriber", 0x04: "queryable", 0x06: "token"}
 _UNDECLARED: dict[int, Kind] = {0x03: "subscriber", 0x05: "queryable", 0x07: "token"}
 
 
-class _Bytes:
-    """A cursor over bytes."""
-
-    def __init__(self, data: bytes) -> None:
-        self._data = data
-        self._at = 0
-
-    def __bool__(self) -> bool:
-        return self._at < len(self._data)
-
-    def byte(self) -> int:
-        if self._at >= len(self._data):
-            raise WireError("a message ends early")
-        self._at += 1
-        return self._data[self._at - 1]
-
-    def take(self, size: int) -> bytes:
-        if self._at + size > len(self._data):
-            raise WireError("a message ends early")
-        self._at += size
-        return self._data[self._at - size : self._at]
-
-    def rest(self) -> bytes:
-        return self.take(len(self._data) - self._at)
-
-    def number(self) -> int:
-        value = 0
-        for shift in range(0, 63, 7):
-            byte = self.byte()
-            if shift == 56:  # the ninth byte holds eight bits
-                return value | byte << shift
-            value |= (byte & 0x7F) << shift
-            if byte < 0x80:
-                return value
-        raise WireError("unreachable")
-
-    def sized(self) -> bytes:
-        return self.take(self.number())
-
-    def text(self) -> str:
-        return self.sized().decode()
-
-    def extensions(self, header: int) -> dict[int, int | bytes]:
-        """What follows a header with the Z flag, by id."""
-        found: dict[int, int | bytes] = {}
-        while header & _Z:
-            header = self.byte()
-            found[header & 0x0F] = self._extension(header)
-        return found
-
-    def _extension(self, header: int) -> int | bytes:
-        encoding = header & 0x60
-        if encoding == 0x60:
-            raise WireError("an extension of unknown encoding")
-        return self.sized() if encoding == 0x40 else self.number() if encoding == 0x20 else 0
-
-    def expression(self, header: int) -> tuple[int, str, bool]:
-        """A key expression: scope, suffix, and whether the scope is the sender's number."""
-        scope = self.number()
-        return scope, self.text() if header & _N else "", bool(header & _M)
-
-
 class Batches:
-    """Cuts one direction of a TCP link into batches and yields the declarations in them."""
+    """Cuts one direction of a stream into batches and yields the messages in them."""
 
     def __init__(self) -> None:
         self._buffer = bytearray()
         self._fragments: dict[bool, bytearray] = {}
 
-    def feed(self, data: bytes) -> Iterator[Declaration]:
+    def feed(self, data: bytes) -> Iterator[Message]:
         """Take in what the link carried. Raises WireError."""
         self._buffer += data
         while len(self._buffer) >= 2:
@@ -138,9 +106,11 @@ class Batches:
                 return
             batch = bytes(self._buffer[2 : size + 2])
             del self._buffer[: size + 2]
-            yield from self._transport(_Bytes(batch))
+            yield from self.read(batch)
 
-    def _transport(self, data: _Bytes) -> Iterator[Declaration]:
+    def read(self, batch: bytes) -> Iterator[Message]:
+        """Yield the messages of one batch. Raises WireError."""
+        data = Cursor(batch)
         while data:
             header = data.byte()
             match header & 0x1F:
@@ -159,33 +129,40 @@ class Batches:
                 case other:
                     raise WireError(f"a transport message of unknown kind {other:#x}")
 
-    def _fragment(self, header: int, part: bytes) -> Iterator[Declaration]:
+    def _fragment(self, header: int, part: bytes) -> Iterator[Message]:
         reliable, more = bool(header & 0x20), bool(header & 0x40)
         whole = self._fragments.setdefault(reliable, bytearray())
         whole += part
         if not more:
             del self._fragments[reliable]
-            yield from _network(_Bytes(bytes(whole)))
+            for message in _network(Cursor(bytes(whole))):
+                if not isinstance(message, Interest):  # which would say where it stands in its batch
+                    yield message
 
 
-def _network(data: _Bytes) -> Iterator[Declaration]:
+def _network(data: Cursor) -> Iterator[Message]:
     while data:
         header = data.byte()
         kind = header & 0x1F
-        if kind == 0x1E:
-            if header & 0x20:
-                data.number()
-            data.extensions(header)
-            declaration = _declaration(data)
-            if declaration is not None:
-                yield declaration
-        elif kind in _SKIPPED:
-            _SKIPPED[kind](data, header)
-        else:
+        if kind < 0x08:  # the frame is over, another transport message follows
+            data.at -= 1
+            return
+        reader = _READ.get(kind)
+        if reader is None:
             raise WireError(f"a network message of unknown kind {kind:#x}")
+        message = reader(data, header)
+        if message is not None:
+            yield message
 
 
-def _declaration(data: _Bytes) -> Declaration | None:
+def _declare(data: Cursor, header: int) -> Message | None:
+    if header & 0x20:
+        data.number()
+    data.extensions(header)
+    return _declaration(data)
+
+
+def _declaration(data: Cursor) -> Message | None:
     header = data.byte()
     kind = header & 0x1F
     if kind == 0x00:
@@ -210,7 +187,7 @@ def _declaration(data: _Bytes) -> Declaration | None:
 
 
 def _expression_in(extension: int | bytes) -> tuple[int, str, bool]:
-    data = _Bytes(extension if isinstance(extension, bytes) else b"")
+    data = Cursor(extension if isinstance(extension, bytes) else b"")
     if not data:
         return 0, "", False
     flags = data.byte()
@@ -218,7 +195,7 @@ def _expression_in(extension: int | bytes) -> tuple[int, str, bool]:
     return scope, data.rest().decode() if flags & 0x01 else "", bool(flags & 0x02)
 
 
-def _out_of_band(data: _Bytes, header: int) -> None:
+def _out_of_band(data: Cursor, header: int) -> None:
     data.number()
     data.extensions(header)
     if header & 0x60 == 0x40:
@@ -227,34 +204,53 @@ def _out_of_band(data: _Bytes, header: int) -> None:
         data.number()
 
 
-def _push(data: _Bytes, header: int) -> None:
+def _push(data: Cursor, header: int) -> None:
     data.expression(header)
     data.extensions(header)
     _body(data)
 
 
-def _request(data: _Bytes, header: int) -> None:
+def _request(data: Cursor, header: int) -> Asked:
+    data.number()
+    expression = data.expression(header)
+    said = {name: value for name, value in data.extensions(header).items() if isinstance(value, int)}
+    timeout = said.get(_TIMEOUT)
+    return Asked(
+        *expression,
+        parameters=_body(data),
+        target=said.get(_TARGET, 0),
+        timeout=None if timeout is None else timeout / 1000,
+        qos=said.get(_QOS, 0x05),
+    )
+
+
+def _response(data: Cursor, header: int) -> None:
     data.number()
     _push(data, header)
 
 
-def _response_final(data: _Bytes, header: int) -> None:
+def _response_final(data: Cursor, header: int) -> None:
     data.number()
     data.extensions(header)
 
 
-def _interest(data: _Bytes, header: int) -> None:
+def _interest(data: Cursor, header: int) -> Interest | None:
+    found = None
     data.number()
     if header & 0x60:  # current, future or both; neither ends an interest
+        at = data.at
         options = data.byte()
-        if options & 0x10:
-            data.expression(options)
+        if options & RESTRICTED:
+            scope, suffix, _ = data.expression(options)
+            found = Interest(scope, suffix, options=at, end=data.at)
     data.extensions(header)
+    return found
 
 
-def _body(data: _Bytes) -> None:
-    """What a push, request or response is about."""
+def _body(data: Cursor) -> str:
+    """Read what a push, request or response is about; return the parameters of a query."""
     header = data.byte()
+    parameters = ""
     match header & 0x1F:
         case 0x01 | 0x05:  # put, error
             _value(data, header)
@@ -264,7 +260,7 @@ def _body(data: _Bytes) -> None:
         case 0x03:  # query
             _consolidation(data, header)
             if header & 0x40:
-                data.sized()
+                parameters = data.text()
             data.extensions(header)
         case 0x04:  # reply
             _consolidation(data, header)
@@ -272,9 +268,10 @@ def _body(data: _Bytes) -> None:
             _body(data)
         case other:
             raise WireError(f"a body of unknown kind {other:#x}")
+    return parameters
 
 
-def _value(data: _Bytes, header: int) -> None:
+def _value(data: Cursor, header: int) -> None:
     _stamp(data, header)
     if header & 0x40 and data.number() & 1:  # an encoding, with a schema
         data.sized()
@@ -282,22 +279,23 @@ def _value(data: _Bytes, header: int) -> None:
     data.sized()
 
 
-def _stamp(data: _Bytes, header: int) -> None:
+def _stamp(data: Cursor, header: int) -> None:
     if header & 0x20:
         data.number()
         data.sized()
 
 
-def _consolidation(data: _Bytes, header: int) -> None:
+def _consolidation(data: Cursor, header: int) -> None:
     if header & 0x20:
         data.byte()
 
 
-_SKIPPED: dict[int, Callable[[_Bytes, int], None]] = {
+_READ: dict[int, Callable[[Cursor, int], Message | None]] = {
     0x1F: _out_of_band,
+    0x1E: _declare,
     0x1D: _push,
     0x1C: _request,
-    0x1B: _request,
+    0x1B: _response,
     0x1A: _response_final,
     0x19: _interest,
 }

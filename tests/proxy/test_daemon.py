@@ -112,6 +112,7 @@ def test_too_much_is_dropped_and_local_apps_hear_everything(pair):
     """Ten times the limit: all of it is heard locally, part of it remotely, and every sample is accounted for."""
     publisher, local = pair[0].node(), Heard(pair[0].node(), "covered/**")
     remote = Heard(pair[1].node(), "covered/**")
+    wait_until(lambda: pair[0].status()["daemon"]["observed"] == ["covered/**"], what="somebody to want it")
     wait_until(lambda: publisher.put("covered/a", "first") or known(pair[0], "covered/a"), what="the receiver")
     wait_until(lambda: not pair[0].status()["counts"]["queued"], what="the first ones to be decided")
     before = pair[0].status()["counts"]["forwarded"]
@@ -196,8 +197,12 @@ def test_specs_are_swapped_while_running(pair, tmp_path):
     path.write_text(SPECS.replace("covered/**", "other/**"))
     pair[0].daemon.swap_specs(load_specs(path))
     wait_until(lambda: pair[0].status()["specs"] != before, what="the new generation")
-    pair[0].node().put("other/a", "x")
+    wanted = Heard(pair[1].node(), "other/a")
+    publisher = pair[0].node().declare_publisher("other/a")
+    wait_until(lambda: publisher.matching_status.matching, what="the receiver")
+    publisher.put("x")
     wait_until(lambda: [s["key"] for s in pair[0].status()["streams"]] == ["other/a"], what="the stream")
+    wait_until(lambda: wanted.samples, what="the sample")
 
 
 def test_a_daemon_stops_within_a_second_and_its_peers_notice(pair):
@@ -390,7 +395,7 @@ def test_the_status_says_what_was_denied_and_what_bypassed(stack, specs):
     """A bypassing sample is counted with its bytes and against the limit; denied ones by direction."""
     robot = Robot(stack, "r1", specs, bridge={"out": {"deny": ["secret/**"], "bypass": ["covered/stop"]}})
     other, app = Robot(stack, "r2", specs, (robot.mesh,)), robot.node()
-    remote = Heard(other.node(), "covered/*")
+    remote = Heard(other.node(), "**")
     wait_until(lambda: app.put("covered/stop", b"0123456789") or remote.samples, what="the other to hear")
     wait_until(lambda: robot.status()["daemon"]["wanted"], what="its demand to be known")
     before = robot.status()["counts"]["bytes"].get("passed:bypass", 0)

@@ -205,7 +205,6 @@ def test_the_profile_keeps_home_what_belongs_there(behind_daemons):
     assert ("MP", "talker", "/rosout") in home.graph()
     assert ("MP", "talker", "/rosout") not in away.graph()
     assert ("MS", "away", "/rosout") not in talker.graph()
-    wait_until(lambda: sites[0].counts().get("dropped:denied"), what="the count")
 
 
 def test_commands_bypass_a_channel_that_is_used_up(behind_daemons):

@@ -106,9 +106,16 @@ def team(
 
 
 def wait_interest(robot: Robot, *others: Robot, keys: tuple[str, ...]) -> None:
-    """Wait until `others` know that apps of `robot` subscribe to `keys`."""
+    """Wait until `others` know that apps of `robot` subscribe to `keys`, and take what they match from their apps."""
     wait_until(lambda: set(keys) <= set(robot.bridge.describe()["subscriptions"]), what=f"the apps' {keys}")
     fence(robot, *others)
+    for other in others:
+        wait_until(lambda other=other: all(observes(other, key) for key in keys), what=f"{keys} on the other robot")
+
+
+def observes(robot: Robot, key: str) -> bool:
+    """Whether `robot` takes all that `key` matches from its apps."""
+    return any(zenoh.KeyExpr(expression).includes(key) for expression in robot.bridge.describe()["observed"])
 
 
 def fence(robot: Robot, *others: Robot) -> None:

@@ -1,5 +1,6 @@
 """What enters on the app side; who hears what is in test_bridge."""
 
+import pytest
 import zenoh
 
 from proxy.bridge import ingress as ingress_module
@@ -9,6 +10,15 @@ from tests.proxy.nodes import Heard
 from tests.waiting import wait_until
 
 
+@pytest.fixture
+def wanted(pair):
+    """Everything is wanted by an app of the other robot."""
+    heard = Heard(pair[1].node(), "**")
+    wait_interest(pair[1], pair[0], keys=("**",))
+    return heard
+
+
+@pytest.mark.usefixtures("wanted")
 def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     """When the core does not answer, samples beyond the bound are dropped, counted, and local apps still hear all."""
     monkeypatch.setattr(ingress_module, "MOST_HELD", 3)
@@ -23,6 +33,7 @@ def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     assert (dropped.reason, dropped.count) == ("dropped:overflow", 2)
 
 
+@pytest.mark.usefixtures("wanted")
 def test_no_more_bytes_are_held_than_the_bound(pair, monkeypatch):
     """One sample is held whatever its size, and what is released makes room."""
     monkeypatch.setattr(ingress_module, "MOST_BYTES", 100)
@@ -37,6 +48,7 @@ def test_no_more_bytes_are_held_than_the_bound(pair, monkeypatch):
     assert pair[0].bridge.describe()["held"] == 1
 
 
+@pytest.mark.usefixtures("wanted")
 def test_a_delete_of_a_covered_key_is_marked(pair):
     """The core is told that it is a delete."""
     pair[0].node().delete("covered/a")
@@ -44,6 +56,7 @@ def test_a_delete_of_a_covered_key_is_marked(pair):
     assert pair[0].asked[0].delete
 
 
+@pytest.mark.usefixtures("wanted")
 def test_apps_stamps_are_named_and_ours_are_not(pair):
     """`origin` is the id an app stamped with, None for what the daemon stamps itself."""
     stamping = pair[0].node(stamps=True)
@@ -69,6 +82,7 @@ def test_heartbeats_of_advanced_publishers_with_a_cache_stay(pair):
     assert {event.reason for event in pair[0].posted(SamplesPassed)} == {"dropped:heartbeat", "passed:no-spec"}
 
 
+@pytest.mark.usefixtures("wanted")
 def test_peers_on_the_app_side_are_heard_once(pair):
     """Peer-mode apps of one robot hear each other directly, and the daemon hears each sample once."""
     local = Heard(pair[0].node("peer"), "covered/**")
@@ -81,3 +95,35 @@ def test_peers_on_the_app_side_are_heard_once(pair):
     publisher.put("covered/end", "x")
     wait_until(lambda: "covered/end" in [event.key for event in pair[0].asked], what="the last sample")
     assert [event.key for event in pair[0].asked] == ["covered/a", "covered/end"]
+
+
+def test_what_nobody_wants_is_not_even_received(pair):
+    """Only what somebody on the mesh subscribes to is taken from the apps; the rest costs nothing."""
+    remote = Heard(pair[1].node(), "covered/wanted")
+    wait_interest(pair[1], pair[0], keys=("covered/wanted",))
+    app = pair[0].node()
+    app.put("covered/unwanted", "x")
+    app.put("covered/wanted", "x")
+    wait_until(lambda: pair[0].asked, what="the wanted sample")
+    assert [event.key for event in pair[0].asked] == ["covered/wanted"]
+    assert pair[0].bridge.describe()["observed"] == ["covered/wanted"]
+    remote.subscriber.undeclare()
+    wait_until(lambda: not pair[0].bridge.describe()["observed"], what="nobody to want anything")
+
+
+def test_overlapping_wishes_make_one_question(pair):
+    """Whatever overlaps on the other robot, a sample is taken once, also while subscriptions come and go."""
+    heard = Heard(pair[1].node(), "covered/*/x")
+    other = Heard(pair[1].node(), "*/a/x")
+    wait_interest(pair[1], pair[0], keys=("covered/*/x", "*/a/x"))
+    app = pair[0].node()
+    for i in range(200):
+        app.put("covered/a/x", str(i), congestion_control=zenoh.CongestionControl.BLOCK)
+        if i == 50:
+            heard.subscriber.undeclare()
+        if i == 100:
+            wait_until(lambda: pair[0].bridge.describe()["observed"] == ["*/a/x"], what="the end of one")
+            heard = Heard(pair[1].node(), "covered/*/x")
+    wait_until(lambda: len(pair[0].asked) >= 200, what="all samples")
+    assert len(pair[0].asked) == 200
+    del other

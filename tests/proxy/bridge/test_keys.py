@@ -35,3 +35,11 @@ def test_ingress_receives_every_key_that_crosses_in_words_of_its_own():
     assert not set(keys.INGRESS) & set(keys.CROSSING)
     assert not any(keys.crosses(expression) for expression in keys.INGRESS)
     assert all(keys.crosses(expression) for expression in keys.CROSSING)
+
+
+def test_what_concerns_sessions_and_daemons_themselves_does_not_cross():
+    """The admin space and our own keys stay, in whatever chunk they begin; other verbatim chunks cross."""
+    for expression in ("@/**", "@/abc/router", "@sendworthy/r1/status", "**/@sendworthy/**", "**/@/**"):
+        assert not keys.crosses(expression)
+    for expression in ("@adv/a", "a/@x/**", "@sendworthyish/a", "@ros2_lv/**"):
+        assert keys.crosses(expression)

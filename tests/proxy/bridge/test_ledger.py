@@ -2,6 +2,7 @@
 
 import pytest
 
+from proxy.bridge import ledger as ledger_module
 from proxy.bridge.ledger import Ledger
 from tests.proxy.bridge.test_wire import frame
 
@@ -96,3 +97,46 @@ def test_a_new_link_begins_anew(ledger):
     ledger.reset()
     ledger.read(frame(declared(0x02, 5, 0, "b")), inward=True)
     assert ledger.declared("subscriber") == {"b": False}
+
+
+QUERY = bytes.fromhex("bc01" + "0003612f62" + "a11c" + "b401" + "26b817" + "63" + "01" + "03783d31")
+"""`a/b?x=1` to all, within 3 s, with priority 4, waiting for room and express."""
+BARE = bytes.fromhex("3c02" + "0003612f62" + "03")
+
+
+def test_how_a_query_was_asked_can_be_taken_once(ledger, changes):
+    """Oldest first for one key and parameters; it changes nothing of what is declared."""
+    ledger.read(frame(QUERY, BARE, BARE), inward=True)
+    asked = ledger.take("a/b", "x=1")
+    assert (asked.target, asked.timeout, asked.qos) == (1, 3.0, 0x1C)
+    assert ledger.take("a/b", "x=1") is None
+    assert [ledger.take("a/b", "").timeout for _ in range(2)] == [None, None]
+    assert ledger.take("a/b", "") is None
+    assert not changes
+
+
+def test_what_nobody_takes_is_forgotten(ledger, monkeypatch):
+    """The number of remembered queries is bounded, and so is their number for one key."""
+    monkeypatch.setattr(ledger_module, "MOST_ASKED", 2)
+    for name in b"abc":
+        ledger.read(frame(b"\x3c\x01\x00\x01" + bytes([name]) + b"\x03"), inward=True)
+    assert [ledger.take(key, "") is None for key in "abc"] == [True, False, False]
+    ledger.read(frame(BARE, BARE, QUERY, BARE), inward=True)
+    assert [ledger.take("a/b", "") is None for _ in range(3)] == [False, False, True]
+
+
+def test_queries_of_the_voice_itself_are_not_remembered(ledger):
+    """Only those that reach it."""
+    ledger.read(frame(QUERY), inward=False)
+    assert ledger.take("a/b", "x=1") is None
+
+
+def test_the_edition_tells_whether_to_look(ledger):
+    """It grows with every change, and what is told stays the same mapping until then."""
+    ledger.read(frame(declared(0x02, 5, 0, "a")), inward=True)
+    before, told = ledger.edition, ledger.declared("subscriber")
+    ledger.read(frame(BARE, declared(0x02, 6, 0, "@/hidden")), inward=True)
+    assert (ledger.edition, ledger.declared("subscriber") is told) == (before, True)
+    ledger.read(frame(declared(0x06, 7, 0, "t")), inward=True)
+    assert ledger.edition > before
+    assert ledger.declared("subscriber") is told

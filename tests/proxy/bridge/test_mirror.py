@@ -4,6 +4,7 @@ import zenoh
 
 from proxy.bridge import mirror as mirror_module
 from proxy.bridge.mirror import Mirror
+from tests.waiting import wait_until
 
 
 class Made:
@@ -79,3 +80,28 @@ def test_the_number_of_declarations_is_bounded(monkeypatch, caplog):
     mirror.update(dict.fromkeys("abc", False))
     assert mirror.expressions == ("a", "b")
     assert "c is not mirrored" in caplog.text
+
+
+def test_what_is_new_stands_for_a_while_before_what_is_stale_goes():
+    """While one replaces the other both are there; what is wanted again meanwhile stays."""
+    made = Made()
+    mirror = Mirror(made, grace=0.05)
+    mirror.update({"a/*": False, "b": False})
+    mirror.update({"a/b": False})
+    assert sorted(name for name, _ in made.now) == ["a/*", "a/b", "b"]
+    assert mirror.leaving
+    mirror.update({"a/b": False, "b": False})
+    wait_until(lambda: mirror.update({"a/b": False, "b": False}), what="the end of the stale one")
+    assert set(mirror.declared) == {"a/b", "b"}
+    assert made.log.count("b") == 1
+    assert not mirror.leaving
+
+
+def test_without_grace_what_is_new_still_stands_first():
+    """The order is the same."""
+    made = Made()
+    seen = []
+    mirror = Mirror(made, lambda _: seen.append(sorted(made.now)))
+    mirror.update({"a/*": False})
+    mirror.update({"a/b": False})
+    assert seen == [[("a/*", False), ("a/b", False)]]

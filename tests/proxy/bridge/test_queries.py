@@ -2,13 +2,19 @@
 
 from functools import partial
 
+import pytest
 import zenoh
 
+from proxy.bridge import fence as fence_module
 from proxy.bridge import queries as queries_module
+from proxy.bridge.fence import Fence
 from proxy.bridge.lane import Lane
 from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Way
+from proxy.bridge.sides import open_sides
+from proxy.config import AppConfig, MeshConfig
 from tests.proxy.bridge.robots import fence_apps
+from tests.proxy.bridge.test_wire import frame
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -113,32 +119,164 @@ def test_replies_on_other_keys_cross_when_they_are_accepted(pair):
     assert list(accepted) == ["x"]
 
 
-def test_too_many_queries_are_answered_with_an_error(stack, monkeypatch):
-    """Beyond its bound a query is refused with a reason instead of waiting for nobody."""
-    monkeypatch.setattr(queries_module, "MOST_PENDING", 0)
-    near_endpoint = free_endpoint()
-    near = closing(stack, plain_session("router", listen=(near_endpoint,)))
-    far = closing(stack, plain_session("peer"))
-    lane = Lane("test")
-    stack.callback(lane.close, 1.0)
-    queries = Queries(near, far, lane, Way(("**",), ()))
+BEST, ALL_COMPLETE = zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL_COMPLETE
+
+
+def reply_with(payload, query):
+    with query:
+        query.reply(payload.split()[1].replace("**", "a").replace("*", "a"), payload)
+
+
+def asked_everywhere(nodes, asker, served, asked):
+    """What an app of the first robot is answered to each target when `served` is declared on (robot, key, complete)."""
+    for n, key, complete in served:
+        answer = zenoh.handlers.Callback(partial(reply_with, f"{n} {key}"))
+        nodes[n].declare_queryable(key, answer, complete=complete)
+    everybody = sorted(f"{n} {key}" for n, key, _ in served)
+    ask = partial(answers, asker, asked, consolidation=NONE)
+    wait_until(lambda: sorted(ask(target=ALL)) == everybody, what=f"answers of {everybody}")
+    return [sorted(ask(target=target)) for target in (BEST, ALL, ALL_COMPLETE)]
+
+
+@pytest.mark.parametrize(
+    ("asked", "served"),
+    [
+        pytest.param("s/a", [(1, "s/a", True)], id="one complete"),
+        pytest.param("s/a", [(1, "s/a", False)], id="one incomplete"),
+        pytest.param("s/a", [(1, "s/a", True), (2, "s/a", False)], id="a complete and an incomplete one"),
+        pytest.param("s/a", [(1, "s/a", True), (2, "s/*", False), (1, "s/**", False)], id="one complete of several"),
+        pytest.param("s/a", [(1, "s/*", False), (2, "s/a", True)], id="a narrow complete one"),
+        pytest.param("s/a", [(1, "s/a", False), (1, "s/*", True)], id="a wide complete one"),
+        pytest.param("s/*", [(1, "s/a", True), (2, "s/b", True)], id="wider than what is complete"),
+        pytest.param("s/a", [(1, "s/a", False), (2, "s/*", False)], id="two incomplete"),
+        pytest.param("s/a", [(0, "s/a", True), (1, "s/a", True)], id="complete here and there"),
+        pytest.param("s/a", [(0, "s/a", False), (1, "s/a", True)], id="complete there"),
+        pytest.param("s/a", [(0, "s/a", True), (1, "s/a", False)], id="complete here"),
+        pytest.param("@s/a", [(1, "@s/*", True), (2, "@s/a", False)], id="verbatim"),
+    ],
+)
+def test_a_query_is_answered_as_through_connected_routers(team, stack, asked, served):
+    """Best matching, all and all complete reach the same queryables, each once, as without the bridge."""
+    endpoints = [free_endpoint() for _ in team]
+    for n, endpoint in enumerate(endpoints):
+        closing(stack, plain_session("router", listen=(endpoint,), connect=tuple(endpoints[:n])))
+    plain = [closing(stack, plain_session("client", connect=(endpoint,))) for endpoint in endpoints]
+    asker = closing(stack, plain_session("client", connect=(endpoints[0],)))
+    expected = asked_everywhere(plain, asker, served, asked)
+    assert asked_everywhere([robot.node() for robot in team], team[0].node(), served, asked) == expected
+
+
+def test_one_of_several_complete_queryables_answers_the_best_match(team):
+    """Two robots that both have everything: either one is asked, as by a router, and all where all are meant."""
+    served = [(1, "s/a", True), (2, "s/a", True)]
+    best, *rest = asked_everywhere([robot.node() for robot in team], team[0].node(), served, "s/a")
+    assert len(best) == 1
+    assert rest == [["1 s/a", "2 s/a"]] * 2
+
+
+def test_a_reply_has_the_priority_of_its_query(pair):
+    """Priority and express of a query hold on the other side too, and come back with its replies."""
+    serve(pair[1].node(), "s/a", lambda query: query.reply("s/a", "x"))
+    wait_answering(pair[0], 1)
+    (reply,) = pair[0].node().get("s/a", priority=zenoh.Priority.REAL_TIME, express=True, timeout=5.0)
+    assert (reply.ok.priority, reply.ok.express) == (zenoh.Priority.REAL_TIME, True)
+
+
+def test_a_query_that_is_never_answered_ends_with_the_askers_timeout(pair):
+    """Nothing is kept here longer than the asker waits."""
+    kept = []
+    pair[1].node().declare_queryable("s/mute", zenoh.handlers.Callback(kept.append, indirect=False))
+    wait_answering(pair[0], 1)
+    pair[0].node().get("s/mute", timeout=0.2)
+    wait_until(lambda: kept, what="the query")
+    directions = (pair[0].bridge._outward, pair[1].bridge._inward)
+    wait_until(lambda: not any(queries.pending for queries in directions), timeout=5.0, what="its end")
+
+
+def test_a_query_whose_asker_has_gone_ends_with_its_answer(pair):
+    """An asker that leaves holds nothing up."""
+    kept = []
+    pair[1].node().declare_queryable("s/slow", zenoh.handlers.Callback(kept.append, indirect=False))
+    wait_answering(pair[0], 1)
+    asker = pair[0].node()
+    asker.get("s/slow", timeout=60.0)
+    wait_until(lambda: kept, what="the query")
+    asker.close()
+    with kept.pop() as query:
+        query.reply("s/slow", "x")
+    del query
+    wait_until(lambda: not pair[0].bridge._outward.pending, timeout=5.0, what="its end")
+
+
+def test_when_it_is_not_known_how_was_asked_everybody_is(pair):
+    """With a ledger that does not understand the link, queries to what was known before still cross."""
+    serve(pair[1].node(), "s/a", lambda query: query.reply("s/a", "x"))
+    wait_answering(pair[0], 1)
+    for robot in pair:
+        for voice in (robot.bridge._watch._apps, robot.bridge._watch._others):
+            voice.ledger.read(frame(b"\x0a"), inward=True)
+    assert list(answers(pair[0].node(), "s/a")) == ["x"]
+
+
+@pytest.fixture
+def lane(stack):
+    made = Lane("test")
+    stack.callback(made.close, 1.0)
+    return made
+
+
+def near_side(stack):
+    """A voice that nobody else uses, and where its apps connect."""
+    endpoint = free_endpoint()
+    mesh = MeshConfig(listen=(free_endpoint(),), scouting=False)
+    return open_sides(AppConfig(listen=(endpoint,)), mesh, stack).apps, endpoint
+
+
+def open_fence():
+    """A fence that nobody has to wait at for long: whoever wakes it has looked."""
+    fence = Fence(lambda: None)
+    fence.begin()
+    fence.end()
+    return fence
+
+
+def declared(stack, far, lane, fence):
+    """A mirrored queryable for `service/a`, and what asks there."""
+    near, endpoint = near_side(stack)
+    queries = Queries(near, far, lane, fence, Way(("**",), ()))
     queries.update({"service/a": False})
     stack.callback(queries.close)
-    asker = closing(stack, plain_session("client", connect=(near_endpoint,)))
+    asker = closing(stack, plain_session("client", connect=(endpoint,)))
+    querier = asker.declare_querier("service/a")
+    wait_until(lambda: querier.matching_status.matching, what="the queryable")
+    return queries, asker
+
+
+def test_too_many_queries_are_answered_with_an_error(stack, lane, monkeypatch):
+    """Beyond its bound a query is refused with a reason instead of waiting for nobody."""
+    monkeypatch.setattr(queries_module, "MOST_PENDING", 0)
+    _, asker = declared(stack, closing(stack, plain_session("peer")), lane, open_fence())
     assert list(answers(asker, "service/a")) == ["error: too many queries under way"]
 
 
-def test_a_closed_far_side_is_an_error_and_ends_the_query(stack):
-    """A session that cannot ask any more answers with Zenoh's reason."""
-    near_endpoint = free_endpoint()
-    near = closing(stack, plain_session("router", listen=(near_endpoint,)))
+def test_a_closed_far_side_is_an_error_and_ends_the_query(stack, lane, monkeypatch):
+    """A session that cannot ask any more answers with Zenoh's reason, also when nobody mirrors any more."""
+    monkeypatch.setattr(fence_module, "PATIENCE", 0.01)
     far = plain_session("peer")
-    lane = Lane("test")
-    stack.callback(lane.close, 1.0)
-    queries = Queries(near, far, lane, Way(("**",), ()))
-    queries.update({"service/a": False})
-    stack.callback(queries.close)
+    queries, asker = declared(stack, far, lane, open_fence())
     far.close()
-    asker = closing(stack, plain_session("client", connect=(near_endpoint,)))
     (answer,) = answers(asker, "service/a")
     assert answer.startswith("error: ")
+    wait_until(lambda: not queries.pending, what="its end")
+
+
+def test_a_query_waits_for_what_was_declared_before_it(stack, lane):
+    """It is asked on when all that is mirrored, not sooner."""
+    fence = open_fence()
+    queries, asker = declared(stack, closing(stack, plain_session("peer")), lane, fence)
+    asker.get("service/a", timeout=30.0)
+    wait_until(lambda: queries.pending, what="the query")
+    assert not queries.crossed
+    fence.begin()
+    fence.end()
+    wait_until(lambda: queries.crossed, what="it to cross")

@@ -6,7 +6,9 @@ import pytest
 
 from proxy.bridge.ledger import Ledger
 from proxy.bridge.tap import Tap
+from proxy.bridge.widening import Widening
 from tests.proxy.bridge.test_ledger import declared
+from tests.proxy.bridge.test_widening import FIRST
 from tests.proxy.bridge.test_wire import frame
 from tests.waiting import wait_until
 
@@ -73,3 +75,15 @@ def test_a_far_end_that_is_not_there_ends_the_link(stack, tmp_path):
     stack.callback(Tap(tmp_path / "near", tmp_path / "nobody", Ledger(lambda: None)).close)
     for _ in range(2):
         assert connect(stack, tmp_path / "near").recv(100) == b""
+
+
+def test_interests_are_widened_on_the_way_out(stack, tmp_path, far):
+    """The far end is asked for everything, and it is known when that has been done."""
+    tap = Tap(tmp_path / "near", tmp_path / "far", Ledger(lambda: None), interests=1)
+    stack.callback(tap.close)
+    near = connect(stack, tmp_path / "near")
+    other = stack.enter_context(far.accept()[0])
+    assert not tap.widened.is_set()
+    near.sendall(FIRST)
+    assert other.recv(100) == Widening(1).feed(FIRST) != FIRST
+    assert tap.widened.is_set()

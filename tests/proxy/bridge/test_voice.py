@@ -2,6 +2,7 @@
 
 import zenoh
 
+from proxy.bridge import voice as voice_module
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, MeshConfig
 from tests.proxy.nodes import closing, free_endpoint, plain_session
@@ -52,6 +53,34 @@ def test_on_the_mesh_the_voice_knows_queryables_and_tokens_of_peers(stack):
     tokens[0].undeclare()
     wait_until(lambda: not opened.others.declared("token"), what="the end of the token")
     mirrored.undeclare()
+
+
+def test_a_voice_that_is_not_told_everything_says_so(stack, monkeypatch, caplog):
+    """When its interests do not pass as expected, nobody relies on what it is told."""
+    monkeypatch.setattr(voice_module, "EVERYTHING", "something/else")
+    monkeypatch.setattr(voice_module, "_PATIENCE", 0.01)
+    opened, _, _ = sides(stack)
+    assert opened.others.ledger.broken
+    assert not opened.apps.ledger.broken
+    assert "everything is bridged" in caplog.text
+
+
+def test_on_the_mesh_the_voice_knows_subscribers_and_all_verbatim_keys(stack):
+    """Whatever chunk begins with `@`, and without asking for it by name."""
+    opened, _, endpoint = sides(stack)
+    peer = closing(stack, plain_session("peer", connect=(endpoint,)))
+    kept = [
+        peer.declare_subscriber("a/@one/b", zenoh.handlers.Callback(print, indirect=False)),
+        peer.declare_queryable("@two/*", drop, complete=True),
+        peer.liveliness().declare_token("@three"),
+    ]
+    wait_until(lambda: opened.others.declared("subscriber") == {"a/@one/b": False}, what="the subscriber")
+    wait_until(lambda: opened.others.declared("queryable") == {"@two/*": True}, what="the queryable")
+    wait_until(lambda: opened.others.declared("token") == {"@three": False}, what="the token")
+    for each in kept:
+        each.undeclare()
+    for kind in ("subscriber", "queryable", "token"):
+        wait_until(lambda kind=kind: not opened.others.declared(kind), what=f"the end of the {kind}")
 
 
 def test_nothing_is_missed_under_churn(stack):

@@ -1,11 +1,17 @@
 """What is declared on one side exists on the other, for as long as it does."""
 
+import itertools
+import threading
+
+import pytest
 import zenoh
 import zenoh.ext
 
+from proxy.bridge.keys import INGRESS
 from proxy.core.events import InterestChanged, MatchingChanged, SamplesPassed
-from tests.proxy.bridge.robots import wait_interest
-from tests.proxy.nodes import Heard
+from tests.proxy.bridge.robots import fence, observes, wait_interest
+from tests.proxy.bridge.test_wire import frame
+from tests.proxy.nodes import Heard, answers
 from tests.waiting import wait_until
 
 
@@ -105,7 +111,7 @@ def test_an_advanced_subscriber_gets_the_history_of_a_remote_publisher(pair):
     )
     for i in range(5):
         publisher.put(str(i))
-    wait_until(lambda: sum(e.count for e in pair[1].posted(SamplesPassed)) == 5, what="all to have left")
+    wait_until(lambda: pair[0].bridge.describe()["queryables"]["outward"], what="the mirrored cache")
     heard = []
     subscriber = zenoh.ext.declare_advanced_subscriber(
         pair[0].node(),
@@ -158,24 +164,230 @@ def test_what_was_dropped_is_not_fetched_from_the_cache(pair):
 def test_the_core_learns_when_somebody_begins_and_ceases_to_want_a_key(pair):
     """Matching of a covered key is told with its first sample and with every change."""
     publisher = pair[0].node()
-    publisher.put("covered/m", "x")
-    wait_until(lambda: pair[0].posted(MatchingChanged), what="the first answer")
     remote = Heard(pair[1].node(), "covered/*")
-    wait_until(lambda: len(pair[0].posted(MatchingChanged)) == 2, what="a subscriber")
+    wait_interest(pair[1], pair[0], keys=("covered/*",))
+    publisher.put("covered/m", "x")
+    wait_until(lambda: len(pair[0].posted(MatchingChanged)) == 1, what="the first answer")
     remote.subscriber.undeclare()
-    wait_until(lambda: len(pair[0].posted(MatchingChanged)) == 3, what="its end")
+    wait_until(lambda: len(pair[0].posted(MatchingChanged)) == 2, what="the subscriber's end")
+    Heard(pair[1].node(), "covered/*")
+    wait_until(lambda: len(pair[0].posted(MatchingChanged)) == 3, what="another subscriber")
     assert [(event.key, event.matching) for event in pair[0].posted(MatchingChanged)] == [
-        ("covered/m", False),
         ("covered/m", True),
         ("covered/m", False),
+        ("covered/m", True),
     ]
+
+
+def break_ledger(voice):
+    """Let a ledger read what no Zenoh of today writes."""
+    voice.ledger.read(frame(b"\x0a"), inward=True)
+    assert voice.ledger.broken
 
 
 def test_when_declarations_cannot_be_followed_everything_crosses(pair):
     """Should a future Zenoh speak differently, apps still hear the mesh: by subscribing to all of it."""
-    pair[0].bridge._watch._apps.ledger.broken = True
+    break_ledger(pair[0].bridge._watch._apps)
     wait_interest(pair[0], pair[1], keys=("**", "**/@adv/**", "@ros2_lv/**"))
     heard = Heard(pair[0].node(), "free/a")
     pair[1].node().put("free/a", "x")
     wait_until(lambda: heard.samples, what="the sample")
     assert heard.payloads == ["x"]
+
+
+def test_when_the_mesh_cannot_be_followed_everything_is_offered_to_it(pair):
+    """What remote apps want is then not known: all is taken from the apps, and reaches who subscribes."""
+    break_ledger(pair[0].bridge._watch._others)
+    wait_until(lambda: pair[0].bridge.describe()["observed"] == sorted(INGRESS), what="the blanket")
+    heard = Heard(pair[1].node(), "free/a")
+    wait_until(lambda: "free/a" in pair[1].bridge.describe()["subscriptions"], what="the subscription")
+    fence(pair[1], pair[0])
+    pair[0].node().put("free/a", "x")
+    wait_until(lambda: heard.samples, what="the sample")
+    assert heard.payloads == ["x"]
+
+
+def declares_nothing_but_own(robot):
+    """Whether nothing is mirrored in any direction."""
+    told = robot.bridge.describe()
+    return not (told["subscriptions"] or told["observed"] or any(told["queryables"].values()))
+
+
+@pytest.mark.parametrize("expression", ["m/a", "m/*", "**", "m/$*b", "@x/a", "m/@y/**"])
+def test_a_publisher_matches_exactly_while_a_remote_subscriber_exists(pair, expression):
+    """Matching of an app's publisher is true while an app of the other robot subscribes, and false after."""
+    key = expression.replace("$*", "x").replace("**", "a").replace("*", "a")
+    publisher = pair[0].node().declare_publisher(key)
+    told = []
+    publisher.declare_matching_listener(lambda status: told.append(status.matching))
+    assert not publisher.matching_status.matching
+    for _ in range(3):
+        remote = Heard(pair[1].node(), expression)
+        wait_until(lambda: told[-1:] == [True], what="the subscriber")
+        remote.subscriber.undeclare()
+        wait_until(lambda: told[-1:] == [False], what="its end")
+    assert told == [True, False] * 3
+    wait_until(lambda: all(map(declares_nothing_but_own, pair)), what="nothing to be left")
+
+
+def test_robots_that_want_the_same_do_not_keep_it_wanted(team):
+    """Equal and overlapping subscriptions on three robots: each is mirrored for exactly as long as somebody has it."""
+    apps = [robot.node() for robot in team]
+    publishers = [app.declare_publisher("same/a") for app in (robot.node() for robot in team)]
+    heard = {(n, key): Heard(app, key) for n, app in enumerate(apps) for key in ("same/a", "same/*", "**")}
+
+    def matching():
+        return [publisher.matching_status.matching for publisher in publishers]
+
+    wait_until(lambda: matching() == [True] * 3, what="all to match")
+    for n, key in list(heard):
+        if n != 1 or key != "same/*":
+            heard.pop((n, key)).subscriber.undeclare()
+    wait_until(lambda: team[1].bridge.describe()["subscriptions"] == ["same/*"], what="the last subscription")
+    wait_until(lambda: not team[1].bridge.describe()["observed"], what="nobody else to want anything")
+    for n in (0, 2):
+        wait_until(lambda n=n: team[n].bridge.describe()["observed"] == ["same/*"], what="the last wish")
+        wait_until(lambda n=n: not team[n].bridge.describe()["subscriptions"], what="no wish of their own")
+    assert matching() == [True] * 3
+    heard.popitem()[1].subscriber.undeclare()
+    wait_until(lambda: not any(matching()), what="nobody to match")
+    wait_until(lambda: all(map(declares_nothing_but_own, team)), what="nothing to be left")
+
+
+def test_a_querier_matches_exactly_while_a_remote_queryable_exists(pair):
+    """Matching of queriers: of any queryable, or of a complete one where the target asks for that."""
+    app = pair[0].node()
+    anybody = app.declare_querier("serve/a")
+    complete = app.declare_querier("serve/a", target=zenoh.QueryTarget.ALL_COMPLETE)
+
+    def matching():
+        return anybody.matching_status.matching, complete.matching_status.matching
+
+    assert matching() == (False, False)
+    other = pair[1].node()
+    partly = other.declare_queryable("serve/*", lambda query: query.drop())
+    wait_until(lambda: matching() == (True, False), what="an incomplete queryable")
+    whole = other.declare_queryable("serve/*", lambda query: query.drop(), complete=True)
+    wait_until(lambda: matching() == (True, True), what="a complete one")
+    whole.undeclare()
+    wait_until(lambda: matching() == (True, False), what="its end")
+    partly.undeclare()
+    wait_until(lambda: matching() == (False, False), what="the end of the last")
+
+
+def test_any_verbatim_chunk_crosses(pair):
+    """Samples, queries and tokens of keys that `**` does not match, in whatever chunk."""
+    app, other = pair[0].node(), pair[1].node()
+    heard = Heard(app, "@any/*")
+    wait_interest(pair[0], pair[1], keys=("@any/*",))
+    other.put("@any/a", "x")
+    token = other.liveliness().declare_token("a/@some/t")
+    served = other.declare_queryable("b/@other", lambda query: query.reply("b/@other", "y"))
+    wait_until(lambda: heard.payloads == ["x"], what="the sample")
+    wait_until(lambda: list(app.liveliness().get("**/@some/*", timeout=5.0)), what="the token")
+    wait_until(lambda: list(answers(app, "b/@other")) == ["y"], what="the answer")
+    token.undeclare()
+    served.undeclare()
+
+
+@pytest.mark.parametrize("local", [False, True], ids=["wanted there only", "wanted here too"])
+def test_late_joiners_miss_nothing_and_hear_nothing_twice(pair, local):
+    """History and live samples of a fast publisher join without a gap, for one late joiner after the other.
+
+    Also when an app beside the publisher subscribes to the same.
+    """
+    here = [Heard(pair[1].node(), "fast/a")] if local else []
+    publisher = zenoh.ext.declare_advanced_publisher(
+        pair[1].node(stamps=True),
+        "fast/a",
+        cache=zenoh.ext.CacheConfig(max_samples=100000),
+        congestion_control=zenoh.CongestionControl.BLOCK,
+    )
+    stop = threading.Event()
+    sent = itertools.count()
+
+    def publish():
+        while not stop.wait(0.0005):
+            publisher.put(str(next(sent)))
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    wait_until(lambda: pair[0].bridge.describe()["queryables"]["outward"], what="the mirrored cache")
+    joined = [join(pair[0].node(), "fast/a") for _ in range(6)]
+    stop.set()
+    thread.join()
+    last = next(sent)
+    publisher.put(str(last))
+    for _, heard in joined:
+        wait_until(lambda heard=heard: heard[-1:] == [last], what="the last sample")
+        assert heard == list(range(last + 1))
+    for subscriber, _ in joined:
+        subscriber.undeclare()
+    publisher.undeclare()
+    del here
+
+
+def join(app, key):
+    """Subscribe with history, and wait until something came."""
+    heard = []
+    subscriber = zenoh.ext.declare_advanced_subscriber(
+        app, key, lambda sample: heard.append(int(sample.payload.to_string())), history=zenoh.ext.HistoryConfig()
+    )
+    wait_until(lambda: heard, what="the history")
+    return subscriber, heard
+
+
+def test_tokens_of_a_robot_that_vanishes_vanish(pair):
+    """When a whole daemon is gone, tokens of its apps are gone on the other robot, which says so."""
+    told = []
+    app = pair[0].node()
+    app.liveliness().declare_subscriber("alive/*", lambda sample: told.append(str(sample.kind)), history=True)
+    token = pair[1].node().liveliness().declare_token("alive/x")
+    wait_until(lambda: len(told) == 1, what="the token")
+    pair[1].mesh.close()
+    wait_until(lambda: len(told) == 2, what="its end")
+    assert not list(app.liveliness().get("alive/*", timeout=5.0))
+    del token
+
+
+def test_wishes_that_come_and_go_cost_a_standing_one_nothing(pair):
+    """While wider and overlapping subscriptions come and go, the one that stays hears everything once, in order."""
+    publisher = pair[0].node().declare_publisher("flow/a", congestion_control=zenoh.CongestionControl.BLOCK)
+    stays, app = Heard(pair[1].node(), "flow/a"), pair[1].node()
+    wait_interest(pair[1], pair[0], keys=("flow/a",))
+    wait_until(lambda: publisher.matching_status.matching, what="the subscriber")
+    stop = threading.Event()
+    sent = itertools.count()
+
+    def publish():
+        while not stop.wait(0.0002):
+            publisher.put(str(next(sent)))
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    for expression in ("flow/*", "**", "*/a", "flow/**") * 3:
+        passing = Heard(app, expression)
+        wait_until(lambda e=expression: observes(pair[0], e), what="the wish")
+        passing.subscriber.undeclare()
+        wait_until(lambda: pair[0].bridge.describe()["observed"] == ["flow/a"], what="its end")
+    stop.set()
+    thread.join()
+    total = next(sent)
+    wait_until(lambda: len(stays.samples) >= total, what="all samples")
+    assert stays.payloads == [str(i) for i in range(total)]
+
+
+def test_a_look_that_fails_is_said_once_and_not_the_last(pair, caplog):
+    """With a mesh session that is closed nothing can be declared there; the watch goes on, and says so only once."""
+    wanted = Heard(pair[1].node(), "**")
+    wait_interest(pair[1], pair[0], keys=("**",))
+    app = pair[0].node()
+    pair[0].mesh.close()
+    app.put("free/a", "x")
+    wait_until(lambda: "cannot mirror" in caplog.text, what="the failure")
+    app.put("free/b", "x")
+    token = app.liveliness().declare_token("alive/still")
+    wait_until(lambda: "alive/still" in pair[0].bridge._watch._apps.declared("token"), what="the token")
+    wait_until(lambda: "alive/still" in pair[0].bridge._watch._tokens_out.declared, what="another look")
+    assert caplog.text.count("cannot mirror what was declared") == 1
+    del wanted, token

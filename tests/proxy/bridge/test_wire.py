@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.bridge.wire import Batches, Declared, KeyNumber, Undeclared, WireError
+from proxy.bridge.cursor import WireError
+from proxy.bridge.wire import Asked, Batches, Declared, Interest, KeyNumber, Undeclared
 
 HANDSHAKE = (
     "5b00e109f06bf51b21f5ecfd75ad612b7be962c2920a00c03130628d292d8005e86da751a8fcf1d40b2bafe6179d07f05018272f5ef39"
@@ -129,3 +130,36 @@ def test_any_bytes_are_read_or_refused(data):
         list(Batches().feed(batch(data)))
     except (WireError, UnicodeDecodeError):
         pass
+
+
+QUERY = "2900a5e38b8e5d3104bc0103022f61a10cb40126b817e30107783d313b793d32c30509017a707045026161"
+
+
+def test_a_query_says_how_it_is_asked():
+    """To all, within 3 s, with a higher priority and waiting for room; payload and attachment do not matter."""
+    (asked,) = read(QUERY)
+    assert asked == Asked(3, "/a", senders=False, parameters="x=1;y=2", target=1, timeout=3.0, qos=0x0C)
+
+
+def test_an_interest_says_where_it_stands():
+    """So that whoever passes the batch on can alter it."""
+    data = bytes.fromhex("790132" + ABC) + TOKEN
+    (interest, _) = Batches().read(frame(data)[2:])
+    assert (interest.scope, interest.suffix) == (0, "abc")
+    told = frame(data)[2:]
+    assert (told[interest.options], told[interest.end :]) == (0x32, TOKEN)
+
+
+def test_an_interest_in_fragments_is_passed_over():
+    """There it has no place in a batch."""
+    data = bytes.fromhex("790132" + ABC) + TOKEN
+    batches = Batches()
+    found = [m for part in (b"\x66\x01" + data[:3], b"\x26\x02" + data[3:]) for m in batches.feed(batch(part))]
+    assert not any(isinstance(message, Interest) for message in found)
+    assert len(found) == 1
+
+
+def test_frames_share_a_batch():
+    """Messages that may get lost have a frame of their own behind the others."""
+    found = list(Batches().feed(batch(frame(TOKEN)[2:] + frame(TOKEN)[2:])))
+    assert len(found) == 2

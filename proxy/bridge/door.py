@@ -1,0 +1,48 @@
+"""A private place where a main session listens for its voice."""
+
+import fcntl
+import shutil
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from proxy.bridge.sessions import PRIVATE, merged
+
+_LOCK = "lock"
+
+
+class Door:
+    """A folder with two sockets. Folders of processes that were killed are removed when the next one opens."""
+
+    def __init__(self) -> None:
+        _sweep()
+        self._folder = Path(tempfile.mkdtemp(prefix=f"new-{PRIVATE}"))
+        self._lock = (self._folder / _LOCK).open("w")
+        fcntl.flock(self._lock, fcntl.LOCK_EX)
+        # Only now it has the name of those that are swept: nobody finds it unlocked while we live.
+        self._folder = self._folder.rename(self._folder.with_name(self._folder.name.removeprefix("new-")))
+        self.main = self._folder / "main"
+        self.tap = self._folder / "tap"
+
+    def added_to(self, options: dict[str, Any]) -> dict[str, Any]:
+        """Return the options of a main session, which listens here too."""
+        here = {"endpoints": [*options["listen"]["endpoints"], f"unixsock-stream/{self.main}"]}
+        return merged(options, {"listen": here})
+
+    def hide(self) -> None:
+        """Move the socket from where the main session announces it: only its voice shall link here."""
+        self.main = self.main.rename(self.main.with_name("hidden"))
+
+    def close(self) -> None:
+        """Remove the place."""
+        shutil.rmtree(self._folder, ignore_errors=True)
+        self._lock.close()
+
+
+def _sweep() -> None:
+    """Remove the folders that nobody holds a lock in any more."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{PRIVATE}*"):
+        with suppress(OSError), (folder / _LOCK).open("r+") as lock:  # another user's, or gone meanwhile
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            shutil.rmtree(folder, ignore_errors=True)

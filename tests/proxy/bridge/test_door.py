@@ -1,0 +1,55 @@
+"""Private places are removed, whatever ends the process."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+
+import pytest
+
+from proxy.bridge.door import Door
+
+HOLD = "import sys; from proxy.bridge.door import Door; door = Door(); print('open', flush=True); sys.stdin.read()"
+
+
+@pytest.fixture
+def places(tmp_path, monkeypatch):
+    """The folder in which all places are."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    return tmp_path
+
+
+def test_a_closed_door_leaves_nothing(places):
+    """Closing removes the folder with all that is in it."""
+    door = Door()
+    door.main.write_text("")
+    assert door.main.parent.parent == places
+    door.close()
+    assert not list(places.iterdir())
+
+
+def test_the_place_of_a_killed_process_is_removed_and_that_of_a_living_one_is_not(places):
+    """The next door sweeps what nobody holds any more."""
+    environment = os.environ | {"TMPDIR": str(places)}
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLD], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as other:
+        assert other.stdout.readline() == b"open\n"
+        (held,) = places.iterdir()
+        Door().close()
+        assert list(places.iterdir()) == [held]
+        other.send_signal(signal.SIGKILL)
+        other.wait()
+        assert held.exists()
+        door = Door()
+        assert list(places.iterdir()) == [door.main.parent]
+        door.close()
+
+
+def test_what_is_not_ours_is_left_alone(places):
+    """A folder of the same name without a lock, or one that cannot be read, stops nothing and stays."""
+    alien = places / "sendworthy-private-alien"
+    alien.mkdir()
+    Door().close()
+    assert list(places.iterdir()) == [alien]
