@@ -12,6 +12,7 @@ from proxy import clock
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
 from proxy.bridge.lane import Lane
+from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
@@ -98,15 +99,19 @@ class Daemon:
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
         self._worker = Worker(search, planner.deadline, loop.post)
         self._extractor = Extractor(loop.post)
+        self._neighbours = Neighbours(sides.app, robot, self._zids["mesh"], sides.wake.set)
+        opening.callback(self._neighbours.close)
         self._bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
             apps=sides.apps,
             others=sides.others,
+            neighbours=self._neighbours,
             wake=sides.wake,
             specs=self._specs,
             mode=config.mode,
             connect=config.mesh.connect,
+            relayed=config.mesh.relayed,
             submit=self._extractor.submit,
             post=loop.post,
         )
@@ -151,11 +156,13 @@ class Daemon:
 
     def _status(self) -> dict[str, Any]:
         self._bridge.flush()
-        return self._loop.core.status(clock.monotonic()) | {
+        status = self._loop.core.status(clock.monotonic())
+        return status | {
+            "warnings": [*status.get("warnings", ()), *self._neighbours.warnings()],
             "daemon": {
                 "sessions": self._zids,
                 "app": list(self._config.app.listen),
-                "mesh": list(self._config.mesh.listen),
+                "mesh": list(self._config.mesh.listens),
                 "waiting": self._loop.waiting,
                 "faults": self._loop.faults,
                 "features": {"skipped": self._extractor.skipped},
@@ -176,6 +183,7 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         # A unicast mesh, the only one there is yet, overhears nothing.
         coordination="shares" if planner.coordination == "auto" else planner.coordination,
         allowance=config.mesh.allowance,
+        relayed=config.mesh.relayed,
         wall_offset=clock.wall() - clock.monotonic(),
     )
 

@@ -14,6 +14,7 @@ from proxy.bridge.egress import Egress
 from proxy.bridge.ingress import Ingress, Submit
 from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
+from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.voice import Voice
@@ -41,16 +42,18 @@ class Bridge:
         mesh: zenoh.Session,
         apps: Voice,
         others: Voice,
+        neighbours: Neighbours,
         wake: threading.Event,
         specs: Specs,
         mode: Mode,
         connect: tuple[str, ...],
+        relayed: bool,
         submit: Submit,
         post: Callable[[Event], None],
     ) -> None:
         self._specs = specs
         self._post = post
-        self.demand = Demand(mesh, post, wake.set)
+        self.demand = Demand(mesh, post, wake.set, relayed=relayed)
         passed = Passed()
         self._egress = Egress(mesh, self.demand, passed, post, _pace(specs, mode))
         self._ingress = Ingress(
@@ -77,6 +80,8 @@ class Bridge:
             outward=self._outward,
             inward=self._inward,
             links=self._links,
+            ingress=self._ingress,
+            neighbours=neighbours,
             passed=passed,
             post=post,
             wake=wake,
@@ -128,6 +133,7 @@ class Bridge:
         return {
             "links": self._links.describe(),
             "held": self._ingress.held,
+            "returned": self._ingress.returned,
             "egress": self._egress.waiting,
             "delivered": self._delivery.delivered,
             "subscriptions": list(self._delivery.expressions),

@@ -1,4 +1,4 @@
-"""Who on the mesh wants a key. A unicast sample is transmitted once per node that does."""
+"""Who on the mesh wants a key. A unicast sample is transmitted once per node that does, relayed ones once more."""
 
 import threading
 from collections import deque
@@ -20,14 +20,16 @@ class Demand:
     """Follows the demand for our own keys.
 
     Whether anybody wants a key Zenoh tells, by a publisher's matching status; how many do is known from what robots say
-    they subscribe to. `post` learns of every change for keys that an information type covers; `wake` is called when
+    they subscribe to. When all is `relayed` by a router, a sample goes on the air to the router, and from there to each
+    robot that wants it; nodes that are no robots are beyond the router and cost nothing. `post` learns of every change for keys that an information type covers; `wake` is called when
     `update` has something to do.
     """
 
-    def __init__(self, mesh: zenoh.Session, post: Callable[[MatchingChanged], None], wake: Callable[[], None]) -> None:
+    def __init__(self, mesh: zenoh.Session, post: Callable[[MatchingChanged], None], wake: Callable[[], None], *, relayed: bool = False) -> None:
         self._mesh = mesh
         self._post = post
         self._wake = wake
+        self._relayed = relayed
         self._lock = threading.Lock()
         self._seen: dict[str, bool] = {}
         self._new: deque[str] = deque()
@@ -52,7 +54,7 @@ class Demand:
             self._counts = {}
 
     def copies(self, key: str) -> int:
-        """Return how many nodes of the mesh want `key`; at least 1 unless it is known that none does."""
+        """Return how often one sample of `key` goes on the air; at least once unless it is known that nobody wants it."""
         if not self._matching.get(key, True):
             return 0
         counts = self._counts
@@ -61,7 +63,7 @@ class Demand:
                 counts.clear()
             robots = self._robots.values()
             count = counts[key] = sum(any(each.intersects(key) for each in wanted) for wanted in robots)
-        return max(1, count)
+        return count + 1 if self._relayed else max(1, count)
 
     def update(self) -> None:
         """Declare publishers for the keys that are new. May block for as long as the mesh does."""

@@ -44,6 +44,8 @@ class Ingress:
         mode: Mode,
     ) -> None:
         self.mode = mode
+        self.aside = False
+        """Whether another daemon takes care of our apps: then everything is left to it."""
         self._app = app
         self._mesh = mesh
         self._match = match
@@ -53,6 +55,9 @@ class Ingress:
         self._submit = submit
         self._numbers = itertools.count(1)
         self._held: dict[int, Held] = {}
+        self._own = str(mesh.zid())
+        self.returned = 0
+        """Samples that left here for the mesh and came back around the daemons."""
         self._subscribers: list[Declaration] = []
 
     def open(self) -> None:
@@ -81,6 +86,11 @@ class Ingress:
         now = clock.monotonic()
         key = str(sample.key_expr)
         stamp = sample.timestamp
+        if self.aside:
+            return
+        if stamp is not None and origin_of(stamp) == self._own:
+            self.returned += 1
+            return
         held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload))
         covering = self._match(key)
         self._demand.note(key, covered=covering is not None)

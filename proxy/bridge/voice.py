@@ -47,8 +47,8 @@ class Door:
 class Voice:
     """The voice of the main session that listens at `door`.
 
-    On the app side it is a router, which is told everything; on the mesh, where peers route for nobody but their
-    clients, a client, which is told what it says it is interested in. `changed` is called when `declared` changes.
+    A router is told everything; a client, for which alone peers route, what it says it is interested in. `changed` is
+    called when `declared` changes.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Voice:
         self._closing.callback(self.session.close)
         self._interests: list[Declaration] = []
         if mode == "client":
-            self._interests = [declare(key) for key in CROSSING for declare in (self._ask, self._attend)]
+            self._interests = [declare(key) for key in CROSSING for declare in (self._offer, self._ask, self._attend)]
 
     def declared(self, kind: Kind) -> dict[str, bool]:
         """Return what others declared to the main session; for queryables whether complete."""
@@ -80,6 +80,10 @@ class Voice:
             interest.undeclare()
         self._interests = []
         self._closing.close()
+
+    def _offer(self, key: str) -> Declaration:
+        """Be told of subscribers."""
+        return self.session.declare_publisher(key)
 
     def _ask(self, key: str) -> Declaration:
         """Be told of queryables."""

@@ -10,9 +10,11 @@ from proxy import clock
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
+from proxy.bridge.ingress import Ingress
 from proxy.bridge.keys import CROSSING
 from proxy.bridge.links import Links
 from proxy.bridge.mirror import Mirror
+from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.voice import Voice
@@ -43,6 +45,8 @@ class Watch:
         outward: Queries,
         inward: Queries,
         links: Links,
+        ingress: Ingress,
+        neighbours: Neighbours,
         passed: Passed,
         post: Callable[[Event], None],
         wake: threading.Event,
@@ -54,6 +58,8 @@ class Watch:
         self._outward = outward
         self._inward = inward
         self._links = links
+        self._ingress = ingress
+        self._neighbours = neighbours
         self._passed = passed
         self._post = post
         self._wake = wake
@@ -92,19 +98,34 @@ class Watch:
 
     def _look(self) -> None:
         self.flush()
+        self._ingress.aside = aside = self._neighbours.aside
+        if aside:
+            self._mirror_nothing()
+        else:
+            self._mirror()
+        self._demand.update()
+        self._links.check(clock.monotonic())
+
+    def _mirror(self) -> None:
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.
         alive_in, alive_out = self._others.declared("token"), self._apps.declared("token")
         wanted = self._apps.declared("subscriber")
         if self._apps.ledger.broken:
             wanted |= dict.fromkeys(CROSSING, False)
-        if self._delivery.update(wanted):
-            self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
+        self._deliver(wanted)
         self._inward.update(self._apps.declared("queryable"))
         self._outward.update(self._others.declared("queryable"))
         self._tokens_out.update(alive_out)
         self._tokens_in.update(self._of_others(alive_in))
-        self._demand.update()
-        self._links.check(clock.monotonic())
+
+    def _mirror_nothing(self) -> None:
+        self._deliver({})
+        for mirror in (self._inward, self._outward, self._tokens_out, self._tokens_in):
+            mirror.update({})
+
+    def _deliver(self, wanted: dict[str, bool]) -> None:
+        if self._delivery.update(wanted):
+            self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
 
     def _of_others(self, alive: dict[str, bool]) -> dict[str, bool]:
         """Leave out our own tokens: a peer echoes a client's tokens to it, and for a moment after their end."""

@@ -119,8 +119,10 @@ class SharedView:
         stream.reached.update(self.wanting(stream))
 
     def copies(self, stream: Stream) -> int:
-        """Transmissions that one sample costs: one per receiver."""
-        return max(1, self.receivers(stream))
+        """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router."""
+        if not self.settings.relayed:
+            return max(1, self.receivers(stream))
+        return 1 + sum(name != "" for name in self.wanting(stream))
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected."""

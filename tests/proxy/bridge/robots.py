@@ -8,6 +8,7 @@ from typing import TypeVar
 import zenoh
 
 from proxy.bridge.bridge import Bridge
+from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, MeshConfig
 from proxy.core.events import Event, SamplePublished
@@ -40,15 +41,19 @@ class Robot:
         mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False)
         sides = open_sides(app, mesh, stack)
         self.app, self.mesh, self.voice = sides.app, sides.mesh, sides.apps.session
+        neighbours = Neighbours(sides.app, "robot", str(sides.mesh.zid()), sides.wake.set)
+        stack.callback(neighbours.close)
         self.bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
             apps=sides.apps,
             others=sides.others,
+            neighbours=neighbours,
             wake=sides.wake,
             specs=specs,
             mode=Mode.ENFORCE,
             connect=connect,
+            relayed=False,
             submit=self._submit,
             post=self.events.append,
         )

@@ -1,0 +1,71 @@
+"""Other daemons on our app side: where they are, the apps of several robots are joined around the daemons.
+
+That happens where the routers of an installation are linked with each other. Were all daemons to bridge such apps, each
+sample would arrive several times, and some would go round for ever. So one of them does it for all; the others stand
+aside for as long as they see it.
+"""
+
+import threading
+from collections.abc import Callable
+
+import zenoh
+
+from proxy.bridge import keys
+from proxy.bridge.declaration import Declaration
+
+
+class Neighbours:
+    """Says on the app side that this daemon is there, and follows who else is. `changed` is called when that changes.
+
+    `own` is our mesh session's id: it on the app side means that the apps are on the mesh themselves.
+    """
+
+    def __init__(self, app: zenoh.Session, robot: str, own: str, changed: Callable[[], None]) -> None:
+        self._zid = str(app.zid())
+        self._robot = robot
+        self._mesh = own
+        self._changed = changed
+        self._lock = threading.Lock()
+        self._robots: dict[str, str] = {}
+        self._meshed = False
+        handler = zenoh.handlers.Callback(self._notice, indirect=False)
+        self._declared: list[Declaration] = [
+            app.liveliness().declare_token(keys.at_apps(robot, self._zid)),
+            *(app.liveliness().declare_subscriber(key, handler, history=True) for key in (keys.ALL_AT_APPS, keys.ALL_ALIVE)),
+        ]
+
+    @property
+    def aside(self) -> bool:
+        """Whether another daemon bridges our apps, or nobody has to."""
+        return self._meshed or any(zid < self._zid for zid in self._robots)
+
+    def warnings(self) -> list[str]:
+        """Say what is wrong with the app side, for the status."""
+        if self._meshed:
+            return [
+                "the router on the app side has a link to the mesh around the daemon: its samples are not decided upon; "
+                "connect that router to the daemon only"
+            ]
+        who = "another daemon" if self.aside else "this daemon"
+        return [
+            f"the router on the app side has a link to robot {robot} around the daemons: what crosses it is not decided "
+            f"upon, and {who} bridges for both; let routers of robots connect to their own daemons only"
+            for robot in sorted(set(self._robots.values()))
+        ]
+
+    def close(self) -> None:
+        """Be gone."""
+        for declared in self._declared:
+            declared.undeclare()
+        self._declared = []
+
+    def _notice(self, sample: zenoh.Sample) -> None:
+        token, here = str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT
+        zid = keys.zid_of(token)
+        with self._lock:
+            if token == keys.alive(self._robot, self._mesh):
+                self._meshed = here
+            elif token == keys.at_apps(keys.robot_of(token), zid) and zid != self._zid:
+                robots = {other: robot for other, robot in self._robots.items() if other != zid}
+                self._robots = robots | {zid: keys.robot_of(token)} if here else robots
+        self._changed()
