@@ -23,12 +23,13 @@ def plain_session(
     connect: tuple[str, ...] = (),
     stamps: bool = False,
     gossip: bool = False,
+    retry: dict[str, int] | None = None,
 ) -> zenoh.Session:
     """An unmodified Zenoh node that knows nothing of Sendworthy and dials only what it is told."""
     options = {
         "mode": mode,
         "listen": {"endpoints": list(listen)},
-        "connect": {"endpoints": list(connect), "timeout_ms": 5000, "exit_on_failure": False},
+        "connect": {"endpoints": list(connect), "timeout_ms": 5000, "exit_on_failure": False} | ({"retry": retry} if retry else {}),
         "timestamping": {"enabled": stamps},
         "scouting": {"multicast": {"enabled": False}, "gossip": {} if gossip else {"autoconnect": {"peer": []}}},
     }
