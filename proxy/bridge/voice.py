@@ -60,6 +60,8 @@ class Voice:
     ) -> None:
         door.hide()
         self.ledger = Ledger(changed)
+        self.echoes = mode == "client"
+        """Whether tokens of the voice itself are among those declared."""
         self._closing = ExitStack()
         tap = Tap(door.tap, door.main, self.ledger)
         self._closing.callback(tap.close)

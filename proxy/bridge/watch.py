@@ -65,7 +65,8 @@ class Watch:
         self._wake = wake
         self._tokens_out = Mirror(_token(others.session))
         self._tokens_in = Mirror(_token(apps.session))
-        self._own: dict[str, float] = {}
+        self._echoes_out = _Echoes(self._tokens_out)
+        self._echoes_in = _Echoes(self._tokens_in)
         self._stop = False
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
@@ -115,8 +116,8 @@ class Watch:
         self._deliver(wanted)
         self._inward.update(self._apps.declared("queryable"))
         self._outward.update(self._others.declared("queryable"))
-        self._tokens_out.update(alive_out)
-        self._tokens_in.update(self._of_others(alive_in))
+        self._tokens_out.update(self._echoes_in.without(alive_out) if self._apps.echoes else alive_out)
+        self._tokens_in.update(self._echoes_out.without(alive_in) if self._others.echoes else alive_in)
 
     def _mirror_nothing(self) -> None:
         self._deliver({})
@@ -127,10 +128,18 @@ class Watch:
         if self._delivery.update(wanted):
             self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
 
-    def _of_others(self, alive: dict[str, bool]) -> dict[str, bool]:
-        """Leave out our own tokens: a peer echoes a client's tokens to it, and for a moment after their end."""
+
+class _Echoes:
+    """Our own tokens on one side, which Zenoh echoes to a client, and for a moment after their end."""
+
+    def __init__(self, mirror: Mirror) -> None:
+        self._mirror = mirror
+        self._own: dict[str, float] = {}
+
+    def without(self, alive: dict[str, bool]) -> dict[str, bool]:
+        """Leave them out of what is alive on that side."""
         now = clock.monotonic()
-        self._own |= dict.fromkeys(self._tokens_out.expressions, now + ECHO)
+        self._own |= dict.fromkeys(self._mirror.expressions, now + ECHO)
         self._own = {token: until for token, until in self._own.items() if until > now}
         return {token: False for token in alive if token not in self._own}
 

@@ -99,11 +99,17 @@ def answers_once(asker, answerer, key):
 
 
 def shows_token(watcher, holder, key):
-    """A token is seen while it is there."""
+    """A token is seen while it is there: it comes once, and goes once."""
+    seen = []
+    handler = zenoh.handlers.Callback(lambda sample: seen.append(sample.kind), indirect=False)
+    subscriber = watcher.liveliness().declare_subscriber(key, handler)
     token = holder.liveliness().declare_token(key)
     wait_until(lambda: list(watcher.liveliness().get(key, timeout=5.0)), what=f"the token {key}")
     token.undeclare()
     wait_until(lambda: not list(watcher.liveliness().get(key, timeout=5.0)), what=f"the end of the token {key}")
+    wait_until(lambda: len(seen) >= 2, what=f"news of the token {key}")
+    assert seen == [zenoh.SampleKind.PUT, zenoh.SampleKind.DELETE]
+    subscriber.undeclare()
 
 
 def everything_crosses(one, other, name):
