@@ -25,10 +25,10 @@ def start(network, tmp_path):
     """Start a robot on a host of its own; it ends with the test."""
     with ExitStack() as closing:
 
-        def start_one(name, *, limit="2 Mbit/s", interface=RADIO):
+        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, app="", host=None):
             folder = tmp_path / name
             folder.mkdir()
-            robot = Robot(network.add(name), folder, limit=limit, interface=interface)
+            robot = Robot(host or network.add(name), folder, limit=limit, interface=interface, app=app)
             closing.callback(robot.close)
             return robot
 

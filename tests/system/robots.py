@@ -1,6 +1,7 @@
 """Robots on hosts of their own: the daemon as an operator starts it, and applications beside it."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -29,7 +30,7 @@ utility = {{ kind = "video" }}
 class Robot:
     """A daemon on a host, with everything by default but its name, its specs and the interface of its radio."""
 
-    def __init__(self, host, folder, *, limit, interface):
+    def __init__(self, host, folder, *, limit, interface, app=""):
         self.host = host
         self.name = host.name
         self._folder = folder
@@ -37,7 +38,7 @@ class Robot:
         self._apps = []
         (folder / "specs.toml").write_text(SPECS.format(limit=limit))
         (folder / "sendworthy.toml").write_text(
-            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
+            f'robot = "{self.name}"\n[app]\n{app}\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
         )
         self.start()
 
@@ -66,14 +67,15 @@ class Robot:
         """The names of the robots that this one knows."""
         return {peer["robot"] for peer in self.status()["peers"]}
 
-    def hear(self, key):
-        """Start an application that subscribes to `key`."""
-        return self._started(Listener(self.host, self._folder / f"app{len(self._apps)}", "hear", key))
+    def hear(self, key, *, setting=None, host=None, **environ):
+        """Start an application that subscribes to `key`; `setting` is where it has its configuration from."""
+        words = (*_setting(setting), "hear", key)
+        return self._started(Listener(host or self.host, self._output(), *words, **environ))
 
-    def say(self, key, *, size, rate, block=False):
+    def say(self, key, *, size, rate, block=False, setting=None, host=None, **environ):
         """Start an application that publishes on `key`: `rate` samples a second of `size` bytes."""
-        words = ("say", key, str(size), str(rate), *(("block",) if block else ()))
-        return self._started(Speaker(self.host, self._folder / f"app{len(self._apps)}", *words))
+        words = (*_setting(setting), "say", key, str(size), str(rate), *(("block",) if block else ()))
+        return self._started(Speaker(host or self.host, self._output(), *words, **environ))
 
     def stop(self, number=signal.SIGTERM):
         """Ask the daemon to stop; return its exit code and how long it took [s]."""
@@ -94,6 +96,9 @@ class Robot:
         self.kill()
         print(f"--- log of {self.name}\n{self.log()}")
 
+    def _output(self):
+        return self._folder / f"app{len(self._apps)}"
+
     def _started(self, app):
         self._apps.append(app)
         wait_until(app.ready, what=f"start of an application on {self.name}")
@@ -103,11 +108,12 @@ class Robot:
 class Application:
     """A program of `application.py` on a host."""
 
-    def __init__(self, host, output, *words):
+    def __init__(self, host, output, *words, **environ):
         self._output = output
+        command = (sys.executable, str(APPLICATION), *words)
         with output.open("w") as written:
             self._process = host.start(
-                *(sys.executable, str(APPLICATION), *words), stdin=subprocess.PIPE, stdout=written
+                *command, stdin=subprocess.PIPE, stdout=written, env=os.environ | environ
             )
 
     def ready(self):
@@ -145,6 +151,10 @@ class Speaker(Application):
         """Let it end; return how many samples it published."""
         self._process.communicate(timeout=10)
         return self.told()[-1]
+
+
+def _setting(setting):
+    return () if setting is None else (f"SETTING={setting}",)
 
 
 def wait_until_met(robots, timeout=20.0):
