@@ -161,6 +161,6 @@ def _dialled(endpoints: Iterable[str], retry: Mapping[str, Any]) -> dict[str, An
     return {"endpoints": list(endpoints), "timeout_ms": -1, "exit_on_failure": False, "retry": retry}
 
 
-_SOON = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}
+_SOON = {"period_init_ms": 100, "period_max_ms": 200, "period_increase_factor": 1.5}
 _PATIENTLY = {"period_init_ms": 200, "period_max_ms": 2000, "period_increase_factor": 1.5}
 _AT_ONCE = {"return_conditions": {"connect_scouted": False, "declares": False}}
