@@ -12,6 +12,7 @@ from proxy import clock
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
 from proxy.bridge.lane import Lane
+from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.sides import open_sides
@@ -123,6 +124,10 @@ class Daemon:
         self._bridge.open()
         opening.callback(self._presence.close)
         self._presence.open()
+        self._sides = sides
+        self._lookout = Lookout(config.mesh.interface, self._zids.values(), _scouting_group(config))
+        opening.callback(self._lookout.close, _PATIENCE)
+        self._lookout.start()
         lane = Lane("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(lane.close, _PATIENCE)
         control = Control(
@@ -154,21 +159,37 @@ class Daemon:
         self._bridge.switch(mode)
         self._loop.handle(ModeChanged(clock.monotonic(), mode))
 
+    def _warnings(self) -> list[str]:
+        sides, peers = self._sides, self._loop.core.view.peers.values()
+        others = {origin: peer.robot for peer in peers for origin in peer.origins if origin != peer.zid}
+        return [
+            *self._neighbours.warnings(),
+            *around(sides.app, sides.mesh, others),
+            *self._lookout.warnings(),
+        ]
+
     def _status(self) -> dict[str, Any]:
         self._bridge.flush()
         status = self._loop.core.status(clock.monotonic())
         return status | {
-            "warnings": [*status.get("warnings", ()), *self._neighbours.warnings()],
+            "warnings": [*status.get("warnings", ()), *self._warnings()],
             "daemon": {
                 "sessions": self._zids,
                 "app": list(self._config.app.listen),
                 "mesh": list(self._config.mesh.listens),
                 "waiting": self._loop.waiting,
                 "faults": self._loop.faults,
+                "looks": self._lookout.looks,
                 "features": {"skipped": self._extractor.skipped},
                 **self._bridge.describe(),
             }
         }
+
+
+def _scouting_group(config: Config) -> str:
+    """Where applications of this robot scout."""
+    scouting = config.app.zenoh.get("scouting", {})
+    return str(scouting.get("multicast", {}).get("address", SCOUTING_GROUP))
 
 
 def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:

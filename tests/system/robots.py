@@ -67,6 +67,10 @@ class Robot:
         """The names of the robots that this one knows."""
         return {peer["robot"] for peer in self.status()["peers"]}
 
+    def looked(self):
+        """Whether the daemon has looked for applications that others find, twice since it started."""
+        return self.status()["daemon"]["looks"] >= 2
+
     def hear(self, key, *, setting=None, host=None, **environ):
         """Start an application that subscribes to `key`; `setting` is where it has its configuration from."""
         words = (*_setting(setting), "hear", key)

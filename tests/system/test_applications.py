@@ -57,6 +57,13 @@ def only_through_the_daemons(robots, *options):
     assert missing == list(range(missing[0], missing[-1] + 1))
 
 
+def warnings_of_none(robots):
+    """What is prevented is no warning, even while the applications still run."""
+    for robot in robots:
+        wait_until(robot.looked, 30, "a look around")
+        assert robot.status()["warnings"] == []
+
+
 def test_without_a_drop_in_applications_go_around_the_daemon(two):
     """In Zenoh's default configuration they find each other over the radio, and hear each other with no daemon at all."""
     one, other = two()
@@ -66,6 +73,18 @@ def test_without_a_drop_in_applications_go_around_the_daemon(two):
     one.say(KEY, size=20, rate=RATE, setting="default")
     wait_until(lambda: len(listener.numbers(KEY)) >= RATE, what="samples around the daemons")
     assert not any(MESH in pair for pair in one.host.links())
+
+
+@pytest.mark.parametrize("app", ["", "scouting = true"])
+def test_the_daemon_warns_of_an_application_that_others_find(two, app):
+    """Whether the daemon answers scouts or not, an application in Zenoh's default configuration is said, while it is."""
+    one, other = two(app)
+    listener = one.hear(KEY, setting="default")
+    wait_until(lambda: "deploy/apps" in " ".join(one.status()["warnings"]), 30, "the warning")
+    assert f"at tcp/{one.host.address}:" in one.status()["warnings"][0]
+    assert other.status()["warnings"] == []
+    listener.close()
+    wait_until(lambda: not one.status()["warnings"], 30, "the end of the warning")
 
 
 @pytest.mark.parametrize("file", ["client.json5", "peer.json5"])
@@ -96,6 +115,7 @@ def test_rules_of_the_firewall_keep_default_applications_at_their_daemon(two):
         loaded = robot.host.run("nft", "-f", str(APPS / "radio.nft"))
         assert loaded.returncode == 0, loaded.stderr
     only_through_the_daemons(robots, {"setting": "default"})
+    warnings_of_none(robots)
 
 
 def test_a_namespace_keeps_default_applications_at_their_daemon(network, start):
@@ -112,6 +132,7 @@ def test_a_namespace_keeps_default_applications_at_their_daemon(network, start):
         for robot in robots:
             wait_until(robot.peers, what="the other")
         only_through_the_daemons(robots, *({"setting": "default", "host": host} for host in hosts))
+        warnings_of_none(robots)
 
 
 def commands(kind):
