@@ -182,7 +182,7 @@ class Daemon:
                 "looks": self._lookout.looks,
                 "features": {"skipped": self._extractor.skipped},
                 **self._bridge.describe(),
-            }
+            },
         }
 
 

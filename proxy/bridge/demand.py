@@ -21,11 +21,18 @@ class Demand:
 
     Whether anybody wants a key Zenoh tells, by a publisher's matching status; how many do is known from what robots say
     they subscribe to. When all is `relayed` by a router, a sample goes on the air to the router, and from there to each
-    robot that wants it; nodes that are no robots are beyond the router and cost nothing. `post` learns of every change for keys that an information type covers; `wake` is called when
-    `update` has something to do.
+    robot that wants it; nodes that are no robots are beyond the router and cost nothing. `post` learns of every change
+    for keys that an information type covers; `wake` is called when `update` has something to do.
     """
 
-    def __init__(self, mesh: zenoh.Session, post: Callable[[MatchingChanged], None], wake: Callable[[], None], *, relayed: bool = False) -> None:
+    def __init__(
+        self,
+        mesh: zenoh.Session,
+        post: Callable[[MatchingChanged], None],
+        wake: Callable[[], None],
+        *,
+        relayed: bool = False,
+    ) -> None:
         self._mesh = mesh
         self._post = post
         self._wake = wake
@@ -54,7 +61,7 @@ class Demand:
             self._counts = {}
 
     def copies(self, key: str) -> int:
-        """Return how often one sample of `key` goes on the air; at least once unless it is known that nobody wants it."""
+        """Return how often one sample of `key` goes on the air: at least once unless nobody wants it."""
         if not self._matching.get(key, True):
             return 0
         counts = self._counts

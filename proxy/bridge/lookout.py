@@ -5,6 +5,7 @@ import re
 import socket
 import threading
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import zenoh
 
@@ -63,7 +64,8 @@ class Lookout:
             if locator is not None and str(hello.zid) not in self._ours:
                 found[f"the Zenoh {str(hello.whatami).lower()} {hello.zid}"] = locator
 
-        scout = zenoh.scout(zenoh.handlers.Callback(take, indirect=False), what="peer|router", config=self._config)
+        # Its stubs promise neither this kind of handler nor what `stop` returns.
+        scout: Any = zenoh.scout(zenoh.handlers.Callback(take, indirect=False), "peer|router", self._config)  # type: ignore[arg-type]
         self._stop.wait(LISTEN)
         scout.stop()
         self._found = found

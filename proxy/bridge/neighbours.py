@@ -13,6 +13,15 @@ import zenoh
 from proxy.bridge import keys
 from proxy.bridge.declaration import Declaration
 
+MESHED = (
+    "the router on the app side has a link to the mesh around the daemon, so nothing is decided upon: connect that "
+    "router to the daemon only"
+)
+JOINED = (
+    "the router on the app side has a link to robot {robot} around the daemons: what crosses it is not decided upon, "
+    "and {who} bridges for both; let the routers of robots connect to their own daemons only"
+)
+
 
 class Neighbours:
     """Says on the app side that this daemon is there, and follows who else is. `changed` is called when that changes.
@@ -31,7 +40,8 @@ class Neighbours:
         handler = zenoh.handlers.Callback(self._notice, indirect=False)
         self._declared: list[Declaration] = [
             app.liveliness().declare_token(keys.at_apps(robot, self._zid)),
-            *(app.liveliness().declare_subscriber(key, handler, history=True) for key in (keys.ALL_AT_APPS, keys.ALL_ALIVE)),
+            app.liveliness().declare_subscriber(keys.ALL_AT_APPS, handler, history=True),
+            app.liveliness().declare_subscriber(keys.ALL_ALIVE, handler, history=True),
         ]
 
     @property
@@ -42,16 +52,9 @@ class Neighbours:
     def warnings(self) -> list[str]:
         """Say what is wrong with the app side, for the status."""
         if self._meshed:
-            return [
-                "the router on the app side has a link to the mesh around the daemon: its samples are not decided upon; "
-                "connect that router to the daemon only"
-            ]
+            return [MESHED]
         who = "another daemon" if self.aside else "this daemon"
-        return [
-            f"the router on the app side has a link to robot {robot} around the daemons: what crosses it is not decided "
-            f"upon, and {who} bridges for both; let routers of robots connect to their own daemons only"
-            for robot in sorted(set(self._robots.values()))
-        ]
+        return [JOINED.format(robot=robot, who=who) for robot in sorted(set(self._robots.values()))]
 
     def close(self) -> None:
         """Be gone."""

@@ -13,8 +13,8 @@ class CoreSettings:
     `horizon` counts messages, `horizon_time` and `settle` are seconds, `allowance` is the share of every limit that
     all digests together may use (at least 100 B/s per robot), `floor` the part of a limit that a newcomer may use
     before all others know of it, `inbox` the samples that may wait for a decision, `backlog` those of one stream where
-    each sample counts, `relayed` says that robots meet at a router: a sample goes on the air to it, and then once to each
-    robot that wants it.
+    each sample counts, `relayed` says that robots meet at a router: a sample goes on the air to it, and then once
+    to each robot that wants it.
     """
 
     robot: str

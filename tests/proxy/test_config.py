@@ -13,8 +13,9 @@ def test_defaults_are_those_of_the_manual():
     assert config.model_dump(mode="json") == {
         "robot": "r1",
         "mode": "enforce",
-        "app": {"listen": ["tcp/127.0.0.1:7447"], "zenoh": {}},
+        "app": {"connect": [], "listen": ["tcp/127.0.0.1:7447"], "scouting": False, "zenoh": {}},
         "mesh": {
+            "mode": "peer",
             "listen": ["tcp/0.0.0.0:7500"],
             "connect": [],
             "scouting": True,
@@ -62,6 +63,7 @@ def test_settings_tell_what_a_flag_may_hold():
     assert text == {
         "robot",
         "mode",
+        "mesh.mode",
         "mesh.interface",
         "specs.path",
         "planner.search",

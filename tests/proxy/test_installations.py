@@ -1,4 +1,4 @@
-"""Daemons in installations that have Zenoh routers already, on real sessions and with routers in their own processes."""
+"""Daemons in installations that have Zenoh routers already, on real sessions; routers are processes of their own."""
 
 import json
 from contextlib import ExitStack
@@ -10,7 +10,7 @@ from proxy.bridge import keys
 from proxy.config import AppConfig, Config, MeshConfig
 from proxy.core.mode import Mode
 from proxy.daemon import Daemon
-from tests.proxy.nodes import Heard, answers, closing, free_endpoint, plain_session
+from tests.proxy.nodes import Heard, answers, closing, free_endpoint, free_group, outside, plain_session, scouting
 from tests.routers import Router
 from tests.waiting import wait_until
 from utility_specs import Specs
@@ -27,14 +27,16 @@ def stack():
 class Robot:
     """A daemon whose apps are at `routers`, or at the daemon itself when there are none."""
 
-    def __init__(self, stack, name, *, routers=(), mesh=None, connect=()):
+    def __init__(self, stack, name, *, routers=(), mesh=None, connect=(), group=None):
         self._stack = stack
         self.name = name
         self.mesh = free_endpoint()
         own = () if routers else (free_endpoint(),)
         self.at = routers[0] if routers else own[0]
         mesh = mesh or MeshConfig(listen=(self.mesh,), connect=connect, scouting=False)
-        config = Config(robot=name, mode=Mode.PASS, app=AppConfig(listen=own, connect=routers), mesh=mesh)
+        multicast = {"scouting": {"multicast": {"address": group}}} if group else {}
+        app = AppConfig(listen=own, connect=routers, scouting=group is not None, zenoh=multicast)
+        config = Config(robot=name, mode=Mode.PASS, app=app, mesh=mesh)
         self.daemon = Daemon(config, Specs.empty())
         self.daemon.start()
         stack.callback(self.daemon.stop)
@@ -243,3 +245,16 @@ def test_a_sample_that_a_router_relays_costs_the_way_to_it_and_to_each_robot(sta
     operator.subscriber.undeclare()
     listeners[0].subscriber.undeclare()
     wait_until(lambda: cost() == 2, what="one robot")
+
+
+def test_an_application_that_scouts_finds_the_daemon_and_is_said_when_others_can_find_it(stack):
+    """With `[app] scouting` one in the default configuration needs nothing; the status says that it is in the open."""
+    group = free_group()
+    first = Robot(stack, "r1", group=group)
+    second = Robot(stack, "r2", connect=(first.mesh,))
+    met(first, second)
+    app = closing(stack, scouting(group, f"tcp/{outside()}:0"))
+    wait_until(app.info.routers_zid, what="the daemon to be found")
+    everything_crosses(app, second.app(), "scouted")
+    first.daemon._lookout.look()
+    assert f"peer {app.zid()} on this robot answers everybody" in first.warnings()

@@ -116,9 +116,7 @@ class Application:
         self._output = output
         command = (sys.executable, str(APPLICATION), *words)
         with output.open("w") as written:
-            self._process = host.start(
-                *command, stdin=subprocess.PIPE, stdout=written, env=os.environ | environ
-            )
+            self._process = host.start(*command, stdin=subprocess.PIPE, stdout=written, env=os.environ | environ)
 
     def ready(self):
         """Whether it is connected."""

@@ -3,15 +3,14 @@
 import shlex
 import subprocess
 from contextlib import ExitStack
-from pathlib import Path
 
 import pytest
 
+from tests.deploy.test_apps import APPS, variables
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
 
-APPS = Path(__file__).parent.parent.parent / "deploy" / "apps"
 KEY = "chat/a"
 RATE = 20
 MESH = 7500
@@ -65,7 +64,7 @@ def warnings_of_none(robots):
 
 
 def test_without_a_drop_in_applications_go_around_the_daemon(two):
-    """In Zenoh's default configuration they find each other over the radio, and hear each other with no daemon at all."""
+    """In Zenoh's default configuration they find each other over the radio, with no daemon at all."""
     one, other = two()
     for robot in (one, other):
         robot.kill()
@@ -77,7 +76,7 @@ def test_without_a_drop_in_applications_go_around_the_daemon(two):
 
 @pytest.mark.parametrize("app", ["", "scouting = true"])
 def test_the_daemon_warns_of_an_application_that_others_find(two, app):
-    """Whether the daemon answers scouts or not, an application in Zenoh's default configuration is said, while it is."""
+    """Whether the daemon answers scouts or not, an application with Zenoh's defaults is said, while it is."""
     one, other = two(app)
     listener = one.hear(KEY, setting="default")
     wait_until(lambda: "deploy/apps" in " ".join(one.status()["warnings"]), 30, "the warning")
@@ -99,13 +98,6 @@ def test_the_environment_keeps_applications_at_their_daemon(two):
     assert environ["ZENOH_CONFIG"] == "/etc/sendworthy/apps/client.json5"
     environ["ZENOH_CONFIG"] = str(APPS / "client.json5")
     only_through_the_daemons(two(), {"setting": "environment", **environ})
-
-
-def variables(file):
-    """Read a file as systemd's EnvironmentFile does."""
-    lines = [line for line in file.read_text().splitlines() if line and not line.startswith("#")]
-    pairs = [line.partition("=")[::2] for line in lines]
-    return {name: "".join(shlex.split(text)) for name, text in pairs}
 
 
 def test_rules_of_the_firewall_keep_default_applications_at_their_daemon(two):

@@ -1,40 +1,18 @@
 """Applications that can be reached around the daemon are found, on real sessions."""
 
-import json
 import socket
 
 import pytest
-import zenoh
 
 from proxy.bridge.lookout import Lookout, around, guarded, on_this_host
-from tests.proxy.nodes import closing, free_endpoint, plain_session
+from tests.proxy.nodes import closing, free_endpoint, free_group, outside, plain_session, scouting
 from tests.waiting import wait_until
 
 
 @pytest.fixture
 def group():
     """A scouting group that nobody else uses."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("", 0))
-        return f"224.0.0.224:{probe.getsockname()[1]}"
-
-
-def scouting(group, listen):
-    """A peer in Zenoh's default configuration, but for the group and where it listens."""
-    config = zenoh.Config()
-    config.insert_json5("scouting/multicast/address", json.dumps(group))
-    config.insert_json5("listen/endpoints", json.dumps([listen]))
-    return zenoh.open(config)
-
-
-def outside():
-    """An address of this host that others can reach."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(("192.0.2.77", 9))  # sends nothing
-        except OSError:
-            pytest.skip("this host has no network")
-        return probe.getsockname()[0]
+    return free_group()
 
 
 def test_who_answers_scouts_on_the_network_is_found_and_forgotten(stack, group):
@@ -92,6 +70,7 @@ def test_applications_that_are_on_the_mesh_themselves_are_named(stack):
 )
 def test_rules_of_the_firewall_show_by_a_packet_that_is_not_permitted(monkeypatch, refusal, expected):
     """Where they are in force there is no warning of what they prevent."""
+
     class Probe(socket.socket):
         def sendto(self, *_):
             if refusal is not None:

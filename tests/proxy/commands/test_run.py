@@ -9,7 +9,7 @@ import pytest
 from proxy import exit_codes
 from proxy.cli import main
 from proxy.commands.run import started
-from proxy.config import Config
+from proxy.config import AppConfig, Config, MeshConfig
 from tests.daemons import specs_file
 from utility_specs import Specs
 
@@ -39,6 +39,19 @@ def test_without_specs_everything_passes():
     line = started(Config(robot="r1"), Specs.empty(), "r1-ab12")
     assert line.endswith(
         "robot r1-ab12, mode enforce, apps on tcp/127.0.0.1:7447, mesh on tcp/0.0.0.0:7500 with scouting, "
+        "no specs: everything passes"
+    )
+
+
+def test_routers_that_are_joined_are_said_at_the_start():
+    """The line names those of the apps and those at which robots meet; there is no scouting then."""
+    config = Config(
+        robot="r1",
+        app=AppConfig(listen=(), connect=("tcp/127.0.0.1:7447",), scouting=True),
+        mesh=MeshConfig(mode="client", connect=("tcp/10.0.0.9:7447",)),
+    )
+    assert started(config, Specs.empty(), "r1").endswith(
+        "apps on the router tcp/127.0.0.1:7447 with scouting, mesh on the router tcp/10.0.0.9:7447, "
         "no specs: everything passes"
     )
 
