@@ -112,6 +112,7 @@ class Daemon:
             specs=self._specs,
             mode=config.mode,
             connect=config.mesh.connect,
+            app_connect=config.app.connect,
             relayed=config.mesh.relayed,
             submit=self._extractor.submit,
             post=loop.post,

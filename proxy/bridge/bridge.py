@@ -47,6 +47,7 @@ class Bridge:
         specs: Specs,
         mode: Mode,
         connect: tuple[str, ...],
+        app_connect: tuple[str, ...],
         relayed: bool,
         submit: Submit,
         post: Callable[[Event], None],
@@ -72,6 +73,7 @@ class Bridge:
         self._outward = Queries(apps.session, others.session, self.lanes[0])
         self._inward = Queries(others.session, apps.session, self.lanes[1])
         self._links = Links(mesh, connect, clock.monotonic())
+        routers = Links(app, app_connect, clock.monotonic(), "app")
         self._watch = Watch(
             apps=apps,
             others=others,
@@ -79,7 +81,7 @@ class Bridge:
             demand=self.demand,
             outward=self._outward,
             inward=self._inward,
-            links=self._links,
+            links=(self._links, routers),
             ingress=self._ingress,
             neighbours=neighbours,
             passed=passed,

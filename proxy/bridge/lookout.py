@@ -73,10 +73,7 @@ class Lookout:
 
     def _run(self) -> None:
         while not self._stop.is_set():
-            try:
-                self.look()
-            except zenoh.ZError:
-                self._found = {}  # no such interface, yet or any more: nobody is reached over it
+            self.look()
             self._stop.wait(PERIOD)
 
 

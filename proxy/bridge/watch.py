@@ -44,7 +44,7 @@ class Watch:
         demand: Demand,
         outward: Queries,
         inward: Queries,
-        links: Links,
+        links: tuple[Links, ...],
         ingress: Ingress,
         neighbours: Neighbours,
         passed: Passed,
@@ -105,7 +105,8 @@ class Watch:
         else:
             self._mirror()
         self._demand.update()
-        self._links.check(clock.monotonic())
+        for links in self._links:
+            links.check(clock.monotonic())
 
     def _mirror(self) -> None:
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.

@@ -123,8 +123,9 @@ def everything_crosses(one, other, name):
         shows_token(here, there, f"{key}/token")
 
 
-def test_apps_stay_at_the_router_they_know_and_its_restart_heals(stack):
+def test_apps_stay_at_the_router_they_know_and_its_restart_heals(stack, caplog):
     """With `[app] connect` everything crosses once, both ways; after a restart of the router it does again."""
+    caplog.set_level("INFO")
     known = router(stack)
     first = Robot(stack, "r1", routers=(known.endpoint,))
     second = Robot(stack, "r2", connect=(first.mesh,))
@@ -135,7 +136,9 @@ def test_apps_stay_at_the_router_they_know_and_its_restart_heals(stack):
     wait_until(lambda: "kept" in first.status()["daemon"]["subscriptions"], what="the subscription")
     known.kill()
     wait_until(lambda: not first.daemon._bridge.describe()["subscriptions"], what="the end of what was behind it")
+    wait_until(lambda: f"app.connect: no link to {known.endpoint} yet" in caplog.text, what="a word about it")
     known.start()
+    wait_until(lambda: f"app.connect: {known.endpoint} is linked now" in caplog.text, what="the link")
     wait_until(lambda: other.put("kept", "after") or kept.payloads, what="a sample after the restart")
     everything_crosses(app, other, "after")
     assert first.status()["warnings"] == []

@@ -53,6 +53,7 @@ class Robot:
             specs=specs,
             mode=Mode.ENFORCE,
             connect=connect,
+            app_connect=(),
             relayed=False,
             submit=self._submit,
             post=self.events.append,
