@@ -13,10 +13,16 @@ with zenoh.open(zenoh.Config.from_json5(sys.argv[1])):
 """
 
 
-class Router:
-    """A router that listens on `endpoint` and dials `connect`."""
+def here(*command, **options):
+    """Start a process on this host."""
+    return subprocess.Popen(command, **options)
 
-    def __init__(self, endpoint, *connect):
+
+class Router:
+    """A router that listens on `endpoint` and dials `connect`; `start` starts its process somewhere else."""
+
+    def __init__(self, endpoint, *connect, start=here):
+        self._start = start
         self.endpoint = endpoint
         self._options = {
             "mode": "router",
@@ -33,8 +39,8 @@ class Router:
 
     def start(self):
         """Start it; it has been killed or was never there."""
-        command = [sys.executable, "-c", ROUTER, json.dumps(self._options)]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        command = (sys.executable, "-c", ROUTER, json.dumps(self._options))
+        self._process = self._start(*command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         assert self._process.stdout.readline() == "ready\n"
 
     def kill(self):

@@ -25,10 +25,10 @@ def start(network, tmp_path):
     """Start a robot on a host of its own; it ends with the test."""
     with ExitStack() as closing:
 
-        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, app="", host=None):
+        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, app="", mesh="", host=None):
             folder = tmp_path / name
             folder.mkdir()
-            robot = Robot(host or network.add(name), folder, limit=limit, interface=interface, app=app)
+            robot = Robot(host or network.add(name), folder, limit=limit, interface=interface, app=app, mesh=mesh)
             closing.callback(robot.close)
             return robot
 

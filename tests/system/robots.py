@@ -30,7 +30,7 @@ utility = {{ kind = "video" }}
 class Robot:
     """A daemon on a host, with everything by default but its name, its specs and the interface of its radio."""
 
-    def __init__(self, host, folder, *, limit, interface, app=""):
+    def __init__(self, host, folder, *, limit, interface, app="", mesh=""):
         self.host = host
         self.name = host.name
         self._folder = folder
@@ -38,7 +38,8 @@ class Robot:
         self._apps = []
         (folder / "specs.toml").write_text(SPECS.format(limit=limit))
         (folder / "sendworthy.toml").write_text(
-            f'robot = "{self.name}"\n[app]\n{app}\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
+            f'robot = "{self.name}"\n[app]\n{app}\n[mesh]\ninterface = "{interface}"\n{mesh}\n'
+            '[specs]\npath = "specs.toml"\n'
         )
         self.start()
 
