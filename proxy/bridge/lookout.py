@@ -48,11 +48,12 @@ class Lookout:
 
     def warnings(self) -> list[str]:
         """Say who answers others over the radio, for the status."""
-        if guarded():
+        found = self._found
+        if not found or guarded():
             return []
         return [
             f"{who} on this robot answers everybody on the radio, at {locator}, around the daemon: {CURE}"
-            for who, locator in sorted(self._found.items())
+            for who, locator in sorted(found.items())
         ]
 
     def look(self) -> None:

@@ -22,6 +22,11 @@ JOINED = (
     "and {who} bridges for both; let the routers of robots connect to their own daemons only"
 )
 
+REACHED = (
+    "the router on the app side has a link to the daemon of robot {robot}, as if it were a robot: samples may arrive "
+    "there twice; let the routers of robots connect to their own daemons only"
+)
+
 
 class Neighbours:
     """Says on the app side that this daemon is there, and follows who else is. `changed` is called when that changes.
@@ -36,6 +41,7 @@ class Neighbours:
         self._changed = changed
         self._lock = threading.Lock()
         self._robots: dict[str, str] = {}
+        self._reached: dict[str, str] = {}
         self._meshed = False
         handler = zenoh.handlers.Callback(self._notice, indirect=False)
         self._declared: list[Declaration] = [
@@ -54,7 +60,10 @@ class Neighbours:
         if self._meshed:
             return [MESHED]
         who = "another daemon" if self.aside else "this daemon"
-        return [JOINED.format(robot=robot, who=who) for robot in sorted(set(self._robots.values()))]
+        return [
+            *(JOINED.format(robot=robot, who=who) for robot in sorted(set(self._robots.values()))),
+            *(REACHED.format(robot=robot) for robot in sorted(set(self._reached.values()))),
+        ]
 
     def close(self) -> None:
         """Be gone."""
@@ -64,11 +73,18 @@ class Neighbours:
 
     def _notice(self, sample: zenoh.Sample) -> None:
         token, here = str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT
-        zid = keys.zid_of(token)
+        robot, zid = keys.robot_of(token), keys.zid_of(token)
         with self._lock:
             if token == keys.alive(self._robot, self._mesh):
                 self._meshed = here
-            elif token == keys.at_apps(keys.robot_of(token), zid) and zid != self._zid:
-                robots = {other: robot for other, robot in self._robots.items() if other != zid}
-                self._robots = robots | {zid: keys.robot_of(token)} if here else robots
+            elif token == keys.alive(robot, zid):
+                self._reached = _noted(self._reached, zid, robot, here=here)
+            elif zid != self._zid:
+                self._robots = _noted(self._robots, zid, robot, here=here)
         self._changed()
+
+
+def _noted(robots: dict[str, str], zid: str, robot: str, *, here: bool) -> dict[str, str]:
+    """Return a new dictionary: others read the old one without a lock."""
+    others = {other: name for other, name in robots.items() if other != zid}
+    return others | {zid: robot} if here else others

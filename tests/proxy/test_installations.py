@@ -104,7 +104,7 @@ def shows_token(watcher, holder, key):
     """A token is seen while it is there: it comes once, and goes once."""
     seen = []
     handler = zenoh.handlers.Callback(lambda sample: seen.append(sample.kind), indirect=False)
-    subscriber = watcher.liveliness().declare_subscriber(key, handler)
+    subscriber = watcher.liveliness().declare_subscriber(key, handler, history=True)
     token = holder.liveliness().declare_token(key)
     wait_until(lambda: list(watcher.liveliness().get(key, timeout=5.0)), what=f"the token {key}")
     token.undeclare()

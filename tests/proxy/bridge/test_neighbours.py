@@ -44,6 +44,19 @@ def test_a_daemon_that_sees_its_own_mesh_among_its_apps_stands_aside(stack):
     wait_until(lambda: not alone.aside and not alone.warnings(), what="its end")
 
 
+def test_the_presence_of_another_robots_mesh_among_the_apps_is_said(stack):
+    """A router of the apps that is linked to another daemon's mesh side doubles samples there: a warning, no more."""
+    endpoint = free_endpoint()
+    router = closing(stack, plain_session("router", listen=(endpoint,)))
+    alone, _, _ = daemon(stack, "r1", endpoint)
+    token = router.liveliness().declare_token("@sendworthy/r2/alive/34cd")
+    wait_until(alone.warnings, what="the presence of another robot")
+    assert "link to the daemon of robot r2" in alone.warnings()[0]
+    assert not alone.aside
+    token.undeclare()
+    wait_until(lambda: not alone.warnings(), what="its end")
+
+
 def test_alone_there_is_nothing_to_say(stack):
     """A daemon does not take itself for another."""
     alone, session, _ = daemon(stack, "r1", free_endpoint())
