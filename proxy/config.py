@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 from proxy.config_values import (
     Interface,
@@ -17,7 +17,6 @@ from proxy.config_values import (
     MulticastGroup,
     RemoteEndpoints,
     RobotName,
-    SomeListenEndpoints,
     SpecsPath,
     this_robot,
 )
@@ -36,18 +35,36 @@ class Section(BaseModel):
 class AppConfig(Section):
     """`[app]`: the side of the robot's own applications."""
 
-    listen: SomeListenEndpoints = Field(
+    connect: RemoteEndpoints = Field(
+        default=(), description="endpoints of routers of this robot that its applications are connected to"
+    )
+    listen: ListenEndpoints = Field(
         default=("tcp/127.0.0.1:7447", "tcp/[::1]:7447"),
         description="endpoints where this robot's applications connect",
     )
+    scouting: bool = Field(
+        default=False, description="answer applications that look for a router by Zenoh's default multicast"
+    )
     zenoh: ZenohTable = Field(default={}, description="further Zenoh configuration of the application side")
+
+    @field_validator("listen")
+    @classmethod
+    def _reachable(cls, listen: tuple[str, ...], given: ValidationInfo) -> tuple[str, ...]:
+        if not listen and not given.data.get("connect"):
+            raise ValueError("must not be empty, unless connect names a router")
+        return listen
 
 
 class MeshConfig(Section):
     """`[mesh]`: the side of the other robots."""
 
+    mode: Literal["peer", "client"] = Field(
+        default="peer", description="peer: robots are linked each to each; client: they meet at a router"
+    )
     listen: ListenEndpoints = Field(default=("tcp/0.0.0.0:7500",), description="endpoints where other robots connect")
-    connect: RemoteEndpoints = Field(default=(), description="endpoints of other robots to dial")
+    connect: RemoteEndpoints = Field(
+        default=(), validate_default=True, description="endpoints of other robots, or of routers, to dial"
+    )
     scouting: bool = Field(
         default=True, description="find other robots by multicast; false: only named endpoints are dialled"
     )
@@ -62,6 +79,28 @@ class MeshConfig(Section):
         default=0.02, ge=0.0, le=0.5, description="share of every limit for what the daemons tell each other"
     )
     zenoh: ZenohTable = Field(default={}, description="further Zenoh configuration of the mesh side")
+
+    @field_validator("connect")
+    @classmethod
+    def _meets(cls, connect: tuple[str, ...], given: ValidationInfo) -> tuple[str, ...]:
+        if not connect and given.data.get("mode") == "client":
+            raise ValueError('must name a router in mode "client"')
+        return connect
+
+    @property
+    def relayed(self) -> bool:
+        """Whether everything between robots goes through a router."""
+        return self.mode == "client"
+
+    @property
+    def listens(self) -> tuple[str, ...]:
+        """Where other robots connect in this mode."""
+        return () if self.relayed else self.listen
+
+    @property
+    def scouts(self) -> bool:
+        """Whether other robots are looked for in this mode."""
+        return self.scouting and not self.relayed
 
 
 class InConfig(Section):

@@ -115,16 +115,8 @@ def path_text(value: object) -> object:
     return value
 
 
-def at_least_one(endpoints: tuple[str, ...]) -> tuple[str, ...]:
-    """Return `endpoints` unless there are none: ValueError."""
-    if not endpoints:
-        raise ValueError("must not be empty")
-    return endpoints
-
-
 RobotName = Annotated[str, AfterValidator(robot_name)]
 ListenEndpoints = Annotated[tuple[Annotated[str, AfterValidator(endpoint)], ...], Field(strict=False)]
-SomeListenEndpoints = Annotated[ListenEndpoints, AfterValidator(at_least_one)]
 RemoteEndpoints = Annotated[tuple[Annotated[str, AfterValidator(remote_endpoint)], ...], Field(strict=False)]
 SpecsPath = Annotated[Path, Field(strict=False), BeforeValidator(path_text)]
 MulticastGroup = Annotated[str, AfterValidator(multicast_group)]

@@ -13,6 +13,8 @@ from proxy.bridge.air import Broadcast
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
 from proxy.bridge.lane import Lane
+from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
+from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
@@ -102,17 +104,22 @@ class Daemon:
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
         self._worker = Worker(search, planner.deadline, loop.post)
         self._extractor = Extractor(loop.post_at)
+        self._neighbours = Neighbours(sides.app, robot, self._zids["mesh"], sides.wake.set)
+        opening.callback(self._neighbours.close)
         self._bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
             air=sides.air,
             apps=sides.apps,
             others=sides.others,
+            neighbours=self._neighbours,
             wake=sides.wake,
             specs=self._specs,
             mode=config.mode,
             connect=config.mesh.connect,
             rules=Rules(config.bridge),
+            app_connect=config.app.connect,
+            relayed=config.mesh.relayed,
             submit=self._extractor.submit,
             post=loop.post,
         )
@@ -124,6 +131,10 @@ class Daemon:
         self._bridge.open()
         opening.callback(self._presence.close)
         self._presence.open()
+        self._sides = sides
+        self._lookout = Lookout(config.mesh.interface, self._zids.values(), _scouting_group(config))
+        opening.callback(self._lookout.close, _PATIENCE)
+        self._lookout.start()
         lane = Lane("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(lane.close, _PATIENCE)
         control = Control(
@@ -155,20 +166,38 @@ class Daemon:
         self._bridge.switch(mode)
         self._loop.handle(ModeChanged(clock.monotonic(), mode))
 
+    def _warnings(self) -> list[str]:
+        sides, peers = self._sides, self._loop.core.view.peers.values()
+        others = {origin: peer.robot for peer in peers for origin in peer.origins if origin != peer.zid}
+        return [
+            *self._neighbours.warnings(),
+            *around(sides.app, sides.mesh, others),
+            *self._lookout.warnings(),
+        ]
+
     def _status(self) -> dict[str, Any]:
         self._bridge.flush()
-        return self._loop.core.status(clock.monotonic()) | {
+        status = self._loop.core.status(clock.monotonic())
+        return status | {
+            "warnings": [*status.get("warnings", ()), *self._warnings()],
             "daemon": {
                 "sessions": self._zids,
                 "app": list(self._config.app.listen),
-                "mesh": list(self._config.mesh.listen),
+                "mesh": list(self._config.mesh.listens),
                 "waiting": self._loop.waiting,
                 "faults": self._loop.faults,
+                "looks": self._lookout.looks,
                 "features": {"superseded": self._extractor.superseded},
                 **self._bridge.describe(),
                 **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
-            }
+            },
         }
+
+
+def _scouting_group(config: Config) -> str:
+    """Where applications of this robot scout."""
+    scouting = config.app.zenoh.get("scouting", {})
+    return str(scouting.get("multicast", {}).get("address", SCOUTING_GROUP))
 
 
 def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
@@ -184,6 +213,7 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         coordination=_COORDINATION[mesh.transport] if planner.coordination == "auto" else planner.coordination,
         transport=transport.broadcast(mesh.group) if mesh.transport == "broadcast" else transport.UNICAST,
         allowance=mesh.allowance,
+        relayed=mesh.relayed,
         wall_offset=clock.wall() - clock.monotonic(),
     )
 

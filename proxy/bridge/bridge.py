@@ -16,6 +16,7 @@ from proxy.bridge.fence import Fence
 from proxy.bridge.ingress import Ingress, Submit
 from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
+from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Rules
@@ -47,18 +48,21 @@ class Bridge:
         air: Air,
         apps: Voice,
         others: Voice,
+        neighbours: Neighbours,
         wake: threading.Event,
         specs: Specs,
         mode: Mode,
         connect: tuple[str, ...],
         rules: Rules,
+        app_connect: tuple[str, ...],
+        relayed: bool,
         submit: Submit,
         post: Callable[[Event], None],
     ) -> None:
         self._specs = specs
         self._post = post
         self._rules = rules
-        self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh)
+        self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh, relayed=relayed)
         passed = Passed()
         self._egress = Egress(air, self.demand, passed, post, _pace(specs, mode))
         self._ingress = Ingress(
@@ -80,6 +84,7 @@ class Bridge:
         self._outward = Queries(apps, others.session, self.lanes[0], fence, rules.into)
         self._inward = Queries(others, apps.session, self.lanes[1], fence, rules.out)
         self._links = Links(mesh, connect, clock.monotonic())
+        routers = Links(app, app_connect, clock.monotonic(), "app")
         self._watch = Watch(
             apps=apps,
             others=others,
@@ -89,9 +94,10 @@ class Bridge:
             demand=self.demand,
             outward=self._outward,
             inward=self._inward,
-            links=self._links,
+            links=(self._links, routers),
             headroom=self._egress.headroom,
             rules=rules,
+            neighbours=neighbours,
             passed=passed,
             post=post,
             wake=wake,
@@ -144,6 +150,7 @@ class Bridge:
             "denied": self._rules.describe(),
             "links": self._links.describe(),
             "held": self._ingress.held,
+            "returned": self._ingress.returned,
             "egress": self._egress.waiting,
             "delivered": self._delivery.delivered,
             "subscriptions": list(self._delivery.expressions),

@@ -1,4 +1,4 @@
-"""Who on the mesh wants a key. A sample is transmitted once per node that does, in broadcast once for all."""
+"""Who on the mesh wants a key, and how often a sample of it is transmitted."""
 
 import threading
 from collections import deque
@@ -39,9 +39,11 @@ class Demand:
     """Follows the demand for our own keys.
 
     Whether anybody wants a key Zenoh tells, by a publisher's matching status; how many do is known from what robots say
-    they subscribe to. `post` learns of every change for keys that an information type covers; `wake` is called when
-    `update` has something to do. With `broadcast` samples travel elsewhere, where Zenoh knows of no demand; that on the
-    mesh session holds there too.
+    they subscribe to: a sample is transmitted once for each. When all is `relayed` by a router, it goes on the air to
+    the router, and from there to each robot that wants it; nodes that are no robots are beyond the router and cost
+    nothing. With `broadcast` samples travel once, elsewhere, where Zenoh knows of no demand; that on the mesh session
+    holds there too. `post` learns of every change for keys that an information type covers; `wake` is called when
+    `update` has something to do.
     """
 
     def __init__(
@@ -51,11 +53,13 @@ class Demand:
         wake: Callable[[], None],
         *,
         broadcast: bool = False,
+        relayed: bool = False,
     ) -> None:
         self._broadcast = broadcast
         self._mesh = mesh
         self._post = post
         self._wake = wake
+        self._relayed = relayed
         self._lock = threading.Lock()
         self._seen: dict[str, bool] = {}
         self._new: deque[tuple[str, zenoh.Sample]] = deque()
@@ -95,7 +99,7 @@ class Demand:
                 counts.clear()
             robots = self._robots.values()
             count = counts[key] = sum(any(each.intersects(key) for each in wanted) for wanted in robots)
-        return max(1, count)
+        return count + 1 if self._relayed else max(1, count)
 
     def silent(self, key: str) -> bool:
         """Whether `key` must not be published: on a mesh session Zenoh sees to that itself, on the air it does not."""

@@ -60,6 +60,8 @@ class Ingress:
         mode: Mode,
     ) -> None:
         self.mode = mode
+        self.aside = False
+        """Whether another daemon takes care of our apps: then everything is left to it."""
         self._app = app
         self._mesh = mesh
         self._match = match
@@ -75,6 +77,9 @@ class Ingress:
         self._cover = Cover()
         self._owners = Owners()
         self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
+        self._own = str(mesh.zid())
+        self.returned = 0
+        """Samples that left here for the mesh and came back around the daemons."""
 
     @property
     def declared(self) -> Collection[str]:
@@ -122,6 +127,11 @@ class Ingress:
             self._passed.add(DENIED, 0)
             return
         stamp = sample.timestamp
+        if self.aside:
+            return
+        if stamp is not None and origin_of(stamp) == self._own:
+            self.returned += 1
+            return
         if verdict is Verdict.COMPANION and heartbeat(key, stamp):
             self._passed.add(HEARTBEAT, 0)
             return

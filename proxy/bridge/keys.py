@@ -12,6 +12,7 @@ INGRESS = ("*/**", "**/@adv/*/**", "@ros2_lv/*/**")
 ALL_DIGESTS = f"{PREFIX}/*/digest"
 ALL_STATES = f"{PREFIX}/*/state"
 ALL_ALIVE = f"{PREFIX}/*/alive/*"
+ALL_AT_APPS = f"{PREFIX}/*/app/*"
 
 
 def digest(robot: str) -> str:
@@ -27,6 +28,11 @@ def state(robot: str) -> str:
 def alive(robot: str, zid: str) -> str:
     """Return the presence token of `robot` with the mesh session `zid`."""
     return f"{PREFIX}/{robot}/alive/{zid}"
+
+
+def at_apps(robot: str, zid: str) -> str:
+    """Return the token that a daemon shows on the app side alone, with its app session `zid`."""
+    return f"{PREFIX}/{robot}/app/{zid}"
 
 
 def status(robot: str) -> str:

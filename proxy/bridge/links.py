@@ -4,6 +4,7 @@ import logging
 import re
 import socket
 from collections.abc import Iterable
+from typing import Literal
 
 import zenoh
 
@@ -14,10 +15,13 @@ GRACE = 2.0
 
 
 class Links:
-    """Watches the links of the mesh session. Zenoh itself keeps dialling what is missing."""
+    """Watches the links of the session of one side. Zenoh itself keeps dialling what is missing."""
 
-    def __init__(self, mesh: zenoh.Session, connect: Iterable[str], started: float) -> None:
-        self._mesh = mesh
+    def __init__(
+        self, session: zenoh.Session, connect: Iterable[str], started: float, side: Literal["app", "mesh"] = "mesh"
+    ) -> None:
+        self._session = session
+        self._side = side
         self._missing = dict.fromkeys(connect, started)
         self._warned: set[str] = set()
         self._next = started
@@ -30,15 +34,16 @@ class Links:
         links = self._remote()
         linked = {link.dst for link in links}
         # Two robots that dial each other keep one link: not every endpoint shows up, but every peer is there.
-        complete = len({str(link.zid) for link in links}) >= len(self._missing)
+        robots = len({str(link.zid) for link in links})
+        complete = self._side == "mesh" and robots >= len(self._missing)
         for endpoint, since in self._missing.items():
             if complete or linked & _resolved(endpoint):
                 if endpoint in self._warned:
-                    log.info("mesh.connect: %s is linked now", endpoint)
+                    log.info("%s.connect: %s is linked now", self._side, endpoint)
                 self._warned.discard(endpoint)
             elif endpoint not in self._warned and now - since > GRACE:
                 self._warned.add(endpoint)
-                log.warning("mesh.connect: no link to %s yet; still trying", endpoint)
+                log.warning("%s.connect: no link to %s yet; still trying", self._side, endpoint)
 
     def describe(self) -> list[dict[str, str]]:
         """Return the links there are, for the status."""
@@ -46,7 +51,7 @@ class Links:
 
     def _remote(self) -> list[zenoh.Link]:
         """All links but that of our own voice."""
-        return [link for link in self._mesh.info.links() if not link.src.startswith("unixsock-stream")]
+        return [link for link in self._session.info.links() if not link.src.startswith("unixsock-stream")]
 
 
 def _resolved(endpoint: str) -> frozenset[str]:

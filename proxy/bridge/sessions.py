@@ -39,8 +39,16 @@ _TCP = ("tcp/", "tls/")
 _BUFFERS = f"so_sndbuf={SOCKET_BUFFER};so_rcvbuf={SOCKET_BUFFER}"
 
 
-def app_options(listen: Iterable[str], zenoh_options: Mapping[str, Any]) -> dict[str, Any]:
+def app_options(
+    listen: Iterable[str],
+    zenoh_options: Mapping[str, Any],
+    *,
+    connect: Iterable[str] = (),
+    scouting: bool = False,
+) -> dict[str, Any]:
     """Zenoh configuration of the app side. `zenoh_options` wins over everything else.
+
+    It may `connect` to routers that apps use already, and with `scouting` it answers apps that look for a router.
 
     Gossip stays on: without it peer-mode apps of one robot do not hear each other. Timestamping stays off: a
     router that stamps also re-stamps what comes from its future.
@@ -48,8 +56,13 @@ def app_options(listen: Iterable[str], zenoh_options: Mapping[str, Any]) -> dict
     options: dict[str, Any] = {
         "mode": "router",
         "listen": {"endpoints": list(listen)},
+        "connect": _dialled(connect, _SOON),
         "open": AT_ONCE,
-        "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": True}},
+        "scouting": {
+            "delay": 0,
+            "multicast": {"enabled": scouting, "autoconnect": {"router": []}},
+            "gossip": {"enabled": True},
+        },
         "timestamping": {"enabled": False},
         "adminspace": {"enabled": True, "permissions": {"read": True, "write": False}},
     }
@@ -63,22 +76,21 @@ def mesh_options(
     scouting: bool,
     interface: str,
     zenoh_options: Mapping[str, Any],
+    relayed: bool = False,
 ) -> dict[str, Any]:
     """Zenoh configuration of the mesh side. `zenoh_options` wins over everything else.
+
+    With `relayed` robots meet at the routers in `connect`. To those we are a router too: a client could not tell its
+    voice what others declare.
 
     Without `scouting` only `connect` is dialled: gossip would make peers connect around what is between them.
     The start waits for nobody: who cannot be reached is retried for ever.
     """
     autoconnect = ["peer"] if scouting else []
     options: dict[str, Any] = {
-        "mode": "peer",
+        "mode": "router" if relayed else "peer",
         "listen": {"endpoints": [bounded(endpoint) for endpoint in listen]},
-        "connect": {
-            "endpoints": [bounded(endpoint) for endpoint in connect],
-            "timeout_ms": -1,
-            "exit_on_failure": False,
-            "retry": {"period_init_ms": 200, "period_max_ms": 2000, "period_increase_factor": 1.5},
-        },
+        "connect": _dialled((bounded(endpoint) for endpoint in connect), _PATIENTLY),
         "open": AT_ONCE,
         "scouting": {
             "multicast": {
@@ -162,3 +174,11 @@ def reason_of(error: zenoh.ZError) -> str:
 
 AT_ONCE = {"return_conditions": {"connect_scouted": False, "declares": False}}
 """Opening a session waits for nobody."""
+
+
+def _dialled(endpoints: Iterable[str], retry: Mapping[str, Any]) -> dict[str, Any]:
+    return {"endpoints": list(endpoints), "timeout_ms": -1, "exit_on_failure": False, "retry": retry}
+
+
+_SOON = {"period_init_ms": 100, "period_max_ms": 200, "period_increase_factor": 1.5}
+_PATIENTLY = {"period_init_ms": 200, "period_max_ms": 2000, "period_increase_factor": 1.5}

@@ -35,19 +35,24 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
     for door in doors:
         closing.callback(door.close)
     wake = threading.Event()
-    app_session = open_session(doors[0].added_to(app_options(present(app.listen, ipv6=has_ipv6()), app.zenoh)), "app")
+    listen = present(app.listen, ipv6=has_ipv6())
+    app_session = open_session(
+        doors[0].added_to(app_options(listen, app.zenoh, connect=app.connect, scouting=app.scouting)), "app"
+    )
     closing.callback(app_session.close)
     options = mesh_options(
-        mesh.listen,
+        mesh.listens,
         mesh.connect,
-        scouting=mesh.scouting,
+        scouting=mesh.scouts,
         interface=mesh.interface,
         zenoh_options=mesh.zenoh,
+        relayed=mesh.relayed,
     )
     mesh_session = open_session(doors[1].added_to(options), "mesh")
     closing.callback(mesh_session.close)
     air = _open_air(mesh, mesh_session, closing)
-    apps = Voice(doors[0], "router", app.zenoh, wake.set)
+    # Routers do not tell each other that what was behind a third router is gone; they do tell clients.
+    apps = Voice(doors[0], "client" if app.connect else "router", app.zenoh, wake.set)
     closing.callback(apps.close)
     others = Voice(doors[1], "client", mesh.zenoh, wake.set)
     closing.callback(others.close)

@@ -27,8 +27,8 @@ _PATIENCE = 2.0
 class Voice:
     """The voice of the main session that listens at `door`.
 
-    On the app side it is a router, which is told everything; on the mesh, where peers route for nobody but their
-    clients, a client, which is told what it says it is interested in: `widening` makes that everything. `changed` is
+    A router is told everything; a client, for which alone peers route, what it says it is interested in: `widening`
+    makes that everything. `changed` is
     called when `declared` changes.
     """
 
@@ -41,6 +41,8 @@ class Voice:
     ) -> None:
         door.hide()
         self.ledger = Ledger(changed)
+        self.echoes = mode == "client"
+        """Whether tokens of the voice itself are among those declared."""
         self._closing = ExitStack()
         told = (self._publish, self._ask, self._attend) if mode == "client" else ()
         tap = Tap(door.tap, door.main, self.ledger, interests=len(told))

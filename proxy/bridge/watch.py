@@ -16,6 +16,7 @@ from proxy.bridge.ingress import Ingress
 from proxy.bridge.keys import CROSSING, INGRESS
 from proxy.bridge.links import Links
 from proxy.bridge.mirror import Mirror
+from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Rules
@@ -52,9 +53,10 @@ class Watch:
         demand: Demand,
         outward: Queries,
         inward: Queries,
-        links: Links,
+        links: tuple[Links, ...],
         headroom: Headroom,
         rules: Rules,
+        neighbours: Neighbours,
         passed: Passed,
         post: Callable[[Event], None],
         wake: threading.Event,
@@ -71,13 +73,15 @@ class Watch:
         self._links = links
         self._headroom = headroom
         self._rules = rules
+        self._neighbours = neighbours
         self._passed = passed
         self._post = post
         self._wake = wake
         self._fence = fence
         self._tokens_out = Mirror(_token(others.session))
         self._tokens_in = Mirror(_token(apps.session))
-        self._own: dict[str, float] = {}
+        self._echoes_out = _Echoes(self._tokens_out)
+        self._echoes_in = _Echoes(self._tokens_in)
         self._seen: dict[str, Mapping[str, bool]] = {}
         self._editions = (0, 0)
         self._stirred = True
@@ -111,7 +115,8 @@ class Watch:
             self._wake.clear()
             try:
                 self.flush()
-                self._links.check(clock.monotonic())
+                for links in self._links:
+                    links.check(clock.monotonic())
                 self._headroom.refresh()
                 if woken or again:
                     again = self._look()
@@ -128,8 +133,13 @@ class Watch:
         """Mirror what has changed; return whether to look again although nothing changes."""
         self._fence.begin()
         editions = self._apps.ledger.edition, self._others.ledger.edition
-        if editions != self._editions or self._unsettled():
-            self._mirror()
+        aside = self._neighbours.aside
+        turned, self._ingress.aside = aside != self._ingress.aside, aside
+        if turned or editions != self._editions or self._unsettled():
+            if aside:
+                self._mirror_nothing()
+            else:
+                self._mirror()
             self._editions = editions
         self._fence.end()
         self._demand.update()
@@ -137,9 +147,8 @@ class Watch:
 
     def _unsettled(self) -> bool:
         """Whether what we declare or took back ourselves is not told yet, or waits, or what others want has turned."""
-        ours = len(self._own) > len(self._tokens_out.declared)
-        waiting = (part.waiting for part in self._witnesses)
-        return ours or self._stirred or self._ingress.leaving or self._delivery.leaving or any(waiting)
+        waiting = any(part.waiting for part in self._witnesses) or self._echoes_in.waiting or self._echoes_out.waiting
+        return waiting or self._stirred or self._ingress.leaving or self._delivery.leaving
 
     def _mirror(self) -> None:
         now = clock.monotonic()
@@ -151,9 +160,12 @@ class Watch:
             self._inward.update(self._rules.out.crossing("queryables", answered_out))
         if self._news("queryables in", answered_in):
             self._outward.update(self._rules.into.crossing("queryables", answered_in))
+        alive_out = self._echoes_in.without(alive_out, now) if self._apps.echoes else alive_out
+        alive_in = self._echoes_out.without(alive_in, now) if self._others.echoes else alive_in
         if self._news("tokens out", alive_out):
             self._tokens_out.update(self._rules.tokens(self._rules.out, alive_out))
-        self._tokens_in.update(self._rules.tokens(self._rules.into, self._of_others(alive_in, now)))
+        if self._news("tokens in", alive_in):
+            self._tokens_in.update(self._rules.tokens(self._rules.into, alive_in))
 
     def _news(self, name: str, told: Mapping[str, bool]) -> bool:
         """Whether a ledger has told something else of `name` than at the last look."""
@@ -167,9 +179,7 @@ class Watch:
         if self._apps.ledger.broken:
             wanted |= dict.fromkeys(CROSSING, False)
         out, into = self._rules.out, self._rules.into
-        asked = self._delivery.update(into.crossing("subscribers", wanted))
-        if asked:
-            self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
+        asked = self._deliver(into.crossing("subscribers", wanted))
         wanted = by_mesh.others(self._others.declared("subscriber"), self._delivery.declared, now)
         if self._others.ledger.broken:
             wanted |= dict.fromkeys(INGRESS, False)
@@ -179,9 +189,36 @@ class Watch:
         if self._stirred:
             self._wake.set()
 
-    def _of_others(self, alive: Mapping[str, bool], now: float) -> dict[str, bool]:
-        """Leave out our own tokens: a peer echoes a client's tokens to it, and for a moment after their end."""
-        self._own |= dict.fromkeys(self._tokens_out.declared, now + ECHO)
+    def _mirror_nothing(self) -> None:
+        self._deliver({})
+        self._ingress.update(())
+        self._stirred = False
+        for mirror in (self._inward, self._outward, self._tokens_out, self._tokens_in):
+            mirror.update({})
+        self._seen.clear()
+
+    def _deliver(self, wanted: Mapping[str, bool]) -> bool:
+        news = self._delivery.update(wanted)
+        if news:
+            self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
+        return news
+
+
+class _Echoes:
+    """Our own tokens on one side, which Zenoh echoes to a client, and for a moment after their end."""
+
+    def __init__(self, mirror: Mirror) -> None:
+        self._mirror = mirror
+        self._own: dict[str, float] = {}
+
+    @property
+    def waiting(self) -> bool:
+        """Whether some that have ended may still be echoed."""
+        return len(self._own) > len(self._mirror.declared)
+
+    def without(self, alive: Mapping[str, bool], now: float) -> Mapping[str, bool]:
+        """Leave them out of what is alive on that side."""
+        self._own |= dict.fromkeys(self._mirror.declared, now + ECHO)
         self._own = {token: until for token, until in self._own.items() if until > now}
         return {token: False for token in alive if token not in self._own}
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from proxy import exit_codes
-from proxy.config import BridgeConfig, Config
+from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
 from proxy.log import set_up_logging
@@ -136,7 +136,15 @@ def started(config: Config, specs: Specs, robot: str) -> str:
     ruled = config.bridge != BridgeConfig()
     return (
         f"sendworthy {version('sendworthy')}: robot {robot}, mode {config.mode.value}, "
-        f"apps on {' '.join(config.app.listen)}, mesh on {' '.join(config.mesh.listen) or 'nothing'}"
-        f"{' with scouting' * config.mesh.scouting}{broadcasting(config)}, {specs_in_force}"
+        f"apps on {_where(config.app.listen, config.app.connect)}{' with scouting' * config.app.scouting}, "
+        f"mesh on {_mesh(config.mesh)}{' with scouting' * config.mesh.scouts}{broadcasting(config)}, {specs_in_force}"
         f"{f', rules of [bridge], profile {config.bridge.profile}' * ruled}"
     )
+
+
+def _where(listen: tuple[str, ...], routers: tuple[str, ...]) -> str:
+    return " ".join([*listen, *(f"the router {endpoint}" for endpoint in routers)]) or "nothing"
+
+
+def _mesh(mesh: MeshConfig) -> str:
+    return _where(mesh.listens, mesh.connect if mesh.relayed else ())

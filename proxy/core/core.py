@@ -245,7 +245,7 @@ class Core:
             echoes=self.view.echoes() if self.pacer.full(now) else (),
         )
         self._urgent = False
-        self.pacer.sent(now, digest, len(self.view.peers))
+        self.pacer.sent(now, digest, len(self.view.peers) + self.settings.relayed)
         return SendDigest(digest)
 
     def _digest_due(self, now: float) -> float:

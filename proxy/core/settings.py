@@ -14,7 +14,8 @@ class CoreSettings:
     `horizon` counts messages, `horizon_time` and `settle` are seconds, `allowance` is the share of every limit that
     all digests together may use (at least 100 B/s per robot), `floor` the part of a limit that a newcomer may use
     before all others know of it, `inbox` the samples that may wait for a decision, `backlog` those of one stream where
-    each sample counts, `transport` how samples travel (`proxy.core.transport`).
+    each sample counts, `transport` how samples travel (`proxy.core.transport`), `relayed` says that robots meet at a
+    router: a sample goes on the air to it, and then once to each robot that wants it.
     """
 
     robot: str
@@ -31,4 +32,5 @@ class CoreSettings:
     inbox: int = 256
     backlog: int = 32
     streams: int = 4096
+    relayed: bool = False
     wall_offset: float = 0.0

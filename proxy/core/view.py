@@ -122,8 +122,15 @@ class SharedView:
         stream.reached.update(self.wanting(stream))
 
     def copies(self, stream: Stream) -> int:
-        """Transmissions that one sample costs: one per receiver, in broadcast one for all."""
-        return 1 if stream.robot in self._broadcasting else max(1, self.receivers(stream))
+        """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router.
+
+        In broadcast it is one for all.
+        """
+        if stream.robot in self._broadcasting:
+            return 1
+        if not self.settings.relayed:
+            return max(1, self.receivers(stream))
+        return 1 + sum(name != "" for name in self.wanting(stream))
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected."""

@@ -1,11 +1,13 @@
 """Zenoh nodes for tests: plain applications and endpoints nobody else uses."""
 
 import json
+import socket
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
 
+import pytest
 import zenoh
 
 from tests.ports import free_port
@@ -23,16 +25,43 @@ def plain_session(
     connect: tuple[str, ...] = (),
     stamps: bool = False,
     gossip: bool = False,
+    retry: dict[str, int] | None = None,
 ) -> zenoh.Session:
     """An unmodified Zenoh node that knows nothing of Sendworthy and dials only what it is told."""
+    again = {"retry": retry} if retry else {}
     options = {
         "mode": mode,
         "listen": {"endpoints": list(listen)},
-        "connect": {"endpoints": list(connect), "timeout_ms": 5000, "exit_on_failure": False},
+        "connect": {"endpoints": list(connect), "timeout_ms": 5000, "exit_on_failure": False} | again,
         "timestamping": {"enabled": stamps},
         "scouting": {"multicast": {"enabled": False}, "gossip": {} if gossip else {"autoconnect": {"peer": []}}},
     }
     return zenoh.open(zenoh.Config.from_json5(json.dumps(options)))
+
+
+def free_group() -> str:
+    """A multicast group for scouting that nobody else uses."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("", 0))
+        return f"224.0.0.224:{probe.getsockname()[1]}"
+
+
+def scouting(group: str, listen: str) -> zenoh.Session:
+    """A peer in Zenoh's default configuration, but for the group and where it listens."""
+    config = zenoh.Config()
+    config.insert_json5("scouting/multicast/address", json.dumps(group))
+    config.insert_json5("listen/endpoints", json.dumps([listen]))
+    return zenoh.open(config)
+
+
+def outside() -> str:
+    """An address of this host that others can reach."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.77", 9))  # sends nothing
+        except OSError:
+            pytest.skip("this host has no network")
+        return str(probe.getsockname()[0])
 
 
 class Heard:

@@ -13,8 +13,14 @@ def test_defaults_are_those_of_the_manual():
     assert config.model_dump(mode="json", by_alias=True) == {
         "robot": "r1",
         "mode": "enforce",
-        "app": {"listen": ["tcp/127.0.0.1:7447", "tcp/[::1]:7447"], "zenoh": {}},
+        "app": {
+            "connect": [],
+            "listen": ["tcp/127.0.0.1:7447", "tcp/[::1]:7447"],
+            "scouting": False,
+            "zenoh": {},
+        },
         "mesh": {
+            "mode": "peer",
             "listen": ["tcp/0.0.0.0:7500"],
             "connect": [],
             "scouting": True,
@@ -73,6 +79,7 @@ def test_settings_tell_what_a_flag_may_hold():
     assert text == {
         "robot",
         "mode",
+        "mesh.mode",
         "mesh.interface",
         "mesh.transport",
         "mesh.group",

@@ -121,7 +121,8 @@ BROKEN = {
     ),
     "table is a value": ("app = true", "1: app: must be a table, not true"),
     "listen no list": ('[app]\nlisten = "tcp/a:1"', '2: app.listen: must be an array, not "tcp/a:1"'),
-    "listen empty": ("[app]\nlisten = []", "2: app.listen: must not be empty"),
+    "no router to meet at": ('[mesh]\nmode = "client"', '1: mesh.connect: must name a router in mode "client"'),
+    "listen empty": ("[app]\nlisten = []", "2: app.listen: must not be empty, unless connect names a router"),
     "listen item no text": ("[app]\nlisten = [\n\nfalse]", "4: app.listen[0]: must be a string, not false"),
     "endpoint without protocol": ('[mesh]\nlisten = ["a:1"]', f'2: mesh.listen[0]: {ENDPOINT} "a:1"'),
     "endpoint of unknown protocol": (

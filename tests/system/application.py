@@ -1,5 +1,8 @@
 """An unmodified Zenoh application of a robot, as a program: it knows localhost:7447 and nothing else.
 
+With `SETTING=FILE` in front of these words its configuration is that file, with `SETTING=default` Zenoh's default, with
+`SETTING=environment` what the environment names.
+
     python application.py hear KEY                   a line of JSON for each sample: number, source, times
     python application.py say KEY SIZE RATE [block]  numbered samples of SIZE bytes, RATE a second, until standard input
                                                      ends; then one line of JSON: how many
@@ -21,13 +24,26 @@ HEAD = struct.Struct("<Qd")
 
 def main():
     """Do what the command line says."""
-    role, key, *rest = sys.argv[1:]
-    options = {"mode": "client", "connect": {"endpoints": [ROUTER], "timeout_ms": 10_000}}
-    with zenoh.open(zenoh.Config.from_json5(json.dumps(options))) as session:
+    words = sys.argv[1:]
+    setting = words.pop(0).removeprefix("SETTING=") if words[0].startswith("SETTING=") else None
+    role, key, *rest = words
+    with zenoh.open(configuration(setting)) as session:
         if role == "hear":
             hear(session, key)
         else:
             say(session, key, int(rest[0]), float(rest[1]), block="block" in rest)
+
+
+def configuration(setting):
+    """The configuration of the application."""
+    if setting == "default":
+        return zenoh.Config()
+    if setting == "environment":
+        return zenoh.Config.from_env()
+    if setting:
+        return zenoh.Config.from_file(setting)
+    options = {"mode": "client", "connect": {"endpoints": [ROUTER], "timeout_ms": 10_000}}
+    return zenoh.Config.from_json5(json.dumps(options))
 
 
 def hear(session, key):

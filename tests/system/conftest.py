@@ -25,13 +25,13 @@ def start(network, tmp_path):
     """Start a robot on a host of its own; it ends with the test."""
     with ExitStack() as closing:
 
-        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, add=network.add, options=(), ipv6=True):
+        def start_one(name, *, limit="2 Mbit/s", interface=RADIO, host=None, ipv6=True, **options):
             folder = tmp_path / name
             folder.mkdir()
-            host = add(name)
+            host = host or network.add(name)
             if not ipv6:
                 host.lose_ipv6()
-            robot = Robot(host, folder, limit=limit, interface=interface, options=options)
+            robot = Robot(host, folder, limit=limit, interface=interface, **options)
             closing.callback(robot.close)
             return robot
 

@@ -4,6 +4,7 @@ Nothing of it touches the network of the machine: addresses and the bridge exist
 the process id of the run, so runs do not meet, and what a killed run left behind is swept by the next one.
 """
 
+import copy
 import json
 import os
 import re
@@ -89,6 +90,19 @@ class Host:
     def run(self, *command):
         """Run a command on the host to its end, and return it."""
         return subprocess.run(self._here(command), cwd=ROOT, capture_output=True, text=True, check=False, timeout=30)
+
+    def within(self, namespace):
+        """Return the same host as seen from another namespace on it."""
+        inner = copy.copy(self)
+        inner.namespace = namespace
+        return inner
+
+    def links(self):
+        """The ports, ours and theirs, of the TCP connections with other hosts."""
+        printed = self.run("ss", "-Htn", "state", "established").stdout
+        ends = [[end.rpartition(":") for end in line.split()[2:4]] for line in printed.splitlines()]
+        remote = [pair for pair in ends if "10.77." in pair[1][0] and self.address not in pair[1][0]]
+        return [(int(ours[2]), int(theirs[2])) for ours, theirs in remote]
 
     def _here(self, command):
         # `ip netns exec` makes mounts private. Hosts share no files, so they must not share sockets that are files.

@@ -1,6 +1,7 @@
 """Robots on hosts of their own: the daemon as an operator starts it, and applications beside it."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -31,10 +32,10 @@ utility = {{ kind = "video" }}
 class Robot:
     """A daemon on a host, with everything by default but its name, its specs and the interface of its radio.
 
-    `options` are further flags.
+    `options` are further flags, `app` and `mesh` further lines of these tables.
     """
 
-    def __init__(self, host, folder, *, limit, interface, options=()):
+    def __init__(self, host, folder, *, limit, interface, options=(), app="", mesh=""):
         self.host = host
         self.name = host.name
         self._folder = folder
@@ -43,7 +44,8 @@ class Robot:
         self._options = options
         (folder / "specs.toml").write_text(SPECS.format(limit=limit))
         (folder / "sendworthy.toml").write_text(
-            f'robot = "{self.name}"\n[mesh]\ninterface = "{interface}"\n[specs]\npath = "specs.toml"\n'
+            f'robot = "{self.name}"\n[app]\n{app}\n[mesh]\ninterface = "{interface}"\n{mesh}\n'
+            '[specs]\npath = "specs.toml"\n'
         )
         self.start()
 
@@ -72,14 +74,19 @@ class Robot:
         """The names of the robots that this one knows."""
         return {peer["robot"] for peer in self.status()["peers"]}
 
-    def hear(self, key):
-        """Start an application that subscribes to `key`."""
-        return self._started(Listener(self.host, self._output(), "hear", key))
+    def looked(self):
+        """Whether the daemon has looked for applications that others find, twice since it started."""
+        return self.status()["daemon"]["looks"] >= 2
 
-    def say(self, key, *, size, rate, block=False):
+    def hear(self, key, *, setting=None, host=None, **environ):
+        """Start an application that subscribes to `key`; `setting` is where it has its configuration from."""
+        words = (*_setting(setting), "hear", key)
+        return self._started(Listener(host or self.host, self._output(), *words, **environ))
+
+    def say(self, key, *, size, rate, block=False, setting=None, host=None, **environ):
         """Start an application that publishes on `key`: `rate` samples a second of `size` bytes."""
-        words = ("say", key, str(size), str(rate), *(("block",) if block else ()))
-        return self._started(Speaker(self.host, self._output(), *words))
+        words = (*_setting(setting), "say", key, str(size), str(rate), *(("block",) if block else ()))
+        return self._started(Speaker(host or self.host, self._output(), *words, **environ))
 
     def serve(self, name):
         """Start an application that has a token, answers and publishes, all under `name`."""
@@ -88,9 +95,6 @@ class Robot:
     def watch(self):
         """Start an application that sees tokens, asks and subscribes."""
         return self._started(Watcher(self.host, self._output(), "watch", program=SERVICE))
-
-    def _output(self):
-        return self._folder / f"app{len(self._apps)}"
 
     def node(self, name):
         """Start a process with a node of ROS 2."""
@@ -115,6 +119,9 @@ class Robot:
         self.kill()
         print(f"--- log of {self.name}\n{self.log()}")
 
+    def _output(self):
+        return self._folder / f"app{len(self._apps)}"
+
     def _started(self, app):
         self._apps.append(app)
         wait_until(app.ready, what=f"start of an application on {self.name}")
@@ -124,10 +131,11 @@ class Robot:
 class Application:
     """A program on a host, `application.py` if no other."""
 
-    def __init__(self, host, output, *words, program=APPLICATION):
+    def __init__(self, host, output, *words, program=APPLICATION, **environ):
         self._output = output
+        command = (sys.executable, str(program), *words)
         with output.open("w") as written:
-            self._process = host.start(*(sys.executable, str(program), *words), stdin=subprocess.PIPE, stdout=written)
+            self._process = host.start(*command, stdin=subprocess.PIPE, stdout=written, env=os.environ | environ)
 
     def ready(self):
         """Whether it is connected."""
@@ -181,6 +189,10 @@ class Speaker(Application):
         """Let it end; return how many samples it published."""
         self._process.communicate(timeout=10)
         return self.told()[-1]
+
+
+def _setting(setting):
+    return () if setting is None else (f"SETTING={setting}",)
 
 
 def wait_until_met(robots, timeout=20.0):

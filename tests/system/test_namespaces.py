@@ -84,7 +84,7 @@ def test_robots_with_a_router_between_them_meet_by_name(start, network):
     """Multicast stays on its side of a routed hop; a named endpoint crosses it, and with it everything."""
     near = start("a")
     dial = ("--mesh.connect", f'["tcp/{near.host.address}:7500"]')
-    far = start("b", add=network.add_beyond, options=dial)
+    far = start("b", host=network.add_beyond("b"), options=dial)
     for robot in (near, far):
         wait_until(robot.serves, what=f"start of {robot.name}")
     wait_until_met([near, far])

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import zenoh
 
 from proxy.bridge.bridge import Bridge
+from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, BridgeConfig, MeshConfig
@@ -48,17 +49,22 @@ class Robot:
         mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False, **mesh_options)
         sides = open_sides(app, mesh, stack)
         self.app, self.mesh, self.air, self.voice = sides.app, sides.mesh, sides.air, sides.apps.session
+        neighbours = Neighbours(sides.app, "robot", str(sides.mesh.zid()), sides.wake.set)
+        stack.callback(neighbours.close)
         self.bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
             air=sides.air,
             apps=sides.apps,
             others=sides.others,
+            neighbours=neighbours,
             wake=sides.wake,
             specs=specs,
             mode=Mode.ENFORCE,
             connect=connect,
             rules=Rules(BridgeConfig.model_validate(rules or {})),
+            app_connect=(),
+            relayed=False,
             submit=self._submit,
             post=self.events.append,
         )

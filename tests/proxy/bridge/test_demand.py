@@ -77,6 +77,15 @@ def test_copies_are_the_robots_that_say_they_want_it(demand):
     assert demand.copies("k/a") == 1
 
 
+def test_relayed_copies_are_one_more_than_the_robots(mesh):
+    """The way to the router, and from there to each robot."""
+    demand = Demand(mesh[0], lambda _: None, lambda: None, relayed=True)
+    assert demand.copies("k/a") == 1
+    demand.told("z1", ["k/*"])
+    demand.told("z2", ["**"])
+    assert demand.copies("k/a") == 3
+
+
 def test_keys_are_followed_once_and_up_to_a_bound(demand, monkeypatch, events, follow):
     """The same key again changes nothing; beyond the bound a key stays unknown."""
     monkeypatch.setattr(demand_module, "MOST", 1)

@@ -127,3 +127,14 @@ def test_overlapping_wishes_make_one_question(pair):
     wait_until(lambda: len(pair[0].asked) >= 200, what="all samples")
     assert len(pair[0].asked) == 200
     del other
+
+
+@pytest.mark.usefixtures("wanted")
+def test_what_left_for_the_mesh_and_came_back_around_the_daemons_stays(pair):
+    """A sample with our own stamp is one that we stamped when it left: it is counted, and does not go round."""
+    publisher = pair[0].node()
+    publisher.put("covered/a", "back", timestamp=pair[0].mesh.new_timestamp())
+    publisher.put("covered/b", "new")
+    wait_until(lambda: pair[0].asked, what="the new one")
+    assert [sample.key for sample in pair[0].asked] == ["covered/b"]
+    assert pair[0].bridge.describe()["returned"] == 1

@@ -21,7 +21,7 @@ def test_an_unreachable_endpoint_is_said_once_and_again_when_linked(stack, caplo
     closing(stack, plain_session("peer", listen=(endpoint,)))
     linked = closing(stack, plain_session("peer", connect=(endpoint,)))
     wait_until(linked.info.links, what="the link")
-    links._mesh = linked
+    links._session = linked
     links.check(100.0)
     links.check(200.0)
     assert [record.levelname for record in caplog.records] == ["WARNING", "INFO"]

@@ -4,11 +4,13 @@ import tempfile
 from contextlib import ExitStack
 
 import pytest
+import zenoh
 
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, MeshConfig
 from proxy.errors import PortInUseError
 from tests.proxy.nodes import closing, free_endpoint, plain_session
+from tests.waiting import wait_until
 
 
 def test_nothing_is_left_when_one_session_cannot_be_opened(stack, tmp_path, monkeypatch):
@@ -29,3 +31,27 @@ def test_the_private_listener_is_added_to_what_the_user_merges(stack):
     opened = open_sides(app, MeshConfig(listen=(free_endpoint(),), scouting=False), stack)
     closing(stack, plain_session("client", connect=(endpoint,)))
     assert str(opened.apps.session.zid()) in {str(zid) for zid in opened.app.info.routers_zid()}
+
+
+def test_beside_a_router_of_the_apps_everybody_is_known_for_as_long_as_he_is_there(stack):
+    """Apps of either kind at the router and at the daemon: what they declare comes and goes, and is told once."""
+    at_router, at_daemon = free_endpoint(), free_endpoint()
+    closing(stack, plain_session("router", listen=(at_router,)))
+    app = AppConfig(listen=(at_daemon,), connect=(at_router,))
+    opened = open_sides(app, MeshConfig(listen=(free_endpoint(),), scouting=False), stack)
+    for endpoint in (at_router, at_daemon):
+        for mode in ("client", "peer"):
+            node = closing(stack, plain_session(mode, connect=(endpoint,)))
+            held = [
+                node.declare_subscriber("s", zenoh.handlers.Callback(print, indirect=False)),
+                node.declare_queryable("q", zenoh.handlers.Callback(print, indirect=False), complete=True),
+            ]
+            held.append(node.liveliness().declare_token("t"))
+            for kind, expected in (("subscriber", {"s": False}), ("queryable", {"q": True}), ("token", {"t": False})):
+                wait_until(
+                    lambda kind=kind, expected=expected: opened.apps.declared(kind) == expected,
+                    what=f"the {kind} of a {mode}",
+                )
+            node.close()
+            for kind in ("subscriber", "queryable", "token"):
+                wait_until(lambda kind=kind: not opened.apps.declared(kind), what=f"the end of the {kind} of a {mode}")

@@ -9,7 +9,7 @@ import pytest
 from proxy import exit_codes
 from proxy.cli import main
 from proxy.commands.run import started
-from proxy.config import BridgeConfig, Config
+from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig
 from tests.daemons import specs_file
 from tests.ports import free_port
 from utility_specs import Specs
@@ -49,6 +49,19 @@ def test_rules_of_the_bridge_are_told_at_the_start():
     bridge = BridgeConfig(profile="ros2")
     line = started(Config(robot="r1", bridge=bridge), Specs.empty(), "r1")
     assert line.endswith("no specs: everything passes, rules of [bridge], profile ros2")
+
+
+def test_routers_that_are_joined_are_said_at_the_start():
+    """The line names those of the apps and those at which robots meet; there is no scouting then."""
+    config = Config(
+        robot="r1",
+        app=AppConfig(listen=(), connect=("tcp/127.0.0.1:7447",), scouting=True),
+        mesh=MeshConfig(mode="client", connect=("tcp/10.0.0.9:7447",)),
+    )
+    assert started(config, Specs.empty(), "r1").endswith(
+        "apps on the router tcp/127.0.0.1:7447 with scouting, mesh on the router tcp/10.0.0.9:7447, "
+        "no specs: everything passes"
+    )
 
 
 def test_the_environment_configures_the_daemon(start, capsys):

@@ -155,6 +155,16 @@ def test_receivers_are_the_robots_that_subscribe(view):
     assert (view.receivers(others), view.copies(others)) == (2, 2)
 
 
+def test_what_a_router_relays_costs_the_way_to_it_and_to_each_robot(make_specs):
+    """Nobody but a plain node behind the router: the way to it. Each robot that wants the stream: one copy more."""
+    view = SharedView(CoreSettings("r1", "z-r1", relayed=True), make_specs())
+    own = view.stream(0.0, "r1", "robot/r1/camera")
+    own.matching = True
+    assert (view.receivers(own), view.copies(own)) == (1, 1)
+    meet(view, subscriptions=("robot/*/camera",))
+    assert (view.receivers(own), view.copies(own)) == (1, 2)
+
+
 def test_of_once_only_those_gain_that_were_sent_nothing_yet(make_specs):
     """Whoever joins later gets its first; one that left and is back, too. Own and others' streams alike."""
     view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=ONCE))
