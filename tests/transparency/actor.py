@@ -11,6 +11,7 @@ import json
 import sys
 import threading
 import time
+from datetime import timedelta
 
 import zenoh
 from zenoh import ext, shm
@@ -79,20 +80,21 @@ class Actor:
             "links": sorted(link.dst.partition("/")[0] for link in info.links()),
         }
 
-    def scout(self, *, name, what, timeout):
+    def scout(self, *, name, kinds, timeout):
         heard = Heard()
-        found = zenoh.scout(direct(lambda hello: heard.add(described.hello(hello))), what=what)
-        answer = heard.wait(count=1, timeout=timeout)
+        found = zenoh.scout(direct(lambda hello: heard.add(described.hello(hello))), what=kinds)
+        heard.wait(over=True, timeout=timeout)
         found.stop()
         self._heard[name] = heard
-        return answer
 
     # Publishing
 
-    def put(self, *, app, key, payload, **attributes):
+    def put(self, *, app, key, payload, declared=False, **attributes):
+        key = self._sessions[app].declare_keyexpr(key) if declared else key
         self._sessions[app].put(key, self._bytes(payload), **self._arguments(app, attributes))
 
-    def delete(self, *, app, key, **attributes):
+    def delete(self, *, app, key, declared=False, **attributes):
+        key = self._sessions[app].declare_keyexpr(key) if declared else key
         self._sessions[app].delete(key, **self._arguments(app, attributes))
 
     def put_many(self, *, app, keys, payloads):
@@ -130,7 +132,10 @@ class Actor:
     # Queries
 
     def queryable(self, *, app, name, key, answers, complete=False):
-        """Answer every query with `answers`: "reply", "delete", "error", or "hold", which keeps it open."""
+        """Answer every query with `answers`: "reply", "delete", "error", or "hold", which keeps it open.
+
+        An answer that Zenoh refuses is heard too.
+        """
 
         def answer(query):
             self._heard[name].add(described.query(query))
@@ -138,7 +143,10 @@ class Actor:
                 if "hold" in step:
                     self._held.setdefault(name, []).append(query)
                     return
-                self._answer(app, query, step)
+                try:
+                    self._answer(app, query, step)
+                except zenoh.ZError:
+                    self._heard[name].add({"refused": step})
             query.drop()
 
         self._heard[name] = Heard()
@@ -197,7 +205,12 @@ class Actor:
         if history is not None:
             options["history"] = ext.HistoryConfig(**history)
         if recovery is not None:
-            options["recovery"] = ext.RecoveryConfig(**({"periodic_queries": None, "heartbeat": None} | recovery))
+            period = recovery.get("periodic_queries")
+            options["recovery"] = ext.RecoveryConfig(
+                heartbeat=recovery.get("heartbeat"),
+                # The stubs promise seconds; the binding wants this.
+                periodic_queries=None if period is None else timedelta(seconds=period),
+            )
         take = self._taker(name, described.sample)
         return self._declare(name, ext.declare_advanced_subscriber(self._sessions[app], key, take, **options))
 

@@ -6,6 +6,7 @@ methods is a method here. What is heard comes with ids replaced by names, so tha
 
 import itertools
 import json
+import re
 import subprocess
 import sys
 
@@ -67,6 +68,7 @@ class App:
     def __init__(self, actor, name, config):
         self.name = name
         self.actor = actor
+        self.namespace = config.get("namespace")
         self.zid = actor.do("open", app=name, config=config)["zid"]
         actor.names.sessions[self.zid] = name
 
@@ -102,7 +104,7 @@ class Thing:
         items = items if raw else [self._app.actor.names.in_words(item) for item in items]
         if len(fields) == 1:
             return [item.get(fields[0]) for item in items]
-        return [{field: item[field] for field in fields} for item in items] if fields else items
+        return [{field: item.get(field) for field in fields} for item in items] if fields else items
 
     def came(self, timeout=PATIENCE, **until):
         """Wait `until` enough was heard; whether it was in time."""
@@ -133,7 +135,8 @@ class Thing:
         self._app.actor.do("undeclare", name=self.name)
 
 
-_ABOUT = {"get": "selector", "scout": "what"}
+_ZID = re.compile("[0-9a-f]{24,32}")
+_ABOUT = {"get": "selector", "scout": "kinds"}
 _OF_ANOTHER = {"matching_listener", "miss_listener", "detect_publishers", "scout"}
 
 
@@ -162,6 +165,18 @@ class Names:
             item["source"] = self.entity(identity) if number is None else [self.entity(identity), number]
         if item.get("replier"):
             item["replier"] = self.entity(item["replier"])
+        if "key" in item:
+            item["key"] = self._in_key(item["key"])
         if "zid" in item:
             item["zid"] = self.session(item["zid"])
         return item
+
+    def _in_key(self, key):
+        """A key with names for the ids of sessions and of what they have declared."""
+        chunks = key.split("/")
+        for place, chunk in enumerate(chunks):
+            if chunk in self.sessions or _ZID.fullmatch(chunk):
+                chunks[place] = self.session(chunk)
+                if chunks[place + 1 : place + 2] and chunks[place + 1].isdecimal():
+                    chunks[place + 1] = "0"
+        return "/".join(chunks)

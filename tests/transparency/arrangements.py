@@ -14,7 +14,7 @@ from tests.waiting import wait_until
 LOCAL = "tcp/127.0.0.1:7447"
 ROBOTS = ("a", "b", "c")
 _ROUTER = (sys.executable, "-m", "tests.transparency.router")
-_SENDWORTHY = (sys.executable, "-m", "proxy.cli")
+SENDWORTHY = (sys.executable, "-m", "proxy.cli")
 # Processes of one host share memory and temporary files; those of different hosts do not.
 _OWN_MEMORY = 'mount --bind "$0" /dev/shm && TMPDIR="$0" exec "$@"'
 
@@ -36,9 +36,10 @@ class Place:
 class Robot:
     """A robot: what serves Zenoh on it, and its applications. `app` and `other` are always there."""
 
-    def __init__(self, name, place, team, endpoint):
+    def __init__(self, name, place, team, endpoint, socket):
         self.name = name
         self.place = place
+        self.socket = socket
         self._team = team
         self._endpoint = endpoint
         self.actor = Actor(place, team.names)
@@ -86,9 +87,10 @@ class Team:
         self._processes.append(place.start(*command, stdin=subprocess.PIPE, **options))
         return self._processes[-1]
 
-    def add(self, name, endpoint=LOCAL):
-        """Add a robot whose applications connect to `endpoint`."""
-        self.robots[name] = Robot(name, self.place(name), self, endpoint)
+    def add(self, name, endpoint=LOCAL, socket=None):
+        """Add a robot whose applications connect to `endpoint`, or to the file `socket`."""
+        place = self.place(name)
+        self.robots[name] = Robot(name, place, self, endpoint, socket or socket_of(place))
 
     def __getattr__(self, name):
         """The robot of that name."""
@@ -117,24 +119,26 @@ class Team:
         for those of all others.
         """
         self._rounds += 1
-        apps, round_ = self.apps(), f"settled/{self._rounds}"
-        waiting = [app.liveliness_subscriber(f"{round_}/*", history=True) for app in apps]
-        tokens = [app.token(f"{round_}/{app.name}") for app in apps]
-        for place in waiting:
-            assert place.came(count=len(apps), timeout=timeout), f"{self}: what was declared is not known everywhere"
-        for thing in (*waiting, *tokens):
+        apps, watched = self.apps(), f"**/settled/{self._rounds}/*"
+        waiting = {app: app.liveliness_subscriber(watched, history=True) for app in apps}
+        tokens = [app.token(f"settled/{self._rounds}/{app.name}") for app in apps]
+        for app, place in waiting.items():
+            known = place.came(count=_within_sight(app, apps), timeout=timeout)
+            assert known, f"{self}: what was declared is not known to {app.name}"
+        for thing in (*waiting.values(), *tokens):
             thing.undeclare()
 
     def flush(self):
         """Wait until what was published so far has arrived: what is published after it, and last in line, has."""
         self._rounds += 1
-        apps, round_ = self.apps(), f"flushed/{self._rounds}"
-        waiting = [app.subscriber(f"{round_}/*") for app in apps]
+        apps, watched = self.apps(), f"**/flushed/{self._rounds}/*"
+        waiting = {app: app.subscriber(watched) for app in apps}
         self.settle()
+        mark = {"payload": "", "priority": "BACKGROUND", "congestion_control": "BLOCK"}
         for app in apps:
-            app.put(f"{round_}/{app.name}", payload="", priority="BACKGROUND", congestion_control="BLOCK")
-        for place in waiting:
-            assert place.came(count=len(apps)), f"{self}: what was published has not arrived"
+            app.put(f"flushed/{self._rounds - 1}/{app.name}", **mark)
+        for app, place in waiting.items():
+            assert place.came(count=_within_sight(app, apps)), f"{self}: what was published has not reached {app.name}"
             place.undeclare()
 
     def reset(self):
@@ -158,13 +162,18 @@ class Team:
         return self._folder.name
 
 
+def _within_sight(app, apps):
+    """How many of all applications one can see: those in a namespace see their own kind only."""
+    return len(apps) if app.namespace is None else sum(other.namespace == app.namespace for other in apps)
+
+
 def direct(network, folder):
     """Applications of all robots at one router."""
     team = Team(network, folder)
     place = team.place("a")
-    _route(team, place, f"tcp/0.0.0.0:7447,{socket_of(place)}")
+    _route(team, place, f"tcp/0.0.0.0:7447,unixsock-stream/{socket_of(place)}")
     for name in ROBOTS:
-        team.add(name, f"tcp/{place.host.address}:7447")
+        team.add(name, f"tcp/{place.host.address}:7447", socket_of(place))
     return team
 
 
@@ -174,7 +183,7 @@ def routers(network, folder):
     known = []
     for name in ROBOTS:
         place = team.place(name)
-        _route(team, place, f"{LOCAL},tcp/{place.host.address}:7447,{socket_of(place)}", *known)
+        _route(team, place, f"{LOCAL},tcp/{place.host.address}:7447,unixsock-stream/{socket_of(place)}", *known)
         known.append(f"tcp/{place.host.address}:7447")
         team.add(name)
     return team
@@ -196,16 +205,17 @@ def serve(team, place, configuration=""):
     file, log = place.folder / "sendworthy.toml", place.folder / "log"
     file.write_text(
         f'robot = "{place.host.name}"\nmode = "pass"\n'
-        f'[app]\nlisten = ["{LOCAL}", "{socket_of(place)}"]\n[mesh]\ninterface = "{RADIO}"\n{configuration}'
+        f'[app]\nlisten = ["{LOCAL}", "unixsock-stream/{socket_of(place)}"]\n'
+        f'[mesh]\ninterface = "{RADIO}"\n{configuration}'
     )
     with log.open("w") as written:
-        team.run(place, *_SENDWORTHY, "run", "--config", str(file), stderr=written, env=dict(os.environ))
+        team.run(place, *SENDWORTHY, "run", "--config", str(file), stderr=written, env=dict(os.environ))
     return log
 
 
 def socket_of(place):
-    """Where else on its robot a router or a daemon listens."""
-    return f"unixsock-stream/{place.folder}/zenoh.sock"
+    """The file where else a router or a daemon listens on its robot."""
+    return place.folder / "zenoh.sock"
 
 
 def _route(team, place, listen, *connect):

@@ -49,6 +49,6 @@ def seen(teams):
 
 def _look(feature, team):
     try:
-        return feature.probe(team)
+        return feature.look(team)
     finally:
         team.reset()

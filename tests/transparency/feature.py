@@ -1,6 +1,7 @@
 """A feature of Zenoh: a probe that shows what applications see of it, and in what it is known to differ."""
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,34 +9,44 @@ Transcript = dict[str, Any]
 """What applications saw, by the name of the observation; plain data that is the same in every run."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Limit:
-    """One observation that differs between two routers and two daemons, what both are, and why."""
+    """Why observations differ; of each what it is with two routers and with two daemons, exactly."""
 
-    observation: str
-    routers: Any
-    daemons: Any
     reason: str
-
-    @property
-    def difference(self):
-        """What must be found, exactly."""
-        return self.observation, self.routers, self.daemons
+    differs: Mapping[str, tuple[Any, Any]]
 
 
 class Bug(Limit):
-    """A difference that is to go. Once it is gone its test fails until this entry is removed."""
+    """A difference that is to go. When it is gone the test of its feature fails until this entry is removed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Feature:
-    """One row of the table. `probe` gets a team and returns a transcript."""
+    """One row of the table. `probe` gets a team and returns a transcript; its docstring says what is compared."""
 
     group: str
     name: str
-    compared: str
     probe: Callable[[Any], Transcript]
     limits: tuple[Limit, ...]
+
+    @property
+    def compared(self):
+        """What is compared, in words."""
+        return " ".join(self.probe.__doc__.split()).rstrip(".")
+
+    def look(self, team):
+        """Run the probe; return its transcript as it would be written."""
+        return json.loads(json.dumps(self.probe(team)))
+
+    @property
+    def known(self):
+        """The differences between routers and daemons that are known."""
+        return {
+            name: (json.loads(json.dumps(routers)), json.loads(json.dumps(daemons)))
+            for limit in self.limits
+            for name, (routers, daemons) in limit.differs.items()
+        }
 
 
 FEATURES: list[Feature] = []
@@ -46,14 +57,13 @@ def feature(group, name, *limits):
     """Add the probe below to the table; its docstring says what is compared."""
 
     def add(probe):
-        FEATURES.append(Feature(group, name, " ".join(probe.__doc__.split()).rstrip("."), probe, limits))
+        FEATURES.append(Feature(group, name, probe, limits))
         return probe
 
     return add
 
 
-def differences(routers, daemons):
-    """Where two transcripts differ: observation, and what each has there."""
-    names = list(dict.fromkeys([*routers, *daemons]))
-    pairs = ((name, routers.get(name), daemons.get(name)) for name in names)
-    return [(name, one, other) for name, one, other in pairs if one != other]
+def differences(one, other):
+    """Where two transcripts differ: by observation what each has there."""
+    names = dict.fromkeys([*one, *other])
+    return {name: (one.get(name), other.get(name)) for name in names if one.get(name) != other.get(name)}

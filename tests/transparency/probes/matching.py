@@ -1,6 +1,6 @@
 """What publishers and queriers are told about those who match."""
 
-from tests.transparency.feature import feature
+from tests.transparency.feature import Bug, feature
 
 GROUP = "Matching"
 _SOON = 1.0
@@ -19,28 +19,74 @@ def told(team, asker, declare):
     team.settle()
     seen["status after"] = asker.matching()
     listener.came(count=2, timeout=_SOON)
-    return seen | {"told": listener.heard("matching")}
+    heard = listener.heard("matching")
+    listener.undeclare()
+    return seen | {"told": heard}
 
 
-@feature(GROUP, "publisher and a subscriber on another robot")
+@feature(
+    GROUP,
+    "publisher and a subscriber on another robot",
+    Bug(
+        "A publisher always matches, because the daemon subscribes to everything on its robot.",
+        {
+            "status before": (False, True),
+            "status after": (False, True),
+            "told": ([True, False], [True]),
+        },
+    ),
+)
 def publisher(team):
     """Matching status and listener of a publisher before, while and after a subscriber matches on another robot."""
     return told(team, team.a.app.publisher("match/pub"), lambda: team.b.app.subscriber("match/*"))
 
 
-@feature(GROUP, "publisher and a subscriber on its robot")
+@feature(
+    GROUP,
+    "publisher and a subscriber on its robot",
+    Bug(
+        "A publisher always matches, because the daemon subscribes to everything on its robot.",
+        {
+            "status before": (False, True),
+            "status after": (False, True),
+            "told": ([True, False], [True]),
+        },
+    ),
+)
 def publisher_near(team):
     """The same with a subscriber on the same robot."""
     return told(team, team.a.app.publisher("match/pub"), lambda: team.a.other.subscriber("match/*"))
 
 
-@feature(GROUP, "publisher and a subscriber that does not match")
+@feature(
+    GROUP,
+    "publisher and a subscriber that does not match",
+    Bug(
+        "A publisher always matches, because the daemon subscribes to everything on its robot.",
+        {
+            "status before": (False, True),
+            "status while": (False, True),
+            "status after": (False, True),
+            "told": ([], [True]),
+        },
+    ),
+)
 def publisher_else(team):
     """The same with a subscriber of another key on another robot."""
     return told(team, team.a.app.publisher("match/pub"), lambda: team.b.app.subscriber("match/other"))
 
 
-@feature(GROUP, "publisher with a verbatim key")
+@feature(
+    GROUP,
+    "publisher with a verbatim key",
+    Bug(
+        "Of keys with verbatim chunks only those of advanced publishers and of ROS 2 cross.",
+        {
+            "status while": (True, False),
+            "told": ([True, False], []),
+        },
+    ),
+)
 def publisher_verbatim(team):
     """The same with key `match/@pub`."""
     return told(team, team.a.app.publisher("match/@pub"), lambda: team.b.app.subscriber("match/@pub"))
@@ -66,9 +112,10 @@ def querier(team):
 @feature(GROUP, "querier of complete answers only")
 def querier_complete(team):
     """The same for target ALL_COMPLETE, with a queryable that is not complete and with one that is."""
-    asker = team.a.app.querier("match/ask", target="ALL_COMPLETE")
-    first = told(team, asker, lambda: team.b.app.queryable("match/*", answers=[]))
-    second = told(team, asker, lambda: team.b.app.queryable("match/**", answers=[], complete=True))
+    askers = [team.a.app.querier("match/ask", target="ALL_COMPLETE") for _ in range(2)]
+    first = told(team, askers[0], lambda: team.b.app.queryable("match/*", answers=[]))
+    askers[0].undeclare()
+    second = told(team, askers[1], lambda: team.b.app.queryable("match/**", answers=[], complete=True))
     return {f"incomplete: {what}": seen for what, seen in first.items()} | {
         f"complete: {what}": seen for what, seen in second.items()
     }

@@ -1,12 +1,16 @@
 """What a subscriber sees of what a publisher says."""
 
-from tests.transparency.feature import feature
+from tests.transparency.feature import Limit, feature
 
 GROUP = "Publishing"
 PRIORITIES = (
     *("REAL_TIME", "INTERACTIVE_HIGH", "INTERACTIVE_LOW"),
     *("DATA_HIGH", "DATA", "DATA_LOW", "BACKGROUND"),
 )
+
+
+def _stamps(put, delete):
+    return [{"kind": "PUT", "stamp": put}, {"kind": "DELETE", "stamp": delete}]
 
 
 def heard_by_both(team, say, *fields, key="say/**"):
@@ -76,10 +80,27 @@ def reliability(team):
     return {where: sorted(items, key=lambda item: item["key"]) for where, items in heard.items()}
 
 
-@feature(GROUP, "timestamp of none")
+@feature(
+    GROUP,
+    "timestamp of none",
+    Limit(
+        "A router stamps puts as they pass. A daemon stamps puts and deletes when it takes them to the mesh, with the "
+        "id of its session there; applications of one robot hear each other without a stamp. The daemons know by it whose "
+        "sample it is, and a router that stamps would replace stamps, as below.",
+        {
+            "same robot": (_stamps("router", None), _stamps(None, None)),
+            "other robot": (_stamps("router", None), _stamps("another", "another")),
+        },
+    ),
+)
 def stamped_on_the_way(team):
-    """A sample without a timestamp: who stamps it."""
-    return heard_by_both(team, lambda app: app.put("say/stamp", payload="x"), "stamp")
+    """A put and a delete without a timestamp: who stamps them."""
+
+    def say(app):
+        app.put("say/stamp", payload="x")
+        app.delete("say/stamp")
+
+    return heard_by_both(team, say, "kind", "stamp")
 
 
 @feature(GROUP, "timestamp of the application")
@@ -94,7 +115,19 @@ def stamped(team):
     return told | {"an hour apart": _apart(listener)}
 
 
-@feature(GROUP, "timestamp of the future")
+@feature(
+    GROUP,
+    "timestamp of the future",
+    Limit(
+        "A router replaces timestamps that are more than 0.5 s ahead of its clock. A daemon never touches one: robots "
+        "without a common clock would lose theirs.",
+        {
+            "same robot": (["a.app", "router"], ["a.app", "a.app"]),
+            "other robot": (["a.app", "router"], ["a.app", "a.app"]),
+            "an hour apart": (False, True),
+        },
+    ),
+)
 def stamped_in_the_future(team):
     """A sample whose timestamp is an hour ahead."""
 
@@ -119,7 +152,14 @@ def source(team):
     return heard_by_both(team, say, "source")
 
 
-@feature(GROUP, "timestamps on the way")
+@feature(
+    GROUP,
+    "timestamps on the way",
+    Limit(
+        "Zenoh has no way to publish a sample together with the stamps that it came with, so they end at the daemon.",
+        {"other robot": ([["SEND", "ROUTE", "ROUTE", "ROUTE", "ROUTE", "RECEIVE"]], [None])},
+    ),
+)
 def instrumented(team):
     """Timestamp instrumentation: at which points a sample is stamped when it asks for it."""
     return heard_by_both(team, lambda app: app.put("say/stack", payload="x", instrumented=True), "stack")
@@ -148,6 +188,31 @@ def publisher(team):
         publisher.publish()
 
     return heard_by_both(team, say, *_FIELDS)
+
+
+@feature(GROUP, "declared key expressions")
+def declared(team):
+    """Puts and deletes on key expressions that the application has declared, one of them a prefix."""
+
+    def say(app):
+        for key in ("say/declared", "say/declared/deep"):
+            app.put(key, payload="1", declared=True)
+            app.delete(key, declared=True)
+        app.put("say/declared/deep/er", payload="2")
+
+    return heard_by_both(team, say, "key", "kind", "payload")
+
+
+@feature(GROUP, "puts on wildcards")
+def wildcards(team):
+    """A put and a delete on `say/*` and on `say/**`: they reach whoever subscribes to a key of them, once."""
+    listeners = {key: team.b.app.subscriber(key) for key in ("say/a", "say/*", "say/a/b", "say/**")}
+    team.settle()
+    for key in ("say/*", "say/**"):
+        team.a.app.put(key, payload="x")
+        team.a.app.delete(key)
+    team.flush()
+    return {key: listener.heard("key", "kind") for key, listener in listeners.items()}
 
 
 @feature(GROUP, "order")
