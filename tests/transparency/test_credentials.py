@@ -20,7 +20,7 @@ listen_private_key = "{folder}/{name}.key"
 connect_certificate = "{folder}/{name}.pem"
 connect_private_key = "{folder}/{name}.key"
 """
-PASSWORD = """[mesh.zenoh.transport.auth.usrpwd]
+USER = """[mesh.zenoh.transport.auth.usrpwd]
 user = "{name}"
 password = "{password}"
 dictionary_file = "{dictionary}"
@@ -58,7 +58,7 @@ def with_passwords(folder, place):
     secret = "guess" if name == "c" else "secret"
     dictionary = folder / f"{secret}s"
     dictionary.write_text("".join(f"{robot}:{secret} of {robot}\n" for robot in ROBOTS))
-    return PASSWORD.format(dictionary=dictionary, name=name, password=f"{secret} of {name}")
+    return USER.format(dictionary=dictionary, name=name, password=f"{secret} of {name}")
 
 
 @pytest.fixture

@@ -85,8 +85,8 @@ def reliability(team):
     "timestamp of none",
     Limit(
         "A router stamps puts as they pass. A daemon stamps puts and deletes when it takes them to the mesh, with the "
-        "id of its session there; applications of one robot hear each other without a stamp. The daemons know by it whose "
-        "sample it is, and a router that stamps would replace stamps, as below.",
+        "id of its session there, by which the daemons know whose sample it is; applications of one robot hear each "
+        "other without a stamp. A router that stamps would replace stamps too, as below.",
         {
             "same robot": (_stamps("router", None), _stamps(None, None)),
             "other robot": (_stamps("router", None), _stamps("another", "another")),
