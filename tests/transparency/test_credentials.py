@@ -67,6 +67,8 @@ def team(tmp_path, place):
     network = Network(place, "mesh")
     team = Team(network, tmp_path)
     yield team
+    for log in tmp_path.glob("*/log"):
+        print(f"--- {log.parent.name}\n{log.read_text()}")
     team.close()
     network.close()
 
@@ -103,6 +105,7 @@ def peers(robot):
     """The robots that a daemon knows."""
     asked = robot.place.host.run(*SENDWORTHY, "status", "--json")
     assert asked.returncode == 0, asked.stderr
+    print(robot.name, json.loads(asked.stdout)["daemon"]["links"])
     return {peer["robot"] for peer in json.loads(asked.stdout)["peers"]}
 
 

@@ -11,8 +11,8 @@ _LOST, _LOST_TOO = "lost " * 12, "lost too " * 12
 _SOON = 0.5
 """How long what comes again has to come again [s]."""
 _NAMELESS = (
-    "Zenoh lets nobody answer a query with another's source info, so what is fetched from a cache on another robot "
-    "comes without its number, and the subscriber cannot tell that it has it."
+    "Zenoh's Python API has no way to give a reply source info, so what is fetched from a cache on another robot comes "
+    "without its number. The subscriber cannot tell that it has it, and fetches and delivers it again and again."
 )
 
 
@@ -106,6 +106,21 @@ def cache(team):
         replies = team.b.app.get(selector, consolidation="NONE", accept_replies="ANY", timeout=10.0)
         seen[selector] = replies.heard("key", "kind", "payload", over=True)
     return seen
+
+
+@feature(
+    GROUP,
+    "source info of cached samples",
+    Bug(_NAMELESS, {"replies": ([["0", ["publisher", 0]], ["1", ["publisher", 1]]], [["0", None], ["1", None]])}),
+)
+def cache_source(team):
+    """What is fetched from a cache has the numbers by which subscribers tell what they have."""
+    publisher = team.a.app.advanced_publisher("adv/it", cache=3, miss={}, label="publisher")
+    for number in range(2):
+        publisher.publish(str(number))
+    team.settle()
+    replies = team.b.app.get("adv/it/@adv/**", consolidation="NONE", accept_replies="ANY", timeout=10.0)
+    return {"replies": [[reply["payload"], reply["source"]] for reply in replies.heard(over=True)]}
 
 
 @feature(GROUP, "late publisher")
