@@ -6,6 +6,7 @@ Each robot is a host of its own. Applications are told where Zenoh is on their r
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 from tests.system.network import RADIO
 from tests.transparency.applications import PATIENCE, Actor, App, Names
@@ -15,12 +16,15 @@ LOCAL = "tcp/127.0.0.1:7447"
 ROBOTS = ("a", "b", "c")
 _ROUTER = (sys.executable, "-m", "tests.transparency.router")
 SENDWORTHY = (sys.executable, "-m", "proxy.cli")
-# Processes of one host share memory and temporary files; those of different hosts do not.
-_OWN_MEMORY = 'mount --bind "$0" /dev/shm && TMPDIR="$0" exec "$@"'
+# Processes of one host share memory and the socket that is a file; those of different hosts share neither.
+_OWN_MEMORY = 'mount --bind "$0" /dev/shm && exec "$@"'
+MEMORY = Path("/dev/shm")  # noqa: S108 - each host has its own
+SOCKET = MEMORY / "zenoh.sock"
+"""Where else a router or a daemon listens on its robot."""
 
 
 class Place:
-    """A host with a folder that its processes share."""
+    """A host with a folder for its files. Its processes share `memory` and see it as /dev/shm."""
 
     def __init__(self, host, folder):
         self.host = host
@@ -36,10 +40,9 @@ class Place:
 class Robot:
     """A robot: what serves Zenoh on it, and its applications. `app` and `other` are always there."""
 
-    def __init__(self, name, place, team, endpoint, socket):
+    def __init__(self, name, place, team, endpoint):
         self.name = name
         self.place = place
-        self.socket = socket
         self._team = team
         self._endpoint = endpoint
         self.actor = Actor(place, team.names)
@@ -87,10 +90,9 @@ class Team:
         self._processes.append(place.start(*command, stdin=subprocess.PIPE, **options))
         return self._processes[-1]
 
-    def add(self, name, endpoint=LOCAL, socket=None):
-        """Add a robot whose applications connect to `endpoint`, or to the file `socket`."""
-        place = self.place(name)
-        self.robots[name] = Robot(name, place, self, endpoint, socket or socket_of(place))
+    def add(self, name, endpoint=LOCAL):
+        """Add a robot whose applications connect to `endpoint`."""
+        self.robots[name] = Robot(name, self.place(name), self, endpoint)
 
     def __getattr__(self, name):
         """The robot of that name."""
@@ -171,9 +173,9 @@ def direct(network, folder):
     """Applications of all robots at one router."""
     team = Team(network, folder)
     place = team.place("a")
-    _route(team, place, f"tcp/0.0.0.0:7447,unixsock-stream/{socket_of(place)}")
+    _route(team, place, f"tcp/0.0.0.0:7447,unixsock-stream/{SOCKET}")
     for name in ROBOTS:
-        team.add(name, f"tcp/{place.host.address}:7447", socket_of(place))
+        team.add(name, f"tcp/{place.host.address}:7447")
     return team
 
 
@@ -183,7 +185,7 @@ def routers(network, folder):
     known = []
     for name in ROBOTS:
         place = team.place(name)
-        _route(team, place, f"{LOCAL},tcp/{place.host.address}:7447,unixsock-stream/{socket_of(place)}", *known)
+        _route(team, place, f"{LOCAL},tcp/{place.host.address}:7447,unixsock-stream/{SOCKET}", *known)
         known.append(f"tcp/{place.host.address}:7447")
         team.add(name)
     return team
@@ -205,17 +207,12 @@ def serve(team, place, configuration=""):
     file, log = place.folder / "sendworthy.toml", place.folder / "log"
     file.write_text(
         f'robot = "{place.host.name}"\nmode = "pass"\n'
-        f'[app]\nlisten = ["{LOCAL}", "unixsock-stream/{socket_of(place)}"]\n'
+        f'[app]\nlisten = ["{LOCAL}", "unixsock-stream/{SOCKET}"]\n'
         f'[mesh]\ninterface = "{RADIO}"\n{configuration}'
     )
     with log.open("w") as written:
         team.run(place, *SENDWORTHY, "run", "--config", str(file), stderr=written, env=dict(os.environ))
     return log
-
-
-def socket_of(place):
-    """The file where else a router or a daemon listens on its robot."""
-    return place.folder / "zenoh.sock"
 
 
 def _route(team, place, listen, *connect):

@@ -105,7 +105,6 @@ def peers(robot):
     """The robots that a daemon knows."""
     asked = robot.place.host.run(*SENDWORTHY, "status", "--json")
     assert asked.returncode == 0, asked.stderr
-    print(robot.name, json.loads(asked.stdout)["daemon"]["links"])
     return {peer["robot"] for peer in json.loads(asked.stdout)["peers"]}
 
 

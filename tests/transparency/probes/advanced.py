@@ -1,5 +1,6 @@
 """Advanced publishers and subscribers (`zenoh.ext`) on different robots."""
 
+from tests.transparency.arrangements import MEMORY, SOCKET
 from tests.transparency.feature import Bug, feature
 
 GROUP = "Advanced publishers and subscribers"
@@ -128,14 +129,14 @@ def late_publisher(team):
     """A publisher that connects late: a subscriber that detects it fetches what it had published before."""
     subscriber = team.b.app.advanced_subscriber("adv/*", history={"detect_late_publishers": True})
     team.settle()
-    door = team.a.place.folder / "late.sock"
-    endpoints = {"endpoints": [f"unixsock-stream/{door}"], "timeout_ms": -1, "exit_on_failure": False}
+    door = team.a.place.memory / "late.sock"
+    endpoints = {"endpoints": [f"unixsock-stream/{MEMORY / door.name}"], "timeout_ms": -1, "exit_on_failure": False}
     retry = {"period_init_ms": 50, "period_max_ms": 50}
     app = team.a.open("late", mode="peer", connect=endpoints | {"retry": retry}, listen={"endpoints": []})
     publisher = app.advanced_publisher("adv/late", cache=5, detection=True, miss={})
     for payload in ("1", "2"):
         publisher.publish(payload)
-    door.symlink_to(team.a.socket)
+    door.symlink_to(SOCKET)
     subscriber.came(count=2)
     team.settle()
     publisher.publish("3")

@@ -1,5 +1,6 @@
 """What applications see around them: how they connect, shared memory, namespaces, the admin space."""
 
+from tests.transparency.arrangements import SOCKET
 from tests.transparency.feature import Bug, Limit, feature
 
 GROUP = "Connections and surroundings"
@@ -25,8 +26,8 @@ def shared_memory(team):
 @feature(GROUP, "applications at a unix socket")
 def unix_socket(team):
     """An application that connects by `unixsock-stream`: samples, queries and tokens, both ways."""
-    endpoint = f"unixsock-stream/{team.a.socket}"
-    return _all_ways(team, team.a.open("unix", connect={"endpoints": [endpoint]}), team.b.app)
+    app = team.a.open("unix", connect={"endpoints": [f"unixsock-stream/{SOCKET}"]})
+    return _all_ways(team, app, team.b.app)
 
 
 @feature(GROUP, "applications in peer mode")
