@@ -12,6 +12,7 @@ import sys
 
 PATIENCE = 10.0
 """How long a probe waits for what ought to come [s]."""
+_TRIALS = 5
 _PROGRAM = (sys.executable, "-m", "tests.transparency.actor")
 _THINGS = {
     "advanced_publisher",
@@ -71,6 +72,18 @@ class App:
         self.namespace = config.get("namespace")
         self.zid = actor.do("open", app=name, config=config)["zid"]
         actor.names.sessions[self.zid] = name
+
+    def tokens(self, key, count=1):
+        """The keys of the tokens that it finds.
+
+        On a busy machine Zenoh's answer ends early now and then, behind its own routers too: with fewer than `count`
+        tokens it is asked again, a few times.
+        """
+        for _ in range(_TRIALS):
+            found = self.liveliness_get(key).heard("key", over=True)
+            if len(set(found)) >= count:
+                break
+        return found
 
     def __getattr__(self, what):
         """Let it do `what`: the first word is a key, or whatever the operation is about."""

@@ -110,4 +110,4 @@ def peers(robot):
 
 def tokens(robot):
     """The tokens that an application finds; Zenoh may tell its own twice."""
-    return set(robot.app.liveliness_get("secret/*").heard("key", over=True))
+    return set(robot.app.tokens("secret/*"))

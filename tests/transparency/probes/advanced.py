@@ -211,4 +211,4 @@ def tokens(team):
     team.a.app.advanced_publisher("adv/it", cache=1, miss={}, detection=True)
     team.b.app.advanced_subscriber("adv/*", detection=True)
     team.settle()
-    return {"found": sorted(team.c.app.liveliness_get("adv/*/@adv/**").heard("key", over=True))}
+    return {"found": sorted(team.c.app.tokens("adv/*/@adv/**", count=2))}

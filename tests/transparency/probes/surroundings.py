@@ -55,7 +55,6 @@ def _all_ways(team, one, other):
     team.settle()
     publisher = one.publisher("place/it")
     replies = one.get("place/ask", payload="question", timeout=10.0)
-    found = other.liveliness_get("place/token")
     publisher.publish("x")
     other.put("place/back", payload="y")
     team.flush()
@@ -63,7 +62,7 @@ def _all_ways(team, one, other):
         "heard": listener.heard("key", "payload"),
         "heard back": back.heard("key", "payload"),
         "replies": replies.heard("key", "payload", over=True),
-        "token": found.heard("key", over=True),
+        "token": other.tokens("place/token"),
     }
 
 
