@@ -5,7 +5,7 @@ BIN := .venv/bin
 
 PACKAGES := planner proxy utility_specs studies
 
-.PHONY: setup demo test lint bench qualify test-system lock clean FORCE
+.PHONY: setup demo test lint bench qualify test-system transparency lock clean FORCE
 
 setup: .venv/ready
 
@@ -45,6 +45,10 @@ bench: setup
 
 test-system: setup
 	tests/system/run
+
+# Compares what applications see with what they see behind Zenoh routers, and writes deploy/TRANSPARENCY.md anew.
+transparency: setup
+	WRITE_TRANSPARENCY=1 ONLY=tests/transparency tests/system/run
 
 # The long run: every property with thousands of examples, and a long flight of the demo.
 qualify: setup

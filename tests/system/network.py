@@ -23,13 +23,14 @@ _BRIDGE = "channel"
 class Network:
     """The channel, and the hosts by name. Needs root. `close` removes all of it.
 
-    `place` is an empty folder: there every process of a host finds temporary files that only it sees.
+    `place` is an empty folder: there every process of a host finds temporary files that only it sees. Channels of
+    different `name` can exist side by side and do not hear each other.
     """
 
-    def __init__(self, place):
+    def __init__(self, place, name="air"):
         sweep()
         self._place = place
-        self._air = f"{_PREFIX}-{os.getpid()}-air"
+        self._air = f"{_PREFIX}-{os.getpid()}-{name}"
         self.hosts = {}
         ip("netns", "add", self._air)
         # A channel hears everything: no guesses about who wants which multicast group.
@@ -79,7 +80,7 @@ class Host:
     def __init__(self, name, address, air, place):
         self.name = name
         self.address = address
-        self.namespace = f"{_PREFIX}-{os.getpid()}-{name}"
+        self.namespace = f"{air}-{name}"
         self._air = air
         self._place = place
 
