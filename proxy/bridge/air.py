@@ -19,6 +19,7 @@ from typing import Any
 import zenoh
 
 from proxy import clock
+from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.keys import INGRESS
 from proxy.bridge.radio import interface_of
@@ -129,6 +130,7 @@ class Broadcast:
         ]
 
     def _take(self, sample: zenoh.Sample) -> None:
+        attach()
         prefix, _, key = str(sample.key_expr).partition("/")
         if prefix == PREFIX:
             self._hear(key, sample)

@@ -6,6 +6,7 @@ from functools import partial
 import zenoh
 
 from proxy import clock
+from proxy.bridge.attached import attach
 from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.owners import Owners
 from proxy.bridge.rules import Rules, Verdict
@@ -75,6 +76,7 @@ class Delivery:
         return self._mesh.declare_subscriber(expression, handler, allowed_origin=zenoh.Locality.REMOTE)
 
     def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
+        attach()
         key = str(sample.key_expr)
         if self._owners.takes(expression, key):
             self._hand(key, sample)

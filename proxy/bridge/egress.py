@@ -30,9 +30,11 @@ MOST_SAMPLES = 8192
 MOST_BYTES = 16 * 1024 * 1024
 """Bound of both lanes together [B]."""
 CATCH_UP = 0.001
-"""How long whoever brings a sample lets the thread catch up, where no link holds it up [s]."""
+"""How long whoever brings a sample lets the thread catch up at most [s]."""
 BEHIND = 32
-"""It has to, with more than so many passing samples."""
+"""It has to, with more than so many passing samples, where no link holds it up."""
+MOVING = 0.05
+"""Full links move when a sample was sent so recently [s]: who publishes faster is slowed down then, not dropped."""
 _PUSHED_BACK = 0.05
 """Passing traffic delays a decided sample by no more than this [s]."""
 
@@ -64,6 +66,7 @@ class Egress:
         self._bytes = 0
         self._free_at = 0.0
         self._open = True
+        self._sent_at = 0.0
         self._busy = False
         """Whether the thread has a passing sample in hand."""
         lock = threading.RLock()
@@ -95,14 +98,25 @@ class Egress:
             self._send_passing(reason, held)
         elif not self._enqueue(self._passing, (reason, held)):
             self._passed.add(EGRESS, 0)
-        elif len(self._passing) > BEHIND and not self.headroom.slow()[0]:
-            with self._wake:
-                self._caught_up.wait_for(lambda: not self._passing, CATCH_UP)
+        elif len(self._passing) > BEHIND:
+            self._let_catch_up(held.sample)
 
     @property
     def waiting(self) -> dict[str, int]:
         """What waits: samples decided, samples passing, bytes."""
         return {"decided": len(self._decided), "passing": len(self._passing), "bytes": self._bytes}
+
+    def _let_catch_up(self, sample: zenoh.Sample) -> None:
+        """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still."""
+        most = BEHIND
+        if self.headroom.slow()[0]:
+            most = MOST_SAMPLES // 2
+            full = len(self._passing) > most or self._bytes > MOST_BYTES // 2
+            waits = sample.congestion_control != zenoh.CongestionControl.DROP
+            if not full or not waits or clock.monotonic() - self._sent_at > MOVING:
+                return
+        with self._wake:
+            self._caught_up.wait_for(lambda: len(self._passing) <= most, CATCH_UP)
 
     def _enqueue(self, lane: deque[tuple[Any, Held]], item: tuple[Any, Held]) -> bool:
         with self._wake:
@@ -118,8 +132,7 @@ class Egress:
         while True:
             with self._wake:
                 self._busy = False
-                if not self._passing:
-                    self._caught_up.notify_all()
+                self._caught_up.notify_all()
                 while self._open and (pause := self._pause()) != 0.0:
                     self._wake.wait(pause)
                 if not self._open:
@@ -132,6 +145,7 @@ class Egress:
                 self._send_decided(*decided)
             elif passing is not None:
                 self._send_passing(*passing, droppable=self._take(passing[1]))
+                self._sent_at = clock.monotonic()
 
     def _ripe(self) -> bool:
         return bool(self._decided) and (self.rate is None or clock.monotonic() >= self._free_at)

@@ -10,6 +10,7 @@ from typing import Protocol
 import zenoh
 
 from proxy import clock
+from proxy.bridge.attached import attach
 from proxy.bridge.cover import Cover
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.demand import Demand
@@ -117,6 +118,7 @@ class Ingress:
         return self._app.declare_subscriber(expression, handler, allowed_origin=zenoh.Locality.REMOTE)
 
     def _receive(self, expression: str, sample: zenoh.Sample) -> None:
+        attach()
         now = clock.monotonic()
         key = str(sample.key_expr)
         if not self._owners.takes(expression, key):
