@@ -80,6 +80,7 @@ class Egress:
 
     def close(self, timeout: float) -> None:
         """Stop writing; what still waits is not sent. Waits at most `timeout` [s] for a put that stalls."""
+        self._patience.end()
         with self._wake:
             self._open = False
             self._wake.notify()

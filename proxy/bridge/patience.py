@@ -19,32 +19,40 @@ _LOOK = 0.002
 
 
 class Patience:
-    """Waits for links, on the thread that may be held up."""
+    """Waits for links, on the thread that may be held up, until `end`."""
 
     def __init__(self, headroom: Headroom, wait: Callable[[float], object] = time.sleep) -> None:
         self._headroom = headroom
         self._wait = wait
         self._lost_at = -REST
+        self._ended = False
         self.lost = 0
         """How often it ran out."""
+
+    def end(self) -> None:
+        """Wait no more."""
+        self._ended = True
 
     def runs_out(self) -> bool:
         """Wait for room on all links; whether some still have none while others do.
 
-        Where no link has room nobody waits for another: what is full is the channel.
+        Where no link has room the channel is full, and the first that has it again is not held up by the others.
         """
         until = clock.monotonic() + LONGEST
-        while self._uneven():
-            now = clock.monotonic()
-            if now - self._lost_at < REST:
-                return True
-            if now >= until:
-                self._lost_at = now
-                self.lost += 1
+        while not self._ended:
+            full, links = self._headroom.slow()
+            if not full or links == 1:
+                break
+            if full < links and self._lost(clock.monotonic(), until):
                 return True
             self._wait(_LOOK)
         return False
 
-    def _uneven(self) -> bool:
-        slow, links = self._headroom.slow()
-        return 0 < slow < links
+    def _lost(self, now: float, until: float) -> bool:
+        if now - self._lost_at < REST:
+            return True
+        if now < until:
+            return False
+        self._lost_at = now
+        self.lost += 1
+        return True

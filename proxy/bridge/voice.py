@@ -19,22 +19,29 @@ from proxy.bridge.sessions import open_session, voice_options
 from proxy.bridge.tap import Tap
 from proxy.bridge.widening import EVERYTHING
 from proxy.bridge.wire import Kind
+from proxy.errors import SessionError
 
 _PATIENCE = 2.0
 """How long the interests of a voice may take to its main session [s]; they take a few milliseconds."""
+
+
+_REFUSED = (
+    "the daemon cannot link to its own session; with transport.auth.usrpwd, its user and password must be in its own "
+    "dictionary_file too"
+)
 
 
 class Voice:
     """The voice of the main session that listens at `door`.
 
     A router is told everything; a client, for which alone peers route, what it says it is interested in: `widening`
-    makes that everything. `changed` is
-    called when `declared` changes.
+    makes that everything. `changed` is called when `declared` changes. Raises SessionError, naming `side`.
     """
 
     def __init__(
         self,
         door: Door,
+        side: Literal["app", "mesh"],
         mode: Literal["router", "client"],
         zenoh_options: Mapping[str, Any],
         changed: Callable[[], None],
@@ -48,7 +55,11 @@ class Voice:
         tap = Tap(door.tap, door.main, self.ledger, interests=len(told))
         self._closing.callback(tap.close)
         options = voice_options(mode, f"unixsock-stream/{door.tap}", zenoh_options)
-        self.session = open_session(options, "voice")
+        try:
+            self.session = open_session(options, "voice")
+        except SessionError as error:
+            self._closing.close()
+            raise SessionError(f"{side}.zenoh: {_REFUSED}: {error}") from error
         self._closing.callback(self.session.close)
         self._interests: list[Declaration] = [declare(EVERYTHING) for declare in told]
         if told and not tap.widened.wait(_PATIENCE):

@@ -14,10 +14,31 @@ class Links:
         return self.state
 
 
-def test_nobody_waits_where_all_links_have_room_or_none_has():
-    """A channel that is full is no reason to drop what may not be dropped."""
-    for state in ((0, 3), (3, 3), (1, 1), (0, 0)):
+def test_nobody_waits_where_all_links_have_room_or_there_is_no_other():
+    """What is full is the channel then, and Zenoh waits for it as it does."""
+    for state in ((0, 3), (1, 1), (0, 0)):
         assert not Patience(Links(*state), wait=lambda _: None).runs_out()
+
+
+def test_where_all_are_full_the_first_that_has_room_again_is_not_held_up(monkeypatch):
+    """Nothing is published before; then the others are waited for no longer than for any, counted from the beginning."""
+    now = [100.0]
+    monkeypatch.setattr("proxy.clock.monotonic", lambda: now[0])
+    links = Links(2, 2)
+
+    def wait(seconds):
+        now[0] += seconds
+        if now[0] > 101.0:
+            links.state = (1, 2)
+
+    assert Patience(links, wait).runs_out()
+    assert 101.0 < now[0] < 101.01
+
+
+def test_at_the_end_nobody_waits_any_more():
+    """However full the links are."""
+    patience = Patience(Links(2, 2), wait=lambda _: patience.end())
+    assert not patience.runs_out()
 
 
 def test_it_waits_until_the_slow_link_has_room():

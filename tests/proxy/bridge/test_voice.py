@@ -1,10 +1,12 @@
 """Voices know exactly what others declare, on real sessions."""
 
+import pytest
 import zenoh
 
 from proxy.bridge import voice as voice_module
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, MeshConfig
+from proxy.errors import SessionError
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -107,3 +109,13 @@ def test_a_closed_voice_takes_back_what_it_declared(stack):
     opened.apps.close()
     wait_until(lambda: not list(app.liveliness().get("t", timeout=5.0)), what="its end")
     del token
+
+
+def test_a_session_that_refuses_its_own_voice_is_an_error_that_says_what_to_do(stack, tmp_path):
+    """A daemon must be in its own dictionary of users."""
+    users = tmp_path / "users"
+    users.write_text("other:secret\n")
+    auth = {"usrpwd": {"user": "me", "password": "secret", "dictionary_file": str(users)}}
+    mesh = MeshConfig(listen=(free_endpoint(),), scouting=False, zenoh={"transport": {"auth": auth}})
+    with pytest.raises(SessionError, match=r"^mesh\.zenoh: .* must be in its own dictionary_file too: voice: "):
+        open_sides(AppConfig(listen=(free_endpoint(),)), mesh, stack)
