@@ -21,7 +21,7 @@ def test_nobody_waits_where_all_links_have_room_or_there_is_no_other():
 
 
 def test_where_all_are_full_the_first_that_has_room_again_is_not_held_up(monkeypatch):
-    """Nothing is published before; then the others are waited for no longer than for any, counted from the beginning."""
+    """Nothing is published before; the others are waited for no longer than ever, counted from the beginning."""
     now = [100.0]
     monkeypatch.setattr("proxy.clock.monotonic", lambda: now[0])
     links = Links(2, 2)
