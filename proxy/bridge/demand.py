@@ -63,6 +63,7 @@ class Demand:
         self._lock = threading.Lock()
         self._seen: dict[str, bool] = {}
         self._new: deque[tuple[str, zenoh.Sample]] = deque()
+        self._turned: set[str] = set()
         self._matching: dict[str, bool] = {}
         self._outlets: dict[str, Outlet] = {}
         self._robots: dict[str, tuple[zenoh.KeyExpr, ...]] = {}
@@ -71,7 +72,10 @@ class Demand:
     def note(self, key: str, sample: zenoh.Sample, *, covered: bool) -> None:
         """Follow `key` from now on. Called for every sample: cheap when not new."""
         if key not in self._seen and len(self._seen) < MOST:
-            self._seen[key] = covered
+            with self._lock:  # samples of one key may come on several threads
+                if key in self._seen:
+                    return
+                self._seen[key] = covered
             self._new.append((key, sample))
             self._wake()
 
@@ -106,7 +110,7 @@ class Demand:
         return self._broadcast and not self._matching.get(key, True)
 
     def update(self) -> None:
-        """Declare publishers for the keys that are new. May block for as long as the mesh does."""
+        """Declare publishers for new keys, and hear those that turned. May block for as long as the mesh does."""
         while self._new:
             key, sample = self._new.popleft()
             kind = sample.priority, sample.congestion_control, sample.express
@@ -120,7 +124,11 @@ class Demand:
             self._outlets[key] = Outlet(publisher, *kind)
             handler = zenoh.handlers.Callback(partial(self._hear, key), indirect=False)
             publisher.declare_matching_listener(handler)
-            self._set(key, matching=_matches(publisher))
+            self._turned.add(key)
+        while self._turned:
+            key = self._turned.pop()
+            if (outlet := self._outlets.get(key)) is not None:
+                self._set(key, matching=_matches(outlet.publisher))
 
     def close(self) -> None:
         """Follow nothing more."""
@@ -133,8 +141,10 @@ class Demand:
         """How many of our keys somebody wants."""
         return sum(self._matching.values())
 
-    def _hear(self, key: str, status: zenoh.MatchingStatus) -> None:
-        self._set(key, matching=status.matching)
+    def _hear(self, key: str, _: zenoh.MatchingStatus) -> None:
+        # What it says is not kept: it may be told after what is asked later.
+        self._turned.add(key)
+        self._wake()
 
     def _set(self, key: str, *, matching: bool) -> None:
         with self._lock:

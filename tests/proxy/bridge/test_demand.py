@@ -1,5 +1,7 @@
 """How many nodes of the mesh want a key."""
 
+import threading
+
 import pytest
 import zenoh
 
@@ -28,8 +30,21 @@ def broadcast():
 
 @pytest.fixture
 def demand(stack, mesh, events, broadcast):
-    made = Demand(mesh[0], events.append, lambda: None, broadcast=broadcast)
+    """Whatever wakes it, it is updated on a thread of its own."""
+    wake, ended = threading.Event(), threading.Event()
+    made = Demand(mesh[0], events.append, wake.set, broadcast=broadcast)
     stack.callback(made.close)
+
+    def update():
+        while wake.wait() and not ended.is_set():
+            wake.clear()
+            made.update()
+
+    thread = threading.Thread(target=update)
+    thread.start()
+    stack.callback(thread.join)
+    stack.callback(wake.set)
+    stack.callback(ended.set)
     return made
 
 
@@ -42,8 +57,9 @@ def follow(mesh, demand):
         before = len(made.samples)
         mesh[0].put("made", "x", **quality)
         wait_until(lambda: len(made.samples) > before, what="a sample")
+        known = key in demand._matching
         demand.note(key, made.samples[-1], covered=covered)
-        demand.update()
+        wait_until(lambda: known or key in demand._matching or key not in demand._seen, what="its demand")
         return made.samples[-1]
 
     return follow_one
