@@ -9,6 +9,7 @@ from functools import partial
 import zenoh
 
 from proxy import clock
+from proxy.bridge.keys import on_air
 from proxy.core.events import MatchingChanged
 
 MOST = 1024
@@ -95,7 +96,7 @@ class Demand:
         """Return how often a sample of `key` is transmitted; at least once unless it is known that nobody wants it."""
         if not self._matching.get(key, True):
             return 0
-        if self._broadcast:
+        if self._broadcast and on_air(key):
             return 1
         counts = self._counts
         if (count := counts.get(key)) is None:

@@ -133,6 +133,14 @@ def test_in_broadcast_one_transmission_is_for_all(stack, mesh, demand, follow):
     assert not heard.samples
 
 
+@pytest.mark.parametrize("broadcast", [True])
+def test_what_cannot_be_broadcast_counts_once_for_each_robot(demand):
+    """It goes by the mesh."""
+    for robot in ("z1", "z2"):
+        demand.told(robot, ["@own/**", "k/@adv/**"])
+    assert (demand.copies("@own/k"), demand.copies("k/@adv/pub/1")) == (2, 1)
+
+
 def test_in_unicast_zenoh_itself_is_silent(demand, follow):
     """A key nobody wants is published all the same: Zenoh knows best."""
     follow("k")
