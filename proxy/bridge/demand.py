@@ -71,14 +71,18 @@ class Demand:
         self._counts: dict[str, int] = {}
 
     def note(self, key: str, sample: zenoh.Sample, *, covered: bool) -> None:
-        """Follow `key` from now on. Called for every sample: cheap when not new."""
-        if key not in self._seen and len(self._seen) < MOST:
-            with self._lock:  # samples of one key may come on several threads
-                if key in self._seen:
-                    return
-                self._seen[key] = covered
-            self._new.append((key, sample))
-            self._wake()
+        """Follow `key` from now on. Called for every sample: cheap when nothing is new."""
+        known = self._seen.get(key)
+        if known is covered or (known is None and len(self._seen) >= MOST):
+            return
+        with self._lock:  # samples of one key may come on several threads
+            known = self._seen.get(key)
+            self._seen[key] = covered
+            if known is None:
+                self._new.append((key, sample))
+            elif covered and not known and key in self._matching:  # a spec covers it now
+                self._post(MatchingChanged(clock.monotonic(), key, self._matching[key]))
+        self._wake()
 
     def outlet(self, key: str) -> Outlet | None:
         """Return the publisher of a key that is followed; it is as the first sample was. In broadcast there is none."""

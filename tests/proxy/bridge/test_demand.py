@@ -83,6 +83,15 @@ def test_matching_follows_the_subscribers(stack, mesh, demand, events, follow):
     assert [(event.key, event.matching) for event in events] == [("k", False), ("k", True), ("k", False)]
 
 
+def test_the_core_learns_of_a_key_when_it_becomes_covered(demand, events, follow):
+    """Another generation of specs may cover what none did before."""
+    sample = follow("k", covered=False)
+    assert not events
+    for covered in (True, True, False, True):
+        demand.note("k", sample, covered=covered)
+    assert [(event.key, event.matching) for event in events] == [("k", False)] * 2
+
+
 def test_copies_are_the_robots_that_say_they_want_it(demand):
     """Each robot counts once, however many of its subscriptions match; a gone one no longer counts."""
     demand.told("z1", ["k/*", "k/a"])
