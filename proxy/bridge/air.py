@@ -63,7 +63,8 @@ def broadcast_options(group: str, interface: str) -> dict[str, Any]:
 class Broadcast:
     """A session on a multicast group, opened anew when it died: Zenoh gives up on one whose radio was off.
 
-    `mesh` carries what cannot be broadcast. `others` says whether there is anybody to be heard. Raises `SessionError` when it cannot be opened.
+    `mesh` carries what cannot be broadcast. `others` says whether there is anybody to be heard. Raises `SessionError`
+    when it cannot be opened.
     """
 
     def __init__(self, group: str, interface: str, mesh: zenoh.Session, others: Callable[[], bool]) -> None:

@@ -3,6 +3,7 @@
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 
@@ -139,7 +140,8 @@ class Demand:
         """Follow nothing more."""
         outlets, self._outlets = self._outlets, {}
         for outlet in outlets.values():
-            outlet.publisher.undeclare()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
+            with suppress(RuntimeError):  # it is in a put that stalls: then it ends with its session
+                outlet.publisher.undeclare()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
 
     @property
     def wanted(self) -> int:

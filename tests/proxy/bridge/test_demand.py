@@ -1,6 +1,7 @@
 """How many nodes of the mesh want a key."""
 
 import threading
+from contextlib import suppress
 
 import pytest
 import zenoh
@@ -172,3 +173,24 @@ def test_an_outlet_publishes_as_the_first_sample_did(stack, mesh, demand, follow
     wait_until(lambda: heard.samples, what="the sample")
     (sample,) = heard.samples
     assert (sample.priority, sample.congestion_control, sample.express) == (*urgent.values(), True)
+
+
+def test_it_closes_while_a_sample_is_being_published(stack, mesh, demand, follow):
+    """Zenoh refuses to undeclare a publisher that is in use."""
+    heard = Heard(closing(stack, plain_session("peer", connect=(mesh[1],))), "k")
+    follow("k", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: demand.copies("k") == 1, what="the subscriber")
+    publisher, ended = demand.outlet("k").publisher, threading.Event()
+
+    def publish():
+        with suppress(zenoh.ZError, RuntimeError):
+            while not ended.is_set():
+                publisher.put(bytes(2_000_000))
+
+    thread = threading.Thread(target=publish)
+    stack.callback(thread.join)
+    stack.callback(ended.set)
+    thread.start()
+    wait_until(lambda: heard.samples, what="the first of them")
+    demand.close()
+    assert demand.outlet("k") is None
