@@ -2,7 +2,8 @@
 
 Broadcast is a Zenoh peer with nothing but a multicast endpoint: one transmission reaches every robot. Nothing is
 acknowledged, repeated, encrypted or held back there, and Zenoh knows of nobody's subscriptions. So all else stays on
-the mesh session: what daemons tell each other, queries, liveliness, and who wants what.
+the mesh session: what daemons tell each other, queries, liveliness, who wants what, and the few samples whose keys have
+verbatim chunks that no pattern of ours names.
 
 Where two nodes of a group declare the same key expression, Zenoh 1.10 lets them repeat each other's declaration without
 end, and that takes all of the air. So no two robots may subscribe to the same: samples travel below a chunk that each
@@ -21,7 +22,7 @@ import zenoh
 from proxy import clock
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.keys import INGRESS
+from proxy.bridge.keys import INGRESS, on_air
 from proxy.bridge.radio import interface_of
 from proxy.bridge.sessions import AT_ONCE, reason_of, zenoh_session
 from proxy.errors import SessionError
@@ -63,12 +64,14 @@ def broadcast_options(group: str, interface: str) -> dict[str, Any]:
 class Broadcast:
     """A session on a multicast group, opened anew when it died: Zenoh gives up on one whose radio was off.
 
-    `others` says whether there is anybody to be heard. Raises `SessionError` when it cannot be opened.
+    `mesh` carries what cannot be broadcast. `others` says whether there is anybody to be heard. Raises `SessionError`
+    when it cannot be opened.
     """
 
-    def __init__(self, group: str, interface: str, others: Callable[[], bool]) -> None:
+    def __init__(self, group: str, interface: str, mesh: zenoh.Session, others: Callable[[], bool]) -> None:
         self._group = group
         self._interface = interface
+        self._mesh = mesh
         self._others = others
         self._hear: Hear = lambda _key, _sample: None
         self._subscribers: list[Declaration] = []
@@ -85,11 +88,17 @@ class Broadcast:
 
     def put(self, key: zenoh.KeyExpr | str, payload: Any, **options: Any) -> None:
         """Publish as `zenoh.Session.put` does."""
-        self._session.put(f"{PREFIX}/{key}", payload, **options)
+        if on_air(str(key)):
+            self._session.put(f"{PREFIX}/{key}", payload, **options)
+        else:
+            self._mesh.put(key, payload, **options)
 
     def delete(self, key: zenoh.KeyExpr | str, **options: Any) -> None:
         """Delete as `zenoh.Session.delete` does."""
-        self._session.delete(f"{PREFIX}/{key}", **options)
+        if on_air(str(key)):
+            self._session.delete(f"{PREFIX}/{key}", **options)
+        else:
+            self._mesh.delete(key, **options)
 
     def listen(self, hear: Hear) -> None:
         """Call `hear` with every sample of an app on another robot from now on."""

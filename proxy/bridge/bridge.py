@@ -113,10 +113,11 @@ class Bridge:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
         self._watch.close(_PATIENCE)
         self._ingress.close()
-        for part in (self._delivery, self._outward, self._inward, self.demand):
+        for part in (self._delivery, self._outward, self._inward):
             part.close()
         for thread in (self._egress, *self.lanes):
             thread.close(_PATIENCE)
+        self.demand.close()
 
     def forward(self, number: int) -> None:
         """Send a covered sample to the mesh."""

@@ -3,12 +3,14 @@
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 
 import zenoh
 
 from proxy import clock
+from proxy.bridge.keys import on_air
 from proxy.core.events import MatchingChanged
 
 MOST = 1024
@@ -63,17 +65,25 @@ class Demand:
         self._lock = threading.Lock()
         self._seen: dict[str, bool] = {}
         self._new: deque[tuple[str, zenoh.Sample]] = deque()
+        self._turned: set[str] = set()
         self._matching: dict[str, bool] = {}
         self._outlets: dict[str, Outlet] = {}
         self._robots: dict[str, tuple[zenoh.KeyExpr, ...]] = {}
         self._counts: dict[str, int] = {}
 
     def note(self, key: str, sample: zenoh.Sample, *, covered: bool) -> None:
-        """Follow `key` from now on. Called for every sample: cheap when not new."""
-        if key not in self._seen and len(self._seen) < MOST:
+        """Follow `key` from now on. Called for every sample: cheap when nothing is new."""
+        known = self._seen.get(key)
+        if known is covered or (known is None and len(self._seen) >= MOST):
+            return
+        with self._lock:  # samples of one key may come on several threads
+            known = self._seen.get(key)
             self._seen[key] = covered
-            self._new.append((key, sample))
-            self._wake()
+            if known is None:
+                self._new.append((key, sample))
+            elif covered and not known and key in self._matching:  # a spec covers it now
+                self._post(MatchingChanged(clock.monotonic(), key, self._matching[key]))
+        self._wake()
 
     def outlet(self, key: str) -> Outlet | None:
         """Return the publisher of a key that is followed; it is as the first sample was. In broadcast there is none."""
@@ -91,7 +101,7 @@ class Demand:
         """Return how often a sample of `key` is transmitted; at least once unless it is known that nobody wants it."""
         if not self._matching.get(key, True):
             return 0
-        if self._broadcast:
+        if self._broadcast and on_air(key):
             return 1
         counts = self._counts
         if (count := counts.get(key)) is None:
@@ -106,7 +116,7 @@ class Demand:
         return self._broadcast and not self._matching.get(key, True)
 
     def update(self) -> None:
-        """Declare publishers for the keys that are new. May block for as long as the mesh does."""
+        """Declare publishers for new keys, and hear those that turned. May block for as long as the mesh does."""
         while self._new:
             key, sample = self._new.popleft()
             kind = sample.priority, sample.congestion_control, sample.express
@@ -120,21 +130,28 @@ class Demand:
             self._outlets[key] = Outlet(publisher, *kind)
             handler = zenoh.handlers.Callback(partial(self._hear, key), indirect=False)
             publisher.declare_matching_listener(handler)
-            self._set(key, matching=_matches(publisher))
+            self._turned.add(key)
+        while self._turned:
+            key = self._turned.pop()
+            if (outlet := self._outlets.get(key)) is not None:
+                self._set(key, matching=_matches(outlet.publisher))
 
     def close(self) -> None:
         """Follow nothing more."""
         outlets, self._outlets = self._outlets, {}
         for outlet in outlets.values():
-            outlet.publisher.undeclare()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
+            with suppress(RuntimeError):  # it is in a put that stalls: then it ends with its session
+                outlet.publisher.undeclare()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
 
     @property
     def wanted(self) -> int:
         """How many of our keys somebody wants."""
         return sum(self._matching.values())
 
-    def _hear(self, key: str, status: zenoh.MatchingStatus) -> None:
-        self._set(key, matching=status.matching)
+    def _hear(self, key: str, _: zenoh.MatchingStatus) -> None:
+        # What it says is not kept: it may be told after what is asked later.
+        self._turned.add(key)
+        self._wake()
 
     def _set(self, key: str, *, matching: bool) -> None:
         with self._lock:

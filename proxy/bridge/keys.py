@@ -1,5 +1,7 @@
 """Key expressions: which cross, and those of Sendworthy itself."""
 
+import zenoh
+
 PREFIX = "@sendworthy"
 
 CROSSING = ("**", "**/@adv/**", "@ros2_lv/**")
@@ -9,10 +11,17 @@ those of advanced pub/sub and of ROS 2."""
 INGRESS = ("*/**", "**/@adv/*/**", "@ros2_lv/*/**")
 """The same on the app side, in words that no app uses: so our own subscriptions are told from an app's `**`."""
 
+_ON_AIR = tuple(map(zenoh.KeyExpr, INGRESS))
+
 ALL_DIGESTS = f"{PREFIX}/*/digest"
 ALL_STATES = f"{PREFIX}/*/state"
 ALL_ALIVE = f"{PREFIX}/*/alive/*"
 ALL_AT_APPS = f"{PREFIX}/*/app/*"
+
+
+def on_air(key: str) -> bool:
+    """Whether samples of `key` can be broadcast: who listens there names verbatim chunks one by one."""
+    return "@" not in key or any(expression.intersects(key) for expression in _ON_AIR)
 
 
 def digest(robot: str) -> str:

@@ -62,6 +62,6 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
 def _open_air(mesh: MeshConfig, session: zenoh.Session, closing: ExitStack) -> Air:
     if mesh.transport == "unicast":
         return session
-    air = Broadcast(mesh.group, mesh.interface, lambda: bool(session.info.peers_zid()))
+    air = Broadcast(mesh.group, mesh.interface, session, lambda: bool(session.info.peers_zid()))
     closing.callback(air.close)
     return air

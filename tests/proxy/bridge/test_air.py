@@ -16,7 +16,7 @@ from proxy.errors import SessionError
 from tests.ports import free_port
 from tests.proxy.bridge import robots
 from tests.proxy.bridge.robots import wait_interest
-from tests.proxy.nodes import Heard, closing
+from tests.proxy.nodes import Heard, closing, plain_session
 from tests.waiting import wait_until
 
 LOOPBACK = "lo"
@@ -38,7 +38,8 @@ def team(stack, tmp_path, group):
 
 def opened(stack, group, *, others=False):
     """A broadcast, and what is heard by it."""
-    made, heard = Broadcast(group, LOOPBACK, lambda: others), []
+    mesh = closing(stack, plain_session("peer"))
+    made, heard = Broadcast(group, LOOPBACK, mesh, lambda: others), []
     stack.callback(made.close)
     made.listen(lambda key, sample: heard.append((key, sample.payload.to_string())))
     return made, heard
@@ -126,11 +127,27 @@ def test_nothing_of_sendworthys_own_is_heard(stack, group):
     assert set(heard) == {("last", "last")}
 
 
-def test_an_interface_that_is_none_is_named_with_its_key(group):
+def test_what_cannot_be_broadcast_goes_by_the_mesh(team):
+    """Keys with verbatim chunks that no pattern matches: puts and deletes arrive, each once, where they are wanted."""
+    heard = [Heard(robot.node(), "@own/**") for robot in team[1:]]
+    for robot in team[1:]:
+        wait_interest(robot, team[0], keys=("@own/**",))
+    app, block = team[0].node(), zenoh.CongestionControl.BLOCK
+    for i in range(5):
+        app.put("@own/a", str(i), congestion_control=block)
+        app.delete("@own/a", congestion_control=block)
+    for each in heard:
+        wait_until(lambda each=each: len(each.samples) == 10, what="all of them")
+        assert [str(s.key_expr) for s in each.samples] == ["@own/a"] * 10
+        assert [s.payload.to_string() for s in each.samples[::2]] == list("01234")
+        assert all(s.kind == zenoh.SampleKind.DELETE for s in each.samples[1::2])
+
+
+def test_an_interface_that_is_none_is_named_with_its_key(stack, group):
     """The operator learns what to correct."""
     complaint = rf"^mesh\.interface nope, mesh\.group {group}: cannot broadcast: Interface nope not found"
     with pytest.raises(SessionError, match=complaint):
-        Broadcast(group, "nope", lambda: False)
+        Broadcast(group, "nope", closing(stack, plain_session("peer")), lambda: False)
 
 
 def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(stack, group, monkeypatch, caplog):

@@ -1,5 +1,8 @@
 """How many nodes of the mesh want a key."""
 
+import threading
+from contextlib import suppress
+
 import pytest
 import zenoh
 
@@ -28,8 +31,21 @@ def broadcast():
 
 @pytest.fixture
 def demand(stack, mesh, events, broadcast):
-    made = Demand(mesh[0], events.append, lambda: None, broadcast=broadcast)
+    """Whatever wakes it, it is updated on a thread of its own."""
+    wake, ended = threading.Event(), threading.Event()
+    made = Demand(mesh[0], events.append, wake.set, broadcast=broadcast)
     stack.callback(made.close)
+
+    def update():
+        while wake.wait() and not ended.is_set():
+            wake.clear()
+            made.update()
+
+    thread = threading.Thread(target=update)
+    thread.start()
+    stack.callback(thread.join)
+    stack.callback(wake.set)
+    stack.callback(ended.set)
     return made
 
 
@@ -42,8 +58,9 @@ def follow(mesh, demand):
         before = len(made.samples)
         mesh[0].put("made", "x", **quality)
         wait_until(lambda: len(made.samples) > before, what="a sample")
+        known = key in demand._matching
         demand.note(key, made.samples[-1], covered=covered)
-        demand.update()
+        wait_until(lambda: known or key in demand._matching or key not in demand._seen, what="its demand")
         return made.samples[-1]
 
     return follow_one
@@ -65,6 +82,15 @@ def test_matching_follows_the_subscribers(stack, mesh, demand, events, follow):
     heard.subscriber.undeclare()
     wait_until(lambda: demand.copies("k") == demand.copies("free") == 0, what="its end")
     assert [(event.key, event.matching) for event in events] == [("k", False), ("k", True), ("k", False)]
+
+
+def test_the_core_learns_of_a_key_when_it_becomes_covered(demand, events, follow):
+    """Another generation of specs may cover what none did before."""
+    sample = follow("k", covered=False)
+    assert not events
+    for covered in (True, True, False, True):
+        demand.note("k", sample, covered=covered)
+    assert [(event.key, event.matching) for event in events] == [("k", False)] * 2
 
 
 def test_copies_are_the_robots_that_say_they_want_it(demand):
@@ -117,6 +143,14 @@ def test_in_broadcast_one_transmission_is_for_all(stack, mesh, demand, follow):
     assert not heard.samples
 
 
+@pytest.mark.parametrize("broadcast", [True])
+def test_what_cannot_be_broadcast_counts_once_for_each_robot(demand):
+    """It goes by the mesh."""
+    for robot in ("z1", "z2"):
+        demand.told(robot, ["@own/**", "k/@adv/**"])
+    assert (demand.copies("@own/k"), demand.copies("k/@adv/pub/1")) == (2, 1)
+
+
 def test_in_unicast_zenoh_itself_is_silent(demand, follow):
     """A key nobody wants is published all the same: Zenoh knows best."""
     follow("k")
@@ -139,3 +173,24 @@ def test_an_outlet_publishes_as_the_first_sample_did(stack, mesh, demand, follow
     wait_until(lambda: heard.samples, what="the sample")
     (sample,) = heard.samples
     assert (sample.priority, sample.congestion_control, sample.express) == (*urgent.values(), True)
+
+
+def test_it_closes_while_a_sample_is_being_published(stack, mesh, demand, follow):
+    """Zenoh refuses to undeclare a publisher that is in use."""
+    heard = Heard(closing(stack, plain_session("peer", connect=(mesh[1],))), "k")
+    follow("k", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: demand.copies("k") == 1, what="the subscriber")
+    publisher, ended = demand.outlet("k").publisher, threading.Event()
+
+    def publish():
+        with suppress(zenoh.ZError, RuntimeError):
+            while not ended.is_set():
+                publisher.put(bytes(2_000_000))
+
+    thread = threading.Thread(target=publish)
+    stack.callback(thread.join)
+    stack.callback(ended.set)
+    thread.start()
+    wait_until(lambda: heard.samples, what="the first of them")
+    demand.close()
+    assert demand.outlet("k") is None
