@@ -36,6 +36,9 @@ _PATIENCE = 0.15
 """How long a stop waits for each thread [s]."""
 
 
+_FAREWELL = 0.15
+"""How long the routers of the app side have to take note of each other's end [s]."""
+
 STOP = 0.7
 """How long a stop may take [s]."""
 
@@ -87,13 +90,13 @@ class Daemon:
         closing, self._closing = self._closing, ExitStack()
         try:
             closing.close()
-        except zenoh.ZError as error:
+        except (zenoh.ZError, RuntimeError) as error:
             log.warning("stopping: %s", error)
 
     def _open(self, opening: ExitStack) -> None:
         """Build everything between the sessions, and start it from the core outwards."""
         config = self._config
-        sides = open_sides(config.app, config.mesh, opening)
+        sides = open_sides(config.app, config.mesh, opening, _FAREWELL)
         self._air = sides.air
         self._zids = {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())}
         robot = self.robot = free_name(sides.mesh, config.robot)

@@ -32,7 +32,7 @@ MOST_BYTES = 16 * 1024 * 1024
 CATCH_UP = 0.001
 """How long whoever brings a sample lets the thread catch up at most [s]."""
 BEHIND = 32
-"""It has to, with more than so many passing samples, where no link holds it up."""
+"""It has to, with more than so many passing samples, where surely no link holds it up."""
 MOVING = 0.05
 """Full links move when a sample was sent so recently [s]: who publishes faster is slowed down then, not dropped."""
 _PUSHED_BACK = 0.05
@@ -110,7 +110,7 @@ class Egress:
     def _let_catch_up(self, sample: zenoh.Sample) -> None:
         """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still."""
         most = BEHIND
-        if self.headroom.slow()[0]:
+        if not self.headroom.clear:
             most = MOST_SAMPLES // 2
             full = len(self._passing) > most or self._bytes > MOST_BYTES // 2
             waits = sample.congestion_control != zenoh.CongestionControl.DROP
@@ -198,7 +198,7 @@ class Egress:
                 )
             else:
                 publish(self._air, sample, held.stamp, droppable=droppable)
-        except zenoh.ZError as error:
+        except (zenoh.ZError, RuntimeError) as error:  # RuntimeError: the publisher is being taken back
             if not self._failing:
                 log.error("the mesh session refuses %s: %s", held.key, error)
             self._failing = True

@@ -58,6 +58,11 @@ class Headroom:
         rooms = [_room(number) for number in self._sockets]
         return sum(room < LITTLE for room in rooms), len(rooms)
 
+    @property
+    def clear(self) -> bool:
+        """Whether no link has little room, as far as all of them can be seen."""
+        return not self._unknown and not self.slow()[0]
+
     def refresh(self) -> None:
         """Take note of links that came and went."""
         links = tuple(sorted(f"{link.src} {link.dst}" for link in self._session.info.links() if not _private(link)))

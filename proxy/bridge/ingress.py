@@ -1,4 +1,7 @@
-"""Receives every sample that an app publishes, stamps it and queues it. Never decides, never blocks."""
+"""Receives the samples of apps that somebody on the mesh wants, stamps them and passes them on or holds them.
+
+Never decides, and never waits for a mesh that stands still.
+"""
 
 import itertools
 import logging
@@ -123,14 +126,14 @@ class Ingress:
         key = str(sample.key_expr)
         if not self._owners.takes(expression, key):
             return
+        if self.aside:
+            return
         verdict = self._rules.outward(key)
         if verdict is Verdict.DENIED:
             self._rules.out.count("samples")
             self._passed.add(DENIED, 0)
             return
         stamp = sample.timestamp
-        if self.aside:
-            return
         if stamp is not None and origin_of(stamp) == self._own:
             self.returned += 1
             return

@@ -79,7 +79,9 @@ class Mirror:
         for expression in expressions:
             self._leaving.pop(expression, None)
             self._before_undeclare(expression)
-            self._declared.pop(expression)[0].undeclare()
+            declared = self._declared.pop(expression, None)  # gone when closed in the middle of a look
+            if declared is not None:
+                declared[0].undeclare()
 
     def _add(self, expression: str, complete: bool) -> None:  # noqa: FBT001 - the value of a mapping
         if len(self._declared) >= MOST:
@@ -88,6 +90,7 @@ class Mirror:
         try:
             self._declared[expression] = (self._declare(expression, complete), complete)
         except zenoh.ZError as error:
+            self._before_undeclare(expression)
             self._refuse(expression, error)
 
     def _refuse(self, expression: str, reason: object) -> None:

@@ -1,6 +1,7 @@
 """Opens all sessions of a daemon: one per side, a voice beside each, and in broadcast one for the samples."""
 
 import threading
+import time
 from contextlib import ExitStack
 from dataclasses import dataclass
 
@@ -29,8 +30,11 @@ class Sides:
     wake: threading.Event
 
 
-def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
-    """Open them; `closing` closes them again. Raises SessionError."""
+def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: float = 0.0) -> Sides:
+    """Open them; `closing` closes them again, the app side `farewell` [s] after its voice. Raises SessionError.
+
+    A router whose link to another has just closed still works out its routes; closed meanwhile, it may panic.
+    """
     doors = Door(), Door()
     for door in doors:
         closing.callback(door.close)
@@ -40,6 +44,7 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
         doors[0].added_to(app_options(listen, app.zenoh, connect=app.connect, scouting=app.scouting)), "app"
     )
     closing.callback(app_session.close)
+    closing.callback(time.sleep, farewell)
     options = mesh_options(
         mesh.listens,
         mesh.connect,
@@ -51,11 +56,11 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
     mesh_session = open_session(doors[1].added_to(options), "mesh")
     closing.callback(mesh_session.close)
     air = _open_air(mesh, mesh_session, closing)
+    others = Voice(doors[1], "mesh", "client", mesh.zenoh, wake.set)
+    closing.callback(others.close)
     # Routers do not tell each other that what was behind a third router is gone; they do tell clients.
     apps = Voice(doors[0], "app", "client" if app.connect else "router", app.zenoh, wake.set)
     closing.callback(apps.close)
-    others = Voice(doors[1], "mesh", "client", mesh.zenoh, wake.set)
-    closing.callback(others.close)
     return Sides(app_session, mesh_session, air, apps, others, wake)
 
 

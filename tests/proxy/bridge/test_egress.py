@@ -144,6 +144,8 @@ def test_whoever_brings_more_than_the_thread_can_send_lets_it_catch_up(bench, mo
 class FullLinks:
     """Links that have no room."""
 
+    clear = False
+
     def takes(self, _):
         return False
 

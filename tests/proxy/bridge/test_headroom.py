@@ -64,6 +64,7 @@ def test_a_link_takes_a_part_of_its_buffer(stack, mesh):
     assert headroom.takes(40_000)
     assert not headroom.takes(1_000_000)
     assert headroom.slow() == (0, 1)
+    assert headroom.clear
     peer.close()
     wait_until(lambda: linked(headroom, 0), what="the end of the link")
     assert headroom.takes(1_000_000)
@@ -97,3 +98,4 @@ def test_a_link_whose_socket_cannot_be_found_counts_as_full(stack):
     wait_until(lambda: list(mesh.info.peers_zid()), what="the link")
     headroom.refresh()
     assert not headroom.takes(1)
+    assert not headroom.clear
