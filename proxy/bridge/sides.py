@@ -52,9 +52,9 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack) -> Sides:
     closing.callback(mesh_session.close)
     air = _open_air(mesh, mesh_session, closing)
     # Routers do not tell each other that what was behind a third router is gone; they do tell clients.
-    apps = Voice(doors[0], "client" if app.connect else "router", app.zenoh, wake.set)
+    apps = Voice(app_session, doors[0], "client" if app.connect else "router", app.zenoh, wake.set)
     closing.callback(apps.close)
-    others = Voice(doors[1], "client", mesh.zenoh, wake.set)
+    others = Voice(mesh_session, doors[1], "client", mesh.zenoh, wake.set)
     closing.callback(others.close)
     return Sides(app_session, mesh_session, air, apps, others, wake)
 

@@ -1,7 +1,7 @@
 """Advanced publishers and subscribers (`zenoh.ext`) on different robots."""
 
 from tests.transparency.arrangements import MEMORY, SOCKET
-from tests.transparency.feature import Bug, feature
+from tests.transparency.feature import feature
 
 GROUP = "Advanced publishers and subscribers"
 _LOSSY = {"low_pass_filter": [{"messages": ["put"], "flows": ["egress"], "key_exprs": ["**"], "size_limit": 50}]}
@@ -11,10 +11,6 @@ _STAMPS = {"timestamping": {"enabled": True}}
 _LOST, _LOST_TOO = "lost " * 12, "lost too " * 12
 _SOON = 0.5
 """How long what comes again has to come again [s]."""
-_NAMELESS = (
-    "Zenoh's Python API has no way to give a reply source info, so what is fetched from a cache on another robot comes "
-    "without its number. The subscriber cannot tell that it has it, and fetches and delivers it again and again."
-)
 
 
 def after_a_loss(team, publish, *, miss, recovery, count):
@@ -109,11 +105,7 @@ def cache(team):
     return seen
 
 
-@feature(
-    GROUP,
-    "source info of cached samples",
-    Bug(_NAMELESS, {"replies": ([["0", ["publisher", 0]], ["1", ["publisher", 1]]], [["0", None], ["1", None]])}),
-)
+@feature(GROUP, "source info of cached samples")
 def cache_source(team):
     """What is fetched from a cache has the numbers by which subscribers tell what they have."""
     publisher = team.a.app.advanced_publisher("adv/it", cache=3, miss={}, label="publisher")
@@ -146,24 +138,13 @@ def late_publisher(team):
     return {"heard": subscriber.heard("payload")}
 
 
-@feature(
-    GROUP,
-    "recovery of a gap",
-    Bug(
-        _NAMELESS,
-        {"some heard twice": (False, True), "misses": ([], [{"source": "publisher", "missed": 2}])},
-    ),
-)
+@feature(GROUP, "recovery of a gap")
 def recovery(team):
     """Samples that were lost before one that arrived are fetched from the publisher's cache."""
     return after_a_loss(team, _gap, miss={"heartbeat": 60}, recovery={"heartbeat": True}, count=4)
 
 
-@feature(
-    GROUP,
-    "recovery of the last sample by heartbeat",
-    Bug(_NAMELESS, {"some heard twice": (False, True)}),
-)
+@feature(GROUP, "recovery of the last sample by heartbeat")
 def heartbeat(team):
     """The last sample was lost: the publisher's heartbeat tells, and it is fetched."""
     return after_a_loss(team, _end, miss={"heartbeat": 0.1}, recovery={"heartbeat": True}, count=2)
@@ -175,11 +156,7 @@ def sporadic(team):
     return after_a_loss(team, _end, miss={"sporadic_heartbeat": 0.1}, recovery={"heartbeat": True}, count=2)
 
 
-@feature(
-    GROUP,
-    "recovery of the last sample by periodic queries",
-    Bug(_NAMELESS, {"some heard twice": (False, True)}),
-)
+@feature(GROUP, "recovery of the last sample by periodic queries")
 def periodic(team):
     """The last sample was lost: the subscriber asks now and then, and finds it."""
     return after_a_loss(team, _end, miss={}, recovery={"periodic_queries": 0.1}, count=2)
