@@ -10,10 +10,13 @@ from itertools import pairwise
 
 import zenoh
 
-from proxy.bridge.cursor import MORE
+from proxy.bridge.cursor import MORE, Cursor, WireError
 
 MOST_BEFORE = 1024
 """Replies whose key and encoding take more go without [B]: the mark must stand in the first fragment of a reply."""
+
+ROOM = 64
+"""What stands before the mark beside those is never longer [B]."""
 
 _MARK = 16
 _SIZE = 4
@@ -21,6 +24,8 @@ _FRONT = _MARK + _SIZE + 1
 """The mark, the size of the whole attachment, the size of the source info."""
 _SOURCE = 0x41
 """Header of the extension for source info, of puts and deletes alike."""
+_FRAGMENT, _FIRST = 0x06, 0x2
+"""Kind of a message that holds a part of another; its extension that says that this is the first part."""
 _ATTACHMENTS = (0x43, 0x42)
 """Those for the attachment of a put and of a delete."""
 
@@ -82,6 +87,8 @@ class Sourcing:
         return b"".join(len(batch).to_bytes(2, "little") + batch for batch in batches)
 
     def _unfolded(self, batch: bytes) -> bytes:
+        if _goes_on(batch):
+            return batch
         done, at = [], 0
         while (found := batch.find(self._mark, at)) >= 0:
             place = self._place(batch, found)
@@ -107,3 +114,19 @@ class Sourcing:
         if batch[end - 1]:
             return start, end, bytes([_SOURCE | MORE, len(source)]) + source + bytes([header]) + varint(left)
         return start, end, bytes([_SOURCE | header & MORE, len(source)]) + source
+
+
+def _goes_on(batch: bytes) -> bool:
+    """Whether it begins inside of a message.
+
+    A mark there stands at the end of one fragment and the beginning of the next as well, with a little less before it.
+    """
+    data = Cursor(batch)
+    try:
+        header = data.byte()
+        if header & 0x1F != _FRAGMENT:
+            return False
+        data.number()
+        return _FIRST not in data.extensions(header)
+    except WireError:
+        return True

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 import zenoh
 
 from proxy.bridge.keys import PREFIX
-from proxy.bridge.sourcing import MOST_BEFORE, enclosed, encoded
+from proxy.bridge.sourcing import MOST_BEFORE, ROOM, enclosed, encoded
 
 PATIENCE = 2.0
 """How long a query of a main session to its voice may take [s]; it takes some milliseconds."""
@@ -18,7 +18,7 @@ def gives_source(main: zenoh.Session, voice: zenoh.Session, mark: bytes) -> bool
     """Whether `main` finds replies of its `voice` as `enclosed` has them: a delete, and others of any size."""
     info = zenoh.SourceInfo(voice.id, 2**32 - 1)
     asked = f"{PREFIX}/trial/{voice.zid()}/*"
-    key = asked[:-1].ljust(MOST_BEFORE, "x")
+    key = asked[:-1].ljust(MOST_BEFORE + ROOM, "x")
     sent = ((b"", b"a"), (bytes(_LARGE), None))
 
     def answer(query: zenoh.Query) -> None:
