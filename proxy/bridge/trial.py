@@ -1,15 +1,17 @@
 """Tries whether replies of a voice get their source info, before anybody relies on it."""
 
-import threading
-from contextlib import ExitStack
+import time
 
 import zenoh
 
+from proxy import clock
 from proxy.bridge.keys import PREFIX
 from proxy.bridge.sourcing import MOST_BEFORE, ROOM, enclosed, encoded
 
 PATIENCE = 2.0
 """How long a query of a main session to its voice may take [s]; it takes some milliseconds."""
+_PAUSE = 0.002
+"""Time between two attempts [s]."""
 _LARGE = 65536
 """A payload that goes in fragments [B]."""
 
@@ -28,41 +30,34 @@ def gives_source(main: zenoh.Session, voice: zenoh.Session, mark: bytes) -> bool
                 query.reply(key, payload, attachment=own)
             query.reply_del(key, attachment=enclosed(mark, info, b"d"))
 
-    expected = [*((payload, attachment, _plain(info)) for payload, attachment in sent), (b"", b"d", _plain(info))]
-    with ExitStack() as closing:
-        served = voice.declare_queryable(asked, zenoh.handlers.Callback(answer))
-        closing.callback(served.undeclare)
-        return _answers(main, asked, closing) == expected
+    expected = [(*each, encoded(info)) for each in (*sent, (b"", b"d"))]
+    served = voice.declare_queryable(asked, zenoh.handlers.Callback(answer))
+    try:
+        return _answers(main, asked, len(expected)) == expected
+    finally:
+        served.undeclare()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
 
 
-def _answers(main: zenoh.Session, key: str, closing: ExitStack) -> list[tuple[bytes, bytes | None, bytes | None]]:
-    querier = main.declare_querier(
-        key,
-        consolidation=zenoh.ConsolidationMode.NONE,
-        timeout=PATIENCE,
-        allowed_destination=zenoh.Locality.REMOTE,
-    )
-    closing.callback(querier.undeclare)
-    known = threading.Event()
-
-    def tell(_: zenoh.MatchingStatus) -> None:
-        known.set()
-
-    querier.declare_matching_listener(zenoh.handlers.Callback(tell, indirect=False))
-    status: object = querier.matching_status
-    if not getattr(status, "matching", status):  # an object where the stubs promise a bool
-        known.wait(PATIENCE)
-    found = (reply.ok for reply in querier.get())
-    return [
-        (
-            bytes(sample.payload),
-            None if sample.attachment is None else bytes(sample.attachment),
-            _plain(sample.source_info),
+def _answers(main: zenoh.Session, asked: str, count: int) -> list[tuple[bytes, bytes | None, bytes | None]]:
+    """Ask until `count` answers come: a queryable that is just declared may not be reached yet."""
+    end = clock.monotonic() + PATIENCE
+    while True:
+        replies = main.get(
+            asked,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=PATIENCE,
+            allowed_destination=zenoh.Locality.REMOTE,
         )
-        for sample in found
-        if sample is not None
-    ]
+        found = [_plain(reply.ok) for reply in replies if reply.ok is not None]
+        if len(found) == count or clock.monotonic() > end:
+            return found
+        time.sleep(_PAUSE)
 
 
-def _plain(info: zenoh.SourceInfo | None) -> bytes | None:
-    return None if info is None else encoded(info)
+def _plain(sample: zenoh.Sample) -> tuple[bytes, bytes | None, bytes | None]:
+    attachment, info = sample.attachment, sample.source_info
+    return (
+        bytes(sample.payload),
+        None if attachment is None else bytes(attachment),
+        None if info is None else encoded(info),
+    )

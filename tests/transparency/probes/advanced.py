@@ -13,11 +13,11 @@ _SOON = 0.5
 """How long what comes again has to come again [s]."""
 
 
-def after_a_loss(team, publish, *, miss, recovery, count):
+def after_a_loss(team, publish, *, miss, recovery, count, stamps=None):
     """What an advanced subscriber on robot b hears, and which misses it is told, when robot a loses samples."""
     subscriber = team.b.app.advanced_subscriber("adv/lossy", recovery=recovery)
     misses = subscriber.listen("miss_listener")
-    app = team.a.open("lossy", **_LOSSY)
+    app = team.a.open("lossy", **_LOSSY | (stamps or {}))
     publisher = app.advanced_publisher("adv/lossy", cache=10, miss=miss, detection=True, label="publisher")
     team.settle()
     publish(publisher)
@@ -144,6 +144,12 @@ def recovery(team):
     return after_a_loss(team, _gap, miss={"heartbeat": 60}, recovery={"heartbeat": True}, count=4)
 
 
+@feature(GROUP, "recovery of a gap between samples with timestamps")
+def recovery_stamped(team):
+    """The same with a publisher that gives its samples timestamps."""
+    return after_a_loss(team, _gap, miss={"heartbeat": 60}, recovery={"heartbeat": True}, count=4, stamps=_STAMPS)
+
+
 @feature(GROUP, "recovery of the last sample by heartbeat")
 def heartbeat(team):
     """The last sample was lost: the publisher's heartbeat tells, and it is fetched."""
@@ -160,6 +166,32 @@ def sporadic(team):
 def periodic(team):
     """The last sample was lost: the subscriber asks now and then, and finds it."""
     return after_a_loss(team, _end, miss={}, recovery={"periodic_queries": 0.1}, count=2)
+
+
+@feature(GROUP, "recovery of the last sample with a timestamp")
+def last_stamped(team):
+    """The same by heartbeat, with a publisher that gives its samples timestamps."""
+    return after_a_loss(team, _end, miss={"heartbeat": 0.1}, recovery={"heartbeat": True}, count=2, stamps=_STAMPS)
+
+
+@feature(GROUP, "late joiner that recovers")
+def late_joiner(team):
+    """A late subscriber fetches the history of numbered samples, then one that was lost, and hears the next: each once."""
+    publisher = team.a.open("lossy", **_LOSSY).advanced_publisher(
+        "adv/it", cache=10, miss={"heartbeat": 0.1}, detection=True
+    )
+    for payload in ("1", "2"):
+        publisher.publish(payload)
+    team.settle()
+    recovery, history = {"heartbeat": True}, {"detect_late_publishers": True}
+    subscriber = team.b.app.advanced_subscriber("adv/it", recovery=recovery, history=history)
+    subscriber.came(count=2)
+    team.settle()
+    for count, payload in ((3, _LOST), (4, "4")):
+        publisher.publish(payload)
+        subscriber.came(count=count)
+    team.flush()
+    return {"heard": subscriber.heard("payload")}
 
 
 @feature(GROUP, "missed samples")
