@@ -176,7 +176,7 @@ def last_stamped(team):
 
 @feature(GROUP, "late joiner that recovers")
 def late_joiner(team):
-    """A late subscriber fetches the history of numbered samples, then one that was lost, and hears the next: each once."""
+    """A late subscriber fetches the history of numbered samples, then one that was lost, and hears the next."""
     publisher = team.a.open("lossy", **_LOSSY).advanced_publisher(
         "adv/it", cache=10, miss={"heartbeat": 0.1}, detection=True
     )
