@@ -67,8 +67,9 @@ class Voice:
     def attachment_of(self, sample: zenoh.Sample) -> zenoh.ZBytes | bytes | None:
         """Return the attachment with which `sample` is to be replied, so that the reply has its source info too."""
         info, attachment = sample.source_info, sample.attachment
-        before = len(str(sample.key_expr).encode()) + len(str(sample.encoding).encode())
-        if info is None or not self.sourced or before > MOST_BEFORE:
+        if info is None or not self.sourced:
+            return attachment
+        if len(f"{sample.key_expr}{sample.encoding}".encode()) > MOST_BEFORE:
             return attachment
         return enclosed(self._mark, info, None if attachment is None else bytes(attachment))
 
