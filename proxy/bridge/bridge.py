@@ -64,6 +64,7 @@ class Bridge:
         self._rules = rules
         self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh, relayed=relayed)
         passed = Passed()
+        sourced = apps.sourced and others.sourced
         self._egress = Egress(air, self.demand, passed, post, _pace(specs, mode))
         self._ingress = Ingress(
             app=app,
@@ -75,14 +76,15 @@ class Bridge:
             rules=rules,
             submit=submit,
             mode=mode,
+            sourced=sourced,
         )
-        self._delivery = Delivery(app, mesh, self._match, rules, post)
+        self._delivery = Delivery(app, mesh, self._match, rules, post, numbered=sourced)
         if isinstance(air, Broadcast):
             air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))
         fence = Fence(wake.set)
-        self._outward = Queries(apps, others.session, self.lanes[0], fence, rules.into)
-        self._inward = Queries(others, apps.session, self.lanes[1], fence, rules.out)
+        self._outward = Queries(apps, others.session, self.lanes[0], fence, rules.into, numbered=lambda _: sourced)
+        self._inward = Queries(others, apps.session, self.lanes[1], fence, rules.out, numbered=self._ingress.numbered)
         self._links = Links(mesh, connect, clock.monotonic())
         routers = Links(app, app_connect, clock.monotonic(), "app")
         self._watch = Watch(

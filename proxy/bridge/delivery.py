@@ -10,7 +10,7 @@ from proxy.bridge.attached import attach
 from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.owners import Owners
 from proxy.bridge.rules import Rules, Verdict
-from proxy.bridge.sample import heartbeat, origin_of, publish, wall_of
+from proxy.bridge.sample import origin_of, publish, wall_of
 from proxy.core.events import Event, SampleHeard
 
 
@@ -20,7 +20,8 @@ class Delivery:
     In broadcast these subscriptions tell the others what is wanted, and hear who does not broadcast; samples come by
     `overhear`. Nobody publishes a sample both ways.
 
-    `covered` says whether an information type covers a key; for such samples `post` gets a `SampleHeard`.
+    `covered` says whether an information type covers a key; for such samples `post` gets a `SampleHeard`. `numbered`:
+    samples keep the numbers of their publishers.
     """
 
     def __init__(
@@ -30,12 +31,15 @@ class Delivery:
         covered: Callable[[str], object | None],
         rules: Rules,
         post: Callable[[Event], None],
+        *,
+        numbered: bool = True,
     ) -> None:
         self._app = app
         self._mesh = mesh
         self._covered = covered
         self._rules = rules
         self._post = post
+        self._numbered = numbered
         self._owners = Owners()
         self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
         self.delivered = 0
@@ -83,12 +87,12 @@ class Delivery:
 
     def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None) -> None:
         verdict, stamp = self._rules.into.verdict(key), sample.timestamp
-        if verdict is Verdict.COMPANION and heartbeat(key, stamp):
+        if verdict is Verdict.COMPANION and not self._numbered:
             return
         if verdict is Verdict.DENIED:
             self._rules.into.count("samples")  # it was on the air all the same
         else:
-            publish(self._app, sample, stamp, renamed)
+            publish(self._app, sample, stamp, renamed, source=sample.source_info if self._numbered else None)
             self.delivered += 1
         if self._covered(key) is not None:
             self._post(_heard(key, sample))

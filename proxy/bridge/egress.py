@@ -20,7 +20,7 @@ from proxy.bridge.demand import Demand
 from proxy.bridge.headroom import Headroom
 from proxy.bridge.passed import EGRESS, Passed
 from proxy.bridge.patience import Patience
-from proxy.bridge.sample import Held, publish, source_of
+from proxy.bridge.sample import Held, publish
 from proxy.core.events import SampleHanded, SampleRefused
 
 log = logging.getLogger(__name__)
@@ -194,10 +194,10 @@ class Egress:
                     encoding=sample.encoding,
                     attachment=sample.attachment,
                     timestamp=held.stamp,
-                    source_info=source_of(sample),
+                    source_info=held.source,
                 )
             else:
-                publish(self._air, sample, held.stamp, droppable=droppable)
+                publish(self._air, sample, held.stamp, source=held.source, droppable=droppable)
         except (zenoh.ZError, RuntimeError) as error:  # RuntimeError: the publisher is being taken back
             if not self._failing:
                 log.error("the mesh session refuses %s: %s", held.key, error)

@@ -21,8 +21,8 @@ from proxy.bridge.egress import Egress
 from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.owners import Owners
 from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC, OVERFLOW, Passed
-from proxy.bridge.rules import Rules, Verdict
-from proxy.bridge.sample import Held, generated, heartbeat, origin_of, priority_of
+from proxy.bridge.rules import ADVANCED, Rules, Verdict
+from proxy.bridge.sample import Held, generated, origin_of, priority_of
 from proxy.core.events import SamplePublished
 from proxy.core.mode import Mode
 from utility_specs import InformationType
@@ -47,7 +47,8 @@ class Submit(Protocol):
 class Ingress:
     """Subscribes on the app side to what the mesh wants and sorts it: the core gets what is covered, the rest passes.
 
-    Covered samples are held until `release`. `submit` gets them for the core, with the type that covers them.
+    Covered samples are held until `release`. `submit` gets them for the core, with the type that covers them. Without
+    `sourced` no sample keeps the number of its publisher.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class Ingress:
         rules: Rules,
         submit: Submit,
         mode: Mode,
+        sourced: bool,
     ) -> None:
         self.mode = mode
         self.aside = False
@@ -74,6 +76,7 @@ class Ingress:
         self._passed = passed
         self._rules = rules
         self._submit = submit
+        self._sourced = sourced
         self._numbers = itertools.count(1)
         self._held: dict[int, Held] = {}
         self._bytes = 0
@@ -102,6 +105,15 @@ class Ingress:
     def close(self) -> None:
         """Receive nothing more."""
         self._mirror.close()
+
+    def numbered(self, key: str) -> bool:
+        """Whether samples of `key` keep the numbers of their publishers.
+
+        Not where some may be dropped on purpose: subscribers would fetch those.
+        """
+        if self.mode is not Mode.ENFORCE or self._rules.outward(key) is not Verdict.ORDINARY:
+            return self._sourced
+        return self._sourced and self._match(key) is None
 
     def release(self, number: int) -> Held | None:
         """Give out a held sample; None when it is not held (any more)."""
@@ -137,11 +149,13 @@ class Ingress:
         if stamp is not None and origin_of(stamp) == self._own:
             self.returned += 1
             return
-        if verdict is Verdict.COMPANION and heartbeat(key, stamp):
+        if verdict is Verdict.COMPANION and not self.numbered(key.partition(ADVANCED)[0]):
             self._passed.add(HEARTBEAT, 0)
             return
-        held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload))
         covering = self._match(key) if verdict is Verdict.ORDINARY else None
+        numbered = self._sourced and (covering is None or self.mode is not Mode.ENFORCE)
+        source = sample.source_info if numbered else None
+        held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload), source)
         self._demand.note(key, sample, covered=covering is not None)
         if covering is None:
             self._egress.pass_on(BYPASS if verdict is Verdict.BYPASS else NO_SPEC, held)

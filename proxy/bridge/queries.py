@@ -6,7 +6,7 @@ replies up. There is no message for a query that its asker gave up: it ends with
 routers.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -16,7 +16,7 @@ from proxy.bridge.fence import Fence
 from proxy.bridge.lane import Lane
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.owners import Owners
-from proxy.bridge.rules import Way
+from proxy.bridge.rules import ADVANCED, Way
 from proxy.bridge.voice import Voice
 from proxy.bridge.wire import Asked
 
@@ -37,6 +37,8 @@ _PRIORITIES = (
     zenoh.Priority.BACKGROUND,
 )
 _WAITS, _EXPRESS = 0x08, 0x10
+_NUMBERS = "_sn"
+"""The parameter with which an advanced subscriber asks for samples by their numbers."""
 
 
 class Queries:
@@ -44,15 +46,26 @@ class Queries:
 
     What the voice `far` asks reaches all but itself, so a query never comes back to who mirrors it. A query is not
     asked on before `fence` says that what was declared before it is mirrored. `way` is the one that the answers go: a
-    query for what it denies is not answered, as if nobody did.
+    query for what it denies is not answered, as if nobody did. Where the samples of a key are not `numbered` neither
+    are replies, and what has nothing but a number does not cross: nobody could tell that they have it already.
     """
 
-    def __init__(self, near: Voice, far: zenoh.Session, lane: Lane, fence: Fence, way: Way) -> None:
+    def __init__(
+        self,
+        near: Voice,
+        far: zenoh.Session,
+        lane: Lane,
+        fence: Fence,
+        way: Way,
+        *,
+        numbered: Callable[[str], bool],
+    ) -> None:
         self._near = near
         self._far = far
         self._lane = lane
         self._fence = fence
         self._way = way
+        self._numbered = numbered
         self._owners = Owners()
         self._mirror = Mirror(self._declare, self._owners.discard)
         self._pending: dict[int, zenoh.Query] = {}
@@ -90,7 +103,7 @@ class Queries:
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         asked = self._near.ledger.take(key, str(query.parameters))
-        if not self._way.admits("queries", key):
+        if not self._way.admits("queries", key) or self._by_number(key, query):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         self._pending[id(query)] = query
@@ -98,17 +111,22 @@ class Queries:
             query.reply_err("too many queries under way")
             self._end(query)
 
+    def _by_number(self, key: str, query: zenoh.Query) -> bool:
+        """Whether a query asks by numbers for what is not numbered here: it has been dropped on purpose."""
+        subject, advanced, _ = key.partition(ADVANCED)
+        return bool(advanced) and not self._numbered(subject) and query.parameters.get(_NUMBERS) is not None
+
     def _ask(self, query: zenoh.Query, asked: Asked | None, mark: int) -> None:
         self._fence.wait(mark)
         self.crossed += 1
         handler = zenoh.handlers.Callback(partial(self._reply, query), partial(self._finish, query), indirect=False)
+        # Whether replies on other keys are accepted is among the parameters, in their place.
         try:
             self._far.get(
                 query.selector,
                 handler,
                 **_manner(asked),
                 consolidation=zenoh.ConsolidationMode.NONE,
-                accept_replies=query.accepts_replies(),
                 payload=query.payload,
                 encoding=query.encoding,
                 attachment=query.attachment,
@@ -120,8 +138,15 @@ class Queries:
             self._finish(query)
 
     def _reply(self, query: zenoh.Query, reply: zenoh.Reply) -> None:
-        if reply.ok is None or self._way.admits("replies", str(reply.ok.key_expr)):
-            self._lane.offer(partial(_answer, query, reply))
+        sample, numbered = reply.ok, True
+        if sample is not None:
+            key = str(sample.key_expr)
+            if not self._way.admits("replies", key):
+                return
+            numbered = sample.source_info is None or self._numbered(key)
+            if not numbered and sample.timestamp is None:
+                return
+        self._lane.offer(partial(self._answer, query, reply, numbered=numbered))
 
     def _finish(self, query: zenoh.Query) -> None:
         self._lane.insist(partial(self._end, query))
@@ -131,24 +156,27 @@ class Queries:
         if self._pending.pop(id(query), None) is not None:
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
 
+    def _answer(self, query: zenoh.Query, reply: zenoh.Reply, *, numbered: bool) -> None:
+        sample, error = reply.ok, reply.err
+        if sample is not None:
+            attachment = self._near.attachment_of(sample) if numbered else sample.attachment
+            _give(query, sample, attachment)
+        elif error is not None:
+            query.reply_err(error.payload, encoding=error.encoding)
 
-def _answer(query: zenoh.Query, reply: zenoh.Reply) -> None:
-    sample, error = reply.ok, reply.err
-    if sample is not None and sample.kind == zenoh.SampleKind.DELETE:
-        query.reply_del(
-            sample.key_expr, express=sample.express, attachment=sample.attachment, timestamp=sample.timestamp
-        )
-    elif sample is not None:
-        query.reply(
-            sample.key_expr,
-            sample.payload,
-            encoding=sample.encoding,
-            express=sample.express,
-            attachment=sample.attachment,
-            timestamp=sample.timestamp,
-        )
-    elif error is not None:
-        query.reply_err(error.payload, encoding=error.encoding)
+
+def _give(query: zenoh.Query, sample: zenoh.Sample, attachment: zenoh.ZBytes | bytes | None) -> None:
+    if sample.kind == zenoh.SampleKind.DELETE:
+        query.reply_del(sample.key_expr, express=sample.express, attachment=attachment, timestamp=sample.timestamp)
+        return
+    query.reply(
+        sample.key_expr,
+        sample.payload,
+        encoding=sample.encoding,
+        express=sample.express,
+        attachment=attachment,
+        timestamp=sample.timestamp,
+    )
 
 
 def _manner(asked: Asked | None) -> dict[str, Any]:

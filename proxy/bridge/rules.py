@@ -40,7 +40,7 @@ class Verdict(Enum):
     ORDINARY = "ordinary"
     """It crosses unless the planner says no."""
     COMPANION = "companion"
-    """It is on an advanced publisher's own key, and crosses unless it is a heartbeat that is of no use."""
+    """It is the heartbeat of an advanced publisher, and crosses where the numbers that it tells do."""
 
 
 class Companion(NamedTuple):

@@ -1,4 +1,4 @@
-"""A Zenoh sample on its way across: nothing about it changes, but for what `source_of` says."""
+"""A Zenoh sample on its way across: nothing about it changes, but that numbers may be taken away."""
 
 from typing import NamedTuple
 
@@ -21,12 +21,13 @@ _PRIORITIES = {
 
 
 class Held(NamedTuple):
-    """A sample with the timestamp it leaves with. `size` is that of the payload [B]."""
+    """A sample with the timestamp and the source info it leaves with. `size` is that of the payload [B]."""
 
     sample: zenoh.Sample
     stamp: zenoh.Timestamp | None
     key: str
     size: int
+    source: zenoh.SourceInfo | None
 
 
 def publish(
@@ -35,9 +36,10 @@ def publish(
     stamp: zenoh.Timestamp | None,
     key: str | None = None,
     *,
+    source: zenoh.SourceInfo | None,
     droppable: bool = False,
 ) -> None:
-    """Publish `sample` as it is on `session`, to others than the session itself. Raises `zenoh.ZError`.
+    """Publish `sample` with `stamp` and `source` on `session`, to others than itself. Raises `zenoh.ZError`.
 
     `key` is that of the sample unless one is given. A `droppable` sample is dropped where a link is full, even if it
     says that it would wait.
@@ -52,7 +54,7 @@ def publish(
             attachment=sample.attachment,
             timestamp=stamp,
             allowed_destination=zenoh.Locality.REMOTE,
-            source_info=source_of(sample),
+            source_info=source,
         )
         return
     session.put(
@@ -65,31 +67,8 @@ def publish(
         attachment=sample.attachment,
         timestamp=stamp,
         allowed_destination=zenoh.Locality.REMOTE,
-        source_info=source_of(sample),
+        source_info=source,
     )
-
-
-def source_of(sample: zenoh.Sample) -> zenoh.SourceInfo | None:
-    """Return the source info to publish `sample` with: its own, unless its session also stamped it.
-
-    Who numbers and stamps is an advanced publisher with a cache. Its history crosses in replies, which carry stamps but
-    no source info: subscribers would take both for different publishers, miss samples and get others twice. By the
-    stamps alone they order and tell apart all of them.
-    """
-    info = sample.source_info
-    if info is None:  # almost always
-        return None
-    stamp = sample.timestamp
-    return None if stamp is not None and str(info.source_id.zid) == origin_of(stamp) else info
-
-
-def heartbeat(key: str, stamp: zenoh.Timestamp | None) -> bool:
-    """Whether a sample on an advanced publisher's own key speaks of numbers that `source_of` takes away.
-
-    A subscriber would answer it by fetching what it has, and what the planner dropped.
-    """
-    _, _, publisher = key.partition("/@adv/pub/")
-    return stamp is not None and publisher.split("/")[0] == origin_of(stamp)
 
 
 def priority_of(sample: zenoh.Sample) -> int:

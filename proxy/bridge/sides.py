@@ -56,10 +56,17 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: f
     mesh_session = open_session(doors[1].added_to(options), "mesh")
     closing.callback(mesh_session.close)
     air = _open_air(mesh, mesh_session, closing)
-    others = Voice(doors[1], "mesh", "client", mesh.zenoh, wake.set)
+    others = Voice(mesh_session, doors[1], side="mesh", mode="client", zenoh_options=mesh.zenoh, changed=wake.set)
     closing.callback(others.close)
     # Routers do not tell each other that what was behind a third router is gone; they do tell clients.
-    apps = Voice(doors[0], "app", "client" if app.connect else "router", app.zenoh, wake.set)
+    apps = Voice(
+        app_session,
+        doors[0],
+        side="app",
+        mode="client" if app.connect else "router",
+        zenoh_options=app.zenoh,
+        changed=wake.set,
+    )
     closing.callback(apps.close)
     return Sides(app_session, mesh_session, air, apps, others, wake)
 

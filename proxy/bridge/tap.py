@@ -1,4 +1,4 @@
-"""A local link that passes every byte on, and shows it to a ledger. What it alters, `widening` says."""
+"""A local link that passes every byte on, and shows it to a ledger. What it alters, `widening` and `sourcing` say."""
 
 import socket
 import threading
@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from proxy.bridge.ledger import Ledger
+from proxy.bridge.sourcing import Sourcing, new_mark
 from proxy.bridge.widening import Widening
 
 _CHUNK = 65536
@@ -15,13 +16,14 @@ _CHUNK = 65536
 class Tap:
     """Listens on the socket `near`; whoever connects is connected with the socket `far`. One link at a time.
 
-    The first `interests` of each link in one key of ours are widened.
+    The first `interests` of each link in one key of ours are widened. Replies with the `mark` get source info.
     """
 
     def __init__(self, near: Path, far: Path, ledger: Ledger, interests: int = 0) -> None:
         self._far = far
         self._ledger = ledger
         self._interests = interests
+        self.mark = new_mark()
         self.widened = threading.Event()
         """All of a link's interests have been."""
         self._listener = socket.socket(socket.AF_UNIX)
@@ -58,13 +60,13 @@ class Tap:
         outward.join()
 
     def _pass_outward(self, near: socket.socket, far: socket.socket) -> None:
-        widening = Widening(self._interests)
+        widening, sourcing = Widening(self._interests), Sourcing(self.mark)
 
         def alter(data: bytes) -> bytes:
             data = widening.feed(data)
             if widening.done:
                 self.widened.set()
-            return data
+            return sourcing.feed(data)
 
         self._pass_on(near, far, alter, inward=False)
 

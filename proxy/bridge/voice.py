@@ -6,6 +6,7 @@ others, so one link on which we can read them tells everything, as it happens, a
 itself it is not told. So the voice declares what mirrors the other side.
 """
 
+import logging
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from typing import Any, Literal
@@ -16,10 +17,14 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.door import Door
 from proxy.bridge.ledger import Ledger
 from proxy.bridge.sessions import open_session, voice_options
+from proxy.bridge.sourcing import MOST_BEFORE, enclosed
 from proxy.bridge.tap import Tap
+from proxy.bridge.trial import gives_source
 from proxy.bridge.widening import EVERYTHING
 from proxy.bridge.wire import Kind
 from proxy.errors import SessionError
+
+log = logging.getLogger(__name__)
 
 _PATIENCE = 2.0
 """How long the interests of a voice may take to its main session [s]; they take a few milliseconds."""
@@ -32,7 +37,7 @@ _REFUSED = (
 
 
 class Voice:
-    """The voice of the main session that listens at `door`.
+    """The voice of the session `main`, which listens at `door`.
 
     A router is told everything; a client, for which alone peers route, what it says it is interested in: `widening`
     makes that everything. `changed` is called when `declared` changes. Raises SessionError, naming `side`.
@@ -40,7 +45,9 @@ class Voice:
 
     def __init__(
         self,
+        main: zenoh.Session,
         door: Door,
+        *,
         side: Literal["app", "mesh"],
         mode: Literal["router", "client"],
         zenoh_options: Mapping[str, Any],
@@ -64,6 +71,20 @@ class Voice:
         self._interests: list[Declaration] = [declare(EVERYTHING) for declare in told]
         if told and not tap.widened.wait(_PATIENCE):
             self.ledger.give_up("the voice's interests are written in another way")
+        self._mark = tap.mark
+        self.sourced = gives_source(main, self.session, tap.mark)
+        """Whether replies can have source info."""
+        if not self.sourced:
+            log.error("cannot give replies source info: the numbers of advanced publishers stay on their robots")
+
+    def attachment_of(self, sample: zenoh.Sample) -> zenoh.ZBytes | bytes | None:
+        """Return the attachment with which `sample` is to be replied, so that the reply has its source info too."""
+        info, attachment = sample.source_info, sample.attachment
+        if info is None or not self.sourced:
+            return attachment
+        if len(f"{sample.key_expr}{sample.encoding}".encode()) > MOST_BEFORE:
+            return attachment
+        return enclosed(self._mark, info, None if attachment is None else bytes(attachment))
 
     def declared(self, kind: Kind) -> Mapping[str, bool]:
         """Return what others declared to the main session, and subscribers of its own; for queryables whether complete.

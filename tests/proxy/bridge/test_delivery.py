@@ -1,5 +1,6 @@
 """What comes from the mesh reaches the apps; who hears what is in test_bridge."""
 
+import pytest
 import zenoh
 
 from proxy.bridge.delivery import Delivery
@@ -37,12 +38,13 @@ def test_only_covered_samples_are_told_to_the_core(stack):
     assert (events[0].stamp is None, events[1].stamp > 1e9) == (True, True)
 
 
-def test_heartbeats_of_plain_nodes_that_stamp_stay_on_the_mesh(stack):
-    """A robot without a daemon may send them; what they speak of is delivered without its numbers."""
+@pytest.mark.parametrize("numbered", [False, True])
+def test_heartbeats_are_delivered_where_numbers_are(stack, numbered):
+    """Whoever sends them, a robot without a daemon too; or neither them nor what they speak of."""
     endpoint, inside = free_endpoint(), free_endpoint()
     mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
     app = closing(stack, plain_session("router", listen=(inside,)))
-    delivery = Delivery(app, mesh, lambda _: None, Rules(BridgeConfig()), lambda _: None)
+    delivery = Delivery(app, mesh, lambda _: None, Rules(BridgeConfig()), lambda _: None, numbered=numbered)
     stack.callback(delivery.close)
     delivery.update({"a": False, "a/@adv/**": False})
     node = closing(stack, plain_session("client", connect=(inside,)))
@@ -55,8 +57,8 @@ def test_heartbeats_of_plain_nodes_that_stamp_stay_on_the_mesh(stack):
     beat.put("heartbeat")
     publisher.put("x", source_info=zenoh.SourceInfo(publisher.id, 1))
     wait_until(lambda: heard.samples, what="the sample")
-    assert heard.samples[0].source_info is None
-    assert not beats.samples
+    assert (heard.samples[0].source_info is not None) == numbered
+    assert len(beats.samples) == numbered
 
 
 def test_a_covered_sample_that_is_denied_is_heard_all_the_same(stack):

@@ -47,7 +47,7 @@ class Bench:
         self.mesh.put("made", payload, **quality)
         wait_until(lambda: len(self._samples.samples) > before, what="the sample")
         sample = self._samples.samples[-1]
-        return Held(sample, self.mesh.new_timestamp(), "made", len(sample.payload))
+        return Held(sample, self.mesh.new_timestamp(), "made", len(sample.payload), sample.source_info)
 
     def mine(self):
         """What the peer heard from the egress: its samples are stamped."""

@@ -12,6 +12,7 @@ from proxy.bridge.lane import Lane
 from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Way
 from proxy.bridge.sides import open_sides
+from proxy.bridge.sourcing import enclosed, new_mark
 from proxy.config import AppConfig, MeshConfig
 from tests.proxy.bridge.robots import fence_apps
 from tests.proxy.bridge.test_wire import frame
@@ -117,6 +118,26 @@ def test_replies_on_other_keys_cross_when_they_are_accepted(pair):
     wait_answering(pair[0], 1)
     accepted = answers(pair[0].node(), "service/any", accept_replies=zenoh.ReplyKeyExpr.ANY)
     assert list(accepted) == ["x"]
+
+
+def test_attachments_that_look_strange_cross_as_they_are(pair):
+    """Also what another daemon would take for its own."""
+    app = pair[1].node()
+    strange = enclosed(new_mark(), zenoh.SourceInfo(app.id, 7), b"more")
+    serve(app, "service/a", lambda query: query.reply("service/a", "x", attachment=strange))
+    wait_answering(pair[0], 1)
+    (reply,) = pair[0].node().get("service/a", timeout=5.0)
+    assert bytes(reply.ok.attachment) == strange
+    assert reply.ok.source_info is None
+
+
+def test_parameters_keep_their_order(pair):
+    """The one that says that any key is accepted, too."""
+    asked = []
+    serve(pair[1].node(), "service/a", lambda query: asked.append((str(query.parameters), query.accepts_replies())))
+    wait_answering(pair[0], 1)
+    list(pair[0].node().get("service/a?a=1;_anyke;b", timeout=5.0))
+    assert asked == [("a=1;_anyke;b", zenoh.ReplyKeyExpr.ANY)]
 
 
 BEST, ALL_COMPLETE = zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL_COMPLETE
@@ -243,7 +264,7 @@ def open_fence():
 def declared(stack, far, lane, fence):
     """A mirrored queryable for `service/a`, and what asks there."""
     near, endpoint = near_side(stack)
-    queries = Queries(near, far, lane, fence, Way(("**",), ()))
+    queries = Queries(near, far, lane, fence, Way(("**",), ()), numbered=lambda _: True)
     queries.update({"service/a": False})
     stack.callback(queries.close)
     asker = closing(stack, plain_session("client", connect=(endpoint,)))

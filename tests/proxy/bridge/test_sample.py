@@ -3,8 +3,8 @@
 import pytest
 import zenoh
 
-from proxy.bridge.sample import generated, heartbeat, origin_of, priority_of, source_of, wall_of
-from tests.proxy.nodes import Heard, closing, plain_session
+from proxy.bridge.sample import generated, origin_of, priority_of, wall_of
+from tests.proxy.nodes import Heard, plain_session
 from tests.waiting import wait_until
 
 
@@ -37,27 +37,3 @@ def test_priorities_have_zenohs_numbers():
             session.put("p", name, priority=getattr(zenoh.Priority, name))
         wait_until(lambda: len(heard.samples) == 7, what="all priorities")
         assert [priority_of(sample) for sample in heard.samples] == list(range(1, 8))
-
-
-def test_who_numbers_and_stamps_crosses_without_numbers(stack):
-    """It is told by its stamp, as the replies of its publisher's cache are; others keep their source."""
-    session = closing(stack, plain_session("peer"))
-    other = closing(stack, plain_session("peer"))
-    heard = Heard(session, "a")
-    source = zenoh.SourceInfo(session.id, 7)
-    for stamp in (session.new_timestamp(), other.new_timestamp(), None):
-        session.put("a", b"", timestamp=stamp, source_info=source)
-    session.put("a", b"", timestamp=session.new_timestamp())
-    wait_until(lambda: len(heard.samples) == 4, what="the samples")
-    found = [source_of(sample) for sample in heard.samples]
-    assert [None if info is None else info.source_sn for info in found] == [None, 7, 7, None]
-
-
-def test_heartbeats_are_known_by_key_and_stamp(stack):
-    """It speaks of numbers that do not cross when the publisher of its key stamped it."""
-    session = closing(stack, plain_session("peer"))
-    other, stamp = closing(stack, plain_session("peer")), session.new_timestamp()
-    assert heartbeat(f"a/@adv/pub/{session.zid()}/3/_", stamp)
-    assert not heartbeat(f"a/@adv/pub/{session.zid()}/3/_", other.new_timestamp())
-    assert not heartbeat(f"a/@adv/pub/{session.zid()}/3/_", None)
-    assert not heartbeat(f"a/@adv/sub/{session.zid()}/3/_", stamp)

@@ -1,7 +1,7 @@
 """Advanced publishers and subscribers (`zenoh.ext`) on different robots."""
 
 from tests.transparency.arrangements import MEMORY, SOCKET
-from tests.transparency.feature import Bug, feature
+from tests.transparency.feature import feature
 
 GROUP = "Advanced publishers and subscribers"
 _LOSSY = {"low_pass_filter": [{"messages": ["put"], "flows": ["egress"], "key_exprs": ["**"], "size_limit": 50}]}
@@ -11,17 +11,13 @@ _STAMPS = {"timestamping": {"enabled": True}}
 _LOST, _LOST_TOO = "lost " * 12, "lost too " * 12
 _SOON = 0.5
 """How long what comes again has to come again [s]."""
-_NAMELESS = (
-    "Zenoh's Python API has no way to give a reply source info, so what is fetched from a cache on another robot comes "
-    "without its number. The subscriber cannot tell that it has it, and fetches and delivers it again and again."
-)
 
 
-def after_a_loss(team, publish, *, miss, recovery, count):
+def after_a_loss(team, publish, *, miss, recovery, count, stamps=None):
     """What an advanced subscriber on robot b hears, and which misses it is told, when robot a loses samples."""
     subscriber = team.b.app.advanced_subscriber("adv/lossy", recovery=recovery)
     misses = subscriber.listen("miss_listener")
-    app = team.a.open("lossy", **_LOSSY)
+    app = team.a.open("lossy", **_LOSSY | (stamps or {}))
     publisher = app.advanced_publisher("adv/lossy", cache=10, miss=miss, detection=True, label="publisher")
     team.settle()
     publish(publisher)
@@ -109,11 +105,7 @@ def cache(team):
     return seen
 
 
-@feature(
-    GROUP,
-    "source info of cached samples",
-    Bug(_NAMELESS, {"replies": ([["0", ["publisher", 0]], ["1", ["publisher", 1]]], [["0", None], ["1", None]])}),
-)
+@feature(GROUP, "source info of cached samples")
 def cache_source(team):
     """What is fetched from a cache has the numbers by which subscribers tell what they have."""
     publisher = team.a.app.advanced_publisher("adv/it", cache=3, miss={}, label="publisher")
@@ -146,24 +138,19 @@ def late_publisher(team):
     return {"heard": subscriber.heard("payload")}
 
 
-@feature(
-    GROUP,
-    "recovery of a gap",
-    Bug(
-        _NAMELESS,
-        {"some heard twice": (False, True), "misses": ([], [{"source": "publisher", "missed": 2}])},
-    ),
-)
+@feature(GROUP, "recovery of a gap")
 def recovery(team):
     """Samples that were lost before one that arrived are fetched from the publisher's cache."""
     return after_a_loss(team, _gap, miss={"heartbeat": 60}, recovery={"heartbeat": True}, count=4)
 
 
-@feature(
-    GROUP,
-    "recovery of the last sample by heartbeat",
-    Bug(_NAMELESS, {"some heard twice": (False, True)}),
-)
+@feature(GROUP, "recovery of a gap between samples with timestamps")
+def recovery_stamped(team):
+    """The same with a publisher that gives its samples timestamps."""
+    return after_a_loss(team, _gap, miss={"heartbeat": 60}, recovery={"heartbeat": True}, count=4, stamps=_STAMPS)
+
+
+@feature(GROUP, "recovery of the last sample by heartbeat")
 def heartbeat(team):
     """The last sample was lost: the publisher's heartbeat tells, and it is fetched."""
     return after_a_loss(team, _end, miss={"heartbeat": 0.1}, recovery={"heartbeat": True}, count=2)
@@ -175,14 +162,36 @@ def sporadic(team):
     return after_a_loss(team, _end, miss={"sporadic_heartbeat": 0.1}, recovery={"heartbeat": True}, count=2)
 
 
-@feature(
-    GROUP,
-    "recovery of the last sample by periodic queries",
-    Bug(_NAMELESS, {"some heard twice": (False, True)}),
-)
+@feature(GROUP, "recovery of the last sample by periodic queries")
 def periodic(team):
     """The last sample was lost: the subscriber asks now and then, and finds it."""
     return after_a_loss(team, _end, miss={}, recovery={"periodic_queries": 0.1}, count=2)
+
+
+@feature(GROUP, "recovery of the last sample with a timestamp")
+def last_stamped(team):
+    """The same by heartbeat, with a publisher that gives its samples timestamps."""
+    return after_a_loss(team, _end, miss={"heartbeat": 0.1}, recovery={"heartbeat": True}, count=2, stamps=_STAMPS)
+
+
+@feature(GROUP, "late joiner that recovers")
+def late_joiner(team):
+    """A late subscriber fetches the history of numbered samples, then one that was lost, and hears the next."""
+    publisher = team.a.open("lossy", **_LOSSY).advanced_publisher(
+        "adv/it", cache=10, miss={"heartbeat": 0.1}, detection=True
+    )
+    for payload in ("1", "2"):
+        publisher.publish(payload)
+    team.settle()
+    recovery, history = {"heartbeat": True}, {"detect_late_publishers": True}
+    subscriber = team.b.app.advanced_subscriber("adv/it", recovery=recovery, history=history)
+    subscriber.came(count=2)
+    team.settle()
+    for count, payload in ((3, _LOST), (4, "4")):
+        publisher.publish(payload)
+        subscriber.came(count=count)
+    team.flush()
+    return {"heard": subscriber.heard("payload")}
 
 
 @feature(GROUP, "missed samples")

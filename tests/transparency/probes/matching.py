@@ -1,10 +1,13 @@
 """What publishers and queriers are told about those who match."""
 
+import time
+
 from tests.transparency.feature import feature
 
 GROUP = "Matching"
 _SOON = 1.0
-"""How long a listener has for a change that may never come [s]."""
+"""How long a change that may never come has to come [s]."""
+_PAUSE = 0.01
 
 
 def told(team, asker, declare):
@@ -17,11 +20,19 @@ def told(team, asker, declare):
     seen["status while"] = asker.matching()
     match.undeclare()
     team.settle()
-    seen["status after"] = asker.matching()
+    seen["status after"] = ceases(asker)
     listener.came(count=2, timeout=_SOON)
     heard = listener.heard("matching")
     listener.undeclare()
     return seen | {"told": heard}
+
+
+def ceases(asker):
+    """Whether `asker` still matches when it has had time to learn of an end."""
+    end = time.monotonic() + _SOON
+    while (matching := asker.matching()) and time.monotonic() < end:
+        time.sleep(_PAUSE)
+    return matching
 
 
 @feature(

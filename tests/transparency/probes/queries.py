@@ -1,6 +1,6 @@
 """Queries between applications on different robots: what is asked, what is answered, and how it ends."""
 
-from tests.transparency.feature import Bug, Limit, feature
+from tests.transparency.feature import Limit, feature
 
 GROUP = "Queries"
 _ENDLESS = 60.0
@@ -16,14 +16,7 @@ def asked(team, *answers, key="ask/it", selector="ask/it", **options):
     return {"over": over, "replies": replies.heard(), "asked": queryable.heard()}
 
 
-@feature(
-    GROUP,
-    "what a queryable hears",
-    Bug(
-        "The daemon asks on with any key accepted, for which Zenoh appends `_anyke` again.",
-        {"parameters": ("a=1;b=two words;_anyke;c", "a=1;b=two words;c;_anyke")},
-    ),
-)
+@feature(GROUP, "what a queryable hears")
 def query(team):
     """Key, parameters, payload, encoding and attachment of a query."""
     parts = {"payload": "what", "encoding": "text/plain;en", "attachment": "how"}
