@@ -16,11 +16,11 @@ SOCKET_BUFFER = 65536
 LEASE = 2000
 """A robot that says nothing for this long is gone [ms]."""
 
-BATCH = 16384
+BATCH = 8192
 """Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than `LEASE`, which ends the link."""
 
 QUEUES = {
-    "size": {"data_high": 4, "data": 4, "data_low": 4},
+    "size": {"data_high": 8, "data": 8, "data_low": 8},
     "congestion_control": {
         "drop": {"wait_before_drop": 1000, "max_wait_before_drop_fragments": 10_000},
         "block": {"wait_before_close": 2_000_000},

@@ -27,7 +27,7 @@ class Flow:
 
 def measure_bridge(*, quick: bool) -> list[Table]:
     """Measure latency, throughput and memory; `quick` takes seconds instead of minutes."""
-    rounds, seconds = (1, 0.5) if quick else (5, 2.0)
+    rounds, seconds = (1, 0.5) if quick else (3, 1.5)
     latencies: dict[tuple[str, int], list[float]] = {}
     flows: dict[tuple[str, int], list[Flow]] = {}
     memory: dict[str, float] = {}
