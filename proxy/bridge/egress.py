@@ -30,7 +30,7 @@ MOST_SAMPLES = 8192
 MOST_BYTES = 16 * 1024 * 1024
 """Bound of both lanes together [B]."""
 CATCH_UP = 0.001
-"""How long whoever brings a sample lets the thread catch up at most [s]."""
+"""How long whoever brings a sample lets the thread catch up at most, for each 64 kB of it [s]."""
 BEHIND = 32
 """It has to, with more than so many passing samples, where surely no link holds it up."""
 MOVING = 0.05
@@ -97,27 +97,30 @@ class Egress:
         # Read in this order: a sample leaves the lane only when the thread is busy with it. So none is overtaken.
         if self._open and not self._passing and not self._busy and self.headroom.takes(held.size):
             self._send_passing(reason, held)
-        elif not self._enqueue(self._passing, (reason, held)):
+            return
+        if len(self._passing) > BEHIND or self._bytes > MOST_BYTES // 2:
+            self._let_catch_up(held)
+        if not self._enqueue(self._passing, (reason, held)):
             self._passed.add(EGRESS, 0)
-        elif len(self._passing) > BEHIND:
-            self._let_catch_up(held.sample)
 
     @property
     def waiting(self) -> dict[str, int]:
         """What waits: samples decided, samples passing, bytes."""
         return {"decided": len(self._decided), "passing": len(self._passing), "bytes": self._bytes}
 
-    def _let_catch_up(self, sample: zenoh.Sample) -> None:
+    def _let_catch_up(self, held: Held) -> None:
         """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still."""
         most = BEHIND
         if not self.headroom.clear:
             most = MOST_SAMPLES // 2
-            full = len(self._passing) > most or self._bytes > MOST_BYTES // 2
-            waits = sample.congestion_control != zenoh.CongestionControl.DROP
-            if not full or not waits or clock.monotonic() - self._sent_at > MOVING:
+            waits = held.sample.congestion_control != zenoh.CongestionControl.DROP
+            if not waits or clock.monotonic() - self._sent_at > MOVING:
                 return
         with self._wake:
-            self._caught_up.wait_for(lambda: len(self._passing) <= most, CATCH_UP)
+            self._caught_up.wait_for(
+                lambda: len(self._passing) <= most and self._bytes <= MOST_BYTES // 2,
+                CATCH_UP * (1 + held.size // 65536),
+            )
 
     def _enqueue(self, lane: deque[tuple[Any, Held]], item: tuple[Any, Held]) -> bool:
         with self._wake:

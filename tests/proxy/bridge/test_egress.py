@@ -132,13 +132,13 @@ def test_what_passes_is_sent_by_whoever_brings_it(bench):
 def test_whoever_brings_more_than_the_thread_can_send_lets_it_catch_up(bench, monkeypatch):
     """The wait is bounded where the thread does not come, and ends when little waits any more."""
     monkeypatch.setattr(egress_module, "BEHIND", 0)
-    monkeypatch.setattr(egress_module, "CATCH_UP", 0.01)
-    bench.egress.pass_on("passed:no-spec", bench.held(LARGE))
-    assert bench.egress.waiting["passing"] == 1
+    for _ in range(2):
+        bench.egress.pass_on("passed:no-spec", bench.held(LARGE))
+    assert bench.egress.waiting["passing"] == 2
     monkeypatch.setattr(egress_module, "CATCH_UP", 60.0)
     bench.egress.start()
     bench.egress.pass_on("passed:no-spec", bench.held(LARGE))
-    wait_until(lambda: len(bench.mine()) == 2, what="both")
+    wait_until(lambda: len(bench.mine()) == 3, what="all three")
 
 
 class FullLinks:
@@ -158,7 +158,7 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
     """Otherwise whoever brings a sample goes on at once, and what finds no room is dropped."""
     control = zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
     held = bench.held("x", congestion_control=control)
-    monkeypatch.setattr(egress_module, "BEHIND", 0)
+    monkeypatch.setattr(egress_module, "BEHIND", 1)
     monkeypatch.setattr(egress_module, "MOST_SAMPLES", 2)
     monkeypatch.setattr(egress_module, "MOVING", 1e9 if moving else -1.0)
     monkeypatch.setattr(egress_module, "CATCH_UP", 0.02)
@@ -166,6 +166,7 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
     before = clock.monotonic()
     for _ in range(2):
         bench.egress.pass_on("passed:no-spec", held)
+    bench.egress.pass_on("passed:no-spec", held)
     slowed_down = clock.monotonic() - before >= 0.02
     assert slowed_down == (moving and waits)
     assert bench.egress.waiting["passing"] == 2
