@@ -4,6 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 PACKAGES := planner proxy utility_specs studies
+SESSIONS := tests/proxy/bridge tests/ros2
 
 .PHONY: setup demo test lint bench qualify test-system transparency lock clean FORCE
 
@@ -28,12 +29,15 @@ setup: .venv/ready
 demo: setup
 	$(BIN)/sendworthy demo $(DEMO)
 
-# On both cores: the studies beside what is measured for coverage. Their output follows.
+# Three at a time, for most wait for each other most of the time: what goes between sessions, the studies, all else.
+COVERED := $(BIN)/python -m pytest -m "not system" --cov --cov-report=
 test: setup
-	@mkdir -p build
+	@rm -rf build/coverage && mkdir -p build/coverage
 	@$(BIN)/python -m pytest -m "not system" tests/studies > build/test-studies.log 2>&1 & studies=$$!; \
-	$(BIN)/python -m pytest -m "not system" --ignore=tests/studies --cov --cov-report=term --cov-fail-under=95; \
-	failed=$$?; wait $$studies || failed=1; cat build/test-studies.log; exit $$failed
+	COVERAGE_FILE=$(CURDIR)/build/coverage/sessions $(COVERED) $(SESSIONS) > build/test-sessions.log 2>&1 & sessions=$$!; \
+	COVERAGE_FILE=$(CURDIR)/build/coverage/rest $(COVERED) $(addprefix --ignore=,$(SESSIONS) tests/studies); failed=$$?; \
+	wait $$sessions || failed=1; cat build/test-sessions.log; wait $$studies || failed=1; cat build/test-studies.log; \
+	$(BIN)/coverage combine --quiet build/coverage/* && $(BIN)/coverage report --fail-under=95 || failed=1; exit $$failed
 
 lint: setup
 	$(BIN)/ruff check .
