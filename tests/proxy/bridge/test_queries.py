@@ -155,7 +155,7 @@ def asked_everywhere(nodes, asker, served, asked):
         nodes[n].declare_queryable(key, answer, complete=complete)
     everybody = sorted(f"{n} {key}" for n, key, _ in served)
     ask = partial(answers, asker, asked, consolidation=NONE)
-    wait_until(lambda: sorted(ask(target=ALL)) == everybody, what=f"answers of {everybody}")
+    wait_until(lambda: sorted(ask(target=ALL)) == everybody, timeout=40.0, what=f"answers of {everybody}")
     return [sorted(ask(target=target)) for target in (BEST, ALL, ALL_COMPLETE)]
 
 

@@ -142,7 +142,6 @@ def test_what_was_dropped_is_not_fetched_from_the_cache(pair):
         pair[0].node(),
         "covered/a",
         lambda sample: heard.append(sample.payload.to_string()),
-        history=zenoh.ext.HistoryConfig(detect_late_publishers=True),
         recovery=zenoh.ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
     )
     wait_interest(pair[0], pair[1], keys=("covered/a",))
