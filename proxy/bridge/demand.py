@@ -134,7 +134,7 @@ class Demand:
         while self._turned:
             key = self._turned.pop()
             if (outlet := self._outlets.get(key)) is not None:
-                self._set(key, matching=_matches(outlet.publisher))
+                self._set(key, matching=matches(outlet.publisher))
 
     def close(self) -> None:
         """Follow nothing more."""
@@ -161,7 +161,8 @@ class Demand:
                 self._post(MatchingChanged(clock.monotonic(), key, matching))
 
 
-def _matches(publisher: zenoh.Publisher) -> bool:
+def matches(publisher: zenoh.Publisher) -> bool:
+    """Whether anybody subscribes to what `publisher` publishes."""
     # The stubs promise a bool; the binding returns a MatchingStatus.
     status: object = publisher.matching_status
     return bool(getattr(status, "matching", status))

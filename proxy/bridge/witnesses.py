@@ -13,6 +13,7 @@ from functools import partial
 import zenoh
 
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.demand import matches
 
 _FRESH = "~sendworthy~"
 """A chunk that no application uses."""
@@ -65,7 +66,7 @@ class Witnesses:
         while self._turned:
             expression = self._turned.pop()
             if expression in self._standing:
-                self._known[expression] = all(_matches(witness) for witness in self._standing[expression])
+                self._known[expression] = all(matches(witness) for witness in self._standing[expression])
 
     def _call(self, key: str, expression: str) -> zenoh.Publisher:
         witness = self._session.declare_publisher(key, allowed_destination=zenoh.Locality.REMOTE)
@@ -99,8 +100,3 @@ def _example(chunks: list[str], depth: int) -> str:
     for chunk in chunks:
         filled += [_FRESH] * depth if chunk == "**" else [_FRESH if chunk == "*" else chunk]
     return "/".join(filled)
-
-
-def _matches(witness: zenoh.Publisher) -> bool:
-    status: zenoh.MatchingStatus = witness.matching_status  # type: ignore[assignment] # Zenoh's stubs say bool
-    return status.matching
