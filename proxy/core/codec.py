@@ -11,10 +11,9 @@ from typing import Any, TypeVar
 import msgpack
 
 from proxy.core.errors import MalformedWireError
-from proxy.core.transport import UNICAST
 from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState
 
-VERSION = 1
+VERSION = 2
 MAX_BYTES = 262_144
 """A state of as many streams as a view holds fits, with keys of ordinary length."""
 MAX_TIME = 1e10
@@ -43,18 +42,24 @@ def pack_digest(digest: Digest) -> bytes:
                     sent - _ticks(s.t_forwarded),
                     s.size,
                     s.scale,
+                    list(s.features),
                 ]
                 for s in digest.streams
             ],
             [[g.peer, g.constraint, g.total] for g in digest.grants],
-            [[e.peer, _ticks(e.sent), sent - _ticks(e.received), e.samples, _ticks(e.latency)] for e in digest.echoes],
+            [
+                [e.peer, _ticks(e.sent), sent - _ticks(e.received), e.samples, _ticks(e.latency), e.per_byte]
+                for e in digest.echoes
+            ],
+            digest.state,
+            list(digest.capacity),
         ]
     )
 
 
 def unpack_digest(data: bytes) -> Digest:
     """Return the digest in `data`; raise `MalformedWireError` when it is none."""
-    return _unpack(data, 10, _digest)
+    return _unpack(data, 12, _digest)
 
 
 def pack_state(state: State) -> bytes:
@@ -66,18 +71,22 @@ def pack_state(state: State) -> bytes:
             state.zid,
             state.mode,
             state.specs,
-            [[s.id, s.key, s.information_type, _ticks(s.period)] for s in state.streams],
+            [
+                [s.id, s.key, s.information_type, _ticks(s.period), _ticks(s.jitter), s.size, s.schedule]
+                for s in state.streams
+            ],
             list(state.subscriptions),
             _ticks(state.wall_offset),
             list(state.origins),
             state.transport,
+            state.number,
         ]
     )
 
 
 def unpack_state(data: bytes) -> State:
     """Return the state in `data`; raise `MalformedWireError` when it is none."""
-    return _unpack(data, 9, _state)
+    return _unpack(data, 11, _state)
 
 
 def _digest(f: list[Any]) -> Digest:
@@ -89,9 +98,11 @@ def _digest(f: list[Any]) -> Digest:
         epoch=_count(f[4]),
         messages=_count(f[5]),
         bytes=_count(f[6]),
-        streams=_each(f[7], 7, lambda s: _stream_digest(f[3], s)),
+        state=_count(f[10]),
+        capacity=tuple(_amount(part) for part in _list(f[11])),
+        streams=_each(f[7], 8, lambda s: _stream_digest(f[3], s)),
         grants=_each(f[8], 3, lambda g: Grant(_name(g[0]), _count(g[1]), _count(g[2]))),
-        echoes=_each(f[9], 5, lambda e: _echo(f[3], e)),
+        echoes=_each(f[9], 6, lambda e: _echo(f[3], e)),
     )
 
 
@@ -104,11 +115,12 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
         _before(sent, f[4]),
         _count(f[5]),
         _amount(f[6]),
+        tuple(_number(value) for value in _list(f[7])),
     )
 
 
 def _echo(sent: int, f: list[Any]) -> Echo:
-    return Echo(_name(f[0]), _time(f[1]), _before(sent, f[2]), _count(f[3]), _time(f[4]))
+    return Echo(_name(f[0]), _time(f[1]), _before(sent, f[2]), _count(f[3]), _time(f[4]), _amount(f[5]))
 
 
 def _before(sent: int, f: object) -> float:
@@ -122,12 +134,18 @@ def _state(f: list[Any]) -> State:
         zid=_name(f[2]),
         mode=_name(f[3]),
         specs=_name(f[4]),
-        streams=_each(f[5], 4, lambda s: StreamState(_count(s[0]), _name(s[1]), _name(s[2]), abs(_time(s[3])))),
+        streams=_each(f[5], 7, _stream_state),
         subscriptions=tuple(_name(key) for key in _list(f[6])),
         wall_offset=_time(f[7]),
         origins=tuple(_name(origin) for origin in _list(f[8])),
-        # Daemons that knew nothing but unicast do not say so.
-        transport=_name(f[9]) if len(f) > 9 else UNICAST,
+        transport=_name(f[9]),
+        number=_count(f[10]),
+    )
+
+
+def _stream_state(f: list[Any]) -> StreamState:
+    return StreamState(
+        _count(f[0]), _name(f[1]), _name(f[2]), abs(_time(f[3])), abs(_time(f[4])), _count(f[5]), _name(f[6])
     )
 
 
@@ -181,10 +199,17 @@ def _time(value: object) -> float:
     return value / 1e6
 
 
-def _amount(value: object) -> float:
-    if type(value) is not float or not math.isfinite(value) or value < 0.0:
-        raise MalformedWireError(f"{value!r} is no amount")
+def _number(value: object) -> float:
+    if type(value) is not float or not math.isfinite(value):
+        raise MalformedWireError(f"{value!r} is no number")
     return value
+
+
+def _amount(value: object) -> float:
+    number = _number(value)
+    if number < 0.0:
+        raise MalformedWireError(f"{value!r} is no amount")
+    return number
 
 
 def _ticks(seconds: float) -> int:

@@ -29,6 +29,8 @@ class StreamDigest:
     """Size of the last generated."""
     scale: float
     """Value of the last generated: weight times the scale expression over its features."""
+    features: tuple[float, ...] = ()
+    """Its features in the order of its type, where others need them to value it; else nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +45,9 @@ class Echo:
     samples: int
     """Samples received from the peer since we know it."""
     latency: float
-    """Mean time from generation to receipt of the peer's recent samples [s]; 0.0 when unknown."""
+    """Time from sending to receipt of an empty sample of the peer [s]; 0.0 when unknown."""
+    per_byte: float = 0.0
+    """What every byte of a sample of the peer adds to that [s/B]."""
 
 
 PARTS = 100_000
@@ -74,6 +78,10 @@ class Digest:
     streams: tuple[StreamDigest, ...] = ()
     grants: tuple[Grant, ...] = ()
     echoes: tuple[Echo, ...] = ()
+    state: int = 0
+    """Number of the state in force (see `State.number`): who knows another one asks for it."""
+    capacity: tuple[float, ...] = ()
+    """Of every adaptive limit, in the order of the constraints, the part of its ceiling that the channel bears."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +92,13 @@ class StreamState:
     key: str
     information_type: str
     period: float
-    """[s]; 0.0 when not known yet."""
+    """Mean time between samples [s]; 0.0 when not known yet."""
+    jitter: float = 0.0
+    """Standard deviation of a generation time from its schedule [s]."""
+    size: int = 0
+    """Typical size [B]."""
+    schedule: str = ""
+    """How the stream generates, as its robot finds; empty while not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,3 +118,5 @@ class State:
     """Ids seen in timestamps of samples that entered on this robot's app side."""
     transport: str = UNICAST
     """How its samples travel."""
+    number: int = 0
+    """Counts the robot's states."""

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from proxy.core.codec import MAX_BYTES, pack_digest, pack_state, unpack_digest, unpack_state
 from proxy.core.errors import MalformedWireError
-from proxy.core.transport import UNICAST, broadcast
 from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState
 
 micro = st.integers(0, 10**15).map(lambda ticks: ticks / 1e6)
@@ -24,9 +23,13 @@ digests = st.builds(
     epoch=count,
     messages=count,
     bytes=count,
-    streams=st.tuples(st.builds(StreamDigest, count, count, count, micro, micro, count, single)),
+    streams=st.tuples(
+        st.builds(StreamDigest, count, count, count, micro, micro, count, single, st.tuples(single, single))
+    ),
     grants=st.tuples(st.builds(Grant, name, count, st.integers(0, 2**50))),
-    echoes=st.tuples(st.builds(Echo, name, micro, micro, count, micro)),
+    echoes=st.tuples(st.builds(Echo, name, micro, micro, count, micro, single)),
+    state=count,
+    capacity=st.tuples(single),
 )
 states = st.builds(
     State,
@@ -34,11 +37,12 @@ states = st.builds(
     zid=name,
     mode=name,
     specs=name,
-    streams=st.tuples(st.builds(StreamState, count, name, name, micro)),
+    streams=st.tuples(st.builds(StreamState, count, name, name, micro, micro, count, name)),
     subscriptions=st.tuples(name, name),
     wall_offset=micro,
     origins=st.tuples(name),
     transport=name,
+    number=count,
 )
 
 
@@ -65,7 +69,7 @@ def test_noise_is_malformed(data):
 NONSENSE = st.one_of(st.none(), st.text(max_size=3), st.integers(), st.floats(), st.lists(st.none()))
 
 
-@given(digests, st.integers(0, 9), NONSENSE)
+@given(digests, st.integers(0, 11), NONSENSE)
 def test_a_field_of_another_kind_is_refused_or_harmless(digest, place, value):
     """Whatever stands in a field, the digest is refused or has fields of the right kinds."""
     fields = msgpack.unpackb(pack_digest(digest))
@@ -87,9 +91,9 @@ def test_a_field_of_another_kind_is_refused_or_harmless(digest, place, value):
     [
         (b"\x00" * (MAX_BYTES + 1), "more than the"),
         (b"", "no msgpack"),
-        (msgpack.packb({"a": 1}), "not version 1"),
-        (msgpack.packb([2, "r"]), "not version 1"),
-        (msgpack.packb([1, "r"]), "2 fields where 10 are due"),
+        (msgpack.packb({"a": 1}), "not version 2"),
+        (msgpack.packb([1, "r"]), "not version 2"),
+        (msgpack.packb([2, "r"]), "2 fields where 12 are due"),
         (b"\x91" * 5000, "no msgpack"),
     ],
 )
@@ -101,7 +105,17 @@ def test_a_refusal_says_why(data, message):
 
 @pytest.mark.parametrize(
     ("place", "value"),
-    [(3, 10**17), (4, -1), (4, True), (5, 2**60), (7, [[1]]), (7, 5), (1, 7), (7, [[1, 1, 1, 1, 1, 1, float("nan")]])],
+    [
+        (3, 10**17),
+        (4, -1),
+        (4, True),
+        (5, 2**60),
+        (7, [[1]]),
+        (7, 5),
+        (1, 7),
+        (7, [[1, 1, 1, 1, 1, 1, float("nan"), []]]),
+        (11, [-1.0]),
+    ],
 )
 def test_absurd_values_are_refused(place, value):
     """Times of millennia, negative counts, NaN: none of it reaches the view."""
@@ -124,11 +138,3 @@ def test_a_digest_is_small():
         (Grant("b1b2c3d4", 0, 35_000_000),),
     )
     assert len(pack_digest(digest)) < 100
-
-
-def test_a_state_that_says_nothing_of_its_transport_is_unicast():
-    """Daemons that knew nothing else do not say it."""
-    state = State("r1", "z", "enforce", "", transport=broadcast("224.0.0.226:7449"))
-    fields = msgpack.unpackb(pack_state(state))
-    assert unpack_state(msgpack.packb(fields)) == state
-    assert unpack_state(msgpack.packb(fields[:9])).transport == UNICAST
