@@ -112,7 +112,8 @@ class Watch:
         again = failing = False
         while not self._stop:
             woken = self._wake.wait(INTERVAL)
-            self._wake.clear()
+            if woken:  # else what came just after the wait would be forgotten
+                self._wake.clear()
             try:
                 self.flush()
                 for links in self._links:

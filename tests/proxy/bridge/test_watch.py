@@ -389,3 +389,20 @@ def test_a_look_that_fails_is_said_once_and_not_the_last(pair, caplog):
     wait_until(lambda: "alive/still" in pair[0].bridge._watch._tokens_out.declared, what="another look")
     assert caplog.text.count("cannot mirror what was declared") == 1
     del wanted, token
+
+
+def test_news_that_comes_as_a_wait_ends_is_not_forgotten(pair, monkeypatch):
+    """Somebody declares just when the watch has waited in vain: it looks all the same."""
+    news = pair[0].bridge._watch._wake
+    wait, late = news.wait, []
+
+    def ends_late(timeout):
+        if wait(timeout):
+            return True
+        if not late:
+            late.append(Heard(pair[1].node(), "late"))
+            wait_until(news.is_set, what="the news")
+        return False
+
+    monkeypatch.setattr(news, "wait", ends_late)
+    wait_until(lambda: observes(pair[0], "late"), what="the subscription")
