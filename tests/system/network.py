@@ -143,6 +143,15 @@ class Host:
         limit = ("tbf", "rate", rate, "burst", "4kb", "latency", "500ms")
         subprocess.run(["tc", "-n", self._air, "qdisc", "replace", "dev", self.name, "root", *limit], check=True)
 
+    def lose(self, percent):
+        """Lose so many of the packets that the radio receives, at random."""
+        self.run("nft", "delete", "table", "netdev", "loss")
+        if percent:
+            hook = f"type filter hook ingress device {RADIO} priority 0;"
+            rules = f"table netdev loss {{ chain lose {{ {hook} numgen random mod 100 < {percent} drop; }}; }};"
+            done = self.run("nft", rules)
+            assert done.returncode == 0, done.stderr
+
     def backlog(self):
         """What waits at the radio [B]."""
         return sum(queue.get("backlog", 0) for queue in json.loads(self._tc("-s", "-j", "show", "dev", RADIO)))
