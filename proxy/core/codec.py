@@ -46,7 +46,7 @@ def pack_digest(digest: Digest) -> bytes:
                 ]
                 for s in digest.streams
             ],
-            [[g.peer, g.constraint, g.total] for g in digest.grants],
+            [[g.peer, _after(sent, g.begins), _after(sent, g.ends), list(g.parts)] for g in digest.grants],
             [
                 [e.peer, _ticks(e.sent), sent - _ticks(e.received), e.samples, _ticks(e.latency), e.per_byte]
                 for e in digest.echoes
@@ -101,7 +101,7 @@ def _digest(f: list[Any]) -> Digest:
         state=_count(f[10]),
         capacity=tuple(_amount(part) for part in _list(f[11])),
         streams=_each(f[7], 8, lambda s: _stream_digest(f[3], s)),
-        grants=_each(f[8], 3, lambda g: Grant(_name(g[0]), _count(g[1]), _count(g[2]))),
+        grants=_each(f[8], 4, lambda g: _grant(f[3], g)),
         echoes=_each(f[9], 6, lambda e: _echo(f[3], e)),
     )
 
@@ -117,6 +117,16 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
         _amount(f[6]),
         tuple(_number(value) for value in _list(f[7])),
     )
+
+
+def _grant(sent: int, f: list[Any]) -> Grant:
+    begins, ends = (sent // 1000 + round(_time(t) * 1e6) for t in f[1:3])
+    return Grant(_name(f[0]), begins / 1e3, ends / 1e3, tuple(_count(part) for part in _list(f[3])))
+
+
+def _after(sent: int, t: float) -> int:
+    """A time in whole milliseconds that travels as its distance from the send time, which is short."""
+    return round(t * 1e3) - sent // 1000
 
 
 def _echo(sent: int, f: list[Any]) -> Echo:

@@ -10,13 +10,12 @@ from functools import singledispatchmethod
 from typing import Any
 
 from proxy.core import events as ev
-from proxy.core.allocation import Room, gifts, targets
-from proxy.core.claims import claims
 from proxy.core.commands import Command, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
 from proxy.core.digests import DigestPacer
 from proxy.core.gate import Gate
 from proxy.core.inbox import SUPERSEDED, Waiting
+from proxy.core.layout import Layout
 from proxy.core.limits import allowance_of, limits_of, use_of
 from proxy.core.mode import Mode
 from proxy.core.report import report
@@ -26,13 +25,19 @@ from proxy.core.stream import Generated, Stream
 from proxy.core.view import SharedView
 from proxy.core.warnings import transport_warnings
 from proxy.core.window import WindowBuilder
-from proxy.core.wire import PARTS, Digest, State, StreamState, tag
+from proxy.core.wire import Digest, Echo, State, StreamState, tag
 from utility_specs import Specs
 
 COVERED_FLOOR = 0.1
 """Part of what we hold that traffic without a spec leaves to covered streams."""
-ALLOCATION_PACE = 0.05
-"""Shares are looked at anew this often at most [s]."""
+LEADERS_PART = 0.5
+"""Of what all robots may tell each other, this part is for the one that leads."""
+AHEAD = 0.15
+"""Others are lent what they need so much before they need it [s]."""
+MOST_ECHOES = 4
+"""Peers echoed in one digest."""
+PATIENCE = 0.5
+"""So long after the start a robot waits with its first digest for somebody to lead [s]."""
 STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
 
@@ -47,12 +52,16 @@ class Core:
         self.counts = Counts()
         limits = limits_of(specs, settings.allowance, 1)
         self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=now + settings.settle)
-        self.gate = Gate(settings, self.view, self.shares, self.counts, WindowBuilder(self.view, now))
+        windows = WindowBuilder(self.view, now)
+        self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
+        self.layout = Layout(self.view, self.shares, self.gate, windows)
         self.pacer = DigestPacer(now)
         self.malformed = 0
         self._tickets = 0
-        self._allocated_at = now - ALLOCATION_PACE
         self._urgent = False
+        self._settled_at = now + settings.settle
+        self._told_epoch = 0
+        """Epochs are told at once, and paid for later."""
         self._state: State | None = None
         self._state_at = now - STATE_PACE
         self._adopt_limits(now)
@@ -63,7 +72,8 @@ class Core:
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
-        times = [self._digest_due(now), now + 1.0]
+        digest_due = now + 1.0 if self.layout.pending else self._digest_due(now)
+        times = [digest_due, self.gate.wakes_at, now + 1.0]
         if self._state_changed():
             times.append(self._state_at + STATE_PACE)
         return max(min(times), now)
@@ -136,7 +146,11 @@ class Core:
     def _(self, event: ev.DigestHeard) -> list[Command]:
         digest = event.digest
         if self.view.heard_digest(event.now, digest):
-            self.shares.heard(digest.tag, digest.epoch, digest.grants)
+            offset = self.view.peers[digest.tag].offset
+            grants = digest.grants if offset.known else ()
+            self.shares.heard(
+                event.now, digest.tag, digest.epoch, grants, ours=offset.ours, uncertainty=offset.latency
+            )
         return []
 
     @_on.register
@@ -155,6 +169,8 @@ class Core:
         if event.zid == self.settings.zid or not self.view.add_peer(event.now, event.robot, event.zid):
             return []
         self._membership(event.now)
+        if self.shares.leads:
+            self._told_epoch = 0
         self.pacer.forget()
         return [Notice("info", f"robot {event.robot} is on the mesh")]
 
@@ -193,6 +209,9 @@ class Core:
 
     @_on.register
     def _(self, event: ev.DecisionReady) -> list[Command]:
+        if self.layout.answered(event.ticket):
+            self._urgent |= self.layout.lend(event.now, event.plan, event.now + self._speaks_again())
+            return []
         if self.gate.pending is None or event.ticket != self.gate.pending.ticket:
             return []
         return self.gate.ready(event.now, event.plan, event.error)
@@ -204,64 +223,80 @@ class Core:
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event."""
         commands: list[Command] = []
-        self._allocate(now)
+        self._lay_out(now, commands)
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
         if self._state_changed() and now >= self._state_at + STATE_PACE:
             self._state, self._state_at = self._own_state(), now
             commands.append(SendState(self._state))
-        if now >= self._digest_due(now):
+        if now >= self._digest_due(now) and not self.layout.pending:
             commands.append(self._send_digest(now))
         return commands
 
-    def _allocate(self, now: float) -> None:
-        """In `shares`, give away what others need more, if we hold it and do not use it."""
-        if (
-            self.settings.coordination != "shares"
-            or now < self._allocated_at + ALLOCATION_PACE
-            or not self.shares.confirmed(now)
-        ):
+    def _lay_out(self, now: float, commands: list[Command]) -> None:
+        """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
+        if self.settings.coordination != "shares":
             return
-        self._allocated_at = now
-        shared = tuple(limit for limit in self.gate.limits if limit.shared)  # they come first
-        held = [{member: self.shares.held_by(member, k) for member in self.shares.members} for k in range(len(shared))]
-        rooms = [Room(sum(of.values()), limit.window, of) for of, limit in zip(held, shared, strict=True)]
-        for k, target in enumerate(targets(claims(self.view, now, shared), rooms)):
-            for gift in gifts(target, held[k], shared[k].limit / PARTS):
-                if gift.giver == self.shares.own:
-                    self._urgent |= self.shares.grant(now, gift.taker, k, gift.amount) > 0.0
+        self.shares.confirmed(now)
+        self._set_rate()
+        if now >= self.pacer.due(now, urgent=True, news=True):
+            self._tickets += 1
+            commands += self.layout.ask(now, self._tickets, self.gate.inbox)
+
+    def _set_rate(self) -> None:
+        """Half of what all may tell each other is for who plans for all; the others have news."""
+        robots, part = len(self.view.peers) + 1, 1.0
+        if self.settings.coordination == "shares" and self.shares.leader and robots > 1:
+            part = LEADERS_PART * robots if self.shares.leads else 1.0 - LEADERS_PART
+        self.pacer.set_rate(part * allowance_of(self.view.specs, self.settings.allowance, robots))
+
+    def _speaks_again(self) -> float:
+        """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
+        latency = max((peer.offset.latency for peer in self.view.peers.values()), default=0.0)
+        return self.pacer.interval + latency + AHEAD
 
     def _send_digest(self, now: float) -> Command:
         digest = Digest(
             robot=self.settings.robot,
             tag=self.shares.own,
             sent=now,
-            epoch=self.shares.announced(now),
+            epoch=self.shares.epoch,
             messages=self.view.messages,
             bytes=self.view.bytes,
             streams=self.pacer.changed(list(self.view.own())),
-            grants=self.shares.grants(),
-            echoes=self.view.echoes() if self.pacer.full(now) else (),
+            grants=self.shares.grants(now),
+            echoes=self._echoes(),
         )
-        self._urgent = False
+        self._urgent, self._told_epoch = False, self.shares.epoch
         self.pacer.sent(now, digest, len(self.view.peers) + self.settings.relayed)
         return SendDigest(digest)
 
+    def _echoes(self) -> tuple[Echo, ...]:
+        """In `shares`, only the clocks of the leader and of each other one have to agree."""
+        return self.view.echoes(MOST_ECHOES, "" if self.shares.leads else self.shares.leader)
+
     def _digest_due(self, now: float) -> float:
-        news = self.pacer.has_news(list(self.view.own()))
+        own = list(self.view.own())
+        if self.settings.coordination == "shares" and self.view.peers:
+            if not self.shares.epoch and now < self._settled_at + PATIENCE:
+                return self._settled_at + PATIENCE
+            if self._told_epoch != self.shares.epoch or (self.pacer.unknown(own) and self.pacer.solvent):
+                return now
+        news = self.pacer.has_news(own)
         return self.pacer.due(now, urgent=self._urgent, news=news)
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)
         self.shares.set_members(now, self.view.peers)
+        self._set_rate()
         self._urgent = True
 
     def _adopt_limits(self, now: float) -> None:
         robots = len(self.view.peers) + 1
         self.gate.limits = limits_of(self.view.specs, self.settings.allowance, robots)
         self.shares.set_limits(now, self.gate.limits)
-        self.pacer.set_rate(allowance_of(self.view.specs, self.settings.allowance, robots))
+        self._set_rate()
 
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""

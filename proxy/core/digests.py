@@ -9,6 +9,8 @@ SLOW = 1.0
 """A digest goes out at least this often [s]."""
 OVERHEAD = 24
 """Bytes that Zenoh and the codec add around a digest, besides its own."""
+DEBT = 2.0
+"""So many digests new streams may be told ahead of the allowance."""
 MOST_STREAMS = 32
 """News of at most this many streams in one digest."""
 
@@ -28,6 +30,20 @@ class DigestPacer:
     def set_rate(self, rate: float) -> None:
         """The allowance of this robot is now `rate` [B/s], all copies together."""
         self._rate = rate
+
+    @property
+    def interval(self) -> float:
+        """How long the allowance takes to pay for a digest [s]."""
+        return self._cost / self._rate
+
+    @property
+    def solvent(self) -> bool:
+        """Whether no more was told than a few digests ahead of the allowance."""
+        return self._tokens > -DEBT * self._cost
+
+    def unknown(self, streams: list[Stream]) -> bool:
+        """Whether there is a stream that was never told of."""
+        return any(s.last is not None and (s.robot, s.key) not in self._told for s in streams)
 
     def due(self, now: float, *, urgent: bool, news: bool) -> float:
         """When the next digest may go out, in our clock [s]; now or earlier means at once."""

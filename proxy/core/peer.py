@@ -35,6 +35,8 @@ class Peer:
     latency_out: float = 0.0
     """The same for our samples, as the peer tells it."""
     received_of_ours: int = 0
+    echoed: float = float("-inf")
+    """Send time of the digest of it that we echoed last, on its clock [s]."""
 
     @property
     def latency_to(self) -> float | None:

@@ -8,8 +8,10 @@ an arithmetic mean of `t mod period` would predict half a period wrong where pha
 import math
 from collections import deque
 from itertools import pairwise
-from statistics import median
+from statistics import median, pstdev
 
+FEW = 8
+"""Fewer generation times than these say less of a period than the robot of the stream does."""
 MEMORY = 16
 """Generation times looked back on."""
 
@@ -28,6 +30,15 @@ class Schedule:
         return self._period
 
     @property
+    def jitter(self) -> float:
+        """Standard deviation of the recent generation times from a regular grid [s]."""
+        if len(self._seen) < 3:
+            return 0.0
+        count, reference = self._seen[-1]
+        off = [t - (reference - (count - n) * self._period) - self._shift for n, t in self._seen]
+        return pstdev(off)
+
+    @property
     def last(self) -> float | None:
         """The last generation time seen [s]."""
         return self._seen[-1][1] if self._seen else None
@@ -41,8 +52,8 @@ class Schedule:
             self._estimate()
 
     def assume(self, period: float) -> None:
-        """Use `period` as long as none could be estimated (another robot told us)."""
-        if self._period == 0.0 and math.isfinite(period) and period > 0.0:
+        """Use `period`, which another robot told us, as long as we saw little of the stream ourselves."""
+        if len(self._seen) < FEW and math.isfinite(period) and period > 0.0:
             self._period = period
 
     def forecast(self, after: float, until: float, most: int) -> list[float]:

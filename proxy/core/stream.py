@@ -61,19 +61,25 @@ class Stream:
         self.schedule.observe(count, last.t_gen)
         self.last = last
 
-    def note_sent(self, count: int, sent: Sent) -> None:
-        """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it."""
+    def note_sent(self, count: int, sent: Sent) -> list[Sent]:
+        """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it.
+
+        Return all that is new, in order.
+        """
         missed = count - self.forwarded - 1
         if missed < 0:
-            return
+            return []
+        noted: list[Sent] = []
         self.forwarded = count
         if self.sent is not None and sent.t_sent > self.sent.t_sent:
             gap = (sent.t_sent - self.sent.t_sent) / (missed + 1)
             self.interval = gap if self.interval == 0.0 else 0.8 * self.interval + 0.2 * gap
             for i in range(min(missed, 32), 0, -1):
-                self.recent.append(Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale))
-        self.recent.append(sent)
+                noted.append(Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale))
+        noted.append(sent)
+        self.recent.extend(noted)
         self.sent = sent
+        return noted
 
     @property
     def newest(self) -> Generated:

@@ -1,5 +1,6 @@
 """The shared view: every stream, every peer, and what the channel carries, as far as this robot knows."""
 
+from collections import deque
 from collections.abc import Iterator
 from functools import lru_cache
 
@@ -14,6 +15,10 @@ from proxy.core.transport import is_broadcast
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
+MOST_SENDS = 16_384
+"""Sends of other robots looked back on."""
+SAME = 1e-3
+"""A sample that was generated so much after the last one was sent is another one [s]."""
 STALE = 10.0
 """Streams without news for this long, or for this many periods, take no part in plans [s]."""
 
@@ -40,6 +45,8 @@ class SharedView:
         self.messages = 0
         self.bytes = 0
         self.evicted = 0
+        self.sends: deque[tuple[float, int, int]] = deque(maxlen=MOST_SENDS)
+        """What other robots sent within the longest window, as (time, size, copies)."""
         self._streams: dict[tuple[str, str], Stream] = {}
         self._wanting: dict[tuple[str, str], tuple[str, ...]] = {}
         self._broadcasting: set[str] = set()
@@ -118,8 +125,22 @@ class SharedView:
 
     def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
         """The `count`-th sample sent of a stream was this one."""
-        stream.note_sent(count, sent)
+        noted = stream.note_sent(count, sent)
         stream.reached.update(self.wanting(stream))
+        if stream.robot != self.settings.robot:
+            copies = self.copies(stream)
+            self.sends.extend((each.t_sent, each.size, copies) for each in noted)
+
+    def sent_since(self, since: float) -> list[tuple[float, int, int]]:
+        """What other robots sent, as (time, size, copies); what is older is forgotten."""
+        kept = [each for each in self.sends if each[0] >= since]
+        if len(kept) < len(self.sends):
+            self.sends = deque(kept, self.sends.maxlen)
+        return kept
+
+    def overhears(self, stream: Stream) -> bool:
+        """Whether we hear what is sent of another robot's stream, but for what is lost."""
+        return {stream.robot, self.settings.robot} <= self._broadcasting
 
     def copies(self, stream: Stream) -> int:
         """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router.
@@ -176,11 +197,25 @@ class SharedView:
             age = now - peer.offset.ours(stamp - peer.wall_offset)
             if 0.0 <= age < STALE:
                 peer.note_latency(age)
+                self._overhear(now, now - age, event, robot)
         elif robot.startswith("?") and (stream := self.stream(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
             stream.note_generated(stream.generated + 1, Generated(now, event.size, scale, features))
             self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
+
+    def _overhear(self, now: float, t_gen: float, event: SampleHeard, robot: str) -> None:
+        """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already."""
+        stream = self._streams.get((robot, event.key))
+        if stream is None or stream.last is None or (stream.sent is not None and t_gen < stream.sent.t_sent + SAME):
+            return
+        scale = stream.information_type.scale(event.features) if event.features is not None else stream.last.scale
+        period = stream.schedule.period
+        if period > 0.0 and t_gen > stream.last.t_gen + SAME:
+            number = stream.generated + max(1, round((t_gen - stream.last.t_gen) / period))
+            stream.note_generated(number, Generated(t_gen, event.size, scale, event.features or {}))
+        t_sent = max(t_gen, min(now, now - self.latency(robot)))
+        self.note_sent(stream, stream.forwarded + 1, Sent(t_gen, t_sent, event.size, scale, event.features or {}))
 
     def heard_digest(self, now: float, digest: Digest) -> bool:
         """A peer's digest arrived; False when it is unknown, old or our own."""
@@ -205,6 +240,10 @@ class SharedView:
         peer.take_state(state)
         self._note_broadcasting()
         self._wanting.clear()
+        for key, period in peer.periods.items():
+            stream = self._streams.get((peer.robot, key))
+            if stream is not None:
+                stream.schedule.assume(period)
         for number in [n for n in peer.pending if n in peer.keys]:
             self._take(now, peer, peer.pending.pop(number))
 
@@ -227,12 +266,19 @@ class SharedView:
             for place in [p for p in self._streams if p[0] == peer.robot]:
                 del self._streams[place]
 
-    def echoes(self) -> tuple[Echo, ...]:
-        """What we tell every peer of its last digest and of its samples."""
-        return tuple(
-            Echo(name, peer.digest.sent, peer.digest_received, peer.samples, peer.latency_in)
+    def echoes(self, most: int, only: str = "") -> tuple[Echo, ...]:
+        """What we tell peers of digests that we did not echo yet, and of their samples; perhaps `only` one of them."""
+        heard = [
+            (peer.echoed, name, peer, peer.digest)
             for name, peer in self.peers.items()
-            if peer.digest is not None
+            if peer.digest is not None and peer.digest.sent > peer.echoed and only in ("", name)
+        ]
+        chosen = sorted(heard, key=lambda entry: entry[:2])[:most]
+        for _, _, peer, digest in chosen:
+            peer.echoed = digest.sent
+        return tuple(
+            Echo(name, digest.sent, peer.digest_received, peer.samples, peer.latency_in)
+            for _, name, peer, digest in chosen
         )
 
     def _find_wanting(self, stream: Stream) -> tuple[str, ...]:

@@ -56,11 +56,15 @@ PARTS = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Grant:
-    """Budget given to `peer` (a tag) of constraint `constraint` in this epoch, cumulative, in `PARTS` of its limit."""
+    """The sender lets `peer` (a tag) send so much from `begins` to `ends`, in whole milliseconds of its clock [s].
+
+    `parts` are `PARTS` of the ceiling of every constraint that robots share. The same grant may be told often.
+    """
 
     peer: str
-    constraint: int
-    total: int
+    begins: float
+    ends: float
+    parts: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
