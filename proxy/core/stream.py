@@ -50,6 +50,8 @@ class Stream:
     touched: float = 0.0
     reached: set[str] = field(default_factory=set)
     """Tags of the robots that were sent a sample."""
+    mean_size: float = 0.0
+    """Mean size of the samples generated, the recent ones counting more [B]."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
 
@@ -60,6 +62,7 @@ class Stream:
         self.generated = count
         self.schedule.observe(count, last.t_gen)
         self.last = last
+        self.mean_size += (last.size - self.mean_size) * (0.1 if self.mean_size else 1.0)
 
     def note_sent(self, count: int, sent: Sent) -> list[Sent]:
         """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it.

@@ -1,7 +1,7 @@
 """What daemons tell each other beside the data: digests and states, as frozen data.
 
-`proxy.core.codec` packs them as versioned msgpack. Times are on the sender's monotonic clock [s], sizes are bytes.
-All counters are cumulative, so a lost digest costs nothing.
+`proxy.core.codec` packs them as versioned msgpack; the robot and its tag are in the key. Times are on the sender's
+monotonic clock [s], sizes are bytes. All counters are cumulative, so a lost digest costs nothing.
 """
 
 from dataclasses import dataclass
@@ -124,3 +124,15 @@ class State:
     """How its samples travel."""
     number: int = 0
     """Counts the robot's states."""
+    since: int = 0
+    """0: this is all. Else only what is new of the streams since the state of that number; the rest is as it was."""
+
+
+MOST_TOLD = 4096
+"""Streams in a state."""
+MOST_SUBSCRIPTIONS = 1024
+"""Subscriptions in a state."""
+MOST_ORIGINS = 256
+"""Origins in a state."""
+MOST_TEXT = 160_000
+"""Letters in the keys of a state's streams, and half as many in its subscriptions."""
