@@ -274,10 +274,12 @@ class Core:
 
     @staticmethod
     def _differs(told: State, state: State) -> bool:
-        """Periods are estimates: only one that moved by a tenth is news."""
-        periods = {stream.id: stream.period for stream in told.streams}
+        """Periods are estimates: only one that moved by a tenth is news, or another kind of schedule."""
+        before = {stream.id: stream for stream in told.streams}
         moved = any(
-            stream.id not in periods or abs(stream.period - periods[stream.id]) > 0.1 * max(stream.period, 1e-9)
+            stream.id not in before
+            or abs(stream.period - before[stream.id].period) > 0.1 * max(stream.period, 1e-9)
+            or stream.schedule.split()[:1] != before[stream.id].schedule.split()[:1]
             for stream in state.streams
         )
         return moved or _without_periods(told) != _without_periods(state)
@@ -301,4 +303,6 @@ def _without_periods(state: State) -> tuple[object, ...]:
 
 
 def _stream_state(stream: Stream) -> StreamState:
-    return StreamState(stream.id, stream.key, stream.information_type.name, stream.schedule.period)
+    schedule = stream.schedule
+    kind, period, jitter = schedule.kind, schedule.period, schedule.jitter
+    return StreamState(stream.id, stream.key, stream.information_type.name, period, jitter=jitter, schedule=kind)

@@ -97,4 +97,5 @@ def _of(stream: Stream) -> StreamDigest | None:
         stream.sent.t_sent if stream.sent else 0.0,
         stream.last.size,
         stream.last.scale,
+        stream.information_type.told(stream.last.features) if stream.last.features else (),
     )

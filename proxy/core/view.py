@@ -15,7 +15,7 @@ from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
 STALE = 10.0
-"""Streams without news for this long, or for this many periods, take no part in plans [s]."""
+"""Samples that seem to be older than this tell no latency [s]."""
 
 
 @lru_cache(maxsize=65_536)
@@ -73,6 +73,7 @@ class SharedView:
                 return None
             self._ids += 1
             found = self._streams[robot, key] = Stream(self._ids, robot, key, information_type)
+            found.cover(information_type)
             if len(self._streams) > self.settings.streams:
                 oldest = min(self._streams.values(), key=lambda s: (s is found, s.touched))
                 del self._streams[oldest.robot, oldest.key]
@@ -89,7 +90,7 @@ class SharedView:
             if information_type is None:
                 del self._streams[place]
             else:
-                stream.information_type = information_type
+                stream.cover(information_type)
 
     def wanting(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
@@ -179,7 +180,8 @@ class SharedView:
         elif robot.startswith("?") and (stream := self.stream(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
-            stream.note_generated(stream.generated + 1, Generated(now, event.size, scale, features))
+            generated = Generated(now, event.size, scale, features)
+            stream.note_generated(stream.generated + 1, generated, numbered=False)
             self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
     def heard_digest(self, now: float, digest: Digest) -> bool:
@@ -258,14 +260,16 @@ class SharedView:
         stream = self.stream(now, peer.robot, key)
         if stream is None:
             return
-        stream.schedule.assume(peer.periods.get(key, 0.0))
-        t_gen = peer.offset.ours(news.t_generated)
-        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale))
+        told = peer.told.get(key)
+        if told is not None:
+            stream.schedule.assume(told.period, told.schedule)
+        t_gen = min(peer.offset.ours(news.t_generated), now)
+        features = stream.information_type.heard(news.features)
+        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale, features))
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
-            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale))
+            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
 
     def _active(self, now: float, stream: Stream) -> bool:
         """Whether more samples are to be expected of the stream."""
-        last = stream.schedule.last
-        return last is not None and now - last < max(STALE, 5.0 * stream.schedule.period)
+        return not stream.schedule.over(now)

@@ -98,10 +98,10 @@ class WindowBuilder:
             for c in (ours[w.key],)
         ]
         opened += [
-            _Open(t, c, last.size, last.scale, last.features)
+            _Open(t, c, like.size, like.scale, like.features)
             for c in candidates
-            for last in (c.stream.newest,)
             for t in c.times
+            for like in (c.stream.expected(t),)
         ]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
         return self._problem(now, candidates, opened, limits)
@@ -138,7 +138,7 @@ class WindowBuilder:
         for c in candidates:
             heard = c.stream.schedule.last or now
             after = now if c.stream.robot == settings.robot else max(heard, now - longest)
-            c.times = c.stream.schedule.forecast(after, now + settings.horizon_time, settings.horizon)
+            c.times = c.stream.schedule.forecast(after, now + settings.horizon_time, settings.horizon, now)
         ordered = sorted(t for c in candidates for t in c.times)
         end = ordered[settings.horizon - 1] if len(ordered) >= settings.horizon else now + settings.horizon_time
         return max([end, now + 2.0 * longest, *(c.times[0] for c in candidates if c.times)])
