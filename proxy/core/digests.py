@@ -7,7 +7,7 @@ turn: of echoes, of grants and of news that may have been lost, each digest has 
 
 from collections.abc import Iterable
 
-from proxy.core.fixed import rounded
+from proxy.core.fixed import feature, rounded
 from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST
 from proxy.core.stream import Stream
 from proxy.core.wire import Echo, Grant, StreamDigest
@@ -154,4 +154,5 @@ def _of(stream: Stream) -> StreamDigest | None:
         stream.sent.t_sent if stream.sent else 0.0,
         stream.last.size,
         rounded(stream.last.scale),
+        tuple(map(feature, stream.information_type.told(stream.last.features))) if stream.last.features else (),
     )

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 
 from proxy.core.offset import ClockOffset
-from proxy.core.wire import MOST_TOLD, Digest, State, StreamDigest
+from proxy.core.wire import MOST_TOLD, Digest, State, StreamDigest, StreamState
 
 PENDING = 1024
 """Stream news kept of streams whose key is not known yet."""
@@ -19,7 +19,8 @@ class Peer:
     since: float
     offset: ClockOffset = field(default_factory=ClockOffset)
     keys: dict[int, str] = field(default_factory=dict)
-    periods: dict[str, float] = field(default_factory=dict)
+    told: dict[str, StreamState] = field(default_factory=dict)
+    """What its state says of its streams, by key."""
     subscriptions: tuple[str, ...] = ()
     origins: tuple[str, ...] = ()
     mode: str = ""
@@ -68,7 +69,7 @@ class Peer:
         """The peer's state replaces what it said before."""
         self.state = state
         self.keys = {stream.id: stream.key for stream in state.streams}
-        self.periods = {stream.key: stream.period for stream in state.streams}
+        self.told = {stream.key: stream for stream in state.streams}
         self.subscriptions, self.origins = state.subscriptions, state.origins
         self.mode, self.specs, self.wall_offset = state.mode, state.specs, state.wall_offset
         self.transport = state.transport

@@ -13,7 +13,7 @@ from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
 STALE = 10.0
-"""Streams without news for this long, or for this many periods, take no part in plans [s]."""
+"""Samples that seem to be older than this tell no latency [s]."""
 SILENT = 60.0
 """Streams of a plain node are forgotten after this long, or so many times `STALE`'s periods [s]."""
 MOST_PEERS = 256
@@ -92,6 +92,7 @@ class SharedView:
             if robot == self.settings.robot:
                 self._ids += 1
             found = Stream(self._ids, robot, key, information_type)
+            found.cover(information_type)
             found.matching = robot == self.settings.robot and key in self._matching
             self._admit(found)
         found.touched = now
@@ -113,7 +114,7 @@ class SharedView:
             if information_type is None:
                 self._forget(stream)
             else:
-                stream.information_type = information_type
+                stream.cover(information_type)
 
     def wanting(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
@@ -203,7 +204,8 @@ class SharedView:
         elif robot.startswith(PLAIN) and (stream := self.stream(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
-            stream.note_generated(stream.generated + 1, Generated(now, event.size, scale, features))
+            generated = Generated(now, event.size, scale, features)
+            stream.note_generated(stream.generated + 1, generated, numbered=False)
             self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
     def heard_digest(self, now: float, digest: Digest) -> bool:
@@ -378,17 +380,19 @@ class SharedView:
         stream = self.stream(now, peer.robot, key)
         if stream is None:
             return
-        stream.schedule.assume(peer.periods.get(key, 0.0))
-        t_gen = peer.offset.ours(news.t_generated)
-        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale))
+        told = peer.told.get(key)
+        if told is not None:
+            stream.schedule.assume(told.period, told.schedule)
+        t_gen = min(peer.offset.ours(news.t_generated), now)
+        features = stream.information_type.heard(news.features)
+        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale, features))
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
-            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale))
+            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
 
     def _active(self, now: float, stream: Stream) -> bool:
         """Whether more samples are to be expected of the stream."""
-        last = stream.schedule.last
-        return last is not None and now - last < max(STALE, 5.0 * stream.schedule.period)
+        return not stream.schedule.over(now)
 
 
 def _owner(robot: str) -> str:

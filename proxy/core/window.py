@@ -135,10 +135,10 @@ class WindowBuilder:
             for c in (ours[w.key],)
         ]
         opened += [
-            _Open(t, c, last.size, last.scale, last.features)
+            _Open(t, c, like.size, like.scale, like.features)
             for c in candidates
-            for last in (c.stream.newest,)
             for t in c.times
+            for like in (c.stream.expected(t),)
         ]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
         opened = [m for m in opened if m.current or self._possible(m, limits)]
@@ -187,7 +187,7 @@ class WindowBuilder:
         longest = max(c.window for c in limits.union)
         for c in candidates:
             after = self._since(now, c, limits, longest)
-            c.times = c.stream.schedule.forecast(after, now + settings.horizon_time, settings.horizon)
+            c.times = c.stream.schedule.forecast(after, now + settings.horizon_time, settings.horizon, now)
         ordered = sorted(t for c in candidates for t in c.times)
         end = ordered[settings.horizon - 1] if len(ordered) >= settings.horizon else now + settings.horizon_time
         return max([end, now + 2.0 * longest, *(c.times[0] for c in candidates if c.times)])
