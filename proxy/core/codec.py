@@ -20,6 +20,7 @@ from proxy.core.wire import (
     MOST_TOLD,
     Digest,
     Echo,
+    PARTS,
     Grant,
     State,
     StreamDigest,
@@ -40,6 +41,7 @@ MAX_SIZE = 2**30
 MAX_PERIOD = 86_400.0
 """A stream that is slower is told as this slow [s]."""
 MAX_LATENCY = 3600.0
+MAX_LENT = 3_600_000
 MAX_SCALE = 1e15
 _WRAP = 65_536
 _LARGEST = 3.5e38
@@ -51,7 +53,7 @@ def pack_digest(digest: Digest) -> bytes:
     fields: list[Any] = [VERSION, sent, digest.epoch, digest.state, digest.messages, digest.bytes]
     lists: list[list[Any]] = [
         [_stream_fields(sent, stream) for stream in digest.streams],
-        [field for g in digest.grants for field in (_packed_tag(g.peer), g.constraint, g.total)],
+        [_grant_fields(sent, grant) for grant in digest.grants],
         [field for e in digest.echoes for field in _echo_fields(sent, e)],
         [coded(part) for part in digest.capacity],
     ]
@@ -110,6 +112,18 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
     )
 
 
+def _grant_fields(sent: int, g: Grant) -> list[Any]:
+    """Times in milliseconds: the begin from when the digest is sent, the end from the begin."""
+    begins, ends = round(g.begins * 1e3), round(g.ends * 1e3)
+    return [_packed_tag(g.peer), begins - sent // 1000, ends - begins, *g.parts]
+
+
+def _grant(sent: int, f: list[Any]) -> Grant:
+    begins = sent // 1000 + _whole(f[1])
+    ends = begins + _count(f[2], MAX_LENT)
+    return Grant(_tag(f[0]), begins / 1e3, ends / 1e3, tuple(_count(part, PARTS) for part in f[3:]))
+
+
 def _echo_fields(sent: int, e: Echo) -> tuple[Any, ...]:
     heard = sent - ticks(e.received)
     return _packed_tag(e.peer), ticks(e.sent) % _WRAP, heard, e.samples, coded(e.latency), coded(e.per_byte)
@@ -147,7 +161,7 @@ def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -
         messages=_count(f[4]),
         bytes=_count(f[5]),
         streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 7, 7 + 32)),
-        grants=tuple(Grant(_tag(g[0]), _count(g[1], 64), _count(g[2])) for g in _records(grants, 3)),
+        grants=tuple(_grant(sent, grant) for grant in _each(grants, 4, 3 + 64)),
         echoes=_echoes(sent, echoes, own, ours),
         capacity=tuple(_amount(part, 1.0) for part in capacity),
     )

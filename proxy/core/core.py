@@ -12,9 +12,7 @@ from functools import singledispatchmethod
 from typing import Any
 
 from proxy.core import events as ev
-from proxy.core.allocation import Room, gifts, targets
 from proxy.core.asking import Asking
-from proxy.core.claims import claims
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, NoteInterest, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
@@ -22,6 +20,7 @@ from proxy.core.digests import QUESTION, DigestPacer
 from proxy.core.fixed import feature, rounded
 from proxy.core.gate import Gate
 from proxy.core.inbox import SUPERSEDED, Waiting
+from proxy.core.layout import Layout
 from proxy.core.limits import allowance_of, limits_of, use_of
 from proxy.core.mode import Mode
 from proxy.core.plausible import PATIENCE, objection, objection_to_state
@@ -34,13 +33,17 @@ from proxy.core.stream import Generated, Stream
 from proxy.core.view import SharedView
 from proxy.core.warnings import namesake_warning, transport_warnings
 from proxy.core.window import WindowBuilder
-from proxy.core.wire import PARTS, Digest, State, StreamDigest, tag
+from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
 COVERED_FLOOR = 0.1
 """Part of what we hold that traffic without a spec leaves to covered streams."""
-ALLOCATION_PACE = 0.05
-"""Shares are looked at anew this often at most [s]."""
+LEADERS_PART = 0.5
+"""Of what all robots may tell each other, this part is for the one that leads."""
+AHEAD = 0.15
+"""Others are lent what they need so much before they need it [s]."""
+HELLO = 0.5
+"""So long after it settled a robot waits with its first digest for somebody to lead [s]."""
 STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
 RESTATE = 1.0
@@ -57,7 +60,9 @@ class Core:
         self.counts = Counts()
         limits = limits_of(specs, settings.allowance, 1)
         self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=now + settings.settle)
-        self.gate = Gate(settings, self.view, self.shares, self.counts, WindowBuilder(self.view, now))
+        windows = WindowBuilder(self.view, now)
+        self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
+        self.layout = Layout(self.view, self.shares, self.gate, windows)
         self.pacer = DigestPacer(now)
         self.refused: Counter[str] = Counter()
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
@@ -66,8 +71,10 @@ class Core:
         self.untold = 0
         """Streams, subscriptions and origins that did not fit into our state."""
         self._tickets = 0
-        self._allocated_at = now - ALLOCATION_PACE
         self._urgent = False
+        self._settled_at = now + settings.settle
+        self._told_epoch = 0
+        """Epochs are told at once, and paid for later."""
         self._state = State(settings.robot, settings.zid, "", "")
         self._state_at = self._restated = now - STATE_PACE
         self._restate_at = now
@@ -80,7 +87,8 @@ class Core:
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
-        times = [self._digest_due(now), self.asking.next_at(), now + 1.0]
+        digest_due = now + 1.0 if self.layout.pending else self._digest_due(now)
+        times = [digest_due, self.gate.wakes_at, self.asking.next_at(), now + 1.0]
         if self._restate_at < float("inf"):
             times.append(max(self._restate_at, self._state_due(now)))
         return max(min(times), now)
@@ -193,6 +201,8 @@ class Core:
             return []
         name = tag(event.zid)
         self._membership(event.now)
+        if self.shares.leads:
+            self._told_epoch = 0
         self.pacer.forget()
         self.asking.want(event.now, name)
         for heard, digest in self.strangers.introduce(name):
@@ -242,6 +252,9 @@ class Core:
 
     @_on.register
     def _(self, event: ev.DecisionReady) -> list[Command]:
+        if self.layout.answered(event.ticket):
+            self._urgent |= self.layout.lend(event.now, event.plan, event.now + self._speaks_again())
+            return []
         if self.gate.pending is None or event.ticket != self.gate.pending.ticket:
             return []
         return self.gate.ready(event.now, event.plan, event.error)
@@ -253,7 +266,7 @@ class Core:
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event."""
         commands: list[Command] = []
-        self._allocate(now)
+        self._lay_out(now, commands)
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
@@ -263,41 +276,46 @@ class Core:
             self.pacer.owe(now, QUESTION, 1)
             commands.append(AskState(self.view.peers[name].name, name))
         self.view.sweep(now)
-        if now >= self._digest_due(now):
+        if now >= self._digest_due(now) and not self.layout.pending:
             commands.append(self._send_digest(now))
         return commands
 
-    def _allocate(self, now: float) -> None:
-        """In `shares`, give away what others need more, if we hold it and do not use it."""
-        if (
-            self.settings.coordination != "shares"
-            or now < self._allocated_at + ALLOCATION_PACE
-            or not self.shares.confirmed(now)
-        ):
+    def _lay_out(self, now: float, commands: list[Command]) -> None:
+        """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
+        if self.settings.coordination != "shares":
             return
-        self._allocated_at = now
-        shared = tuple(limit for limit in self.gate.limits if limit.shared)  # they come first
-        held = [{member: self.shares.held_by(member, k) for member in self.shares.members} for k in range(len(shared))]
-        rooms = [Room(sum(of.values()), limit.window, of) for of, limit in zip(held, shared, strict=True)]
-        for k, target in enumerate(targets(claims(self.view, now, shared), rooms)):
-            for gift in gifts(target, held[k], shared[k].limit / PARTS):
-                if gift.giver == self.shares.own:
-                    self._urgent |= self.shares.grant(now, gift.taker, k, gift.amount) > 0.0
+        self.shares.confirmed(now)
+        self._set_rate()
+        if now >= self.pacer.due(now, urgent=True, news=True):
+            self._tickets += 1
+            commands += self.layout.ask(now, self._tickets, self.gate.inbox)
+
+    def _set_rate(self) -> None:
+        """Half of what all may tell each other is for who plans for all; the others have news."""
+        robots, part = len(self.view.peers) + 1, 1.0
+        if self.settings.coordination == "shares" and self.shares.leader and robots > 1:
+            part = LEADERS_PART * robots if self.shares.leads else 1.0 - LEADERS_PART
+        self.pacer.set_rate(part * allowance_of(self.view.specs, self.settings.allowance, robots))
+
+    def _speaks_again(self) -> float:
+        """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
+        latency = max((peer.offset.latency for peer in self.view.peers.values()), default=0.0)
+        return self.pacer.interval + latency + AHEAD
 
     def _send_digest(self, now: float) -> Command:
         digest = Digest(
             robot=self.settings.robot,
             tag=self.shares.own,
             sent=now,
-            epoch=self.shares.announced(now),
+            epoch=self.shares.epoch,
             messages=self.view.messages,
             bytes=self.view.bytes,
             streams=self.pacer.changed(now, list(self.view.own())),
-            grants=self.pacer.grants(self.shares.grants()),
-            echoes=self.pacer.echoes(now, self.view.echoes()),
+            grants=self.pacer.grants(self.shares.grants(now)),
+            echoes=self.pacer.echoes(now, self._echoes()),
             state=self._state.number,
         )
-        self._urgent = False
+        self._urgent, self._told_epoch = False, self.shares.epoch
         self.pacer.sent(now, len(pack_digest(digest)), self._copies())
         return SendDigest(digest)
 
@@ -343,7 +361,10 @@ class Core:
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
         if self.view.heard_digest(now, digest):
-            self.shares.heard(digest.tag, digest.epoch, digest.grants)
+            grants = digest.grants if peer.offset.known else ()
+            self.shares.heard(
+                now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.latency
+            )
             self._look_for_state(now, digest.tag)
 
     def _look_for_state(self, now: float, name: str) -> None:
@@ -354,8 +375,21 @@ class Core:
         else:
             self.asking.done(name)
 
+    def _echoes(self) -> tuple[Echo, ...]:
+        """In `shares`, only the clocks of the leader and of each other one have to agree."""
+        echoes, leader = self.view.echoes(), self.shares.leader
+        if self.settings.coordination != "shares" or self.shares.leads or leader not in self.view.peers:
+            return echoes
+        return tuple(echo for echo in echoes if echo.peer == leader)
+
     def _digest_due(self, now: float) -> float:
-        news = self.pacer.has_news(list(self.view.own()))
+        own = list(self.view.own())
+        if self.settings.coordination == "shares" and self.view.peers:
+            if not self.shares.epoch and now < self._settled_at + HELLO:
+                return self._settled_at + HELLO
+            if self._told_epoch != self.shares.epoch or (self.pacer.unknown(own) and self.pacer.solvent):
+                return now
+        news = self.pacer.has_news(own)
         return self.pacer.due(now, urgent=self._urgent, news=news)
 
     def _membership(self, now: float) -> None:
@@ -367,7 +401,7 @@ class Core:
         robots = len(self.view.peers) + 1
         self.gate.limits = limits_of(self.view.specs, self.settings.allowance, robots)
         self.shares.set_limits(now, self.gate.limits)
-        self.pacer.set_rate(allowance_of(self.view.specs, self.settings.allowance, robots))
+        self._set_rate()
 
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""

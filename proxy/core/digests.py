@@ -22,8 +22,12 @@ MOST_STREAMS = 32
 """News of at most this many streams in one digest."""
 MOST_ECHOES = 4
 """Peers echoed in one digest."""
-MOST_GRANTS = 16
-"""Grants in one digest; changed ones come first, and are repeated twice."""
+MOST_GRANTS = 48
+"""Grants in one digest."""
+TOLD = 1
+"""So often each grant is told."""
+DEBT = 2.0
+"""So many digests new streams may be told ahead of the allowance."""
 REFRESH = 10.0
 """What was told of a stream is told again after this time: it may have been lost [s]."""
 MOST_REFRESHED = 2
@@ -43,14 +47,28 @@ class DigestPacer:
         self._cost = 150.0
         self._last = now - SLOW
         self._echoed: dict[str, float] = {}
-        self._granted: dict[tuple[str, int], tuple[int, int]] = {}
-        """The total last told of each grant, and how often it was."""
+        self._granted: dict[Grant, int] = {}
+        """How often each grant that still holds was told."""
         self._told: dict[str, tuple[float, StreamDigest]] = {}
         """What was last told of each own stream, by its key, and when."""
 
     def set_rate(self, rate: float) -> None:
         """The allowance of this robot is now `rate` [B/s], all copies together."""
         self._rate = rate
+
+    @property
+    def interval(self) -> float:
+        """How long the allowance takes to pay for a digest [s]."""
+        return self._cost / self._rate
+
+    @property
+    def solvent(self) -> bool:
+        """Whether no more was told than a few digests ahead of the allowance."""
+        return self._tokens > -DEBT * self._cost
+
+    def unknown(self, streams: list[Stream]) -> bool:
+        """Whether there is a stream that was never told of."""
+        return any(s.last is not None and s.key not in self._told for s in streams)
 
     def due(self, now: float, *, urgent: bool, news: bool) -> float:
         """When the next digest may go out, in our clock [s]; now or earlier means at once."""
@@ -101,14 +119,11 @@ class DigestPacer:
         return tuple(known[peer] for peer in chosen)
 
     def grants(self, grants: Iterable[Grant]) -> tuple[Grant, ...]:
-        """Some of the grants: those that changed, then those told least often since."""
-        known = {(grant.peer, grant.constraint): grant for grant in grants}
-        told = {place: self._granted.get(place, (-1, 0)) for place in known}
-        times = {place: count if known[place].total == total else 0 for place, (total, count) in told.items()}
-        chosen = sorted(known, key=lambda place: (times[place], place))[:MOST_GRANTS]
-        often = [place for place in chosen if times[place] < 3] or chosen[:1]
-        self._granted = told | {place: (known[place].total, times[place] + 1) for place in often}
-        return tuple(known[place] for place in often)
+        """Some of the grants: those told least often, then those that begin first."""
+        times = {grant: self._granted.get(grant, 0) for grant in grants}
+        chosen = sorted((g for g in times if times[g] < TOLD), key=lambda g: (times[g], g.begins, g.peer))[:MOST_GRANTS]
+        self._granted = times | {grant: times[grant] + 1 for grant in chosen}
+        return tuple(chosen)
 
     def has_news(self, streams: list[Stream]) -> bool:
         """Whether any stream changed since it was last told of."""

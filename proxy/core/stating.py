@@ -80,5 +80,6 @@ def _apart_from_streams(state: State) -> Iterable[object]:
 
 
 def _stream_state(stream: Stream) -> StreamState:
-    period, size = stream.schedule.period, round(stream.mean_size)
-    return StreamState(stream.id, stream.key, stream.information_type.name, period, size=size)
+    schedule, size = stream.schedule, round(stream.mean_size)
+    kind, period, jitter = schedule.kind, schedule.period, schedule.jitter
+    return StreamState(stream.id, stream.key, stream.information_type.name, period, jitter, size, kind)

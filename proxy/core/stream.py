@@ -56,6 +56,8 @@ class Stream:
     touched: float = 0.0
     reached: set[str] = field(default_factory=set)
     """Tags of the robots that were sent a sample."""
+    mean_size: float = 0.0
+    """Mean size of the samples generated, the recent ones counting more [B]."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
     _outlook: Outlook | None = None
@@ -85,24 +87,31 @@ class Stream:
         self.generated = count
         self.schedule.observe(count if numbered else None, last.t_gen)
         self.last = last
+        self.mean_size += (last.size - self.mean_size) * (0.1 if self.mean_size else 1.0)
         if self._outlook is not None:
             self._outlook.note(last.t_gen, last.features or {SCALE: last.scale})
             self._steady = self._outlook.steady
             self._expected.clear()
 
-    def note_sent(self, count: int, sent: Sent) -> None:
-        """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it."""
+    def note_sent(self, count: int, sent: Sent) -> list[Sent]:
+        """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it.
+
+        Return all that is new, in order.
+        """
         missed = count - self.forwarded - 1
         if missed < 0:
-            return
+            return []
+        noted: list[Sent] = []
         self.forwarded = count
         if self.sent is not None and sent.t_sent > self.sent.t_sent:
             gap = (sent.t_sent - self.sent.t_sent) / (missed + 1)
             self.interval = gap if self.interval == 0.0 else 0.8 * self.interval + 0.2 * gap
             for i in range(min(missed, 32), 0, -1):
-                self.recent.append(Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale))
-        self.recent.append(sent)
+                noted.append(Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale))
+        noted.append(sent)
+        self.recent.extend(noted)
         self.sent = sent
+        return noted
 
     def expected(self, t_gen: float) -> Generated:
         """What the sample generated at `t_gen` [s] will be like; its own `t_gen` tells of when that was known."""

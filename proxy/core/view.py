@@ -1,5 +1,6 @@
 """The shared view: every stream, every peer, and what the channel carries, as far as this robot knows."""
 
+from collections import deque
 from collections.abc import Iterator
 
 from planner import Aggregation
@@ -12,6 +13,10 @@ from proxy.core.transport import is_broadcast
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
+MOST_SENDS = 16_384
+"""Sends of other robots looked back on."""
+SAME = 1e-3
+"""A sample that was generated so much after the last one was sent is another one [s]."""
 STALE = 10.0
 """Samples that seem to be older than this tell no latency [s]."""
 SILENT = 60.0
@@ -39,6 +44,8 @@ class SharedView:
         self.messages = 0
         self.bytes = 0
         self.evicted = 0
+        self.sends: deque[tuple[float, int, int]] = deque(maxlen=MOST_SENDS)
+        """What other robots sent within the longest window, as (time, size, copies)."""
         self._streams: dict[tuple[str, str], Stream] = {}
         self._owned: dict[str, dict[tuple[str, str], Stream]] = {}
         """The same by owner, the one not heard of for longest first; all plain nodes are one owner."""
@@ -143,8 +150,22 @@ class SharedView:
 
     def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
         """The `count`-th sample sent of a stream was this one."""
-        stream.note_sent(count, sent)
+        noted = stream.note_sent(count, sent)
         stream.reached.update(self.wanting(stream))
+        if stream.robot != self.settings.robot:
+            copies = self.copies(stream)
+            self.sends.extend((each.t_sent, each.size, copies) for each in noted)
+
+    def sent_since(self, since: float) -> list[tuple[float, int, int]]:
+        """What other robots sent, as (time, size, copies); what is older is forgotten."""
+        kept = [each for each in self.sends if each[0] >= since]
+        if len(kept) < len(self.sends):
+            self.sends = deque(kept, self.sends.maxlen)
+        return kept
+
+    def overhears(self, stream: Stream) -> bool:
+        """Whether we hear what is sent of another robot's stream, but for what is lost."""
+        return {stream.robot, self.settings.robot} <= self._broadcasting
 
     def copies(self, stream: Stream) -> int:
         """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router.
@@ -201,12 +222,28 @@ class SharedView:
             age = now - peer.offset.ours(stamp - peer.wall_offset)
             if 0.0 <= age < STALE:
                 peer.note_latency(age)
+                self._overhear(now, now - age, event, robot)
         elif robot.startswith(PLAIN) and (stream := self.stream(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
             generated = Generated(now, event.size, scale, features)
             stream.note_generated(stream.generated + 1, generated, numbered=False)
             self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
+
+    def _overhear(self, now: float, t_gen: float, event: SampleHeard, robot: str) -> None:
+        """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already."""
+        stream = self._streams.get((robot, event.key))
+        if stream is None or stream.last is None or (stream.sent is not None and t_gen < stream.sent.t_sent + SAME):
+            return
+        features = event.features or {}
+        scale = stream.information_type.scale(features) if features else stream.last.scale
+        t_sent = max(t_gen, min(now, now - self.latency(robot)))
+        self.note_sent(stream, stream.forwarded + 1, Sent(t_gen, t_sent, event.size, scale, features))
+        period = stream.schedule.period
+        if period > 0.0 and t_gen > stream.last.t_gen + SAME:
+            number = stream.generated + max(1, round((t_gen - stream.last.t_gen) / period))
+            generated = Generated(t_gen, event.size, scale, features or stream.last.features)
+            stream.note_generated(number, generated, numbered=True)
 
     def heard_digest(self, now: float, digest: Digest) -> bool:
         """A peer's digest arrived; False when it is unknown, old or our own."""
@@ -239,6 +276,9 @@ class SharedView:
             self._note_interest(tag(peer.zid), peer.subscriptions)
         if peer.origins != origins:
             self._note_origins()
+        for key, told in peer.told.items():
+            if (stream := self._streams.get((peer.robot, key))) is not None:
+                stream.schedule.assume(told.period, told.schedule)
         for number in [n for n in peer.pending if n in peer.keys]:
             self._take(now, peer, peer.pending.pop(number))
         return True
