@@ -159,8 +159,8 @@ class Daemon:
                 self._bridge.forward(sample)
             case Drop(sample):
                 self._bridge.drop(sample)
-            case SendDigest(digest):
-                self._presence.send_digest(digest)
+            case SendDigest(digest, to):
+                self._presence.send_digest(digest, to)
             case SendState(state, update):
                 self._presence.send_state(state, update)
             case AskState(name, tag):

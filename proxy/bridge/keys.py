@@ -29,6 +29,11 @@ def digest(robot: str, tag: str) -> str:
     return f"{PREFIX}/{robot}/digest/{tag}"
 
 
+def digest_to(to: str, robot: str, tag: str) -> str:
+    """Where the `robot` with this tag publishes digests that concern only the robot with the tag `to`."""
+    return f"{PREFIX}/{robot}/digest-to/{to}/{tag}"
+
+
 def state(robot: str, tag: str) -> str:
     """Where the `robot` with this tag publishes its state and answers queries for it."""
     return f"{PREFIX}/{robot}/state/{tag}"

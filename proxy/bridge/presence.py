@@ -73,6 +73,8 @@ class Presence:
         self._waiting = threading.BoundedSemaphore(STATES)
         self._tokens = Tokens(self._zid, post)
         self._declared: list[Declaration] = []
+        self._addressed: set[str] = set()
+        """To whom digests were sent alone: such keys are declared, so that a number travels instead."""
 
     def open(self) -> None:
         """Say that we are here, and listen."""
@@ -81,6 +83,9 @@ class Presence:
         mesh, robot = self._mesh, self._robot
         self._declared = [
             mesh.declare_subscriber(keys.ALL_DIGESTS, direct(self._hear_digest), allowed_origin=remote),
+            mesh.declare_subscriber(
+                keys.digest_to(self._tag, "*", "*"), direct(self._hear_digest), allowed_origin=remote
+            ),
             mesh.declare_subscriber(keys.ALL_STATES, direct(self._hear_state), allowed_origin=remote),
             mesh.declare_queryable(keys.state(robot, self._tag), direct(self._tell), allowed_origin=remote),
             # Nobody asks for digests: but what is declared has a number, which travels instead of the key.
@@ -94,11 +99,17 @@ class Presence:
         for declared in self._declared:
             declared.undeclare()
         self._declared = []
+        self._addressed.clear()
 
-    def send_digest(self, digest: Digest) -> None:
-        """Publish our digest."""
+    def send_digest(self, digest: Digest, to: str = "") -> None:
+        """Publish our digest, or send it only to the robot with the tag `to`."""
         self._sent.append(ticks(digest.sent))
-        self._put(keys.digest(self._robot, self._tag), pack_digest(digest))
+        key = keys.digest_to(to, self._robot, self._tag) if to else keys.digest(self._robot, self._tag)
+        if to and to not in self._addressed:
+            self._addressed.add(to)
+            numbered = zenoh.handlers.Callback(_ignore, indirect=False)
+            self._declared.append(self._mesh.declare_queryable(key, numbered, allowed_origin=zenoh.Locality.REMOTE))
+        self._put(key, pack_digest(digest))
 
     def send_state(self, state: State, update: State | None = None) -> None:
         """Answer with our state from now on, and publish it, or instead of it the update."""

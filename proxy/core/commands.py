@@ -34,9 +34,10 @@ class Drop:
 
 @dataclass(frozen=True, slots=True)
 class SendDigest:
-    """Publish our digest on the mesh."""
+    """Publish our digest on the mesh, or send it only to the robot with the tag `to`."""
 
     digest: Digest
+    to: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,10 +38,14 @@ from utility_specs import Specs
 
 COVERED_FLOOR = 0.1
 """Part of what we hold that traffic without a spec leaves to covered streams."""
-LEADERS_PART = 0.5
+LEADERS_PART = 0.3
 """Of what all robots may tell each other, this part is for the one that leads."""
 AHEAD = 0.15
 """Others are lent what they need so much before they need it [s]."""
+ALL_PACE = 30.0
+"""Where one robot leads, all are told what concerns only some this often [s]."""
+MOST_AT_ONCE = 8
+"""Digests that go out at the same time."""
 HELLO = 0.5
 """So long after it settled a robot waits with its first digest for somebody to lead [s]."""
 STATE_PACE = 0.2
@@ -73,6 +77,7 @@ class Core:
         self._tickets = 0
         self._urgent = False
         self._settled_at = now + settings.settle
+        self._told_all_at = now
         self._told_epoch = 0
         """Epochs are told at once, and paid for later."""
         self._state = State(settings.robot, settings.zid, "", "")
@@ -88,7 +93,7 @@ class Core:
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
         digest_due = now + 1.0 if self.layout.pending else self._digest_due(now)
-        times = [digest_due, self.gate.wakes_at, self.asking.next_at(), now + 1.0]
+        times = [digest_due, self.gate.wakes_at, self.layout.due_at, self.asking.next_at(), now + 1.0]
         if self._restate_at < float("inf"):
             times.append(max(self._restate_at, self._state_due(now)))
         return max(min(times), now)
@@ -276,7 +281,9 @@ class Core:
             self.pacer.owe(now, QUESTION, 1)
             commands.append(AskState(self.view.peers[name].name, name))
         self.view.sweep(now)
-        if now >= self._digest_due(now) and not self.layout.pending:
+        for _ in range(MOST_AT_ONCE):
+            if self.layout.pending or now < self._digest_due(now):
+                break
             commands.append(self._send_digest(now))
         return commands
 
@@ -286,12 +293,12 @@ class Core:
             return
         self.shares.confirmed(now)
         self._set_rate()
-        if now >= self.pacer.due(now, urgent=True, news=True):
+        if now >= self.pacer.due(now, urgent=True, news=True, copies=1):
             self._tickets += 1
             commands += self.layout.ask(now, self._tickets, self.gate.inbox)
 
     def _set_rate(self) -> None:
-        """Half of what all may tell each other is for who plans for all; the others have news."""
+        """A part of what all may tell each other is for who plans for all; the others have news."""
         robots, part = len(self.view.peers) + 1, 1.0
         if self.settings.coordination == "shares" and self.shares.leader and robots > 1:
             part = LEADERS_PART * robots if self.shares.leads else 1.0 - LEADERS_PART
@@ -303,6 +310,9 @@ class Core:
         return self.pacer.interval + latency + AHEAD
 
     def _send_digest(self, now: float) -> Command:
+        to = self._addressee(now)
+        if not to:
+            self._told_all_at = now
         digest = Digest(
             robot=self.settings.robot,
             tag=self.shares.own,
@@ -311,13 +321,29 @@ class Core:
             messages=self.view.messages,
             bytes=self.view.bytes,
             streams=self.pacer.changed(now, list(self.view.own())),
-            grants=self.pacer.grants(self.shares.grants(now)),
-            echoes=self.pacer.echoes(now, self._echoes()),
+            grants=self.pacer.grants(to),
+            echoes=self.pacer.echoes(now, self._echoes(to)),
             state=self._state.number,
         )
-        self._urgent, self._told_epoch = False, self.shares.epoch
-        self.pacer.sent(now, len(pack_digest(digest)), self._copies())
-        return SendDigest(digest)
+        self._told_epoch = self.shares.epoch
+        self.pacer.sent(now, len(pack_digest(digest)), 1 if to else self._copies())
+        self._urgent = bool(self.pacer.addressee(self.shares.grants(now)))
+        return SendDigest(digest, to)
+
+    def _addressee(self, now: float) -> str:
+        """In `shares`, news concern who leads, and what is lent whom it is lent to; nobody: all are told.
+
+        All are told of an epoch, and now and then of the rest.
+        """
+        shares, peers = self.shares, self.view.peers
+        if self.settings.coordination != "shares" or not peers:
+            return ""
+        if shares.leads:
+            if self._told_epoch != shares.epoch:
+                return ""
+            to = self.pacer.addressee(shares.grants(now))
+            return to if to in peers else ""
+        return shares.leader if shares.leader in peers and now < self._told_all_at + ALL_PACE else ""
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
@@ -375,12 +401,9 @@ class Core:
         else:
             self.asking.done(name)
 
-    def _echoes(self) -> tuple[Echo, ...]:
-        """In `shares`, only the clocks of the leader and of each other one have to agree."""
-        echoes, leader = self.view.echoes(), self.shares.leader
-        if self.settings.coordination != "shares" or self.shares.leads or leader not in self.view.peers:
-            return echoes
-        return tuple(echo for echo in echoes if echo.peer == leader)
+    def _echoes(self, to: str) -> tuple[Echo, ...]:
+        """What a digest echoes: of whom it is sent to alone, or of all."""
+        return tuple(echo for echo in self.view.echoes() if to in ("", echo.peer))
 
     def _digest_due(self, now: float) -> float:
         own = list(self.view.own())
@@ -389,8 +412,11 @@ class Core:
                 return self._settled_at + HELLO
             if self._told_epoch != self.shares.epoch or (self.pacer.unknown(own) and self.pacer.solvent):
                 return now
+        to = self._addressee(now)
+        if self.shares.leads and not to and now < self._told_all_at + ALL_PACE and self.view.peers:
+            return self._told_all_at + ALL_PACE
         news = self.pacer.has_news(own)
-        return self.pacer.due(now, urgent=self._urgent, news=news)
+        return self.pacer.due(now, urgent=self._urgent, news=news, copies=1 if to else max(1, self._copies()))
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)

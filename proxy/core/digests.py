@@ -44,7 +44,9 @@ class DigestPacer:
         self._tokens = LEAST_ALLOWANCE
         self._debt = -SAVED * LEAST_ALLOWANCE
         self._updated = now
-        self._cost = 150.0
+        self._size = 150.0
+        self._depth = 150.0
+        """What the dearest of the recent digests cost, all copies together [B]."""
         self._last = now - SLOW
         self._echoed: dict[str, float] = {}
         self._granted: dict[Grant, int] = {}
@@ -58,23 +60,24 @@ class DigestPacer:
 
     @property
     def interval(self) -> float:
-        """How long the allowance takes to pay for a digest [s]."""
-        return self._cost / self._rate
+        """How long the allowance takes to pay for a digest to one robot [s]."""
+        return self._size / self._rate
 
     @property
     def solvent(self) -> bool:
         """Whether no more was told than a few digests ahead of the allowance."""
-        return self._tokens > -DEBT * self._cost
+        return self._tokens > -DEBT * self._depth
 
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
         return any(s.last is not None and s.key not in self._told for s in streams)
 
-    def due(self, now: float, *, urgent: bool, news: bool) -> float:
-        """When the next digest may go out, in our clock [s]; now or earlier means at once."""
+    def due(self, now: float, *, urgent: bool, news: bool, copies: int) -> float:
+        """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once."""
+        cost = self._size * copies
         self._fill(now)
         overdue = now >= self._last + SLOW
-        needed = self._cost if urgent or overdue else 2.0 * self._cost
+        needed = cost if urgent or overdue else 2.0 * cost
         rate = self._rate if self._debt <= 0.0 else self._rate / 2.0
         affordable = now + max(0.0, needed - self._tokens) / rate
         return affordable if urgent or news else max(affordable, self._last + SLOW)
@@ -87,8 +90,10 @@ class DigestPacer:
     def sent(self, now: float, size: int, copies: int) -> None:
         """A digest of so many bytes went out in so many copies."""
         self._fill(now)
-        self._cost = max(size + OVERHEAD, LEAST_DIGEST) * max(1, copies)
-        self._tokens -= self._cost
+        self._size = max(size + OVERHEAD, LEAST_DIGEST)
+        cost = self._size * max(1, copies)
+        self._depth = max(cost, 0.9 * self._depth)
+        self._tokens -= cost
         self._last = now
 
     def owe(self, now: float, size: int, copies: int) -> None:
@@ -118,11 +123,17 @@ class DigestPacer:
         self._echoed.update(dict.fromkeys(chosen, now))
         return tuple(known[peer] for peer in chosen)
 
-    def grants(self, grants: Iterable[Grant]) -> tuple[Grant, ...]:
-        """Some of the grants: those told least often, then those that begin first."""
-        times = {grant: self._granted.get(grant, 0) for grant in grants}
-        chosen = sorted((g for g in times if times[g] < TOLD), key=lambda g: (times[g], g.begins, g.peer))[:MOST_GRANTS]
-        self._granted = times | {grant: times[grant] + 1 for grant in chosen}
+    def addressee(self, grants: Iterable[Grant]) -> str:
+        """Who is to be told of a grant next: of the one that begins first; nobody when all are told."""
+        self._granted = {grant: self._granted.get(grant, 0) for grant in grants}
+        untold = [grant for grant, times in self._granted.items() if times < TOLD]
+        return min(untold, key=lambda grant: (grant.begins, grant.peer)).peer if untold else ""
+
+    def grants(self, to: str) -> tuple[Grant, ...]:
+        """What of the grants a digest `to` this robot tells, or to all: those told least often, that begin first."""
+        concerned = [g for g, times in self._granted.items() if times < TOLD and to in ("", g.peer)]
+        chosen = sorted(concerned, key=lambda g: (self._granted[g], g.begins, g.peer))[:MOST_GRANTS]
+        self._granted.update({grant: self._granted[grant] + 1 for grant in chosen})
         return tuple(chosen)
 
     def has_news(self, streams: list[Stream]) -> bool:
@@ -151,7 +162,7 @@ class DigestPacer:
         came = max(0.0, now - self._updated) * self._rate
         self._updated = max(now, self._updated)
         paid = min(max(0.0, self._debt), came / 2.0)
-        depth = max(3.0 * self._cost, self._rate)
+        depth = max(3.0 * self._depth, self._rate)
         room = max(0.0, depth - self._tokens)
         self._tokens += min(room, came - paid)
         # What the digests do not need is saved.

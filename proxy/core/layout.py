@@ -5,6 +5,7 @@ lent already is sent. Of the messages that it sends, those that come before we c
 robots are lent what these take, around the time at which they are expected. The later ones are planned anew.
 """
 
+import math
 from collections.abc import Iterable
 
 from planner import Plan
@@ -40,7 +41,7 @@ class Layout:
         self._gate = gate
         self._windows = windows
         self._promised: dict[tuple[str, str], list[Promise]] = {}
-        self._asked_at = float("-inf")
+        self._asked_at = -math.inf
         self._ticket: int | None = None
         self._ahead: Ahead = {}
         self.lent = 0
@@ -61,6 +62,11 @@ class Layout:
         problem, self._ahead = found
         self._ticket = ticket
         return [Decide(ticket, problem, ticket, self._view.settings.iterations)]
+
+    @property
+    def due_at(self) -> float:
+        """When it is time to plan again [s]."""
+        return self._asked_at + PACE if self._shares.leads and len(self._shares.members) > 1 else math.inf
 
     @property
     def pending(self) -> bool:

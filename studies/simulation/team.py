@@ -12,7 +12,7 @@ from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import is_broadcast
 from proxy.core.view import intersects
-from proxy.core.wire import Digest, State
+from proxy.core.wire import Digest, State, tag
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Happening, Join
 from studies.simulation.clocks import Clock
@@ -117,8 +117,8 @@ class Team:
                 self.agenda.at(t, partial(self._handed, member, sample))
             case Drop(sample):
                 del member.frames[sample]
-            case SendDigest(digest):
-                self._tell(member, t, digest)
+            case SendDigest(digest, to):
+                self._tell(member, t, digest, to)
             case SendState(state):
                 member.state = state
                 for other in self.membership.linked(member):
@@ -132,10 +132,10 @@ class Team:
     def _handed(self, member: Member, sample: int, t: float) -> None:
         self._feed(member, t, ev.SampleHanded(member.now(t), sample))
 
-    def _tell(self, member: Member, t: float, digest: Digest) -> None:
-        """Send a digest to all who are linked, one copy each."""
+    def _tell(self, member: Member, t: float, digest: Digest, to: str) -> None:
+        """Send a digest to all who are linked, one copy each, or to one of them."""
         size = len(pack_digest(digest)) + DIGEST_OVERHEAD
-        others = {other.robot: other for other in self.membership.linked(member)}
+        others = {other.robot: other for other in self.membership.linked(member) if to in ("", tag(other.zid))}
         self.digest_bytes += size * len(others)
         self.on_air.append(OnAir(t, member.robot, size * len(others)))
         for robot, arrivals in self.medium.unicast(t, size, member.robot, others).items():
