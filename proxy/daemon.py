@@ -20,7 +20,7 @@ from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
 from proxy.core import transport
-from proxy.core.commands import Command, Decide, Drop, Forward, Notice, SendDigest, SendState
+from proxy.core.commands import AskState, Command, Decide, Drop, Forward, NoteInterest, Notice, SendDigest, SendState
 from proxy.core.core import Core
 from proxy.core.events import ModeChanged, SpecsChanged
 from proxy.core.mode import Mode
@@ -125,8 +125,9 @@ class Daemon:
             relayed=config.mesh.relayed,
             submit=self._extractor.submit,
             post=loop.post,
+            offer=loop.offer,
         )
-        self._presence = Presence(sides.mesh, robot, self._bridge.lanes[0], loop.post, self._bridge.demand)
+        self._presence = Presence(sides.mesh, robot, self._bridge.lanes[0], loop.post, loop.offer)
         for part in (self._worker, self._extractor, loop):
             part.start()
             opening.callback(part.close, _PATIENCE)
@@ -158,10 +159,14 @@ class Daemon:
                 self._bridge.forward(sample)
             case Drop(sample):
                 self._bridge.drop(sample)
-            case SendDigest(digest):
-                self._presence.send_digest(digest)
-            case SendState(state):
-                self._presence.send_state(state)
+            case SendDigest(digest, to):
+                self._presence.send_digest(digest, to)
+            case SendState(state, update):
+                self._presence.send_state(state, update)
+            case AskState(name, tag):
+                self._presence.ask_state(name, tag)
+            case NoteInterest(zid, subscriptions):
+                self._bridge.demand.told(zid, subscriptions)
             case Notice(level, text):
                 log.log(_LEVELS[level], "%s", text)
 
@@ -189,6 +194,7 @@ class Daemon:
                 "mesh": list(self._config.mesh.listens),
                 "waiting": self._loop.waiting,
                 "faults": self._loop.faults,
+                "refused": self._loop.refused,
                 "looks": self._lookout.looks,
                 "features": {"superseded": self._extractor.superseded},
                 **self._bridge.describe(),

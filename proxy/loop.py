@@ -14,6 +14,9 @@ from proxy.core.events import Event, TimePassed
 
 log = logging.getLogger(__name__)
 
+MOST = 8192
+"""Items that may wait; more are taken in only if they must not be lost."""
+
 Item = Event | Callable[[], Event | None]
 """An event, or a job for the loop's thread that may make one."""
 
@@ -29,10 +32,13 @@ class Loop:
         self.core = core
         self.faults = 0
         """Events that the core could not digest."""
+        self.refused = 0
+        """Items that were offered while too many waited."""
         self._execute = execute
         self._items: SimpleQueue[Item | _Timed | None] = SimpleQueue()
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
+        self._refusing = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="loop", daemon=True)
 
     def start(self) -> None:
@@ -45,8 +51,17 @@ class Loop:
         self._thread.join(timeout)
 
     def post(self, item: Item) -> None:
-        """Let the core know. From any thread; never blocks."""
+        """Let the core know, whatever waits: of samples, which are bounded elsewhere. From any thread; never blocks."""
         self._items.put(item)
+
+    def offer(self, item: Item) -> bool:
+        """Let the core know, if not too many items wait: for what others cause, and say again. From any thread."""
+        if self._items.qsize() >= MOST:
+            with self._refusing:
+                self.refused += 1
+            return False
+        self._items.put(item)
+        return True
 
     def post_at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""

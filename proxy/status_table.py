@@ -171,9 +171,16 @@ def _warnings(status: Status) -> str:
     if not status.get("counts", {}).get("conserved", True):
         found.append("the counts do not add up: please report this")
     if status.get("malformed"):
-        found.append(f"{status['malformed']} malformed messages on Sendworthy's keys were ignored")
+        kinds = ", ".join(f"{count} {kind}" for kind, count in status.get("refused", {}).items())
+        found.append(
+            f"{status['malformed']} malformed messages on Sendworthy's keys were ignored" + f" ({kinds})" * bool(kinds)
+        )
     if status.get("evicted"):
         found.append(f"{status['evicted']} streams or robots were forgotten: there are too many")
+    if status.get("untold"):
+        found.append(f"{status['untold']} streams, subscriptions or origins are too many to tell the others")
+    if status.get("daemon", {}).get("refused"):
+        found.append(f"{status['daemon']['refused']} messages of other robots came faster than they could be taken in")
     if status.get("daemon", {}).get("faults"):
         found.append(f"internal errors: {status['daemon']['faults']}, see the log")
     found += [

@@ -5,6 +5,7 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -12,10 +13,11 @@ from pydantic import ValidationError
 from planner.errors import ProblemError
 from utility_specs.errors import SpecProblem, SpecsError, TomlError
 from utility_specs.expressions import Expression
-from utility_specs.forecast import LastForecast
+from utility_specs.forecast import forecast_of
+from utility_specs.schedules import rule_of
 from utility_specs.schema import InformationTypeTable, SpecFile
 from utility_specs.specs import ConstraintSpec, InformationType, Specs
-from utility_specs.suggestions import quoted
+from utility_specs.suggestions import hint, quoted
 from utility_specs.toml_source import MOST_PROBLEMS, TomlSource, problems_of
 
 
@@ -88,14 +90,27 @@ def _failing(source: TomlSource, file: SpecFile) -> list[SpecProblem]:
     """Return a problem for each utility or aggregation that cannot be made, such as a Python function that raises."""
     problems = []
     for index, table in enumerate(file.information_type):
-        key = "utility"
-        try:
-            table.message_utility()
-            key = "aggregation"
-            table.aggregated()
-        except ProblemError as error:
-            message = " ".join(str(error).removeprefix(f"{table.utility.kind} utility: ").split())
-            problems.append(source.problem(("information_type", index, key), message))
+        forecast = table.forecast
+        for key, make in (
+            (("utility",), table.message_utility),
+            (("aggregation",), table.aggregated),
+            (("forecast", "features"), partial(forecast_of, forecast.features)),
+            (("forecast", "schedule"), partial(rule_of, forecast.schedule)),
+        ):
+            try:
+                make()
+            except ProblemError as error:
+                message = " ".join(str(error).removeprefix(f"{table.utility.kind} utility: ").split())
+                problems.append(source.problem(("information_type", index, *key), message))
+                break
+        problems += [
+            source.problem(
+                ("information_type", index, "forecast", "features", name),
+                f"unknown feature {quoted(name)}" + (hint(name, table.features) or " (this type has no features)"),
+            )
+            for name in (forecast.features if isinstance(forecast.features, dict) else ())
+            if name not in table.features
+        ]
     return problems[:MOST_PROBLEMS]
 
 
@@ -143,7 +158,8 @@ def _information_type(table: InformationTypeTable) -> InformationType:
         utility=table.message_utility(),
         expression=Expression.compile(table.scale, table.features),
         features=tuple((name, feature.feature()) for name, feature in table.features.items()),
-        forecast=LastForecast(),
+        forecast=forecast_of(table.forecast.features),
+        schedule=rule_of(table.forecast.schedule),
     )
 
 

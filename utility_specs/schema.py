@@ -13,7 +13,9 @@ from utility_specs.aggregations import AnyAggregation, aggregation_of
 from utility_specs.constraint_tables import AnyConstraintTable
 from utility_specs.expressions import CONSTANTS, FUNCTIONS, Expression
 from utility_specs.features import AnyFeatureTable
+from utility_specs.forecast import AnyFeatureForecast
 from utility_specs.names import Name
+from utility_specs.schedules import AnySchedule
 from utility_specs.suggestions import described
 from utility_specs.utilities import AnyUtilityTable
 
@@ -45,9 +47,10 @@ KeyExpression = Annotated[str, AfterValidator(_key_expression)]
 
 
 class ForecastTable(Table):
-    """How what is not known yet is estimated."""
+    """How what is not known yet is estimated: the features of a stream's next samples, and when it generates them."""
 
-    features: Literal["last"] = "last"
+    features: AnyFeatureForecast = "last"
+    schedule: AnySchedule = "auto"
 
 
 class InformationTypeTable(Table):

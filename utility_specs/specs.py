@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from threading import Lock
@@ -18,6 +18,7 @@ from utility_specs.errors import ExpressionError
 from utility_specs.expressions import Expression
 from utility_specs.features import Feature
 from utility_specs.forecast import FeatureForecast
+from utility_specs.schedules import ScheduleRule
 
 MATCHES_KEPT = 4096
 """Keys whose information type is remembered."""
@@ -50,14 +51,14 @@ class _Copied:
 
 
 class Failures:
-    """How often each feature, the scale, or a `python` utility had to be replaced by its default."""
+    """How often each feature, the scale, a `python` utility or a forecast had to be replaced by its default."""
 
     def __init__(self) -> None:
         self._counts: Counter[str] = Counter()
         self._lock = Lock()
 
     def note(self, what: str) -> None:
-        """Count one failure of a feature (by name), of `scale` or of `utility`."""
+        """Count one failure of a feature (by name), of `scale`, `utility`, `forecast` or `schedule`."""
         with self._lock:
             self._counts[what] += 1
 
@@ -90,6 +91,8 @@ class InformationType:
     expression: Expression
     features: tuple[tuple[str, Feature], ...]
     forecast: FeatureForecast
+    schedule: ScheduleRule | None = None
+    """When its streams generate; None: find it out."""
     failures: Failures = field(default_factory=Failures, repr=False, compare=False)
     _tabulated: Any = field(init=False, repr=False, compare=False)
 
@@ -130,6 +133,18 @@ class InformationType:
             return self.utility
         utility: MessageUtility = self._tabulated(tuple(self._completed(features).items()))
         return utility
+
+    def told(self, features: Mapping[str, float]) -> tuple[float, ...]:
+        """Return what other robots need of a sample's features to value it: all for a `python` utility, else none."""
+        if not isinstance(self.utility, Custom):
+            return ()
+        return tuple(self._completed(features).values())
+
+    def heard(self, values: Sequence[float]) -> dict[str, float]:
+        """Return the features that another robot told so; none where its type has other features."""
+        if len(values) != len(self.features):
+            return {}
+        return {name: value for (name, _), value in zip(self.features, values, strict=True)}
 
     def _tabulate(self, features: tuple[tuple[str, float], ...]) -> MessageUtility:
         try:

@@ -96,6 +96,7 @@ DURATION = Dimension(
     "200 ms",
     plain=True,
 )
+FREQUENCY = Dimension("frequency", {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "1/min": 1 / 60}, "0.2 Hz", plain=False)
 AGE = replace(DURATION, zero=True)
 FRACTION = Dimension("fraction", {"%": 0.01}, "40 %", plain=True, most=1.0)
 JOULE = Dimension(
@@ -115,6 +116,9 @@ Duration = Annotated[
     float, BeforeValidator(DURATION.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])
 ]
 """[s], written with a unit or as a number of seconds."""
+
+Frequency = Annotated[float, BeforeValidator(FREQUENCY.parse, json_schema_input_type=str)]
+"""[1/s], written with a unit."""
 
 Fraction = Annotated[
     float, BeforeValidator(FRACTION.parse, json_schema_input_type=float | str), Field(examples=["40 %"])

@@ -36,8 +36,9 @@ class Bridge:
     In unicast the air is the session `mesh`.
 
     What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by
-    itself. `post` gets what the core must know. In mode `enforce` forwarded samples are paced to the specs'
-    rate. The voices must have been opened with `wake.set` as what to call when something changed.
+    itself. `post` gets what the core must know, `offer` what arrived, as far as it keeps up. In mode `enforce`
+    forwarded samples are paced to the specs' rate. The voices must have been opened with `wake.set` as what to call
+    when something changed.
     """
 
     def __init__(
@@ -58,6 +59,7 @@ class Bridge:
         relayed: bool,
         submit: Submit,
         post: Callable[[Event], None],
+        offer: Callable[[Event], object],
     ) -> None:
         self._specs = specs
         self._post = post
@@ -78,7 +80,7 @@ class Bridge:
             mode=mode,
             sourced=sourced,
         )
-        self._delivery = Delivery(app, mesh, self._match, rules, post, numbered=sourced)
+        self._delivery = Delivery(app, mesh, self._match, rules, offer, numbered=sourced)
         if isinstance(air, Broadcast):
             air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))

@@ -20,7 +20,7 @@ class Delivery:
     In broadcast these subscriptions tell the others what is wanted, and hear who does not broadcast; samples come by
     `overhear`. Nobody publishes a sample both ways.
 
-    `covered` says whether an information type covers a key; for such samples `post` gets a `SampleHeard`. `numbered`:
+    `covered` says whether an information type covers a key; for such samples `offer` gets a `SampleHeard`. `numbered`:
     samples keep the numbers of their publishers.
     """
 
@@ -30,7 +30,7 @@ class Delivery:
         mesh: zenoh.Session,
         covered: Callable[[str], object | None],
         rules: Rules,
-        post: Callable[[Event], None],
+        offer: Callable[[Event], object],
         *,
         numbered: bool = True,
     ) -> None:
@@ -38,7 +38,7 @@ class Delivery:
         self._mesh = mesh
         self._covered = covered
         self._rules = rules
-        self._post = post
+        self._offer = offer
         self._numbered = numbered
         self._owners = Owners()
         self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
@@ -72,7 +72,7 @@ class Delivery:
         if self._owners.owner(key) is not None:
             self._hand(key, sample, key)
         elif self._covered(key) is not None:
-            self._post(_heard(key, sample))
+            self._offer(_heard(key, sample))
 
     def _subscribe(self, expression: str, _complete: bool) -> zenoh.Subscriber[None]:  # noqa: FBT001 - as Mirror calls it
         self._owners.add(expression)
@@ -95,7 +95,7 @@ class Delivery:
             publish(self._app, sample, stamp, renamed, source=sample.source_info if self._numbered else None)
             self.delivered += 1
         if self._covered(key) is not None:
-            self._post(_heard(key, sample))
+            self._offer(_heard(key, sample))
 
 
 def _heard(key: str, sample: zenoh.Sample) -> SampleHeard:

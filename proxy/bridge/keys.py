@@ -13,8 +13,8 @@ INGRESS = ("*/**", "**/@adv/*/**", "@ros2_lv/*/**")
 
 _ON_AIR = tuple(map(zenoh.KeyExpr, INGRESS))
 
-ALL_DIGESTS = f"{PREFIX}/*/digest"
-ALL_STATES = f"{PREFIX}/*/state"
+ALL_DIGESTS = f"{PREFIX}/*/digest/*"
+ALL_STATES = f"{PREFIX}/*/state/*"
 ALL_ALIVE = f"{PREFIX}/*/alive/*"
 ALL_AT_APPS = f"{PREFIX}/*/app/*"
 
@@ -24,14 +24,19 @@ def on_air(key: str) -> bool:
     return "@" not in key or any(expression.intersects(key) for expression in _ON_AIR)
 
 
-def digest(robot: str) -> str:
-    """Where `robot` publishes its digests."""
-    return f"{PREFIX}/{robot}/digest"
+def digest(robot: str, tag: str) -> str:
+    """Where the `robot` with this tag publishes its digests."""
+    return f"{PREFIX}/{robot}/digest/{tag}"
 
 
-def state(robot: str) -> str:
-    """Where `robot` publishes its state and answers queries for it."""
-    return f"{PREFIX}/{robot}/state"
+def digest_to(to: str, robot: str, tag: str) -> str:
+    """Where the `robot` with this tag publishes digests that concern only the robot with the tag `to`."""
+    return f"{PREFIX}/{robot}/digest-to/{to}/{tag}"
+
+
+def state(robot: str, tag: str) -> str:
+    """Where the `robot` with this tag publishes its state and answers queries for it."""
+    return f"{PREFIX}/{robot}/state/{tag}"
 
 
 def alive(robot: str, zid: str) -> str:
@@ -59,9 +64,9 @@ def robot_of(key: str) -> str:
     return key.split("/", 2)[1]
 
 
-def zid_of(token: str) -> str:
-    """Return the mesh session of a presence token."""
-    return token.rsplit("/", 1)[1]
+def zid_of(key: str) -> str:
+    """Return the mesh session of a presence token, or its tag in the key of a digest or a state."""
+    return key.rsplit("/", 1)[1]
 
 
 def crosses(expression: str) -> bool:

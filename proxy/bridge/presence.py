@@ -2,6 +2,7 @@
 
 import logging
 import threading
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 
@@ -10,17 +11,28 @@ import zenoh
 from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.demand import Demand
 from proxy.bridge.lane import Lane
-from proxy.core.codec import pack_digest, pack_state, unpack_digest, unpack_state
+from proxy.bridge.tokens import Tokens
+from proxy.core.codec import MAX_BYTES, MAX_DIGEST, pack_digest, pack_state, unpack_digest, unpack_state
 from proxy.core.errors import MalformedWireError
-from proxy.core.events import DigestHeard, Event, MalformedHeard, PeerAppeared, PeerGone, StateHeard
-from proxy.core.wire import Digest, State
+from proxy.core.events import DigestHeard, Event, MalformedHeard, StateAsked, StateHeard
+from proxy.core.fixed import ticks
+from proxy.core.wire import Digest, State, tag
 
 log = logging.getLogger(__name__)
 
 NAME_WAIT = 0.15
 """How long a starting daemon listens for another one of its name [s]."""
+ECHOED = 64
+"""Of so many of our digests an echo is understood."""
+STATES = 64
+"""States that may wait to be read."""
+ANSWERS = 50
+"""Questions answered per second."""
+
+Job = Callable[[], Event | None]
+Post = Callable[[Event | Job], object]
+Offer = Callable[[Event | Job], bool]
 
 
 def free_name(mesh: zenoh.Session, robot: str) -> str:
@@ -44,36 +56,41 @@ def free_name(mesh: zenoh.Session, robot: str) -> str:
 class Presence:
     """What this daemon tells the others beside the data, and what it hears from them.
 
-    `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread.
+    `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread. `offer` gets what
+    may be left out when the loop is behind.
     """
 
-    def __init__(
-        self,
-        mesh: zenoh.Session,
-        robot: str,
-        lane: Lane,
-        post: Callable[[Event | Callable[[], Event | None]], None],
-        demand: Demand,
-    ) -> None:
+    def __init__(self, mesh: zenoh.Session, robot: str, lane: Lane, post: Post, offer: Offer) -> None:
         self._mesh = mesh
         self._robot = robot
         self._zid = str(mesh.zid())
+        self._tag = tag(self._zid)
         self._lane = lane
-        self._post = post
-        self._demand = demand
+        self._offer = offer
         self._state: bytes | None = None
+        self._sent: deque[int] = deque(maxlen=ECHOED)
+        self._answered: deque[float] = deque(maxlen=ANSWERS)
+        self._waiting = threading.BoundedSemaphore(STATES)
+        self._tokens = Tokens(self._zid, post)
         self._declared: list[Declaration] = []
+        self._addressed: set[str] = set()
+        """To whom digests were sent alone: such keys are declared, so that a number travels instead."""
 
     def open(self) -> None:
         """Say that we are here, and listen."""
         remote = zenoh.Locality.REMOTE
         direct = partial(zenoh.handlers.Callback, indirect=False)
-        mesh = self._mesh
+        mesh, robot = self._mesh, self._robot
         self._declared = [
             mesh.declare_subscriber(keys.ALL_DIGESTS, direct(self._hear_digest), allowed_origin=remote),
+            mesh.declare_subscriber(
+                keys.digest_to(self._tag, "*", "*"), direct(self._hear_digest), allowed_origin=remote
+            ),
             mesh.declare_subscriber(keys.ALL_STATES, direct(self._hear_state), allowed_origin=remote),
-            mesh.declare_queryable(keys.state(self._robot), direct(self._tell), allowed_origin=remote),
-            mesh.liveliness().declare_token(keys.alive(self._robot, self._zid)),
+            mesh.declare_queryable(keys.state(robot, self._tag), direct(self._tell), allowed_origin=remote),
+            # Nobody asks for digests: but what is declared has a number, which travels instead of the key.
+            mesh.declare_queryable(keys.digest(robot, self._tag), direct(_ignore), allowed_origin=remote),
+            mesh.liveliness().declare_token(keys.alive(robot, self._zid)),
             mesh.liveliness().declare_subscriber(keys.ALL_ALIVE, direct(self._notice), history=True),
         ]
 
@@ -82,15 +99,26 @@ class Presence:
         for declared in self._declared:
             declared.undeclare()
         self._declared = []
+        self._addressed.clear()
 
-    def send_digest(self, digest: Digest) -> None:
-        """Publish our digest."""
-        self._put(keys.digest(self._robot), pack_digest(digest))
+    def send_digest(self, digest: Digest, to: str = "") -> None:
+        """Publish our digest, or send it only to the robot with the tag `to`."""
+        self._sent.append(ticks(digest.sent))
+        key = keys.digest_to(to, self._robot, self._tag) if to else keys.digest(self._robot, self._tag)
+        if to and to not in self._addressed:
+            self._addressed.add(to)
+            numbered = zenoh.handlers.Callback(_ignore, indirect=False)
+            self._declared.append(self._mesh.declare_queryable(key, numbered, allowed_origin=zenoh.Locality.REMOTE))
+        self._put(key, pack_digest(digest))
 
-    def send_state(self, state: State) -> None:
-        """Publish our state, and answer with it from now on."""
+    def send_state(self, state: State, update: State | None = None) -> None:
+        """Answer with our state from now on, and publish it, or instead of it the update."""
         self._state = pack_state(state)
-        self._put(keys.state(self._robot), self._state)
+        self._put(keys.state(self._robot, self._tag), self._state if update is None else pack_state(update))
+
+    def ask_state(self, robot: str, name: str) -> None:
+        """Ask the robot with this name and tag for its state: it was published before we were linked, or got lost."""
+        self._lane.offer(partial(self._fetch, robot, name))
 
     def _put(self, key: str, payload: bytes) -> None:
         try:
@@ -106,68 +134,69 @@ class Presence:
             log.error("cannot publish on %s: %s", key, error)
 
     def _tell(self, query: zenoh.Query) -> None:
+        """Answer a question, if there were not too many: who asks in vain asks again."""
+        now = clock.monotonic()
         with query:
-            if self._state is not None:
-                query.reply(keys.state(self._robot), self._state)
+            if self._state is None or (len(self._answered) == ANSWERS and now < self._answered[0] + 1.0):
+                return
+            self._answered.append(now)
+            query.reply(keys.state(self._robot, self._tag), self._state)
+        self._offer(StateAsked(now))
 
     def _hear_digest(self, sample: zenoh.Sample) -> None:
-        self._post(partial(self._digest, clock.monotonic(), str(sample.key_expr), bytes(sample.payload)))
+        if len(sample.payload) > MAX_DIGEST:
+            self._offer(MalformedHeard(clock.monotonic(), "", "digest:malformed"))
+        else:
+            self._offer(partial(self._digest, clock.monotonic(), sample))
 
     def _hear_state(self, sample: zenoh.Sample) -> None:
-        self._post(partial(self._learn, clock.monotonic(), str(sample.key_expr), bytes(sample.payload)))
+        """States are large: few may wait. One that is not taken in is asked for."""
+        if len(sample.payload) > MAX_BYTES:
+            self._offer(MalformedHeard(clock.monotonic(), "", "state:malformed"))
+        elif not self._waiting.acquire(blocking=False):
+            self._offer(MalformedHeard(clock.monotonic(), "", "state:flood"))
+        elif not self._offer(partial(self._learn, clock.monotonic(), sample)):
+            self._waiting.release()
 
-    def _digest(self, now: float, key: str, payload: bytes) -> Event | None:
-        robot = keys.robot_of(key)
+    def _digest(self, now: float, sample: zenoh.Sample) -> Event | None:
+        key = str(sample.key_expr)
+        robot, name = keys.robot_of(key), keys.zid_of(key)
         try:
-            digest = unpack_digest(payload)
+            digest = unpack_digest(bytes(sample.payload), robot, name, self._tag, self._sent)
         except MalformedWireError:
-            return MalformedHeard(now, robot)
-        return self._accept(robot, digest, DigestHeard(now, digest))
+            return MalformedHeard(now, robot, "digest:malformed")
+        return DigestHeard(now, digest)
 
-    def _learn(self, now: float, key: str, payload: bytes) -> Event | None:
-        robot = keys.robot_of(key)
+    def _learn(self, now: float, sample: zenoh.Sample) -> Event | None:
+        self._waiting.release()
+        key = str(sample.key_expr)
+        robot, name = keys.robot_of(key), keys.zid_of(key)
         try:
-            state = unpack_state(payload)
+            state = unpack_state(bytes(sample.payload), robot)
         except MalformedWireError:
-            return MalformedHeard(now, robot)
-        if not all(_is_key_expression(subscription) for subscription in state.subscriptions):
-            return MalformedHeard(now, robot)
-        event = self._accept(robot, state, StateHeard(now, state))
-        if isinstance(event, StateHeard):
-            self._demand.told(state.zid, state.subscriptions)
-        return event
-
-    def _accept(self, robot: str, told: Digest | State, event: Event) -> Event | None:
-        """Return `event`, unless somebody speaks in another's name, or in ours (`_notice` has said that)."""
-        if told.robot != robot:
-            return MalformedHeard(event.now, robot)
-        return None if robot == self._robot else event
+            return MalformedHeard(now, robot, "state:malformed")
+        if not all(_is_key_expression(key) for key in (*state.subscriptions, *(s.key for s in state.streams))):
+            return MalformedHeard(now, robot, "state:malformed")
+        if tag(state.zid) != name:
+            return MalformedHeard(now, robot, "state:forged")
+        return StateHeard(now, state)
 
     def _notice(self, sample: zenoh.Sample) -> None:
-        token = str(sample.key_expr)
-        robot, zid = keys.robot_of(token), keys.zid_of(token)
-        if zid == self._zid:
-            return
-        if robot == self._robot:
-            if sample.kind == zenoh.SampleKind.PUT:
-                log.error("another daemon on the mesh is called %r too (session %s): rename one", robot, zid)
-            return
-        if sample.kind == zenoh.SampleKind.DELETE:
-            self._demand.told(zid, ())
-            self._post(PeerGone(clock.monotonic(), robot, zid))
-            return
-        self._post(PeerAppeared(clock.monotonic(), robot, zid))
-        self._lane.offer(partial(self._fetch, robot))
+        self._tokens.note(str(sample.key_expr), there=sample.kind == zenoh.SampleKind.PUT)
 
-    def _fetch(self, robot: str) -> None:
-        """Ask a robot for its state: it may have published it before we were linked."""
-
+    def _fetch(self, robot: str, name: str) -> None:
         def take(reply: zenoh.Reply) -> None:
             if reply.ok is not None:
                 self._hear_state(reply.ok)
 
         handler = zenoh.handlers.Callback(take, indirect=False)
-        self._mesh.get(keys.state(robot), handler, timeout=5.0, allowed_destination=zenoh.Locality.REMOTE)
+        key = keys.state(robot, name)
+        self._mesh.get(key, handler, timeout=5.0, allowed_destination=zenoh.Locality.REMOTE)
+
+
+def _ignore(query: zenoh.Query) -> None:
+    with query:
+        pass
 
 
 def _is_key_expression(text: str) -> bool:

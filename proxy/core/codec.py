@@ -1,151 +1,212 @@
 """Digests and states as versioned msgpack; whatever does not fit is malformed and changes nothing.
 
-Times travel as integer microseconds, most of them as the distance to the send time, scales as single-precision
-floats, records as lists: a digest is sent several times a second by every robot, over the channel it is there to save.
+A digest goes out several times a second at every robot, over the channel that it is there to save. So times are whole
+ticks, most of them as the distance to another time, values are 16 bits (`proxy.core.fixed`), records are lists, what
+is empty at the end is left out, and the sender's name and tag are in the key alone. A state is compressed.
 """
 
 import math
-from collections.abc import Callable
-from typing import Any, TypeVar
+import zlib
+from collections.abc import Iterable
+from typing import Any
 
 import msgpack
 
 from proxy.core.errors import MalformedWireError
-from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState
+from proxy.core.fixed import coded, decoded, seconds, ticks
+from proxy.core.wire import (
+    MOST_ORIGINS,
+    MOST_SUBSCRIPTIONS,
+    MOST_TOLD,
+    Digest,
+    Echo,
+    PARTS,
+    Grant,
+    State,
+    StreamDigest,
+    StreamState,
+)
 
-VERSION = 2
+VERSION = 3
+MAX_DIGEST = 8192
+"""Largest digest [B]."""
 MAX_BYTES = 262_144
-"""A state of as many streams as a view holds fits, with keys of ordinary length."""
+"""Largest state, before it is compressed [B]: of as many streams as a view holds, with keys of ordinary length."""
 MAX_TIME = 1e10
 MAX_COUNT = 2**53
-T = TypeVar("T")
+MAX_SAMPLES = 2**40
+"""A thousand samples a second for thirty years."""
+MAX_SIZE = 2**30
+"""Largest sample: that of Zenoh [B]."""
+MAX_PERIOD = 86_400.0
+"""A stream that is slower is told as this slow [s]."""
+MAX_LATENCY = 3600.0
+MAX_LENT = 3_600_000
+MAX_SCALE = 1e15
+_WRAP = 65_536
+_LARGEST = 3.5e38
 
 
 def pack_digest(digest: Digest) -> bytes:
     """Return the wire form of a digest."""
-    sent = _ticks(digest.sent)
-    return _pack(
-        [
-            VERSION,
-            digest.robot,
-            digest.tag,
-            sent,
-            digest.epoch,
-            digest.messages,
-            digest.bytes,
-            [
-                [
-                    s.id,
-                    s.generated,
-                    s.forwarded,
-                    sent - _ticks(s.t_generated),
-                    sent - _ticks(s.t_forwarded),
-                    s.size,
-                    s.scale,
-                    list(s.features),
-                ]
-                for s in digest.streams
-            ],
-            [[g.peer, g.constraint, g.total] for g in digest.grants],
-            [
-                [e.peer, _ticks(e.sent), sent - _ticks(e.received), e.samples, _ticks(e.latency), e.per_byte]
-                for e in digest.echoes
-            ],
-            digest.state,
-            list(digest.capacity),
-        ]
-    )
+    sent = ticks(digest.sent)
+    fields: list[Any] = [VERSION, sent, digest.epoch, digest.state, digest.messages, digest.bytes]
+    lists: list[list[Any]] = [
+        [_stream_fields(sent, stream) for stream in digest.streams],
+        [_grant_fields(sent, grant) for grant in digest.grants],
+        [field for e in digest.echoes for field in _echo_fields(sent, e)],
+        [coded(part) for part in digest.capacity],
+    ]
+    while lists and not lists[-1]:
+        lists.pop()
+    return _pack([*fields, *lists])
 
 
-def unpack_digest(data: bytes) -> Digest:
-    """Return the digest in `data`; raise `MalformedWireError` when it is none."""
-    return _unpack(data, 12, _digest)
+def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterable[int] = ()) -> Digest:
+    """Return the digest in `data` of `robot` with `tag`; raise `MalformedWireError` when it is none.
+
+    Echoes are kept of those digests that we, `own`, did send: at one of the times `sent` [ticks].
+    """
+    return _digest(_fields(data, MAX_DIGEST, 6), robot, tag, own, sent)
 
 
 def pack_state(state: State) -> bytes:
     """Return the wire form of a state."""
-    return _pack(
-        [
-            VERSION,
-            state.robot,
-            state.zid,
-            state.mode,
-            state.specs,
-            [
-                [s.id, s.key, s.information_type, _ticks(s.period), _ticks(s.jitter), s.size, s.schedule]
-                for s in state.streams
-            ],
-            list(state.subscriptions),
-            _ticks(state.wall_offset),
-            list(state.origins),
-            state.transport,
-            state.number,
-        ]
-    )
+    fields: list[Any] = [
+        *(VERSION, _packed_id(state.zid), state.number, state.since),
+        [_stream_state_fields(stream) for stream in state.streams],
+    ]
+    if not state.since:
+        fields += [state.mode, state.specs, ticks(state.wall_offset), state.transport]
+        fields += [list(state.subscriptions), [_packed_id(origin) for origin in state.origins]]
+    packed = _pack(fields)
+    return min(packed, zlib.compress(packed, 9), key=len)
 
 
-def unpack_state(data: bytes) -> State:
-    """Return the state in `data`; raise `MalformedWireError` when it is none."""
-    return _unpack(data, 11, _state)
+def unpack_state(data: bytes, robot: str) -> State:
+    """Return the state in `data` of `robot`; raise `MalformedWireError` when it is none."""
+    return _state(_fields(_inflated(data), MAX_BYTES, 5), robot)
 
 
-def _digest(f: list[Any]) -> Digest:
-    sent = _time(f[3])
-    return Digest(
-        robot=_name(f[1]),
-        tag=_name(f[2]),
-        sent=sent,
-        epoch=_count(f[4]),
-        messages=_count(f[5]),
-        bytes=_count(f[6]),
-        state=_count(f[10]),
-        capacity=tuple(_amount(part) for part in _list(f[11])),
-        streams=_each(f[7], 8, lambda s: _stream_digest(f[3], s)),
-        grants=_each(f[8], 3, lambda g: Grant(_name(g[0]), _count(g[1]), _count(g[2]))),
-        echoes=_each(f[9], 6, lambda e: _echo(f[3], e)),
-    )
+def _stream_fields(sent: int, s: StreamDigest) -> list[Any]:
+    """The time of the last forwarded counts from that of the last generated, and is left out when there was none."""
+    generated = ticks(s.t_generated)
+    forwarded = ticks(s.t_forwarded) - generated if s.forwarded else 0
+    unsent = max(0, s.generated - s.forwarded)
+    return [s.id, s.generated, unsent, sent - generated, forwarded, s.size, coded(s.scale), *map(_feature, s.features)]
 
 
 def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
+    generated, unsent, age, forwarded = _count(f[1], MAX_SAMPLES), _count(f[2]), _whole(f[3]), _whole(f[4])
+    if unsent > generated:
+        raise MalformedWireError(f"{unsent} of {generated} samples were not sent")
     return StreamDigest(
-        _count(f[0]),
-        _count(f[1]),
-        _count(f[2]),
-        _before(sent, f[3]),
-        _before(sent, f[4]),
-        _count(f[5]),
-        _amount(f[6]),
-        tuple(_number(value) for value in _list(f[7])),
+        _count(f[0], 2**32),
+        generated,
+        generated - unsent,
+        seconds(sent - age),
+        seconds(sent - age + forwarded) if generated > unsent else 0.0,
+        _count(f[5], MAX_SIZE),
+        _amount(f[6], MAX_SCALE),
+        tuple(_number(value) for value in f[7:]),
     )
 
 
-def _echo(sent: int, f: list[Any]) -> Echo:
-    return Echo(_name(f[0]), _time(f[1]), _before(sent, f[2]), _count(f[3]), _time(f[4]), _amount(f[5]))
+def _grant_fields(sent: int, g: Grant) -> list[Any]:
+    """Times in milliseconds: the begin from when the digest is sent, the end from the begin."""
+    begins, ends = round(g.begins * 1e3), round(g.ends * 1e3)
+    return [_packed_tag(g.peer), begins - sent // 1000, ends - begins, *g.parts]
 
 
-def _before(sent: int, f: object) -> float:
-    """A time that travels as its distance to the send time, which is short."""
-    return (sent - round(_time(f) * 1e6)) / 1e6
+def _grant(sent: int, f: list[Any]) -> Grant:
+    begins = sent // 1000 + _whole(f[1])
+    ends = begins + _count(f[2], MAX_LENT)
+    return Grant(_tag(f[0]), begins / 1e3, ends / 1e3, tuple(_count(part, PARTS) for part in f[3:]))
 
 
-def _state(f: list[Any]) -> State:
+def _echo_fields(sent: int, e: Echo) -> tuple[Any, ...]:
+    heard = sent - ticks(e.received)
+    return _packed_tag(e.peer), ticks(e.sent) % _WRAP, heard, e.samples, coded(e.latency), coded(e.per_byte)
+
+
+def _echoes(sent: int, f: list[Any], own: str, ours: Iterable[int]) -> tuple[Echo, ...]:
+    """Of the time that is echoed only the last digits travel: one of those at which we did send must have them."""
+    records = _records(f, 6)
+    mine = [(_count(r[1], _WRAP), r) for r in records if _tag(r[0]) == own]
+    if not mine:
+        return ()
+    ours = tuple(ours)
+    return tuple(_echo(sent, own, found[0], r) for low, r in mine if len(found := _ending(ours, low)) == 1)
+
+
+def _ending(times: Iterable[int], low: int) -> list[int]:
+    return [t for t in times if t % _WRAP == low]
+
+
+def _echo(sent: int, own: str, echoed: int, r: tuple[Any, ...]) -> Echo:
+    received = seconds(sent - _whole(r[2]))
+    latency, per_byte = _amount(r[4], MAX_LATENCY), _amount(r[5], MAX_LATENCY)
+    return Echo(own, seconds(echoed), received, _count(r[3], MAX_SAMPLES), latency, per_byte)
+
+
+def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -> Digest:
+    sent = _whole(f[1])
+    streams, grants, echoes, capacity = [*map(_list, f[6:10]), [], [], [], []][:4]
+    return Digest(
+        robot=robot,
+        tag=tag,
+        sent=seconds(sent),
+        epoch=_count(f[2]),
+        state=_count(f[3]),
+        messages=_count(f[4]),
+        bytes=_count(f[5]),
+        streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 7, 7 + 32)),
+        grants=tuple(_grant(sent, grant) for grant in _each(grants, 4, 3 + 64)),
+        echoes=_echoes(sent, echoes, own, ours),
+        capacity=tuple(_amount(part, 1.0) for part in capacity),
+    )
+
+
+def _state(f: list[Any], robot: str) -> State:
+    zid, number, since = _id(f[1]), _count(f[2]), _count(f[3])
+    streams = tuple(_stream_state(stream) for stream in _each(_at_most(f[4], MOST_TOLD), 3, 7))
+    if len({stream.id for stream in streams}) < len(streams):
+        raise MalformedWireError("two streams of one number")
+    if since:
+        return State(robot, zid, "", "", streams, number=number, since=since)
+    if len(f) < 11:
+        raise MalformedWireError(f"{len(f)} fields where 11 are due")
     return State(
-        robot=_name(f[1]),
-        zid=_name(f[2]),
-        mode=_name(f[3]),
-        specs=_name(f[4]),
-        streams=_each(f[5], 7, _stream_state),
-        subscriptions=tuple(_name(key) for key in _list(f[6])),
-        wall_offset=_time(f[7]),
-        origins=tuple(_name(origin) for origin in _list(f[8])),
-        transport=_name(f[9]),
-        number=_count(f[10]),
+        robot=robot,
+        zid=zid,
+        mode=_name(f[5]),
+        specs=_name(f[6]),
+        streams=streams,
+        subscriptions=tuple(_name(key) for key in _at_most(f[9], MOST_SUBSCRIPTIONS)),
+        wall_offset=seconds(_whole(f[7])),
+        origins=tuple(_id(origin) for origin in _at_most(f[10], MOST_ORIGINS)),
+        transport=_name(f[8]),
+        number=number,
     )
+
+
+def _stream_state_fields(s: StreamState) -> list[Any]:
+    rest = [coded(min(s.period, MAX_PERIOD)), coded(min(s.jitter, MAX_PERIOD)), s.size, s.schedule]
+    while rest and not rest[-1]:
+        rest.pop()
+    return [s.id, s.key, s.information_type, *rest]
 
 
 def _stream_state(f: list[Any]) -> StreamState:
+    period, jitter, size, schedule = (f[3:] + [0, 0, 0, ""][len(f) - 3 :])[:4]
     return StreamState(
-        _count(f[0]), _name(f[1]), _name(f[2]), abs(_time(f[3])), abs(_time(f[4])), _count(f[5]), _name(f[6])
+        id=_count(f[0], 2**32),
+        key=_key(f[1]),
+        information_type=_name(f[2]),
+        period=_amount(period, MAX_PERIOD),
+        jitter=_amount(jitter, MAX_PERIOD),
+        size=_count(size, MAX_SIZE),
+        schedule=_name(schedule),
     )
 
 
@@ -154,63 +215,128 @@ def _pack(fields: list[Any]) -> bytes:
     return packed
 
 
-def _unpack(data: bytes, length: int, build: Callable[[list[Any]], T]) -> T:
+def _inflated(data: bytes) -> bytes:
+    """What was compressed, as far as a state may go."""
+    if not data.startswith(b"\x78"):
+        return data
     if len(data) > MAX_BYTES:
-        raise MalformedWireError(f"{len(data)} bytes are more than the {MAX_BYTES} that a message may have")
+        raise MalformedWireError(f"{len(data)} bytes are more than the {MAX_BYTES} that a state may have")
     try:
-        fields = msgpack.unpackb(data, max_array_len=MAX_BYTES, max_str_len=1024)
+        return zlib.decompressobj().decompress(data, MAX_BYTES + 1)
+    except zlib.error as error:
+        raise MalformedWireError(f"not compressed as a state is: {error}") from error
+
+
+def _fields(data: bytes, most: int, least: int) -> list[Any]:
+    """The fields of a message of at most so many bytes; bounded work whatever it is."""
+    if len(data) > most:
+        raise MalformedWireError(f"{len(data)} bytes are more than the {most} that a message may have")
+    try:
+        fields = msgpack.unpackb(data, max_array_len=MAX_DIGEST, max_map_len=0, max_str_len=1024, max_bin_len=32)
     except (ValueError, msgpack.UnpackException, RecursionError) as error:
         raise MalformedWireError(f"no msgpack: {error}") from error
-    if not isinstance(fields, list) or not fields or fields[0] != VERSION:
+    if not isinstance(fields, list) or not fields or type(fields[0]) is not int or fields[0] != VERSION:
         raise MalformedWireError(f"not version {VERSION}")
-    if len(fields) < length:
-        raise MalformedWireError(f"{len(fields)} fields where {length} are due")
-    return build(fields)
+    if len(fields) < least:
+        raise MalformedWireError(f"{len(fields)} fields where {least} are due")
+    return fields
 
 
-def _each(value: object, length: int, build: Callable[[list[Any]], T]) -> tuple[T, ...]:
+def _each(items: list[Any], least: int, most: int) -> list[list[Any]]:
+    if not all(isinstance(item, list) and least <= len(item) <= most for item in items):
+        raise MalformedWireError(f"an entry that is no list of {least} to {most}")
+    return items
+
+
+def _records(items: list[Any], length: int) -> list[tuple[Any, ...]]:
+    if len(items) % length:
+        raise MalformedWireError(f"{len(items)} fields of records of {length}")
+    return [tuple(items[i : i + length]) for i in range(0, len(items), length)]
+
+
+def _at_most(value: object, most: int) -> list[Any]:
     items = _list(value)
-    if not all(isinstance(item, list) and len(item) >= length for item in items):
-        raise MalformedWireError(f"an entry that is no list of {length}")
-    return tuple(build(item) for item in items)
+    if len(items) > most:
+        raise MalformedWireError(f"{len(items)} entries are more than {most}")
+    return items
 
 
 def _list(value: object) -> list[Any]:
     if not isinstance(value, list):
-        raise MalformedWireError(f"{value!r} is no list")
+        raise MalformedWireError(f"{value!r:.80} is no list")
     return value
 
 
 def _name(value: object) -> str:
     if not isinstance(value, str):
-        raise MalformedWireError(f"{value!r} is no string")
+        raise MalformedWireError(f"{value!r:.80} is no string")
     return value
 
 
-def _count(value: object) -> int:
-    if type(value) is not int or not 0 <= value <= MAX_COUNT:
-        raise MalformedWireError(f"{value!r} is no count")
+def _key(value: object) -> str:
+    key = _name(value)
+    if "*" in key or not key:
+        raise MalformedWireError(f"{key:.80} is no key of a sample")
+    return key
+
+
+def _packed_tag(tag: str) -> int | str:
+    """A tag of eight hexadecimal digits is a number."""
+    try:
+        number = int(tag, 16)
+    except ValueError:
+        return tag
+    return number if f"{number:08x}" == tag else tag
+
+
+def _tag(value: object) -> str:
+    if isinstance(value, str):
+        return value
+    return f"{_count(value, 2**32):08x}"
+
+
+def _packed_id(zid: str) -> bytes | str:
+    """An id is bytes in hexadecimal."""
+    try:
+        packed = bytes.fromhex(zid)
+    except ValueError:
+        return zid
+    return packed if packed and packed.hex() == zid else zid
+
+
+def _id(value: object) -> str:
+    return value.hex() if isinstance(value, bytes) else _name(value)
+
+
+def _count(value: object, most: int = MAX_COUNT) -> int:
+    if type(value) is not int or not 0 <= value <= most:
+        raise MalformedWireError(f"{value!r:.80} is no count")
     return value
 
 
-def _time(value: object) -> float:
-    if type(value) is not int or abs(value) > MAX_TIME * 1e6:
-        raise MalformedWireError(f"{value!r} is no time")
-    return value / 1e6
+def _whole(value: object) -> int:
+    """A time in ticks."""
+    if type(value) is not int or abs(value) > ticks(MAX_TIME):
+        raise MalformedWireError(f"{value!r:.80} is no time")
+    return value
+
+
+def _feature(number: float) -> int | float:
+    return int(number) if number == math.floor(number) and abs(number) <= MAX_COUNT else number
 
 
 def _number(value: object) -> float:
-    if type(value) is not float or not math.isfinite(value):
-        raise MalformedWireError(f"{value!r} is no number")
-    return value
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= _LARGEST:
+        raise MalformedWireError(f"{value!r:.80} is no number")
+    return float(value)
 
 
-def _amount(value: object) -> float:
-    number = _number(value)
-    if number < 0.0:
-        raise MalformedWireError(f"{value!r} is no amount")
-    return number
-
-
-def _ticks(seconds: float) -> int:
-    return round(seconds * 1e6)
+def _amount(value: object, most: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < math.inf:
+        raise MalformedWireError(f"{value!r:.80} is no amount")
+    if isinstance(value, int) and value >= _WRAP:
+        raise MalformedWireError(f"{value} is more than 16 bits")
+    amount = decoded(value)
+    if amount > most:
+        raise MalformedWireError(f"{amount} is more than {most}")
+    return amount

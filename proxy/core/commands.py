@@ -34,16 +34,34 @@ class Drop:
 
 @dataclass(frozen=True, slots=True)
 class SendDigest:
-    """Publish our digest on the mesh."""
+    """Publish our digest on the mesh, or send it only to the robot with the tag `to`."""
 
     digest: Digest
+    to: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class SendState:
-    """Publish our state on the mesh, and answer queries for it with this from now on."""
+    """Answer queries with our state from now on, and publish it on the mesh, or instead of it the `update`."""
 
     state: State
+    update: State | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class AskState:
+    """Ask the robot with this name and tag for its state."""
+
+    robot: str
+    tag: str
+
+
+@dataclass(frozen=True, slots=True)
+class NoteInterest:
+    """The apps of the robot with this session subscribe to these key expressions: what we publish goes there too."""
+
+    zid: str
+    subscriptions: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,4 +72,4 @@ class Notice:
     text: str
 
 
-Command = Decide | Forward | Drop | SendDigest | SendState | Notice
+Command = Decide | Forward | Drop | SendDigest | SendState | AskState | NoteInterest | Notice

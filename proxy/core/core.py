@@ -6,35 +6,52 @@
 The same events and settings give the same commands, whoever drives: the daemon, a simulation, a test.
 """
 
+from collections import Counter
+from dataclasses import replace
 from functools import singledispatchmethod
 from typing import Any
 
 from proxy.core import events as ev
-from proxy.core.allocation import Room, gifts, targets
-from proxy.core.claims import claims
-from proxy.core.commands import Command, Notice, SendDigest, SendState
+from proxy.core.asking import Asking
+from proxy.core.codec import pack_digest, pack_state
+from proxy.core.commands import AskState, Command, NoteInterest, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
-from proxy.core.digests import DigestPacer
+from proxy.core.digests import QUESTION, DigestPacer
+from proxy.core.fixed import feature, rounded
 from proxy.core.gate import Gate
 from proxy.core.inbox import SUPERSEDED, Waiting
+from proxy.core.layout import Layout
 from proxy.core.limits import allowance_of, limits_of, use_of
 from proxy.core.mode import Mode
+from proxy.core.plausible import PATIENCE, objection, objection_to_state
 from proxy.core.report import report
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
+from proxy.core.stating import differs, shortened, state_of, update_of
+from proxy.core.strangers import Strangers
 from proxy.core.stream import Generated, Stream
 from proxy.core.view import SharedView
-from proxy.core.warnings import transport_warnings
+from proxy.core.warnings import namesake_warning, transport_warnings
 from proxy.core.window import WindowBuilder
-from proxy.core.wire import PARTS, Digest, State, StreamState, tag
+from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
 COVERED_FLOOR = 0.1
 """Part of what we hold that traffic without a spec leaves to covered streams."""
-ALLOCATION_PACE = 0.05
-"""Shares are looked at anew this often at most [s]."""
+LEADERS_PART = 0.3
+"""Of what all robots may tell each other, this part is for the one that leads."""
+AHEAD = 0.15
+"""Others are lent what they need so much before they need it [s]."""
+ALL_PACE = 30.0
+"""Where one robot leads, all are told what concerns only some this often [s]."""
+MOST_AT_ONCE = 8
+"""Digests that go out at the same time."""
+HELLO = 0.5
+"""So long after it settled a robot waits with its first digest for somebody to lead [s]."""
 STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
+RESTATE = 1.0
+"""While samples come, our state is looked at this often: whether the periods are still right [s]."""
 
 
 class Core:
@@ -47,14 +64,26 @@ class Core:
         self.counts = Counts()
         limits = limits_of(specs, settings.allowance, 1)
         self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=now + settings.settle)
-        self.gate = Gate(settings, self.view, self.shares, self.counts, WindowBuilder(self.view, now))
+        windows = WindowBuilder(self.view, now)
+        self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
+        self.layout = Layout(self.view, self.shares, self.gate, windows)
         self.pacer = DigestPacer(now)
-        self.malformed = 0
+        self.refused: Counter[str] = Counter()
+        """What was heard on Sendworthy's keys and changed nothing, by kind."""
+        self.strangers = Strangers()
+        self.asking = Asking(now)
+        self.untold = 0
+        """Streams, subscriptions and origins that did not fit into our state."""
         self._tickets = 0
-        self._allocated_at = now - ALLOCATION_PACE
         self._urgent = False
-        self._state: State | None = None
-        self._state_at = now - STATE_PACE
+        self._settled_at = now + settings.settle
+        self._told_all_at = now
+        self._told_epoch = 0
+        """Epochs are told at once, and paid for later."""
+        self._state = State(settings.robot, settings.zid, "", "")
+        self._state_at = self._restated = now - STATE_PACE
+        self._restate_at = now
+        """When to look whether our state is news."""
         self._adopt_limits(now)
 
     def handle(self, event: ev.Event) -> list[Command]:
@@ -63,9 +92,10 @@ class Core:
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
-        times = [self._digest_due(now), now + 1.0]
-        if self._state_changed():
-            times.append(self._state_at + STATE_PACE)
+        digest_due = now + 1.0 if self.layout.pending else self._digest_due(now)
+        times = [digest_due, self.gate.wakes_at, self.layout.due_at, self.asking.next_at(), now + 1.0]
+        if self._restate_at < float("inf"):
+            times.append(max(self._restate_at, self._state_due(now)))
         return max(min(times), now)
 
     def status(self, now: float) -> dict[str, Any]:
@@ -82,25 +112,29 @@ class Core:
         self.counts.enter(event.sample)
         if event.superseded:
             self.counts.passed(event.superseded, SUPERSEDED)
-        self.view.claim(event.origin)
+        if self.view.claim(event.origin):
+            self._restate_at = event.now
         robot = self.settings.robot
         if self.view.robot_of(event.origin) != robot:
             return [self.gate.pass_on(event.sample, "passed:relayed")]
         if self.gate.mode is Mode.PASS:
             return [self.gate.pass_on(event.sample, "passed:mode")]
         stream = self.view.stream(event.now, robot, event.key)
+        # A stream that is there may have another period by and by; a new one is news.
+        known = stream is None or stream.generated
+        self._restate_at = min(self._restate_at, self._restated + RESTATE if known else event.now)
         if stream is None or event.delete:
             self._uncovered(event.now, 1, event.size)
         if stream is None:
             return [self.gate.pass_on(event.sample, "passed:no-spec")]
         if event.delete:
             return self.gate.delete(event.key, event.sample)
-        features = event.features
-        scale = stream.information_type.scale(features)
+        features = {name: feature(value) for name, value in event.features.items()}
+        scale = rounded(stream.information_type.scale(features))
         stream.note_generated(
             stream.generated + event.superseded + 1, Generated(event.t_gen, event.size, scale, features)
         )
-        self._urgent |= self.pacer.value_changed(stream)
+        self._urgent |= self.pacer.value_changed(stream) and self.view.receivers(stream) > 0
         # In shadow all go, so none gives way to a newer one.
         markovian = stream.information_type.markovian and self.gate.mode is not Mode.SHADOW
         waiting = Waiting(
@@ -134,65 +168,98 @@ class Core:
 
     @_on.register
     def _(self, event: ev.DigestHeard) -> list[Command]:
-        digest = event.digest
-        if self.view.heard_digest(event.now, digest):
-            self.shares.heard(digest.tag, digest.epoch, digest.grants)
+        self._hear(event.now, event.digest)
         return []
 
     @_on.register
     def _(self, event: ev.StateHeard) -> list[Command]:
-        before = transport_warnings(self.view)
-        self.view.heard_state(event.now, event.state)
-        return [Notice("error", warning) for warning in transport_warnings(self.view) if warning not in before]
+        name = tag(event.state.zid)
+        peer = self.view.peers.get(name)
+        if peer is None:
+            return []  # we ask for it when we know the robot
+        if wrong := objection_to_state(peer, event.state):
+            self.refused[wrong] += 1
+            return []
+        before, subscriptions = transport_warnings(self.view), peer.subscriptions
+        if self.view.heard_state(event.now, event.state):
+            self._look_for_state(event.now, name)
+        else:
+            self.asking.want(event.now, name)
+        told: list[Command] = [NoteInterest(peer.zid, peer.subscriptions)] * (peer.subscriptions != subscriptions)
+        after = transport_warnings(self.view)
+        return [*told, *(Notice("error", warning) for warning in after if warning not in before)]
 
     @_on.register
-    def _(self, _event: ev.MalformedHeard) -> list[Command]:
-        self.malformed += 1
+    def _(self, event: ev.MalformedHeard) -> list[Command]:
+        self.refused[event.kind] += 1
+        return []
+
+    @_on.register
+    def _(self, event: ev.StateAsked) -> list[Command]:
+        self.pacer.owe(event.now, len(pack_state(self._state)), 1)
+        self.pacer.forget()
         return []
 
     @_on.register
     def _(self, event: ev.PeerAppeared) -> list[Command]:
         if event.zid == self.settings.zid or not self.view.add_peer(event.now, event.robot, event.zid):
             return []
+        name = tag(event.zid)
         self._membership(event.now)
+        if self.shares.leads:
+            self._told_epoch = 0
         self.pacer.forget()
-        return [Notice("info", f"robot {event.robot} is on the mesh")]
+        self.asking.want(event.now, name)
+        for heard, digest in self.strangers.introduce(name):
+            self._hear(heard, digest)
+        robot = self.view.peers[name].robot
+        notices: list[Command] = [Notice("info", f"robot {robot} is on the mesh")]
+        if robot != event.robot:
+            notices.append(Notice("error", namesake_warning(event.robot, event.zid, robot)))
+        return notices
 
     @_on.register
     def _(self, event: ev.PeerGone) -> list[Command]:
-        if tag(event.zid) not in self.view.peers:
+        peer = self.view.peers.get(tag(event.zid))
+        if peer is None:
             return []
+        robot = peer.robot
         self.view.gone(event.zid)
+        self.asking.done(tag(event.zid))
         self.shares.forget(tag(event.zid))
         self._membership(event.now)
-        return [Notice("info", f"robot {event.robot} left the mesh")]
+        return [NoteInterest(event.zid, ()), Notice("info", f"robot {robot} left the mesh")]
 
     @_on.register
     def _(self, event: ev.InterestChanged) -> list[Command]:
         self.view.set_interest(event.keys)
+        self._restate_at = event.now
         return []
 
     @_on.register
     def _(self, event: ev.MatchingChanged) -> list[Command]:
-        stream = self.view.stream(event.now, self.settings.robot, event.key)
-        if stream is not None:
-            stream.matching = event.matching
+        self.view.set_matching(event.key, matching=event.matching)
         return []
 
     @_on.register
     def _(self, event: ev.SpecsChanged) -> list[Command]:
         self.view.set_specs(event.specs)
+        self._restate_at = event.now
         self._adopt_limits(event.now)
         return [Notice("info", f"specs {event.specs.generation} in force")]
 
     @_on.register
     def _(self, event: ev.ModeChanged) -> list[Command]:
         self.gate.mode = event.mode
+        self._restate_at = event.now
         released = self.gate.release(event.now) if event.mode is Mode.PASS else []
         return [Notice("info", f"mode {event.mode.value}"), *released]
 
     @_on.register
     def _(self, event: ev.DecisionReady) -> list[Command]:
+        if self.layout.answered(event.ticket):
+            self._urgent |= self.layout.lend(event.now, event.plan, event.now + self._speaks_again())
+            return []
         if self.gate.pending is None or event.ticket != self.gate.pending.ticket:
             return []
         return self.gate.ready(event.now, event.plan, event.error)
@@ -204,53 +271,152 @@ class Core:
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event."""
         commands: list[Command] = []
-        self._allocate(now)
+        self._lay_out(now, commands)
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
-        if self._state_changed() and now >= self._state_at + STATE_PACE:
-            self._state, self._state_at = self._own_state(), now
-            commands.append(SendState(self._state))
-        if now >= self._digest_due(now):
+        if now >= self._restate_at and now >= self._state_due(now):
+            commands += self._send_state(now)
+        if (name := self.asking.due(now)) is not None:
+            self.pacer.owe(now, QUESTION, 1)
+            commands.append(AskState(self.view.peers[name].name, name))
+        self.view.sweep(now)
+        for _ in range(MOST_AT_ONCE):
+            if self.layout.pending or now < self._digest_due(now):
+                break
             commands.append(self._send_digest(now))
         return commands
 
-    def _allocate(self, now: float) -> None:
-        """In `shares`, give away what others need more, if we hold it and do not use it."""
-        if (
-            self.settings.coordination != "shares"
-            or now < self._allocated_at + ALLOCATION_PACE
-            or not self.shares.confirmed(now)
-        ):
+    def _lay_out(self, now: float, commands: list[Command]) -> None:
+        """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
+        if self.settings.coordination != "shares":
             return
-        self._allocated_at = now
-        shared = tuple(limit for limit in self.gate.limits if limit.shared)  # they come first
-        held = [{member: self.shares.held_by(member, k) for member in self.shares.members} for k in range(len(shared))]
-        rooms = [Room(sum(of.values()), limit.window, of) for of, limit in zip(held, shared, strict=True)]
-        for k, target in enumerate(targets(claims(self.view, now, shared), rooms)):
-            for gift in gifts(target, held[k], shared[k].limit / PARTS):
-                if gift.giver == self.shares.own:
-                    self._urgent |= self.shares.grant(now, gift.taker, k, gift.amount) > 0.0
+        self.shares.confirmed(now)
+        self._set_rate()
+        if now >= self.pacer.due(now, urgent=True, news=True, copies=1):
+            self._tickets += 1
+            commands += self.layout.ask(now, self._tickets, self.gate.inbox)
+
+    def _set_rate(self) -> None:
+        """A part of what all may tell each other is for who plans for all; the others have news."""
+        robots, part = len(self.view.peers) + 1, 1.0
+        if self.settings.coordination == "shares" and self.shares.leader and robots > 1:
+            part = LEADERS_PART * robots if self.shares.leads else 1.0 - LEADERS_PART
+        self.pacer.set_rate(part * allowance_of(self.view.specs, self.settings.allowance, robots))
+
+    def _speaks_again(self) -> float:
+        """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
+        latency = max((peer.offset.latency for peer in self.view.peers.values()), default=0.0)
+        return self.pacer.interval + latency + AHEAD
 
     def _send_digest(self, now: float) -> Command:
+        to = self._addressee(now)
+        if not to:
+            self._told_all_at = now
         digest = Digest(
             robot=self.settings.robot,
             tag=self.shares.own,
             sent=now,
-            epoch=self.shares.announced(now),
+            epoch=self.shares.epoch,
             messages=self.view.messages,
             bytes=self.view.bytes,
-            streams=self.pacer.changed(list(self.view.own())),
-            grants=self.shares.grants(),
-            echoes=self.view.echoes() if self.pacer.full(now) else (),
+            streams=self.pacer.changed(now, list(self.view.own())),
+            grants=self.pacer.grants(to),
+            echoes=self.pacer.echoes(now, self._echoes(to)),
+            state=self._state.number,
         )
-        self._urgent = False
-        self.pacer.sent(now, digest, len(self.view.peers) + self.settings.relayed)
-        return SendDigest(digest)
+        self._told_epoch = self.shares.epoch
+        self.pacer.sent(now, len(pack_digest(digest)), 1 if to else self._copies())
+        self._urgent = bool(self.pacer.addressee(self.shares.grants(now)))
+        return SendDigest(digest, to)
+
+    def _addressee(self, now: float) -> str:
+        """In `shares`, news concern who leads, and what is lent whom it is lent to; nobody: all are told.
+
+        All are told of an epoch, and now and then of the rest.
+        """
+        shares, peers = self.shares, self.view.peers
+        if self.settings.coordination != "shares" or not peers:
+            return ""
+        if shares.leads:
+            if self._told_epoch != shares.epoch:
+                return ""
+            to = self.pacer.addressee(shares.grants(now))
+            return to if to in peers else ""
+        return shares.leader if shares.leader in peers and now < self._told_all_at + ALL_PACE else ""
+
+    def _send_state(self, now: float) -> list[Command]:
+        """Publish what is new of our state, or all of it, or nothing."""
+        self._restate_at, self._restated = float("inf"), now
+        state, left = shortened(state_of(self.view, self.gate.mode))
+        if self._state.number and not differs(self._state, state):
+            return []
+        state = replace(state, number=self._state.number + 1)
+        update = update_of(self._state, state)
+        told: list[Command] = []
+        if left > self.untold:
+            told.append(Notice("warning", f"{left} streams, subscriptions or origins are too many to tell the others"))
+        self.untold = left
+        self._state, self._state_at = state, now
+        self.pacer.owe(now, len(pack_state(update or state)), self._copies())
+        return [*told, SendState(state, update)]
+
+    def _state_due(self, now: float) -> float:
+        return max(self._state_at + STATE_PACE, self.pacer.state_due(now))
+
+    def _copies(self) -> int:
+        """How often a digest or a state is transmitted."""
+        return len(self.view.peers) + (self.settings.relayed and bool(self.view.peers))
+
+    def _hear(self, now: float, digest: Digest) -> None:
+        """Take in a digest, if it is one that the robot can have sent."""
+        peer = self.view.peers.get(digest.tag)
+        if peer is None:
+            if digest.tag == self.shares.own:
+                self.refused["digest:forged"] += 1
+            else:
+                self.strangers.keep(now, digest)
+            return
+
+        def known(news: StreamDigest) -> Stream | None:
+            return self.view.known(peer.robot, peer.keys.get(news.id, ""))
+
+        if wrong := objection(now, peer, digest, known):
+            self.refused[wrong] += 1
+            return
+        if peer.digest is not None and now - peer.digest_received > PATIENCE:
+            peer.digest = None
+        if self.view.heard_digest(now, digest):
+            grants = digest.grants if peer.offset.known else ()
+            self.shares.heard(
+                now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.latency
+            )
+            self._look_for_state(now, digest.tag)
+
+    def _look_for_state(self, now: float, name: str) -> None:
+        """Ask a robot for its state if its digests speak of another one than we have."""
+        peer = self.view.peers[name]
+        if peer.state is None or (peer.digest is not None and peer.digest.state not in (0, peer.number)):
+            self.asking.want(now, name)
+        else:
+            self.asking.done(name)
+
+    def _echoes(self, to: str) -> tuple[Echo, ...]:
+        """What a digest echoes: of whom it is sent to alone, or of all."""
+        return tuple(echo for echo in self.view.echoes() if to in ("", echo.peer))
 
     def _digest_due(self, now: float) -> float:
-        news = self.pacer.has_news(list(self.view.own()))
-        return self.pacer.due(now, urgent=self._urgent, news=news)
+        own = list(self.view.own())
+        if self.settings.coordination == "shares" and self.view.peers:
+            if not self.shares.epoch and now < self._settled_at + HELLO:
+                return self._settled_at + HELLO
+            if self._told_epoch != self.shares.epoch or (self.pacer.unknown(own) and self.pacer.solvent):
+                return now
+        to = self._addressee(now)
+        if self.shares.leads and not to and now < self._told_all_at + ALL_PACE and self.view.peers:
+            return self._told_all_at + ALL_PACE
+        news = self.pacer.has_news(own)
+        return self.pacer.due(now, urgent=self._urgent, news=news, copies=1 if to else max(1, self._copies()))
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)
@@ -261,44 +427,10 @@ class Core:
         robots = len(self.view.peers) + 1
         self.gate.limits = limits_of(self.view.specs, self.settings.allowance, robots)
         self.shares.set_limits(now, self.gate.limits)
-        self.pacer.set_rate(allowance_of(self.view.specs, self.settings.allowance, robots))
+        self._set_rate()
 
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""
         each = use_of(-(-size // count), 1, self.gate.limits)
         self.shares.use_at_most(now, tuple(count * use for use in each), 1.0 - COVERED_FLOOR)
         self.view.aired(count, size)
-
-    def _state_changed(self) -> bool:
-        return self._state is None or self._differs(self._state, self._own_state())
-
-    @staticmethod
-    def _differs(told: State, state: State) -> bool:
-        """Periods are estimates: only one that moved by a tenth is news."""
-        periods = {stream.id: stream.period for stream in told.streams}
-        moved = any(
-            stream.id not in periods or abs(stream.period - periods[stream.id]) > 0.1 * max(stream.period, 1e-9)
-            for stream in state.streams
-        )
-        return moved or _without_periods(told) != _without_periods(state)
-
-    def _own_state(self) -> State:
-        return State(
-            robot=self.settings.robot,
-            zid=self.settings.zid,
-            mode=self.gate.mode.value,
-            specs=self.view.specs.generation,
-            streams=tuple(_stream_state(stream) for stream in self.view.own()),
-            subscriptions=self.view.interest,
-            wall_offset=self.settings.wall_offset,
-            origins=tuple(self.view.origins),
-            transport=self.settings.transport,
-        )
-
-
-def _without_periods(state: State) -> tuple[object, ...]:
-    return (state.mode, state.specs, state.subscriptions, state.origins, len(state.streams))
-
-
-def _stream_state(stream: Stream) -> StreamState:
-    return StreamState(stream.id, stream.key, stream.information_type.name, stream.schedule.period)

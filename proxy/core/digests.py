@@ -1,89 +1,172 @@
-"""When to tell the others what, within the allowance."""
+"""When to tell the others what, within the allowance.
 
-from proxy.core.codec import pack_digest
+The allowance is a bucket of bytes. Urgent news may empty it, ordinary news half of it. States, questions and answers
+are paid for later: until then half of what comes in goes there, and no other state is published. What is told goes in
+turn: of echoes, of grants and of news that may have been lost, each digest has a few.
+"""
+
+from collections.abc import Iterable
+
+from proxy.core.fixed import feature, rounded
 from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST
 from proxy.core.stream import Stream
-from proxy.core.wire import Digest, StreamDigest
+from proxy.core.wire import Echo, Grant, StreamDigest
 
 SLOW = 1.0
-"""A digest goes out at least this often [s]."""
-OVERHEAD = 24
-"""Bytes that Zenoh and the codec add around a digest, besides its own."""
+"""A digest goes out at least this often, and each peer is echoed at most so often [s]."""
+OVERHEAD = 15
+"""What Zenoh adds to a digest: the length of the batch, its frame, and the number for the key [B]."""
+QUESTION = 75
+"""What asking for a state takes, the head of the answer included [B]."""
 MOST_STREAMS = 32
 """News of at most this many streams in one digest."""
+MOST_ECHOES = 4
+"""Peers echoed in one digest."""
+MOST_GRANTS = 48
+"""Grants in one digest."""
+TOLD = 1
+"""So often each grant is told."""
+DEBT = 2.0
+"""So many digests new streams may be told ahead of the allowance."""
+REFRESH = 10.0
+"""What was told of a stream is told again after this time: it may have been lost [s]."""
+MOST_REFRESHED = 2
+"""Streams told again in one digest."""
+SAVED = 10.0
+"""So much of the allowance may be saved for states [s]."""
 
 
 class DigestPacer:
-    """Spends the allowance: a token bucket that ordinary news may only half empty, urgent news wholly."""
+    """Spends the allowance of this robot."""
 
     def __init__(self, now: float) -> None:
         self._rate = LEAST_ALLOWANCE
         self._tokens = LEAST_ALLOWANCE
+        self._debt = -SAVED * LEAST_ALLOWANCE
         self._updated = now
-        self._cost = 150.0
+        self._size = 150.0
+        self._depth = 150.0
+        """What the dearest of the recent digests cost, all copies together [B]."""
         self._last = now - SLOW
-        self._echoed = now - SLOW
-        self._told: dict[tuple[str, str], StreamDigest] = {}
+        self._echoed: dict[str, float] = {}
+        self._granted: dict[Grant, int] = {}
+        """How often each grant that still holds was told."""
+        self._told: dict[str, tuple[float, StreamDigest]] = {}
+        """What was last told of each own stream, by its key, and when."""
 
     def set_rate(self, rate: float) -> None:
         """The allowance of this robot is now `rate` [B/s], all copies together."""
         self._rate = rate
 
-    def due(self, now: float, *, urgent: bool, news: bool) -> float:
-        """When the next digest may go out, in our clock [s]; now or earlier means at once."""
+    @property
+    def interval(self) -> float:
+        """How long the allowance takes to pay for a digest to one robot [s]."""
+        return self._size / self._rate
+
+    @property
+    def solvent(self) -> bool:
+        """Whether no more was told than a few digests ahead of the allowance."""
+        return self._tokens > -DEBT * self._depth
+
+    def unknown(self, streams: list[Stream]) -> bool:
+        """Whether there is a stream that was never told of."""
+        return any(s.last is not None and s.key not in self._told for s in streams)
+
+    def due(self, now: float, *, urgent: bool, news: bool, copies: int) -> float:
+        """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once."""
+        cost = self._size * copies
         self._fill(now)
         overdue = now >= self._last + SLOW
-        needed = self._cost if urgent or overdue else 2.0 * self._cost
-        affordable = now + max(0.0, needed - self._tokens) / self._rate
+        needed = cost if urgent or overdue else 2.0 * cost
+        rate = self._rate if self._debt <= 0.0 else self._rate / 2.0
+        affordable = now + max(0.0, needed - self._tokens) / rate
         return affordable if urgent or news else max(affordable, self._last + SLOW)
 
-    def full(self, now: float) -> bool:
-        """Whether the next digest should echo what was heard, which need not be in each."""
-        return now >= self._echoed + SLOW
-
-    def sent(self, now: float, digest: Digest, copies: int) -> None:
-        """A digest went out in so many copies."""
+    def state_due(self, now: float) -> float:
+        """When the next state may be published, in our clock [s]."""
         self._fill(now)
-        self._cost = max(len(pack_digest(digest)) + OVERHEAD, LEAST_DIGEST) * max(1, copies)
-        self._tokens -= self._cost
-        self._last = now
-        if digest.echoes:
-            self._echoed = now
+        return now + max(0.0, self._debt) / (self._rate / 2.0)
 
-    def changed(self, streams: list[Stream]) -> tuple[StreamDigest, ...]:
-        """News of own streams since they were last told of, the most changed first."""
-        known = {(s.robot, s.key) for s in streams}
-        self._told = {place: told for place, told in self._told.items() if place in known}
-        news = [(s, d) for s in streams if (d := _of(s)) is not None and self._told.get((s.robot, s.key)) != d]
+    def sent(self, now: float, size: int, copies: int) -> None:
+        """A digest of so many bytes went out in so many copies."""
+        self._fill(now)
+        self._size = max(size + OVERHEAD, LEAST_DIGEST)
+        cost = self._size * max(1, copies)
+        self._depth = max(cost, 0.9 * self._depth)
+        self._tokens -= cost
+        self._last = now
+
+    def owe(self, now: float, size: int, copies: int) -> None:
+        """Something else of so many bytes went out in so many copies: it is paid for in time."""
+        self._fill(now)
+        self._debt += (size + OVERHEAD) * copies
+
+    def changed(self, now: float, streams: list[Stream]) -> tuple[StreamDigest, ...]:
+        """News of own streams since they were last told of, the most changed first, and some that may be lost."""
+        known = {s.key for s in streams}
+        self._told = {key: told for key, told in self._told.items() if key in known}
+        current = [(s, d) for s in streams if (d := _of(s)) is not None]
+        news = [(s, d) for s, d in current if s.key not in self._told or self._told[s.key][1] != d]
         news.sort(key=lambda entry: -self._weight(*entry))
-        for stream, digest in news[:MOST_STREAMS]:
-            self._told[stream.robot, stream.key] = digest
-        return tuple(digest for _, digest in news[:MOST_STREAMS])
+        old = [(s, d) for s, d in current if s.key in self._told and now >= self._told[s.key][0] + REFRESH]
+        old.sort(key=lambda entry: self._told[entry[0].key][0])
+        chosen = (news + [entry for entry in old if entry not in news][:MOST_REFRESHED])[:MOST_STREAMS]
+        self._told.update({s.key: (now, d) for s, d in chosen})
+        return tuple(digest for _, digest in chosen)
+
+    def echoes(self, now: float, echoes: Iterable[Echo]) -> tuple[Echo, ...]:
+        """Some of the echoes: of those peers that were not echoed for longest."""
+        known = {echo.peer: echo for echo in echoes}
+        self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
+        due = [peer for peer in known if now >= self._echoed.get(peer, now - SLOW) + SLOW]
+        chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:MOST_ECHOES]
+        self._echoed.update(dict.fromkeys(chosen, now))
+        return tuple(known[peer] for peer in chosen)
+
+    def addressee(self, grants: Iterable[Grant]) -> str:
+        """Who is to be told of a grant next: of the one that begins first; nobody when all are told."""
+        self._granted = {grant: self._granted.get(grant, 0) for grant in grants}
+        untold = [grant for grant, times in self._granted.items() if times < TOLD]
+        return min(untold, key=lambda grant: (grant.begins, grant.peer)).peer if untold else ""
+
+    def grants(self, to: str) -> tuple[Grant, ...]:
+        """What of the grants a digest `to` this robot tells, or to all: those told least often, that begin first."""
+        concerned = [g for g, times in self._granted.items() if times < TOLD and to in ("", g.peer)]
+        chosen = sorted(concerned, key=lambda g: (self._granted[g], g.begins, g.peer))[:MOST_GRANTS]
+        self._granted.update({grant: self._granted[grant] + 1 for grant in chosen})
+        return tuple(chosen)
 
     def has_news(self, streams: list[Stream]) -> bool:
         """Whether any stream changed since it was last told of."""
-        return any(self._told.get((s.robot, s.key)) != _of(s) for s in streams)
+        return any(s.key not in self._told or self._told[s.key][1] != _of(s) for s in streams if s.last is not None)
 
     def value_changed(self, stream: Stream) -> bool:
         """Whether the stream's value changed enough since it was last told of to alter others' plans."""
-        told = self._told.get((stream.robot, stream.key))
+        told = self._told.get(stream.key)
         if told is None or stream.last is None:
             return stream.last is not None
-        low, high = sorted((told.scale, stream.last.scale))
+        low, high = sorted((told[1].scale, stream.last.scale))
         return high - low > 0.25 * max(low, 1e-9)
 
     def forget(self) -> None:
         """Somebody new is there: everything is news again."""
         self._told.clear()
+        self._granted.clear()
 
     def _weight(self, stream: Stream, digest: StreamDigest) -> float:
-        told = self._told.get((stream.robot, stream.key))
-        return float("inf") if told is None else abs(digest.scale - told.scale) + digest.scale
+        told = self._told.get(stream.key)
+        return float("inf") if told is None else abs(digest.scale - told[1].scale) + digest.scale
 
     def _fill(self, now: float) -> None:
-        depth = max(3.0 * self._cost, self._rate)
-        self._tokens = min(depth, self._tokens + max(0.0, now - self._updated) * self._rate)
-        self._updated = now
+        """What came in since then; as much as is owed, up to a half, is paid."""
+        came = max(0.0, now - self._updated) * self._rate
+        self._updated = max(now, self._updated)
+        paid = min(max(0.0, self._debt), came / 2.0)
+        depth = max(3.0 * self._depth, self._rate)
+        room = max(0.0, depth - self._tokens)
+        self._tokens += min(room, came - paid)
+        # What the digests do not need is saved.
+        self._debt = max(self._debt - paid - max(0.0, came - paid - room), -SAVED * self._rate)
 
 
 def _of(stream: Stream) -> StreamDigest | None:
@@ -96,5 +179,6 @@ def _of(stream: Stream) -> StreamDigest | None:
         stream.last.t_gen,
         stream.sent.t_sent if stream.sent else 0.0,
         stream.last.size,
-        stream.last.scale,
+        rounded(stream.last.scale),
+        tuple(map(feature, stream.information_type.told(stream.last.features))) if stream.last.features else (),
     )

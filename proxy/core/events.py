@@ -90,10 +90,18 @@ class StateHeard:
 
 @dataclass(frozen=True, slots=True)
 class MalformedHeard:
-    """Something on a Sendworthy key was no digest and no state."""
+    """Something on a Sendworthy key was no digest and no state; `kind` says on which, and what was wrong."""
 
     now: float
     robot: str
+    kind: str = "malformed"
+
+
+@dataclass(frozen=True, slots=True)
+class StateAsked:
+    """Another robot asked for our state, and was answered."""
+
+    now: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +181,7 @@ Event = (
     | DigestHeard
     | StateHeard
     | MalformedHeard
+    | StateAsked
     | PeerAppeared
     | PeerGone
     | InterestChanged

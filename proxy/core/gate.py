@@ -1,7 +1,9 @@
 """The gate: takes the next sample, has it decided, and forwards or drops it with a reason."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 from planner import Aggregation, Constraint, Plan
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice
@@ -9,7 +11,7 @@ from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
 from proxy.core.inbox import Evicted, Inbox, Waiting
-from proxy.core.limits import Limit, Limits, use_of
+from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
@@ -19,6 +21,10 @@ from proxy.core.window import WindowBuilder
 
 LEAST_HELD = 1e-6
 """A constraint cannot be zero; this is as good."""
+PATIENCE = 0.25
+"""A sample waits so long at most for what is lent to us from then on [s]."""
+PLAY = 0.005
+"""What one robot lends comes back so much later than it was to be sent, at least [s]."""
 URGENT_PRIORITY = 4
 """Zenoh priorities up to this one (`DATA_HIGH`) may use all that is free when the planner fails."""
 FALLBACK_PART = 0.5
@@ -52,6 +58,10 @@ class Gate:
         self.decisions = Decisions()
         self._complaint = ""
         self._deletions = Deletions()
+        self.promised: Promises | None = None
+        """What we let others send, where it is we who lend."""
+        self.wakes_at = math.inf
+        """When a sample that waits for room can be taken up [s]."""
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
 
@@ -68,7 +78,8 @@ class Gate:
     def next(self, now: float, ticket: int) -> list[Command]:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
-        while self.pending is None and (sample := self.inbox.take(self._deletions.holds)) is not None:
+        self.wakes_at = math.inf
+        while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
 
@@ -108,22 +119,29 @@ class Gate:
 
     def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
         """Return the constraints in force that leave no room for a message now, as a problem names them."""
-        if self._settings.coordination == "shares":
+        if self._sharing:
             return tuple(_held(self.limits[k]) for k in self._shares.lacking(now, use))
+        sent = self._others(now)
         return tuple(
             limit.name
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-            if self._known_use(now, limit, k) + amount > max(limit.limit, amount)
+            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount)
         )
 
     def problem_limits(self, now: float) -> Limits:
-        """Return the constraints of a problem: the union's and, in `shares`, what we hold of them."""
+        """Return the constraints of a problem: the union's and, where others lend to us, what we hold of them."""
+        shares = self._shares
+        if not self._sharing:
+            return Limits(self.limits, (), shares.sent(), self._others(now))
+        if shares.leads:
+            union = tuple(
+                replace(c, limit=shares.whole(k), window=c.window + (PLAY if c.shared else 0.0)) for k, c in enumerate(self.limits)
+            )
+            return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
         held = [
-            Constraint(_held(c), c.window, max(self._shares.held(now, k), LEAST_HELD))
-            for k, c in enumerate(self.limits)
-            if self._settings.coordination == "shares"
+            Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)
         ]
-        return Limits(self.limits, tuple(held), self._shares.sent())
+        return Limits(self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now))
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
@@ -220,17 +238,47 @@ class Gate:
         stream = self._own(now, sample)
         return use_of(sample.size, self._view.copies(stream) if stream is not None else 1, self.limits)
 
-    def _known_use(self, now: float, limit: Limit, k: int) -> float:
+    @property
+    def _sharing(self) -> bool:
+        return self._settings.coordination == "shares"
+
+    def _waits(self, now: float, sample: Waiting) -> bool:
+        """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
+        if self._deletions.holds(sample):
+            return True
+        if not self._sharing or not self.limits or self.mode is Mode.SHADOW:
+            return False
+        use = self._use(now, sample)
+        if self._shares.fits(now, use):
+            return False
+        opens = self._shares.opens(now, use, now + PATIENCE)
+        if opens is None:
+            return False
+        self.wakes_at = min(self.wakes_at, opens)
+        return True
+
+    def _known_use(self, now: float, limit: Limit, k: int, sent: Sequence[tuple[float, tuple[float, ...]]]) -> float:
         """What we know to be sent, by anybody, within the window that ends now."""
         since = now - limit.window
-        others = sum(
-            limit.measure.use(s.size, self._view.copies(stream), own=False)
-            for stream in self._view.streams()
-            if stream.robot != self._settings.robot
-            for s in stream.recent
-            if s.t_sent >= since
+        return sum(use[k] for t, use in sent if t >= since) + self._shares.used(now, k)
+
+    def _others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
+        """What we know others to have sent within the longest window, as (time, use)."""
+        longest = max((limit.window for limit in self.limits), default=0.0)
+        return tuple(
+            (t, tuple(limit.measure.use(size, copies, own=False) for limit in self.limits))
+            for t, size, copies in self._view.sent_since(now - longest)
         )
-        return others + self._shares.used(now, k)
+
+    def _lent(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
+        """What others may send, as if they did so at the last moment; over a longer time again and again."""
+        shortest = min(limit.window for limit in self.limits)
+        own = (0.0,) * sum(not limit.shared for limit in self.limits)
+        return tuple(
+            (lent.ends - n * shortest, (*lent.amounts, *own))
+            for lent in self._shares.lent(now)
+            for n in range(1 + int((lent.ends - lent.begins) / shortest))
+        )
 
 
 def _held(limit: Limit) -> str:

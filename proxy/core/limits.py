@@ -1,5 +1,6 @@
 """What the constraints of the specs leave for messages, and what a message uses of them."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from planner import Constraint
@@ -27,15 +28,36 @@ class Limit(Constraint):
 
 
 @dataclass(frozen=True, slots=True)
+class Promise:
+    """We lent a robot what the message takes that one of its streams is expected to generate at `t_gen` [s]."""
+
+    t_gen: float
+    ends: float
+    """Until then it may be sent [s]."""
+    size: int
+    scale: float
+    features: Mapping[str, float]
+
+
+Promises = Mapping[tuple[str, str], Sequence[Promise]]
+"""What we promised, by robot and key, in order of generation."""
+
+
+@dataclass(frozen=True, slots=True)
 class Limits:
     """The constraints of a problem: those of the union of all robots, and what we hold of them ourselves.
 
-    `held` is empty where the union alone binds us. `sent` are our own sends as (time, use), oldest first.
+    `held` is empty where the union alone binds us. `sent` are our own sends as (time, use), oldest first, and `others`
+    those of others, as far as they count. Where we lend, others send what is `promised` and what we can still lend for.
+    `holds` tells whether we hold what a message takes at a time to come, where that changes.
     """
 
     union: tuple[Limit, ...]
     held: tuple[Constraint, ...]
     sent: tuple[tuple[float, tuple[float, ...]], ...]
+    others: tuple[tuple[float, tuple[float, ...]], ...] = ()
+    promised: Promises | None = None
+    holds: Callable[[float, tuple[float, ...]], bool] | None = None
 
 
 def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Limit, ...]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from proxy.core.peer import Peer
 from proxy.core.stream import Stream
-from proxy.core.warnings import cast_warnings, transport_warnings
+from proxy.core.warnings import cast_warnings, namesake_warnings, transport_warnings
 
 if TYPE_CHECKING:
     from proxy.core.core import Core
@@ -27,9 +27,16 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "budget": _budget(core, now),
         "streams": [_stream(core, stream, now) for stream in core.view.streams()],
         "peers": [_peer(peer, now) for peer in core.view.peers.values()],
-        "warnings": [*transport_warnings(core.view), *cast_warnings(core.gate.limits, core.settings.transport)],
-        "malformed": core.malformed,
-        "evicted": core.view.evicted,
+        "warnings": [
+            *namesake_warnings(core.view),
+            *transport_warnings(core.view),
+            *cast_warnings(core.gate.limits, core.settings.transport),
+        ],
+        "malformed": core.refused.total(),
+        "refused": dict(sorted(core.refused.items())),
+        "evicted": core.view.evicted + core.strangers.forgotten + sum(p.evicted for p in core.view.peers.values()),
+        "untold": core.untold,
+        "asked": core.asking.asked,
     }
 
 
@@ -69,7 +76,10 @@ def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
         "robot": stream.robot,
         "key": stream.key,
         "type": stream.information_type.name,
+        "schedule": stream.schedule.kind,
         "period": stream.schedule.period,
+        "jitter": stream.schedule.jitter,
+        "forecast": stream.forecasts,
         "size": last.size if last else 0,
         "scale": last.scale if last else 0.0,
         "generated": stream.generated,

@@ -1,71 +1,204 @@
-"""When a stream generates its messages: period and phase, estimated on the circle.
+"""When a stream generates its samples: what a spec says, what its robot tells, or what was seen of it.
 
-The period is the median of recent intervals, each divided by the number of samples it spans, so gaps in what was
-seen do not stretch it. The phase is the mean direction of the recent generation times on the circle of one period:
-an arithmetic mean of `t mod period` would predict half a period wrong where phases lie near 0.
+A stream is periodic unless it shows otherwise: bursts by pauses far longer than the gaps within, randomness by
+generation times that no period explains. Of a random stream no more is known than its rate.
 """
 
 import math
 from collections import deque
-from itertools import pairwise
-from statistics import median
+from collections.abc import Callable
 
-MEMORY = 16
-"""Generation times looked back on."""
+from proxy.core.schedules.bursts import bursts_in, told_bursts
+from proxy.core.schedules.gaps import RUN, spread
+from proxy.core.schedules.patterns import Memoryless, Pattern, Periodic, Span
+from proxy.core.schedules.rhythm import Numbered, Rhythm
+from proxy.core.schedules.tracker import Tracker
+from proxy.core.schedules.written import written
+from utility_specs.schedules import ScheduleRule
+
+MEMORY = 48
+"""Generation times looked back on for bursts and rates; the rhythm has a shorter memory."""
+STALE = 10.0
+"""A stream of one sample may be silent for so long [s] before it is over."""
+PERIODS = 10.0
+"""Other streams are over after so many of their periods,"""
+PAUSES = 3.0
+"""and not before so many times the longest pause they lately made."""
+FADE = 0.97
+"""Pauses are forgotten: at each sample the longest shrinks by this."""
+LOOSE, STAY = 0.3, 0.05
+"""Jitter of more than this part of the period is no rhythm; what a stream was, it stays for a little longer."""
+SURE = 12
+"""So many samples have no rhythm by chance; without numbers, they have none by chance with jitter of less than"""
+TIGHT = 0.06
+"""this part of the period."""
+RANDOM = 0.45
+"""Samples come at random whose gaps deviate by more than this part of them."""
+BACK = 3
+"""So many samples in a row before the last one mean that the clock was set back."""
 
 
 class Schedule:
     """The generation times of one stream, seen through (count, time) pairs."""
 
     def __init__(self) -> None:
-        self._seen: deque[tuple[int, float]] = deque(maxlen=MEMORY)
-        self._period = 0.0
-        self._shift = 0.0
+        self._rule: ScheduleRule | None = None
+        self._failed: Callable[[], None] = _nothing
+        self._tracker = Tracker()
+        self._past: deque[Numbered] = deque(maxlen=MEMORY)
+        self._first: Numbered | None = None
+        self._pattern: Pattern | None = None
+        self._told = ("", 0.0)
+        self._longest = 0.0
+        self._pause = 0.0
+        self._back = 0
+        self._resumed = -MEMORY
+        self._seen = 0
+        self._periodic = True
+        self._numbered = True
 
     @property
     def period(self) -> float:
-        """Estimated period [s]; 0.0 while fewer than two generation times are known."""
-        return self._period
+        """Mean time between samples [s]; 0.0 while fewer than two generation times are known."""
+        pattern = self._recognised()
+        return 0.0 if pattern is None else pattern.period
+
+    @property
+    def jitter(self) -> float:
+        """Standard deviation of a generation time from what is expected [s]; 0.0 while not known."""
+        pattern = self._recognised()
+        return 0.0 if pattern is None else pattern.jitter
+
+    @property
+    def kind(self) -> str:
+        """How the stream generates, in a word for other robots; empty while not known."""
+        pattern = self._recognised()
+        return "" if pattern is None else pattern.kind
 
     @property
     def last(self) -> float | None:
         """The last generation time seen [s]."""
-        return self._seen[-1][1] if self._seen else None
+        return self._past[-1][1] if self._past else None
 
-    def observe(self, count: int, t_gen: float) -> None:
-        """Take in that sample number `count` was generated at `t_gen`; older news is ignored."""
-        if self._seen and (count <= self._seen[-1][0] or t_gen <= self._seen[-1][1]):
+    @property
+    def patience(self) -> float:
+        """The stream is over when it is silent for longer than this [s]."""
+        pattern = self._recognised()
+        return STALE if pattern is None else max(self._silence(pattern.pause), PERIODS * pattern.period)
+
+    def over(self, now: float) -> bool:
+        """Whether no more samples are to be expected, as the stream is silent for too long by its own measure."""
+        return self.last is None or now - self.last >= self.patience
+
+    def obey(self, rule: ScheduleRule | None, failed: Callable[[], None]) -> None:
+        """Go by a rule of a spec, or by what is seen; `failed` is called when a function of the rule fails."""
+        if rule != self._rule:
+            self._rule, self._pattern = rule, None
+        self._failed = failed
+
+    def observe(self, count: int | None, t_gen: float) -> None:
+        """Take in that sample number `count` was generated at `t_gen`; None: some may have been lost before it.
+
+        Older news is ignored.
+        """
+        before, last = self._past[-1] if self._past else (0, -math.inf)
+        if count is not None and count <= before:
             return
-        self._seen.append((count, t_gen))
-        if len(self._seen) > 1:
-            self._estimate()
+        if t_gen <= last:
+            if not self._goes_back(count, t_gen):
+                return
+            before, last = self._past[-1] if self._past else (0, -math.inf)
+        self._numbered = count is not None
+        number = before + 1 if count is None else count
+        gap = t_gen - last
+        if self._past and gap >= self._silence(self._pause):
+            self._resumed = self._seen
+            self._tracker.resume(count, t_gen)
+        elif count is None:
+            self._tracker.hear(t_gen)
+        else:
+            self._tracker.observe(count, t_gen)
+        if self._past and self._resumed != self._seen:
+            self._longest = max(gap, FADE * self._longest)
+        self._first = self._first or (number, t_gen)
+        self._past.append((number, t_gen))
+        self._pattern, self._back = None, 0
+        self._seen += 1
 
-    def assume(self, period: float) -> None:
-        """Use `period` as long as none could be estimated (another robot told us)."""
-        if self._period == 0.0 and math.isfinite(period) and period > 0.0:
-            self._period = period
+    def assume(self, period: float, kind: str = "") -> None:
+        """Use what the stream's robot tells: it sees every sample, we perhaps a few."""
+        if (kind, period) == self._told or not (math.isfinite(period) and period > 0.0):
+            return
+        self._told, self._pattern = (kind, period), None
+        self._tracker.tell(period)
 
-    def forecast(self, after: float, until: float, most: int) -> list[float]:
-        """Generation times expected in (after, until], at most `most` of them, in order."""
-        if self.last is None or self._period <= 0.0 or most <= 0:
+    def forecast(self, after: float, until: float, most: int, now: float | None = None) -> list[float]:
+        """Generation times expected in (after, until], at most `most` of them, in order, as things are at `now`."""
+        pattern = self._recognised()
+        if pattern is None or most <= 0 or until <= after:
             return []
-        origin = self.last + self._shift
-        first = max(1, math.floor((after - origin) / self._period) + 1)
-        times: list[float] = []
-        while len(times) < most:
-            t = origin + first * self._period
-            if t > until:
-                break
-            if t > after:
-                times.append(t)
-            first += 1
-        return times
+        return pattern.expect(Span(after if now is None else now, after, until, most))
 
-    def _estimate(self) -> None:
-        seen = list(self._seen)
-        pairs = pairwise(seen)
-        self._period = median((t1 - t0) / (n1 - n0) for (n0, t0), (n1, t1) in pairs)
-        reference = seen[-1][1]
-        turns = [2.0 * math.pi * (t - reference) / self._period for _, t in seen[-8:]]
-        sine, cosine = sum(map(math.sin, turns)), sum(map(math.cos, turns))
-        self._shift = math.atan2(sine, cosine) / (2.0 * math.pi) * self._period
+    def _goes_back(self, count: int | None, t_gen: float) -> bool:
+        """Forget what stands in the way of a sample that comes before the last one; return whether it is to count.
+
+        If it is where it was due, the last one's time was wrong. If that goes on, the clock was set back.
+        """
+        self._back += 1
+        if len(self._past) > 1 and t_gen > self._past[-2][1] and self._tracker.fits(count, t_gen):
+            self._past.pop()
+        elif self._back >= BACK:
+            self._past.clear()
+            self._tracker, self._longest, self._first = Tracker(), 0.0, None
+        else:
+            return False
+        return True
+
+    def _recognised(self) -> Pattern | None:
+        if self._pattern is None and self._past and self._first:
+            self._pattern = self._recognise(self._first, self._past[-1][1])
+            self._pause = self._pattern.pause if self._pattern else 0.0
+        return self._pattern
+
+    def _silence(self, pause: float) -> float:
+        rhythm = self._tracker.rhythm
+        period = rhythm.period if rhythm else STALE / PERIODS
+        return max(PERIODS * period, PAUSES * max(self._longest, pause))
+
+    def _recognise(self, first: Numbered, last: float) -> Pattern | None:
+        rhythm = self._tracker.rhythm
+        if self._rule is not None:
+            past = [*([first] if first != self._past[0] else []), *self._past]
+            return written(self._rule, past, rhythm.period if rhythm else 0.0, self._failed)
+        kind, period = self._told
+        told = told_bursts(kind.split(), period, last) if kind.startswith("bursts") else None
+        if kind == "poisson":
+            return Memoryless(period)
+        if rhythm is None:
+            return told
+        pauses = self._longest > RUN * rhythm.period or self._seen - self._resumed < MEMORY
+        if pauses and kind != "periodic":
+            bursts = bursts_in(self._past, whole=self._past[0] == first)
+            if bursts is not None:
+                return bursts
+        if told is not None:
+            return told
+        self._periodic = kind == "periodic" or self._has_rhythm(rhythm)
+        return Periodic(rhythm) if self._periodic else Memoryless(self._mean_interval())
+
+    def _has_rhythm(self, rhythm: Rhythm) -> bool:
+        """Whether the rhythm explains what was seen: a few samples, or any without numbers, always seem to have one."""
+        if len(self._past) <= RUN + 1:
+            return True
+        if rhythm.looseness > LOOSE + (STAY if self._periodic else -STAY):
+            return False
+        chance = rhythm.known < SURE if self._numbered else rhythm.looseness > TIGHT
+        return not chance or spread(self._past) < RANDOM + (STAY if self._periodic else -STAY)
+
+    def _mean_interval(self) -> float:
+        (count, first), (number, last) = self._past[0], self._past[-1]
+        return (last - first) / (number - count)
+
+
+def _nothing() -> None:
+    """Nobody counts failures."""

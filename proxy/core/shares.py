@@ -1,132 +1,159 @@
 """Shares: who may use how much of each limit, so that the union holds at any latency.
 
-Of every constraint a robot holds an amount, in the constraint's own unit per window: its equal part of the limit,
-plus what others granted it, less what it granted. It may use at most that much within any window. Grants are
-cumulative counters in digests: the giver counts them at once, the receiver when it hears of them, so that what is on
-its way belongs to nobody and the amounts of all robots never sum to more than the limit. Only what is not in use may
-be granted. A constraint that is not shared, such as a robot's own energy, it holds whole, whatever the others do.
+One robot, the *leader*, holds all of every limit less a floor, and lends: a grant lets a robot send so much between two
+times of the leader's clock. The leader counts it as gone from the first of them until one window after the second,
+when what was sent last has left every window; it never lends what it lent, nor what its own sends still use. A robot
+uses only what it was told, and takes the times narrower by what it may be wrong about the leader's clock. So what all
+use never exceeds the limit, however late digests are and however many are lost: a grant that nobody hears is wasted,
+and one that ends needs no message. A constraint that is not shared, such as a robot's own energy, everybody holds whole.
 
-Equal parts, of the limit less one floor, need agreement on who shares. The *epoch* is a hash of the members and the
-limits. Until every member was heard in our epoch, a robot holds the lesser of what it held before and what the epoch
-gives it, and grants nothing. A robot not heard keeps its part until membership drops it; a newcomer starts with the
-floor.
+Who leads is agreed on by *epochs*, which only grow: a term, and a hash of the leader and the limits. A robot enters
+the greatest epoch it hears of whose leader it knows, and forgets what it held before. A new leader lends once
+all robots it knows have said that they are in its epoch, and what they sent before has left the windows. The leader
+stays until it is gone; then the robot with the least tag leads, in the next term. A newcomer has a part of the floor until it enters
+its first epoch. A robot not heard keeps what it was lent; nobody else was lent that.
 """
 
 from collections import deque
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from zlib import crc32
 
 from proxy.core.limits import Limit
 from proxy.core.wire import PARTS, Grant
 
 HOLDABLE = 0.98
-"""Part of a limit that one robot can come to hold: all but the floor, with the margin that targets keep."""
-EPOCHS = 16
-"""Epochs whose grants are remembered, so that a member that flaps finds its ledger again."""
+"""Part of a limit that one robot can come to hold: all but the floor, and some room."""
+NEWCOMERS = 4
+"""So many robots may be new to all others at the same time: each has that part of the floor."""
+EDGE = 1e-3
+"""What one robot lends, the next one may use so much later [s]: windows are closed, and times are rounded."""
+MOST_GRANTS = 1024
+"""Grants that can be alive at the same time."""
+TERMS = 1 << 20
+"""Terms are counted up to here."""
 
 
-@dataclass(slots=True)
-class _Ledger:
-    """Cumulative grants of one epoch, by (giver, receiver, constraint): ours, and all that we heard of [`PARTS`]."""
+@dataclass(frozen=True, slots=True)
+class Lent:
+    """So much of every shared limit may be sent between two times of our clock [s], both included."""
 
-    grants: dict[tuple[str, str, int], int] = field(default_factory=dict)
+    robot: str
+    begins: float
+    ends: float
+    amounts: tuple[float, ...]
 
-    def net(self, robot: str, k: int) -> int:
-        """Parts that a robot was granted of a constraint, less what it granted."""
-        taken = sum(total for (_, to, c), total in self.grants.items() if to == robot and c == k)
-        given = sum(total for (by, _, c), total in self.grants.items() if by == robot and c == k)
-        return taken - given
+    def at(self, t: float, k: int, window: float) -> float:
+        """What of constraint `k` belongs to the robot at a time, for sends within the window that ends then."""
+        return self.amounts[k] if self.begins <= t <= self.ends + window else 0.0
 
 
 class Shares:
-    """What this robot holds, uses and grants of every constraint. Peers are named by their tags."""
+    """What this robot holds, uses and lends of every constraint. Peers are named by their tags."""
 
     def __init__(self, own: str, limits: tuple[Limit, ...], *, floor: float, settled_at: float) -> None:
         self.own = own
+        self.epoch = 0
+        self.leader = ""
+        """Who lends in our epoch; nobody while empty."""
         self._limits = limits
         self._floor = floor
         self._settled_at = settled_at
         self._members: frozenset[str] = frozenset((own,))
         self._epochs: dict[str, int] = {}
-        self._ledgers: dict[int, _Ledger] = {}
-        self._cap: list[float] | None = [floor * limit.limit for limit in limits]
+        self._awaited: set[str] = set()
+        self._ready_at = 0.0
+        self._lent: list[Lent] = []
+        self._told: dict[Grant, float] = {}
+        self._factors = [1.0] * len(limits)
         self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
-        self._announced = 0
-        self.epoch = 0
-        self._enter()
 
     @property
     def members(self) -> frozenset[str]:
         """Tags of the robots that share, our own included."""
         return self._members
 
+    @property
+    def leads(self) -> bool:
+        """Whether it is we who lend."""
+        return self.leader == self.own
+
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
-        changed = frozenset(members) | {self.own}
-        if changed != self._members:
-            self._cap = [self.held(now, k) for k in range(len(self._limits))]
-            self._members = changed
-            self._enter()
+        self._members = frozenset(members) | {self.own}
+        self._awaited &= self._members
+        self._seek(now)
 
     def set_limits(self, now: float, limits: tuple[Limit, ...]) -> None:
-        """The constraints are now these; what we held of one that stays caps what we hold of it at first."""
+        """The constraints are now these; what we sent still counts. Other ceilings need another epoch."""
         if limits == self._limits:
             return
         before = {_identity(limit): k for k, limit in enumerate(self._limits)}
         places = [before.get(_identity(limit)) for limit in limits]
-        self._cap = [
-            0.0 if k is None else min(self.held(now, k), limit.limit) for k, limit in zip(places, limits, strict=True)
-        ]
         self._sent = deque((t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in self._sent)
+        self._factors = [1.0 if k is None else self._factors[k] for k in places]
+        ceilings = self._ceilings()
         self._limits = limits
-        self._enter()
+        if ceilings != self._ceilings():
+            self._follow("")
+            if self.epoch:
+                self._seek(now, again=True)
 
-    def heard(self, peer: str, epoch: int, grants: Iterable[Grant]) -> None:
-        """Take in that `peer` is in `epoch`, and what it granted there."""
-        self._epochs[peer] = epoch
-        if epoch != self.epoch or peer not in self._members:
+    def set_factor(self, k: int, factor: float) -> None:
+        """Of constraint `k` this part is in force: what everybody holds of it shrinks alike, from 0 to 1."""
+        self._factors[k] = min(1.0, max(0.0, factor))
+
+    def heard(
+        self,
+        now: float,
+        peer: str,
+        epoch: int,
+        grants: Iterable[Grant] = (),
+        *,
+        ours: Callable[[float], float] = lambda t: t,
+        uncertainty: float = 0.0,
+    ) -> None:
+        """Take in that `peer` is in `epoch`, and what it lends there; `ours` maps its clock to ours, give or take."""
+        if peer not in self._members:
             return
-        ledger = self._ledgers[epoch].grants
-        for grant in grants:
-            if grant.constraint < len(self._limits) and grant.peer in self._members:
-                place = (peer, grant.peer, grant.constraint)
-                ledger[place] = max(grant.total, ledger.get(place, 0))
+        self._epochs[peer] = epoch
+        if epoch > self.epoch and (leader := self._leader_of(epoch)):
+            if leader == self.own:
+                self._propose(now, epoch)
+            else:
+                self._enter(epoch, leader)
+        if self.leads:
+            self._confirm(now, peer, epoch)
+        elif epoch == self.epoch and peer == self.leader:
+            for grant in grants:
+                self._borrow(now, grant, ours, uncertainty)
+        self._seek(now)
 
     def forget(self, peer: str) -> None:
         """A robot left: what it last said of its epoch no longer counts."""
         self._epochs.pop(peer, None)
-
-    def announced(self, now: float) -> int:
-        """The epoch to tell the others: ours, once our sends fit what it gives us; until then the one before."""
-        if all(self.used(now, k) <= self.held(now, k) for k, limit in enumerate(self._limits) if limit.shared):
-            self._announced = self.epoch
-        return self._announced
+        self._awaited.discard(peer)
 
     def confirmed(self, now: float) -> bool:
-        """Whether all members are known to be in our epoch."""
-        others = self._members - {self.own}
-        return now >= self._settled_at and all(self._epochs.get(peer) == self.epoch for peer in others)
+        """Whether somebody lends; if it is we, whether we may."""
+        self._seek(now)
+        return self.leader in self._members and (not self.leads or (not self._awaited and now >= self._ready_at))
 
     def held(self, now: float, k: int) -> float:
-        """What we may use of constraint `k` within any window [its units]."""
-        amount = self.held_by(self.own, k)
-        if not self._limits[k].shared:
-            return amount
-        if self._cap is not None:
-            if self.confirmed(now):
-                self._cap = None
-            else:
-                amount = min(amount, self._cap[k])
-        return max(0.0, amount)
-
-    def held_by(self, robot: str, k: int) -> float:
-        """What a member holds of constraint `k` in this epoch, as far as we heard of grants [its units]."""
+        """What we may use of constraint `k` within the window that ends now [its units]."""
         limit = self._limits[k]
         if not limit.shared:
-            return limit.limit
-        part = (1.0 - self._floor) * limit.limit / len(self._members)
-        return part + self._ledgers[self.epoch].net(robot, k) * limit.limit / PARTS
+            return limit.limit * self._factors[k]
+        if not self.epoch and not self.confirmed(now):
+            return self._floor / NEWCOMERS * limit.limit
+        if not self.leads:
+            return self._factors[k] * sum(lent.at(now, k, limit.window) for lent in self._lent)
+        return self._factors[k] * (self.whole(k) - self._gone(now, k)) if self.confirmed(now) else 0.0
+
+    def whole(self, k: int) -> float:
+        """What all robots together may come to hold of constraint `k` [its units]."""
+        limit = self._limits[k]
+        return (1.0 - self._floor) * limit.limit if limit.shared else limit.limit
 
     def used(self, now: float, k: int) -> float:
         """What our sends of the window that ends now use of constraint `k`."""
@@ -134,8 +161,8 @@ class Shares:
         return sum(use[k] for t, use in self._sent if t >= since)
 
     def free(self, now: float, k: int) -> float:
-        """What we hold of constraint `k` and do not use."""
-        return max(0.0, self.held(now, k) - self.used(now, k))
+        """What we may still send now of constraint `k`: it has to fit what we hold for a whole window."""
+        return max(0.0, self._free(now, now, k))
 
     def fits(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a message with this use may be sent now."""
@@ -143,7 +170,25 @@ class Shares:
 
     def lacking(self, now: float, use: tuple[float, ...]) -> list[int]:
         """Return the constraints that leave no room for a message with this use now."""
-        return [k for k, amount in enumerate(use) if not self._fits(now, k, amount)]
+        return [k for k, amount in enumerate(use) if not self._fits(now, now, k, amount)]
+
+    def holds(self, now: float, t: float, use: tuple[float, ...]) -> bool:
+        """Whether we hold what a message takes that is sent at a time to come, if nothing else is."""
+        return all(
+            amount > HOLDABLE * self._limits[k].limit or amount <= self._free(t, now, k) + self._used_at(t, k)
+            for k, amount in enumerate(use)
+            if self._limits[k].shared
+        )
+
+    def opens(self, now: float, use: tuple[float, ...], until: float) -> float | None:
+        """When a message with this use may be sent by what we know, in (now, until]; None when it may not."""
+        times = {lent.begins for lent in self._lent if not self.leads}
+        times |= {lent.ends + EDGE + w for lent in self._lent for w in self._windows() if self.leads}
+        times |= {t + w + 1e-6 for t, _ in self._sent for w in self._windows()}
+        for t in sorted(t for t in times if now < t <= until):
+            if all(self._fits(t, now, k, amount) for k, amount in enumerate(use)):
+                return t
+        return None
 
     def use(self, now: float, use: tuple[float, ...]) -> None:
         """A message with this use is sent now."""
@@ -161,30 +206,111 @@ class Shares:
         """Our sends that may still count, as (time, use), oldest first."""
         return tuple(self._sent)
 
-    def grant(self, now: float, peer: str, k: int, amount: float) -> float:
-        """Grant `peer` up to `amount` of what is free of constraint `k`; return what it got."""
+    def lend(self, now: float, peer: str, earliest: float, latest: float, use: tuple[float, ...]) -> Lent | None:
+        """Let `peer` send `use` (of the shared limits) until `latest`, from as early on as it can be, not before
+        `earliest`; None when it cannot be."""
+        if not self.leads or not self.confirmed(now) or peer not in self._members - {self.own}:
+            return None
+        parts = tuple(self._parts(k, amount) for k, amount in enumerate(use))
+        amounts = tuple(self._amount(k, part) for k, part in enumerate(parts))
+        ends = _rounded(latest)
+        for begins in self._chances(max(now, earliest), ends):
+            if len(self._lent) < MOST_GRANTS and self._lendable(begins, ends, amounts):
+                lent = Lent(peer, begins, ends, amounts)
+                self._lent.append(lent)
+                self._told[Grant(peer, begins, ends, parts)] = ends
+                return lent
+        return None
+
+    def lent(self, now: float) -> tuple[Lent, ...]:
+        """What of ours is lent and not yet back."""
+        longest = max(self._windows(), default=0.0)
+        self._lent = [lent for lent in self._lent if lent.ends + longest + EDGE >= now]
+        return tuple(self._lent)
+
+    def grants(self, now: float) -> tuple[Grant, ...]:
+        """All that we lend and that can still be used, for the digest."""
+        self._told = {grant: ends for grant, ends in self._told.items() if ends > now}
+        return tuple(self._told)
+
+    def _free(self, t: float, now: float, k: int) -> float:
+        """What may be sent at `t` of constraint `k`, if until then nothing is: the least room of the window after."""
+        window = self._limits[k].window
+        edges = {lent.begins - EDGE if self.leads else lent.ends + window + 1e-9 for lent in self._lent}
+        times = [t, *(edge for edge in edges if t < edge <= t + window)]
+        own = self._limits[k].shared
+        return min(self._held_at(at, now, k) - self._used_at(at, k) for at in (times if own else [t]))
+
+    def _held_at(self, t: float, now: float, k: int) -> float:
+        """What we hold at a time to come, by what we know now."""
         limit = self._limits[k]
-        if not limit.shared or peer not in self._members or peer == self.own or not self.confirmed(now):
-            return 0.0
-        parts = max(0, int(min(amount, self.free(now, k)) * PARTS / limit.limit))
-        if parts > 0:
-            grants = self._ledgers[self.epoch].grants
-            grants[self.own, peer, k] = grants.get((self.own, peer, k), 0) + parts
-        return parts * limit.limit / PARTS
+        if not limit.shared or not self.epoch or (self.leads and not self.confirmed(now)):
+            return self.held(now, k)
+        if not self.leads:
+            return self._factors[k] * sum(lent.at(t, k, limit.window) for lent in self._lent)
+        return self._factors[k] * (self.whole(k) - self._gone(t, k))
 
-    def grants(self) -> tuple[Grant, ...]:
-        """All that we granted in this epoch, for the digest."""
-        grants = self._ledgers[self.epoch].grants
-        return tuple(Grant(to, k, total) for (by, to, k), total in grants.items() if by == self.own)
+    def _used_at(self, t: float, k: int) -> float:
+        since = t - self._limits[k].window
+        return sum(use[k] for sent, use in self._sent if sent >= since)
 
-    def _fits(self, now: float, k: int, amount: float) -> bool:
+    def _gone(self, t: float, k: int) -> float:
+        """What of constraint `k` others may use at a time."""
+        window = self._limits[k].window
+        return sum(e.amounts[k] for e in self._lent if e.begins - EDGE <= t <= e.ends + window + EDGE)
+
+    def _chances(self, earliest: float, latest: float) -> list[float]:
+        """When a grant could begin: at once, or when something comes back."""
+        windows = self._windows()
+        times = [e.ends + w + 2.1 * EDGE for e in self._lent for w in windows]
+        times += [t + w + 2.1 * EDGE for t, _ in self._sent for w in windows]
+        first = _rounded(earliest) + EDGE
+        return [first, *sorted({_rounded(t) + EDGE for t in times if earliest < t < latest})]
+
+    def _lendable(self, begins: float, ends: float, amounts: tuple[float, ...]) -> bool:
+        """Whether so much is left from the beginning to one window after the end."""
+        if ends <= begins:
+            return False
+        for k, amount in enumerate(amounts):
+            last = ends + self._limits[k].window + EDGE
+            first = begins - EDGE
+            times = [first, *(e.begins - EDGE for e in self._lent if first < e.begins - EDGE <= last)]
+            if any(self._gone(t, k) + self._used_at(t, k) + amount > self.whole(k) * (1 + 1e-9) for t in times):
+                return False
+        return True
+
+    def _borrow(self, now: float, grant: Grant, ours: Callable[[float], float], uncertainty: float) -> None:
+        """The leader lends: to us, if it is for us, and between the times that lie within for certain."""
+        if grant.peer != self.own or grant in self._told or len(grant.parts) != sum(c.shared for c in self._limits):
+            return
+        longest = max(self._windows(), default=0.0)
+        self._told = {known: ends for known, ends in self._told.items() if ends + longest + 1.0 > now}
+        self._lent = [lent for lent in self._lent if lent.ends + longest >= now]
+        begins, ends = ours(grant.begins) + uncertainty, ours(grant.ends) - uncertainty
+        if begins <= ends and ends >= now and len(self._lent) < MOST_GRANTS:
+            self._told[grant] = ends
+            self._lent.append(
+                Lent(self.own, begins, ends, tuple(self._amount(k, part) for k, part in enumerate(grant.parts)))
+            )
+
+    def _parts(self, k: int, amount: float) -> int:
+        """An amount in parts of the ceiling, which all robots agree on."""
+        return int(-(-amount * PARTS // self._limits[k].measure.limit))
+
+    def _amount(self, k: int, parts: int) -> float:
+        return parts * self._limits[k].measure.limit / PARTS
+
+    def _fits(self, t: float, now: float, k: int, amount: float) -> bool:
         """Eq. 5 against what we hold; a message larger than anybody could hold has a window stretched for it."""
         limit = self._limits[k]
         if amount <= (HOLDABLE if limit.shared else 1.0) * limit.limit:
-            return amount <= self.free(now, k)
-        since = now - self._stretched(k, amount)
+            return amount <= self._free(t, now, k)
+        since = t - self._stretched(k, amount)
         alone = self.confirmed(now) or not limit.shared
-        return alone and not any(t >= since and use[k] > 0.0 for t, use in self._sent)
+        return alone and not any(sent >= since and use[k] > 0.0 for sent, use in self._sent)
+
+    def _windows(self) -> list[float]:
+        return [limit.window for limit in self._limits if limit.shared]
 
     def _window(self, k: int) -> float:
         """How far back a send may count: the window, or what the largest message stretched it to."""
@@ -196,15 +322,56 @@ class Shares:
         users = len(self._members) if limit.shared else 1
         return limit.window * max(1.0, amount * users / limit.limit)
 
-    def _enter(self) -> None:
-        """Enter the epoch of the members and limits as they are now."""
-        limits = ",".join(f"{c.name}:{c.window!r}:{c.limit!r}:{c.measure!r}" for c in self._limits if c.shared)
-        self.epoch = crc32(f"{' '.join(sorted(self._members))}|{limits}".encode())
-        self._ledgers.setdefault(self.epoch, _Ledger())
-        while len(self._ledgers) > EPOCHS:
-            del self._ledgers[next(e for e in self._ledgers if e != self.epoch)]
+    def _seek(self, now: float, *, again: bool = False) -> None:
+        """Lead, if nobody does whom we know of and it falls to us: to the least tag of those who are there."""
+        if (self.leader in self._members and not again) or now < self._settled_at or self.own != min(self._members):
+            return
+        others = self._members - {self.own}
+        led = any(self._leader_of(self._epochs.get(o, 0)) in others for o in others if self._epochs.get(o, 0) >= self.epoch)
+        if not led and (all(other in self._epochs for other in others) or not any(self._epochs.values())):
+            self._propose(now, max([self.epoch, *self._epochs.values()]))
+
+    def _propose(self, now: float, before: int) -> None:
+        """Lead in the term after an epoch."""
+        term = min((before >> 32) + 1, TERMS)
+        self._enter(term << 32 | self._hash(self.own), self.own)
+        self._awaited = set(self._members - {self.own})
+        self._ready_at = now + (max(self._windows(), default=0.0) + EDGE if term > 1 or len(self._members) > NEWCOMERS else 0.0)
+
+    def _confirm(self, now: float, peer: str, epoch: int) -> None:
+        """As leader, note whether a robot follows us; one that followed another leader still has sends of then."""
+        if epoch == self.epoch and peer in self._awaited:
+            self._awaited.discard(peer)
+            if self.epoch >> 32 > 1:
+                self._ready_at = max(self._ready_at, now + max(self._windows(), default=0.0) + EDGE)
+        elif epoch not in (0, self.epoch):
+            self._awaited.add(peer)
+
+    def _enter(self, epoch: int, leader: str) -> None:
+        self.epoch = epoch
+        self._follow(leader)
+
+    def _follow(self, leader: str) -> None:
+        self.leader = leader
+        self._lent, self._told, self._awaited = [], {}, set()
+
+    def _leader_of(self, epoch: int) -> str:
+        """Who of those we know leads an epoch under the limits as we know them; empty when nobody does."""
+        number = epoch & 0xFFFFFFFF
+        return next((m for m in sorted(self._members) if epoch and self._hash(m) == number), "")
+
+    def _hash(self, leader: str) -> int:
+        return crc32(f"{leader}|{self._ceilings()}".encode())
+
+    def _ceilings(self) -> str:
+        return ",".join(f"{c.name}:{c.window!r}:{c.measure!r}" for c in self._limits if c.shared)
 
 
 def _identity(limit: Limit) -> tuple[str, str]:
     """What makes a constraint the same one under new specs: amounts of another kind are in another unit."""
     return limit.name, limit.measure.kind
+
+
+def _rounded(t: float) -> float:
+    """A time in whole milliseconds, as it travels [s]."""
+    return int(t * 1000.0) / 1000.0

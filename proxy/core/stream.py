@@ -4,15 +4,21 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from proxy.core.features import Outlook
 from proxy.core.schedule import Schedule
 from utility_specs import InformationType
+
+SCALE = "scale"
+"""Stands for the scale where features are not known."""
+LEADS = (1, 2, 4, 8)
+"""Features that change with time are forecast for so many periods ahead; a message takes the next of these."""
 
 
 @dataclass(frozen=True, slots=True)
 class Generated:
     """The last sample generated. `t_gen` is on our clock [s], `size` in bytes, `scale` its value factor.
 
-    `features` are what is known of its features: nothing of those of other robots' samples.
+    `features` are what is known of its features: of those of other robots' samples only what these tell.
     """
 
     t_gen: float
@@ -50,30 +56,79 @@ class Stream:
     touched: float = 0.0
     reached: set[str] = field(default_factory=set)
     """Tags of the robots that were sent a sample."""
+    mean_size: float = 0.0
+    """Mean size of the samples generated, the recent ones counting more [B]."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
+    _outlook: Outlook | None = None
+    _steady: bool = True
+    _expected: dict[int, Generated] = field(default_factory=dict)
 
-    def note_generated(self, count: int, last: Generated) -> None:
-        """Sample number `count` of the stream was generated."""
+    def cover(self, information_type: InformationType) -> None:
+        """This type covers the stream from now on: its schedule and its forecast of features hold."""
+        failures, before = information_type.failures, self.information_type
+        self.information_type = information_type
+        self.schedule.obey(information_type.schedule, lambda: failures.note("schedule"))
+        if information_type.forecast.plain:
+            self._outlook = None
+        elif self._outlook is None or before.forecast != information_type.forecast:
+            forecast = information_type.forecast
+            self._outlook = Outlook(
+                lambda name: forecast.of_scale if name == SCALE else forecast.of(name),
+                lambda: failures.note("forecast"),
+            )
+            self._steady = True
+        self._expected.clear()
+
+    def note_generated(self, count: int, last: Generated, *, numbered: bool = True) -> None:
+        """Sample number `count` of the stream was generated; when not `numbered`, some before it may be lost."""
         if count <= self.generated:
             return
         self.generated = count
-        self.schedule.observe(count, last.t_gen)
+        self.schedule.observe(count if numbered else None, last.t_gen)
         self.last = last
+        self.mean_size += (last.size - self.mean_size) * (0.1 if self.mean_size else 1.0)
+        if self._outlook is not None:
+            self._outlook.note(last.t_gen, last.features or {SCALE: last.scale})
+            self._steady = self._outlook.steady
+            self._expected.clear()
 
-    def note_sent(self, count: int, sent: Sent) -> None:
-        """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it."""
+    def note_sent(self, count: int, sent: Sent) -> list[Sent]:
+        """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it.
+
+        Return all that is new, in order.
+        """
         missed = count - self.forwarded - 1
         if missed < 0:
-            return
+            return []
+        noted: list[Sent] = []
         self.forwarded = count
         if self.sent is not None and sent.t_sent > self.sent.t_sent:
             gap = (sent.t_sent - self.sent.t_sent) / (missed + 1)
             self.interval = gap if self.interval == 0.0 else 0.8 * self.interval + 0.2 * gap
             for i in range(min(missed, 32), 0, -1):
-                self.recent.append(Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale))
-        self.recent.append(sent)
+                noted.append(Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale))
+        noted.append(sent)
+        self.recent.extend(noted)
         self.sent = sent
+        return noted
+
+    def expected(self, t_gen: float) -> Generated:
+        """What the sample generated at `t_gen` [s] will be like; its own `t_gen` tells of when that was known."""
+        if self._outlook is None:
+            return self.newest
+        lead = LEADS[0]
+        if not self._steady:
+            ahead = (t_gen - self.newest.t_gen) / max(self.schedule.period, 1e-9)
+            lead = next((each for each in LEADS if ahead <= each + 0.5), LEADS[-1])
+        if lead not in self._expected:
+            self._expected[lead] = self._outlined(self._outlook, lead)
+        return self._expected[lead]
+
+    @property
+    def forecasts(self) -> dict[str, str]:
+        """The method by which each feature, or the scale, is forecast; nothing where all are as the last one."""
+        return self._outlook.chosen if self._outlook is not None else {}
 
     @property
     def newest(self) -> Generated:
@@ -86,3 +141,10 @@ class Stream:
     def mean_interval(self) -> float:
         """Mean interval between sends, or the period while unknown [s]."""
         return self.interval or self.schedule.period
+
+    def _outlined(self, outlook: Outlook, lead: int) -> Generated:
+        last = self.newest
+        values = outlook.expect(last.t_gen + lead * self.schedule.period)
+        if last.features:
+            return Generated(last.t_gen, last.size, self.information_type.scale(values), values)
+        return Generated(last.t_gen, last.size, max(0.0, values[SCALE]))

@@ -1,12 +1,11 @@
 """The shared view: every stream, every peer, and what the channel carries, as far as this robot knows."""
 
+from collections import deque
 from collections.abc import Iterator
-from functools import lru_cache
-
-import zenoh
 
 from planner import Aggregation
 from proxy.core.events import SampleHeard
+from proxy.core.interest import Interest, intersects
 from proxy.core.peer import Peer
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
@@ -14,17 +13,22 @@ from proxy.core.transport import is_broadcast
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
+MOST_SENDS = 16_384
+"""Sends of other robots looked back on."""
+SAME = 1e-3
+"""A sample that was generated so much after the last one was sent is another one [s]."""
 STALE = 10.0
-"""Streams without news for this long, or for this many periods, take no part in plans [s]."""
+"""Samples that seem to be older than this tell no latency [s]."""
+SILENT = 60.0
+"""Streams of a plain node are forgotten after this long, or so many times `STALE`'s periods [s]."""
+MOST_PEERS = 256
+"""Robots in the view; a robot that said nothing yet has to leave for a new one."""
+MOST_MATCHING = 4096
+"""Own keys of which it is known that somebody on the mesh wants them."""
+PLAIN = "?"
+"""Plain nodes are named by this and their origin."""
 
-
-@lru_cache(maxsize=65_536)
-def intersects(expression: str, key: str) -> bool:
-    """Whether a subscription's key expression matches the key; an invalid one matches nothing."""
-    try:
-        return bool(zenoh.KeyExpr(expression).intersects(zenoh.KeyExpr(key)))
-    except zenoh.ZError:
-        return False
+__all__ = ["MOST_PEERS", "PLAIN", "STALE", "SharedView", "intersects"]
 
 
 class SharedView:
@@ -40,16 +44,37 @@ class SharedView:
         self.messages = 0
         self.bytes = 0
         self.evicted = 0
+        self.sends: deque[tuple[float, int, int]] = deque(maxlen=MOST_SENDS)
+        """What other robots sent within the longest window, as (time, size, copies)."""
         self._streams: dict[tuple[str, str], Stream] = {}
+        self._owned: dict[str, dict[tuple[str, str], Stream]] = {}
+        """The same by owner, the one not heard of for longest first; all plain nodes are one owner."""
+        self._matching: dict[str, None] = {}
+        self._interest = Interest()
         self._wanting: dict[tuple[str, str], tuple[str, ...]] = {}
+        self._robots: dict[str, str] = {}
+        """Robots by the origins they claim."""
         self._broadcasting: set[str] = set()
         self._note_broadcasting()
         self._ids = 0
+        self._swept = 0.0
 
     def set_interest(self, keys: tuple[str, ...]) -> None:
         """The apps of this robot now subscribe to these key expressions."""
         self.interest = keys
-        self._wanting.clear()
+        self._note_interest(tag(self.settings.zid), keys)
+
+    def set_matching(self, key: str, *, matching: bool) -> None:
+        """Whether anybody on the mesh wants one of our keys; it holds for the stream whenever there is one."""
+        self._matching.pop(key, None)
+        if matching:
+            self._matching[key] = None
+            if len(self._matching) > MOST_MATCHING:
+                del self._matching[next(iter(self._matching))]
+                self.evicted += 1
+        stream = self._streams.get((self.settings.robot, key))
+        if stream is not None:
+            stream.matching = matching
 
     def aired(self, messages: int, size: int) -> None:
         """So many messages of so many bytes in all, copies counted, go on the air."""
@@ -62,7 +87,7 @@ class SharedView:
 
     def own(self) -> Iterator[Stream]:
         """The streams of this robot."""
-        return (s for s in self._streams.values() if s.robot == self.settings.robot)
+        return iter(self._owned.get(self.settings.robot, {}).values())
 
     def stream(self, now: float, robot: str, key: str) -> Stream | None:
         """The stream of a robot and key, made when new; None when no spec covers the key."""
@@ -71,25 +96,32 @@ class SharedView:
             information_type = self.specs.match(key)
             if information_type is None:
                 return None
-            self._ids += 1
-            found = self._streams[robot, key] = Stream(self._ids, robot, key, information_type)
-            if len(self._streams) > self.settings.streams:
-                oldest = min(self._streams.values(), key=lambda s: (s is found, s.touched))
-                del self._streams[oldest.robot, oldest.key]
-                self._wanting.pop((oldest.robot, oldest.key), None)
-                self.evicted += 1
+            if robot == self.settings.robot:
+                self._ids += 1
+            found = Stream(self._ids, robot, key, information_type)
+            found.cover(information_type)
+            found.matching = robot == self.settings.robot and key in self._matching
+            self._admit(found)
         found.touched = now
+        owned = self._owned[_owner(robot)]
+        place = robot, key
+        del owned[place]
+        owned[place] = found
         return found
+
+    def known(self, robot: str, key: str) -> Stream | None:
+        """The stream of a robot and key, if it is in the view."""
+        return self._streams.get((robot, key))
 
     def set_specs(self, specs: Specs) -> None:
         """Swap the specs whole: streams keep what was observed and get the type that covers them now."""
         self.specs = specs
-        for place, stream in list(self._streams.items()):
+        for stream in list(self._streams.values()):
             information_type = specs.match(stream.key)
             if information_type is None:
-                del self._streams[place]
+                self._forget(stream)
             else:
-                stream.information_type = information_type
+                stream.cover(information_type)
 
     def wanting(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
@@ -118,8 +150,22 @@ class SharedView:
 
     def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
         """The `count`-th sample sent of a stream was this one."""
-        stream.note_sent(count, sent)
+        noted = stream.note_sent(count, sent)
         stream.reached.update(self.wanting(stream))
+        if stream.robot != self.settings.robot:
+            copies = self.copies(stream)
+            self.sends.extend((each.t_sent, each.size, copies) for each in noted)
+
+    def sent_since(self, since: float) -> list[tuple[float, int, int]]:
+        """What other robots sent, as (time, size, copies); what is older is forgotten."""
+        kept = [each for each in self.sends if each[0] >= since]
+        if len(kept) < len(self.sends):
+            self.sends = deque(kept, self.sends.maxlen)
+        return kept
+
+    def overhears(self, stream: Stream) -> bool:
+        """Whether we hear what is sent of another robot's stream, but for what is lost."""
+        return {stream.robot, self.settings.robot} <= self._broadcasting
 
     def copies(self, stream: Stream) -> int:
         """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router.
@@ -152,15 +198,15 @@ class SharedView:
         """The robot whose app side an origin entered; an unknown origin is a provisional plain node."""
         if origin is None or origin in self.origins:
             return self.settings.robot
-        for peer in self.peers.values():
-            if origin == peer.zid or origin in peer.origins:
-                return peer.robot
-        return f"?{origin}"
+        return self._robots.get(origin) or f"{PLAIN}{origin}"
 
     def claim(self, origin: str | None) -> bool:
         """A sample with this origin entered our app side; True when that made it newly ours."""
-        if origin is None or origin in self.origins or not self.robot_of(origin).startswith("?"):
+        if origin is None or origin in self.origins or not self.robot_of(origin).startswith(PLAIN):
             return False
+        for stream in list(self._owned.get(PLAIN, {}).values()):
+            if stream.robot == f"{PLAIN}{origin}":
+                self._forget(stream)
         if len(self.origins) >= 256:
             self.evicted += 1
             self.origins.pop(next(o for o in self.origins if o != self.settings.zid))
@@ -176,11 +222,28 @@ class SharedView:
             age = now - peer.offset.ours(stamp - peer.wall_offset)
             if 0.0 <= age < STALE:
                 peer.note_latency(age)
-        elif robot.startswith("?") and (stream := self.stream(now, robot, event.key)) is not None:
+                self._overhear(now, now - age, event, robot)
+        elif robot.startswith(PLAIN) and (stream := self.stream(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
-            stream.note_generated(stream.generated + 1, Generated(now, event.size, scale, features))
+            generated = Generated(now, event.size, scale, features)
+            stream.note_generated(stream.generated + 1, generated, numbered=False)
             self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
+
+    def _overhear(self, now: float, t_gen: float, event: SampleHeard, robot: str) -> None:
+        """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already."""
+        stream = self._streams.get((robot, event.key))
+        if stream is None or stream.last is None or (stream.sent is not None and t_gen < stream.sent.t_sent + SAME):
+            return
+        features = event.features or {}
+        scale = stream.information_type.scale(features) if features else stream.last.scale
+        t_sent = max(t_gen, min(now, now - self.latency(robot)))
+        self.note_sent(stream, stream.forwarded + 1, Sent(t_gen, t_sent, event.size, scale, features))
+        period = stream.schedule.period
+        if period > 0.0 and t_gen > stream.last.t_gen + SAME:
+            number = stream.generated + max(1, round((t_gen - stream.last.t_gen) / period))
+            generated = Generated(t_gen, event.size, scale, features or stream.last.features)
+            stream.note_generated(number, generated, numbered=True)
 
     def heard_digest(self, now: float, digest: Digest) -> bool:
         """A peer's digest arrived; False when it is unknown, old or our own."""
@@ -197,35 +260,74 @@ class SharedView:
             self._take(now, peer, news)
         return True
 
-    def heard_state(self, now: float, state: State) -> None:
-        """A peer's state arrived; news of its streams that waited for their keys is taken in."""
+    def heard_state(self, now: float, state: State) -> bool:
+        """A peer's state arrived; news of its streams that waited for their keys is taken in.
+
+        False when it is unknown, or the state an update of one that we do not have.
+        """
         peer = self.peers.get(tag(state.zid))
-        if peer is None:
-            return
-        peer.take_state(state)
+        whole = None if peer is None else peer.whole(state)
+        if peer is None or whole is None:
+            return False
+        subscriptions, origins = peer.subscriptions, peer.origins
+        peer.take_state(whole)
         self._note_broadcasting()
-        self._wanting.clear()
+        if peer.subscriptions != subscriptions:
+            self._note_interest(tag(peer.zid), peer.subscriptions)
+        if peer.origins != origins:
+            self._note_origins()
+        for key, told in peer.told.items():
+            if (stream := self._streams.get((peer.robot, key))) is not None:
+                stream.schedule.assume(told.period, told.schedule)
         for number in [n for n in peer.pending if n in peer.keys]:
             self._take(now, peer, peer.pending.pop(number))
+        return True
 
     def add_peer(self, now: float, robot: str, zid: str) -> bool:
-        """A robot's presence token appeared; False when we know it already."""
-        if tag(zid) in self.peers:
+        """A robot's presence token appeared; False when we know it already, or there are too many.
+
+        Of robots of one name each gets another one here: the later ones with a part of their ids.
+        """
+        if tag(zid) in self.peers or tag(zid) == tag(self.settings.zid):
             return False
-        self.peers[tag(zid)] = Peer(robot, zid, now)
-        self._wanting.clear()
+        if len(self.peers) >= MOST_PEERS:
+            self.evicted += 1
+            silent = next((p for p in self.peers.values() if p.state is None and p.digest is None), None)
+            if silent is None:
+                return False
+            self.gone(silent.zid)
+        self.peers[tag(zid)] = Peer(self._free_name(robot, zid), zid, now, name=robot)
+        self._note_origins()
         return True
+
+    def namesakes(self) -> list[Peer]:
+        """Return the robots that have another one's name, or ours."""
+        return [peer for peer in self.peers.values() if peer.robot != peer.name]
 
     def gone(self, zid: str) -> None:
         """A robot left: it and its streams take no part in plans any more."""
         peer = self.peers.pop(tag(zid), None)
-        self._wanting.clear()
-        self._note_broadcasting()
+        if peer is None:
+            return
+        self._note_interest(tag(zid), ())
         for stream in self.streams():
             stream.reached.discard(tag(zid))
-        if peer is not None and all(other.robot != peer.robot for other in self.peers.values()):
-            for place in [p for p in self._streams if p[0] == peer.robot]:
-                del self._streams[place]
+        for stream in list(self._owned.get(peer.robot, {}).values()):
+            self._forget(stream)
+        heir = next((other for other in self.peers.values() if other.name == peer.robot), None)
+        if heir is not None:
+            self._rename(heir, heir.name)
+        self._note_origins()
+        self._note_broadcasting()
+
+    def sweep(self, now: float) -> None:
+        """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
+        if now < self._swept + STALE:
+            return
+        self._swept = now
+        for stream in list(self._owned.get(PLAIN, {}).values()):
+            if now - stream.touched > max(SILENT, 5.0 * stream.schedule.period):
+                self._forget(stream)
 
     def echoes(self) -> tuple[Echo, ...]:
         """What we tell every peer of its last digest and of its samples."""
@@ -237,13 +339,73 @@ class SharedView:
 
     def _find_wanting(self, stream: Stream) -> tuple[str, ...]:
         """Return the robots whose apps subscribe to the stream, this robot included, by their tags."""
-        robots = [(name, peer.robot, peer.subscriptions) for name, peer in self.peers.items()]
-        robots.append((tag(self.settings.zid), self.settings.robot, self.interest))
-        return tuple(
-            name
-            for name, robot, expressions in robots
-            if robot != stream.robot and any(intersects(expression, stream.key) for expression in expressions)
-        )
+        wanting = self._interest.wanting(stream.key)
+        return tuple(name for name in wanting if self._name_of(name) != stream.robot)
+
+    def _name_of(self, name: str) -> str:
+        """The robot of a tag."""
+        peer = self.peers.get(name)
+        return self.settings.robot if peer is None else peer.robot
+
+    def _note_interest(self, name: str, keys: tuple[str, ...]) -> None:
+        if self._interest.set(name, keys):
+            self._wanting.clear()
+
+    def _note_origins(self) -> None:
+        """Who claims an origin first has it, unless it is a robot's own id; no plain node has its streams any more."""
+        ids = {peer.zid: peer.robot for peer in self.peers.values()}
+        claimed = {origin: peer.robot for peer in reversed(self.peers.values()) for origin in peer.origins}
+        self._robots = claimed | ids
+        for stream in list(self._owned.get(PLAIN, {}).values()):
+            robot = self._robots.get(stream.robot.removeprefix(PLAIN))
+            if robot is not None:
+                self._forget(stream)
+                self._hand_over(stream, robot)
+
+    def _hand_over(self, stream: Stream, robot: str) -> None:
+        """What was overheard of a stream stays known; its robot counts by itself."""
+        if (robot, stream.key) in self._streams:
+            return
+        heir = Stream(stream.id, robot, stream.key, stream.information_type, touched=stream.touched)
+        heir.last, heir.sent, heir.interval, heir.recent = stream.last, stream.sent, stream.interval, stream.recent
+        heir.reached = stream.reached
+        heir.schedule.assume(stream.schedule.period)
+        self._admit(heir)
+
+    def _free_name(self, robot: str, zid: str) -> str:
+        """The name of a robot, with as much of its id as nobody else's has."""
+        taken = {peer.robot for peer in self.peers.values()} | {self.settings.robot}
+        names = (robot, *(f"{robot}-{zid[:length]}" for length in range(4, len(zid) + 1)))
+        return next((name for name in names if name not in taken), f"{robot}-{zid}")
+
+    def _rename(self, peer: Peer, name: str) -> None:
+        """The one that had the name is gone."""
+        streams = list(self._owned.get(peer.robot, {}).values())
+        for stream in streams:
+            self._forget(stream)
+        peer.robot = name
+        for stream in streams:
+            stream.robot = name
+            self._admit(stream)
+
+    def _admit(self, stream: Stream) -> None:
+        """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""
+        self._streams[stream.robot, stream.key] = stream
+        self._owned.setdefault(_owner(stream.robot), {})[stream.robot, stream.key] = stream
+        if len(self._streams) > self.settings.streams:
+            own, new = self.settings.robot, _owner(stream.robot)
+            owners = [owner for owner, owned in self._owned.items() if owner != new or len(owned) > 1]
+            most = max(owners, key=lambda owner: (len(self._owned[owner]), owner != own, owner))
+            self._forget(next(s for s in self._owned[most].values() if s is not stream))
+            self.evicted += 1
+
+    def _forget(self, stream: Stream) -> None:
+        owner = _owner(stream.robot)
+        del self._streams[stream.robot, stream.key]
+        del self._owned[owner][stream.robot, stream.key]
+        if not self._owned[owner]:
+            del self._owned[owner]
+        self._wanting.pop((stream.robot, stream.key), None)
 
     def _note_broadcasting(self) -> None:
         transports = {peer.robot: peer.transport for peer in self.peers.values()}
@@ -258,14 +420,21 @@ class SharedView:
         stream = self.stream(now, peer.robot, key)
         if stream is None:
             return
-        stream.schedule.assume(peer.periods.get(key, 0.0))
-        t_gen = peer.offset.ours(news.t_generated)
-        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale))
+        told = peer.told.get(key)
+        if told is not None:
+            stream.schedule.assume(told.period, told.schedule)
+        t_gen = min(peer.offset.ours(news.t_generated), now)
+        features = stream.information_type.heard(news.features)
+        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale, features))
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
-            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale))
+            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
 
     def _active(self, now: float, stream: Stream) -> bool:
         """Whether more samples are to be expected of the stream."""
-        last = stream.schedule.last
-        return last is not None and now - last < max(STALE, 5.0 * stream.schedule.period)
+        return not stream.schedule.over(now)
+
+
+def _owner(robot: str) -> str:
+    """Whose streams are counted together, so that nobody pushes out another one's."""
+    return PLAIN if robot.startswith(PLAIN) else robot

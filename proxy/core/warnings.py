@@ -19,6 +19,16 @@ def transport_warnings(view: SharedView) -> list[str]:
     ]
 
 
+def namesake_warning(name: str, zid: str, shown: str) -> str:
+    """Say that another robot has a name that was taken; here it is `shown` as another one."""
+    return f"two robots on the mesh are called {name!r}: rename one; the one of session {zid} is {shown!r} here"
+
+
+def namesake_warnings(view: SharedView) -> list[str]:
+    """Name every robot with a name that was taken when it came."""
+    return [namesake_warning(peer.name, peer.zid, peer.robot) for peer in view.namesakes()]
+
+
 def cast_warnings(limits: Iterable[Limit], transport: str) -> list[str]:
     """Name every limit of airtime that counts another kind of transmission than there is."""
     cast = "multicast" if is_broadcast(transport) else "unicast"

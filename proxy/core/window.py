@@ -8,15 +8,16 @@ or the last few where the stream does not go by the most recent one. Everything 
 traffic, for what it uses.
 """
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 
 from planner import Aggregation, Message, Problem, Receiver, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.inbox import Waiting
-from proxy.core.limits import Limits, use_of
+from proxy.core.limits import Limits, Promise, Promises, use_of
 from proxy.core.receivers import grouped
 from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
@@ -27,6 +28,10 @@ MOST_FACTS = 16
 """So many of the messages last sent of a stream are facts where more than one counts."""
 MOST_OF_BEST = 24
 """So many forecasts of a stream are planned for where the best message counts: time grows with their square."""
+LEAD = 0.02
+"""A robot hears what we let it send so much before it decides on it, besides the latency [s]."""
+OVERHEARD = 0.05
+"""What was sent we have overheard so much later at most, besides the latency [s]."""
 MOST_OF_OWN = 3
 """So many waiting samples, and so many forecasts, of a stream with an aggregation of the operator's.
 
@@ -77,6 +82,19 @@ class _Open:
     current: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """A message of another robot as we expect it: of which stream, in how many copies, and what it will be."""
+
+    stream: Stream
+    copies: int
+    message: Promise
+
+
+Ahead = Mapping[int, Expected]
+"""What the messages of a problem are, by their places."""
+
+
 class WindowBuilder:
     """Builds the problem of one decision from the shared view."""
 
@@ -86,7 +104,26 @@ class WindowBuilder:
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
         """Return the problem of deciding `current` while others of our own samples are `waiting`."""
-        candidates = self._candidates(now, current.key, only_own=bool(limits.held))
+        found = self._build(now, current, waiting, limits)
+        if found is None:
+            raise LookupError(f"{current.key} has no stream")
+        return found[0]
+
+    def ahead(self, now: float, waiting: Iterable[Waiting], limits: Limits) -> tuple[Problem, Ahead] | None:
+        """Return the problem of what others should send, and what its messages are; None when nothing is expected.
+
+        Its current message is just the first.
+        """
+        found = self._build(now, None, waiting, limits)
+        if found is None:
+            return None
+        problem, opened = found
+        return problem, {place: expected for place, m in opened.items() if (expected := self._expected(m)) is not None}
+
+    def _build(
+        self, now: float, current: Waiting | None, waiting: Iterable[Waiting], limits: Limits
+    ) -> tuple[Problem, dict[int, _Open]] | None:
+        candidates = self._candidates(now, "" if current is None else current.key, only_own=bool(limits.held))
         end = self._forecast(now, candidates, limits)
         for candidate in candidates:
             candidate.times = _bounded(candidate, [t for t in candidate.times if t <= end])
@@ -94,17 +131,30 @@ class WindowBuilder:
         ours = {c.stream.key: c for c in candidates if c.stream.robot == self._view.settings.robot}
         opened = [
             _Open(w.t_gen, c, w.size, w.scale, w.features, w is current)
-            for w in (*_competing(waiting, ours), current)
+            for w in (*_competing(waiting, ours), *([] if current is None else [current]))
             for c in (ours[w.key],)
         ]
         opened += [
-            _Open(t, c, last.size, last.scale, last.features)
+            _Open(t, c, like.size, like.scale, like.features)
             for c in candidates
-            for last in (c.stream.newest,)
             for t in c.times
+            for like in (c.stream.expected(t),)
         ]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
-        return self._problem(now, candidates, opened, limits)
+        opened = [m for m in opened if m.current or self._possible(m, limits)]
+        return self._problem(now, candidates, opened, limits) if opened else None
+
+    def _possible(self, m: _Open, limits: Limits) -> bool:
+        """Whether a message to come can be sent at all by what we hold then, where that is known."""
+        if limits.holds is None or m.of.stream.robot != self._view.settings.robot:
+            return True
+        return limits.holds(m.t_gen, use_of(m.size, m.of.copies, limits.union))
+
+    def _expected(self, m: _Open) -> Expected | None:
+        """Return a message of another robot as it is expected; None when it is ours."""
+        if m.of.stream.robot == self._view.settings.robot:
+            return None
+        return Expected(m.of.stream, m.of.copies, Promise(m.t_gen, m.t_gen, m.size, m.scale, m.features))
 
     def _candidates(self, now: float, deciding: str, *, only_own: bool) -> list[_Candidate]:
         """Streams that compete, by robot and key; that of the current message always does."""
@@ -136,48 +186,61 @@ class WindowBuilder:
         settings = self._view.settings
         longest = max(c.window for c in limits.union)
         for c in candidates:
-            heard = c.stream.schedule.last or now
-            after = now if c.stream.robot == settings.robot else max(heard, now - longest)
-            c.times = c.stream.schedule.forecast(after, now + settings.horizon_time, settings.horizon)
+            after = self._since(now, c, limits, longest)
+            c.times = c.stream.schedule.forecast(after, now + settings.horizon_time, settings.horizon, now)
         ordered = sorted(t for c in candidates for t in c.times)
         end = ordered[settings.horizon - 1] if len(ordered) >= settings.horizon else now + settings.horizon_time
         return max([end, now + 2.0 * longest, *(c.times[0] for c in candidates if c.times)])
 
-    def _problem(self, now: float, candidates: list[_Candidate], opened: list[_Open], limits: Limits) -> Problem:
+    def _since(self, now: float, c: _Candidate, limits: Limits, longest: float) -> float:
+        """Return when the first message of a stream was or will be generated whose fate is open."""
+        view, stream = self._view, c.stream
+        if stream.robot == view.settings.robot:
+            return now
+        half = 0.5 * stream.schedule.period
+        if limits.promised is not None:
+            promised = limits.promised.get((stream.robot, stream.key), ())
+            return max([now + c.latency + LEAD, *(p.t_gen + half for p in promised[-1:])])
+        heard = max(stream.schedule.last or now, stream.sent.t_gen + half if stream.sent else 0.0)
+        known = now - c.latency - OVERHEARD if view.overhears(stream) else now - longest
+        return max(heard, known)
+
+    def _problem(
+        self, now: float, candidates: list[_Candidate], opened: list[_Open], limits: Limits
+    ) -> tuple[Problem, dict[int, _Open]]:
         constraints = (*limits.union, *limits.held)
-        messages = [(fact, False) for c in candidates for fact in _facts(c, now, len(constraints))]
+        messages: list[tuple[Message, _Open | None]] = [
+            (fact, None) for c in candidates for fact in _facts(c, now, len(constraints), limits.promised or {})
+        ]
         t_sent = 0.0
         for m in opened:
             own = m.of.stream.robot == self._view.settings.robot
             t_sent = max(t_sent, m.t_gen, now if own else 0.0)
             use = use_of(m.size, m.of.copies, limits.union, own=own)
             held = use if own else (0.0,) * len(use)
-            messages.append((_message(m, t_sent, (*use, *held[: len(limits.held)])), m.current))
+            messages.append((_message(m, t_sent, (*use, *held[: len(limits.held)])), m))
         robots = sorted({c.stream.robot for c in candidates})
         messages.sort(key=lambda entry: (entry[0].t_gen, entry[0].stream))
-        return Problem(
+        places = {place: m for place, (_, m) in enumerate(messages) if m is not None}
+        current = next((place for place, m in places.items() if m.current), min(places))
+        problem = Problem(
             streams=tuple(
                 PlannerStream(robots.index(c.stream.robot), c.stream.information_type.aggregation, c.receivers)
                 for c in candidates
             ),
             messages=tuple(message for message, _ in messages),
-            current=next(i for i, (_, is_current) in enumerate(messages) if is_current),
+            current=current,
             constraints=constraints,
             traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
         )
+        return problem, places
 
     def _traffic(self, now: float, limits: Limits) -> tuple[Traffic, ...]:
         """Return everything known to be sent that the windows still count; where robots hold shares only our own."""
-        view, longest = self._view, max(c.window for c in limits.union)
-        traffic = [
-            Traffic(s.t_sent, use_of(s.size, view.copies(stream), limits.union, own=False))
-            for stream in view.streams()
-            if stream.robot != view.settings.robot and not limits.held
-            for s in stream.recent
-            if now >= s.t_sent >= now - longest
-        ]
+        longest = max(c.window for c in limits.union)
+        traffic = [Traffic(t, use) for t, use in limits.others if t >= now - longest]
         traffic += [Traffic(t, (*use, *use[: len(limits.held)])) for t, use in limits.sent]
         return tuple(sorted(traffic, key=lambda sent: sent.t_sent))
 
@@ -187,7 +250,7 @@ def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
     return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.latency, utility, m.scale, use)
 
 
-def _facts(c: _Candidate, now: float, constraints: int) -> list[Message]:
+def _facts(c: _Candidate, now: float, constraints: int, promised: Promises) -> list[Message]:
     """Return what was sent of a stream as far as it matters for what comes; its use counts as traffic.
 
     Nothing where messages add up, or where whom the first one reached is no receiver any more. Of `best`, what was
@@ -199,7 +262,14 @@ def _facts(c: _Candidate, now: float, constraints: int) -> list[Message]:
         return []
     most = 1 if kind is Aggregation.MOST_RECENT else MOST_FACTS
     since = now if kind is Aggregation.BEST else 0.0
-    return [_fact(c, sent, since, nothing) for sent in islice(reversed(stream.recent), most)]
+    known = stream.sent.t_gen if stream.sent else -math.inf
+    coming = [
+        Sent(p.t_gen, p.t_gen, p.size, p.scale, p.features)
+        for p in promised.get((stream.robot, stream.key), ())
+        if p.t_gen > known + 0.5 * stream.schedule.period
+    ]
+    sent = chain(reversed(coming), reversed(stream.recent))
+    return [_fact(c, each, since, nothing) for each in islice(sent, most)]
 
 
 def _fact(c: _Candidate, sent: Sent, since: float, use: tuple[float, ...]) -> Message:

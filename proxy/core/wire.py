@@ -1,7 +1,7 @@
 """What daemons tell each other beside the data: digests and states, as frozen data.
 
-`proxy.core.codec` packs them as versioned msgpack. Times are on the sender's monotonic clock [s], sizes are bytes.
-All counters are cumulative, so a lost digest costs nothing.
+`proxy.core.codec` packs them as versioned msgpack; the robot and its tag are in the key. Times are on the sender's
+monotonic clock [s], sizes are bytes. All counters are cumulative, so a lost digest costs nothing.
 """
 
 from dataclasses import dataclass
@@ -56,11 +56,15 @@ PARTS = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Grant:
-    """Budget given to `peer` (a tag) of constraint `constraint` in this epoch, cumulative, in `PARTS` of its limit."""
+    """The sender lets `peer` (a tag) send so much from `begins` to `ends`, in whole milliseconds of its clock [s].
+
+    `parts` are `PARTS` of the ceiling of every constraint that robots share. The same grant may be told often.
+    """
 
     peer: str
-    constraint: int
-    total: int
+    begins: float
+    ends: float
+    parts: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,3 +124,15 @@ class State:
     """How its samples travel."""
     number: int = 0
     """Counts the robot's states."""
+    since: int = 0
+    """0: this is all. Else only what is new of the streams since the state of that number; the rest is as it was."""
+
+
+MOST_TOLD = 4096
+"""Streams in a state."""
+MOST_SUBSCRIPTIONS = 1024
+"""Subscriptions in a state."""
+MOST_ORIGINS = 256
+"""Origins in a state."""
+MOST_TEXT = 160_000
+"""Letters in the keys of a state's streams, and half as many in its subscriptions."""

@@ -43,7 +43,7 @@ def test_the_good_spec_is_loaded_whole(tmp_path):
     assert (camera.name, camera.keys) == ("camera", ("robot/*/camera",))
     assert (camera.aggregation, camera.weight, camera.utility) == (Aggregation.MOST_RECENT, 1.0, Video())
     assert camera.scale({"red": 0.25}) == 3.5
-    assert camera.forecast.kind == "last"
+    assert camera.forecast.plain
     assert (constraint.name, constraint.measure) == ("throughput", Throughput(250_000.0, 0.5))
 
 

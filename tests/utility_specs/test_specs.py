@@ -14,7 +14,7 @@ from planner.utility import Custom, Video
 from utility_specs import InformationType, Specs
 from utility_specs.expressions import Expression
 from utility_specs.features import Size
-from utility_specs.forecast import LastForecast
+from utility_specs.forecast import FeatureForecast
 from utility_specs.specs import MATCHES_KEPT, UTILITIES_KEPT
 
 
@@ -68,7 +68,7 @@ def information_type(name="t", keys=("t/**",), weight=1.0, scale="1", **features
         utility=Video(),
         expression=Expression.compile(scale, features),
         features=tuple(features.items()),
-        forecast=LastForecast(),
+        forecast=FeatureForecast(),
     )
 
 

@@ -1,15 +1,18 @@
 """What daemons tell each other beside the data, on real sessions."""
 
+from collections import Counter
+
 import pytest
 import zenoh
 
 from proxy.bridge import keys
-from proxy.bridge.demand import Demand
 from proxy.bridge.lane import Lane
-from proxy.bridge.presence import Presence, free_name
-from proxy.core.codec import pack_digest
-from proxy.core.events import DigestHeard, MalformedHeard, PeerAppeared, PeerGone, StateHeard
-from proxy.core.wire import Digest, State, tag
+from proxy.bridge.presence import ANSWERS, STATES, Presence, free_name
+from proxy.core.codec import MAX_BYTES, MAX_DIGEST, pack_digest, pack_state
+from proxy.core.digests import OVERHEAD
+from proxy.core.events import DigestHeard, MalformedHeard, PeerAppeared, PeerGone, StateAsked, StateHeard
+from proxy.core.wire import Digest, Echo, State, StreamState, tag
+from tests.proxy.counting import Counting
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -25,14 +28,14 @@ class Voiced:
         self.events = []
         lane = Lane("test")
         stack.callback(lane.close, 1.0)
-        self.demand = Demand(self.mesh, lambda _: None, lambda: None)
-        self.presence = Presence(self.mesh, robot, lane, self._post, self.demand)
+        self.presence = Presence(self.mesh, robot, lane, self._post, self._post)
         stack.callback(self.presence.close)
 
     def _post(self, item):
         event = item() if callable(item) else item
         if event is not None:
             self.events.append(event)
+        return True
 
     def of(self, kind):
         return [event for event in list(self.events) if isinstance(event, kind)]
@@ -77,44 +80,122 @@ def test_digests_arrive_at_high_priority_and_not_at_their_sender(two):
     assert not first.of(DigestHeard)
 
 
-def test_a_newcomer_fetches_the_state_that_was_published_before(stack):
-    """A state published to nobody is known to a robot that comes later, with what its apps subscribe to."""
+def test_a_state_is_told_to_who_asks(stack):
+    """A state published to nobody is known to a robot that asks for it, and that it was asked for is told."""
     first = Voiced(stack, "r1")
     first.presence.open()
     first.presence.send_state(first.state(subscriptions=("a/*",)))
     second = Voiced(stack, "r2", (first.endpoint,))
     second.presence.open()
+    wait_until(lambda: second.of(PeerAppeared), what="the robot")
+    second.presence.ask_state("r1", tag(first.zid))
     wait_until(lambda: second.of(StateHeard), what="the state")
     assert second.of(StateHeard)[0].state == first.state(subscriptions=("a/*",))
-    second.demand.told("z9", ["a/b"])
-    assert second.demand.copies("a/b") == 2
+    assert len(first.of(StateAsked)) == 1
+
+
+def test_who_has_no_state_yet_answers_nothing(two):
+    """The question costs nothing then."""
+    first, second = two
+    second.presence.ask_state("r1", tag(first.zid))
+    second.presence.ask_state("r2", "nobody")
+    second.presence.send_state(second.state())
+    wait_until(lambda: first.of(StateHeard), what="a state the other way")
+    assert not first.of(StateAsked)
+
+
+def test_too_many_questions_are_not_answered(two):
+    """Answers cost allowance: so many a second and no more."""
+    first, second = two
+    first.presence.send_state(first.state())
+    key = keys.state("r1", tag(first.zid))
+    replies = [len(list(second.mesh.get(key, timeout=5.0))) for _ in range(ANSWERS + 5)]
+    assert sum(replies) <= ANSWERS + 5
+    assert len(first.of(StateAsked)) == sum(replies)
 
 
 def test_a_changed_state_is_published(two):
-    """Those who are there learn of a change without asking."""
+    """Those who are there learn of a change without asking; where there is an update, of that alone."""
     first, second = two
-    first.presence.send_state(first.state(mode="shadow"))
-    wait_until(lambda: second.of(StateHeard), what="the state")
-    assert second.of(StateHeard)[-1].state.mode == "shadow"
+    first.presence.send_state(first.state(mode="shadow", number=1))
+    streams = (StreamState(1, "a/b", "camera", 0.5),)
+    update = State("r1", first.zid, "", "", streams, number=2, since=1)
+    first.presence.send_state(first.state(mode="shadow", streams=streams, number=2), update)
+    wait_until(lambda: len(second.of(StateHeard)) == 2, what="both states")
+    assert [event.state for event in second.of(StateHeard)] == [first.state(mode="shadow", number=1), update]
 
 
-def test_malformed_and_forged_messages_are_counted_as_such(stack, two):
-    """Garbage, and digests and states that name another robot than their key, change nothing."""
+def test_a_digest_takes_few_bytes_whatever_the_name(stack):
+    """Zenoh sends a number for the key: its part of a digest is as large as we count it."""
+    first = Voiced(stack, "robot-with-a-long-name")
+    first.presence.open()
+    with Counting(first.endpoint) as counting:
+        second = Voiced(stack, "r2", (counting.endpoint,))
+        second.presence.open()
+        raw = Heard(second.mesh, keys.ALL_DIGESTS)
+        first.presence.send_digest(first.digest())
+        wait_until(lambda: raw.samples, what="the first digest")
+        sizes = []
+        for sent in range(1, 6):
+            before, heard = counting.carried, len(raw.samples)
+            digest = first.digest(sent=1000.0 + sent)
+            first.presence.send_digest(digest)
+            wait_until(lambda heard=heard: len(raw.samples) > heard, what="a digest")
+            sizes.append(counting.carried - before - len(pack_digest(digest)))
+    assert min(sizes) == OVERHEAD
+
+
+def test_echoes_are_read_with_the_times_at_which_we_sent(two):
+    """Only the last digits of a time travel."""
+    first, second = two
+    first.presence.send_digest(first.digest(sent=123456.7891))
+    echoes = (Echo(tag(first.zid), 123456.7891, 5.0, 3, 0.0), Echo(tag(first.zid), 99.0, 5.0, 3, 0.0))
+    second.presence.send_digest(second.digest(sent=5.5, echoes=echoes))
+    wait_until(lambda: first.of(DigestHeard), what="the echo")
+    assert first.of(DigestHeard)[0].digest.echoes == echoes[:1]
+
+
+def test_malformed_and_forged_messages_are_counted_by_kind(stack, two):
+    """Garbage, giants, states that name another session than their key and subscribe to nonsense change nothing."""
     first, _ = two
     hostile = closing(stack, plain_session("peer", connect=(first.endpoint,)))
-    probe = hostile.declare_publisher(keys.digest("r9"))
+    probe = hostile.declare_publisher(keys.digest("r9", "z9"))
     wait_until(lambda: probe.matching_status.matching, what="the link")
-    probe.put(b"garbage")
-    hostile.put(keys.state("r9"), b"\xff" * 100, congestion_control=zenoh.CongestionControl.BLOCK)
-    forged = pack_digest(Digest("r2", tag("z2"), 1.0, 1, 1, 1))
-    hostile.put(keys.digest("r9"), forged, congestion_control=zenoh.CongestionControl.BLOCK)
-    wait_until(lambda: len(first.of(MalformedHeard)) == 3, what="three malformed messages")
-    assert {event.robot for event in first.of(MalformedHeard)} == {"r9"}
+
+    def put(key, payload):
+        hostile.put(key, payload, congestion_control=zenoh.CongestionControl.BLOCK)
+
+    put(keys.digest("r9", "z9"), b"garbage")
+    put(keys.digest("r9", "z9"), b"\x00" * (MAX_DIGEST + 1))
+    put(keys.state("r9", "z9"), b"\xff" * 100)
+    put(keys.state("r9", "z9"), b"\xff" * (MAX_BYTES + 1))
+    put(keys.state("r9", "z9"), pack_state(State("r9", "another", "", "")))
+    put(keys.state("r9", "z9"), pack_state(State("r9", "z9", "", "", subscriptions=("a//b",))))
+    wait_until(lambda: len(first.of(MalformedHeard)) == 6, what="what is malformed")
+    kinds = Counter(event.kind for event in first.of(MalformedHeard))
+    assert kinds == {"digest:malformed": 2, "state:malformed": 3, "state:forged": 1}
     assert not first.of(DigestHeard)
 
 
-def test_a_name_that_is_taken_is_said_loudly_by_both(stack, caplog):
-    """The newcomer runs under another name; if it insists, the older one says so and does not believe it."""
+def test_a_flood_of_states_is_bounded(two):
+    """States that wait to be read are large: more than a few are not kept."""
+    first, second = two
+    jobs = []
+    first.presence._offer = lambda item: jobs.append(item) or True
+    sample = Heard(second.mesh, keys.ALL_STATES)
+    first.presence.send_state(first.state())
+    wait_until(lambda: sample.samples, what="a state")
+    for _ in range(STATES + 3):
+        first.presence._hear_state(sample.samples[0])
+    assert sum(isinstance(job, MalformedHeard) for job in jobs) == 3
+    first.presence._offer = lambda _: False
+    jobs[0]()
+    first.presence._hear_state(sample.samples[0])
+    assert first.presence._waiting.acquire(blocking=False)
+
+
+def test_a_name_that_is_taken_is_said_loudly_by_the_newcomer(stack, caplog):
+    """It runs under another name."""
     first = Voiced(stack, "r1")
     first.presence.open()
     second = Voiced(stack, "r1", (first.endpoint,))
@@ -124,11 +205,23 @@ def test_a_name_that_is_taken_is_said_loudly_by_both(stack, caplog):
     assert name[-1] == f"r1-{second.zid[:4]}"
     assert f"runs as '{name[-1]}'" in caplog.text
     assert free_name(second.mesh, "r7") == "r7"
+
+
+def test_robots_of_one_name_hear_each_other(stack):
+    """Clones that meet only now are told apart by their tags, in all that they say."""
+    first = Voiced(stack, "r1")
+    first.presence.open()
+    second = Voiced(stack, "r1", (first.endpoint,))
     second.presence.open()
+    wait_until(lambda: first.of(PeerAppeared) and second.of(PeerAppeared), what="both to see each other")
     second.presence.send_digest(second.digest())
-    wait_until(lambda: f"is called 'r1' too (session {second.zid})" in caplog.text, what="the older one's line")
-    assert not first.of(PeerAppeared)
-    assert not first.of(DigestHeard)
+    second.presence.send_state(second.state(number=1))
+    wait_until(lambda: first.of(DigestHeard) and first.of(StateHeard), what="what the clone says")
+    assert first.of(DigestHeard)[0].digest == second.digest()
+    first.presence.send_state(first.state(number=5))
+    second.presence.ask_state("r1", tag(first.zid))
+    wait_until(lambda: second.of(StateHeard), what="the answer of the one that was asked")
+    assert {event.state.zid for event in second.of(StateHeard)} == {first.zid}
 
 
 def test_a_closed_session_is_an_error_in_the_log(stack, caplog):

@@ -61,7 +61,8 @@ def test_a_period_told_by_another_robot_serves_until_one_is_seen():
     assert schedule.period == 0.0
     schedule.assume(0.5)
     assert schedule.forecast(1.0, 2.1, 5) == pytest.approx([1.5, 2.0])
-    schedule.observe(2, 1.4)
+    for count in (2, 3, 4):
+        schedule.observe(count, 1.0 + 0.4 * (count - 1))
     assert schedule.period == pytest.approx(0.4)
 
 

@@ -238,13 +238,17 @@ def test_specs_are_swapped_whole(view, make_specs):
     assert list(view.streams()) == []
 
 
-def test_a_robot_that_restarted_keeps_its_streams_when_its_old_self_leaves(view):
-    """The old presence token vanishes after the new one appeared."""
+def test_a_robot_that_restarted_has_its_name_when_its_old_self_leaves(view):
+    """The old presence token vanishes after the new one appeared; the new one's streams count anew."""
     meet(view)
-    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0)))
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 9, 9, 1.0, 1.0, 10, 1.0)))
     view.add_peer(2.0, "r2", "z-new")
+    assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-z-ne"]
+    view.heard_state(2.0, State("r2", "z-new", "enforce", "", (StreamState(7, CAMERA, "camera", 0.5),)))
+    view.heard_digest(2.0, Digest("r2", "z-new", 1.0, 0, 0, 0, (StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0),)))
     view.gone("z-r2")
-    assert len(list(view.streams())) == 1
+    assert [(stream.robot, stream.generated) for stream in view.streams()] == [("r2", 1)]
+    assert view.namesakes() == []
     view.gone("z-new")
     assert list(view.streams()) == []
     view.gone("z-new")

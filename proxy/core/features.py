@@ -1,0 +1,88 @@
+"""What the next samples of a stream are expected to be worth: features, or where these are not known the scale."""
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+
+from planner.errors import ProblemError
+from utility_specs.forecast import LAST, Method
+
+MEMORY = 16
+"""Values looked back on."""
+YOUNG = 6
+"""With fewer errors nothing is chosen: the last value will do."""
+BETTER = 0.9
+"""Another method must have erred by less than this part of what the first one did."""
+FADE = 0.9
+"""Errors are forgotten: each weighs so much of the next one."""
+
+
+class FeatureTrack:
+    """The past values of one feature of one stream, and what each method that may forecast it was wrong by."""
+
+    def __init__(self, methods: Sequence[Method], failed: Callable[[], None]) -> None:
+        self._methods = tuple(methods)
+        self._failed = failed
+        self._times: deque[float] = deque(maxlen=MEMORY)
+        self._values: deque[float] = deque(maxlen=MEMORY)
+        self._errors = [0.0] * len(self._methods)
+        self._judged = 0
+
+    @property
+    def method(self) -> Method:
+        """The method that is used: the one that erred least, or the first while none is clearly better."""
+        if self._judged < YOUNG and len(self._methods) > 1:
+            return self._methods[0]
+        best = min(range(len(self._methods)), key=self._errors.__getitem__)
+        return self._methods[best if self._errors[best] < BETTER * self._errors[0] else 0]
+
+    def note(self, t: float, value: float) -> None:
+        """The sample generated at `t` [s] had this value."""
+        if self._times and len(self._methods) > 1:
+            for i, method in enumerate(self._methods):
+                error = abs(self._predicted(method, t) - value)
+                self._errors[i] = FADE * self._errors[i] + (1.0 - FADE) * error
+            self._judged += 1
+        self._times.append(t)
+        self._values.append(value)
+
+    def expect(self, t: float) -> float:
+        """Return the value expected at `t` [s]; something was noted before."""
+        return self._predicted(self.method, t)
+
+    def _predicted(self, method: Method, t: float) -> float:
+        times, values = list(self._times), list(self._values)
+        try:
+            return method.predict(times, values, t)
+        except ProblemError:
+            self._failed()
+            return LAST.predict(times, values, t)
+
+
+class Outlook:
+    """All features of one stream, or its scale, at a handful of times to come."""
+
+    def __init__(self, methods: Callable[[str], Sequence[Method]], failed: Callable[[], None]) -> None:
+        self._methods = methods
+        self._failed = failed
+        self._tracks: dict[str, FeatureTrack] = {}
+
+    def note(self, t: float, values: Mapping[str, float]) -> None:
+        """A sample generated at `t` [s] had these values."""
+        if values.keys() != self._tracks.keys():
+            self._tracks = {name: FeatureTrack(self._methods(name), self._failed) for name in values}
+        for name, value in values.items():
+            self._tracks[name].note(t, value)
+
+    @property
+    def steady(self) -> bool:
+        """Whether all that is expected is the same at all times."""
+        return all(track.method.steady for track in self._tracks.values())
+
+    @property
+    def chosen(self) -> dict[str, str]:
+        """The method in use by name."""
+        return {name: track.method.kind for name, track in self._tracks.items()}
+
+    def expect(self, t: float) -> dict[str, float]:
+        """Return the values expected at `t` [s]."""
+        return {name: track.expect(t) for name, track in self._tracks.items()}

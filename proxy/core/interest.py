@@ -1,0 +1,62 @@
+"""Who subscribes to what: for any key the robots that want it, exact under every change, at little cost.
+
+Robots of a team mostly subscribe to the same expressions, so a key is compared with each expression once, whoever has
+it, and its answer is kept until an expression that matches the key comes or goes.
+"""
+
+from collections.abc import Iterable
+from functools import lru_cache
+
+import zenoh
+
+MOST_KEYS = 8192
+"""Keys whose answer is kept."""
+
+
+@lru_cache(maxsize=65_536)
+def intersects(expression: str, key: str) -> bool:
+    """Whether a subscription's key expression matches the key; an invalid one matches nothing."""
+    try:
+        return bool(zenoh.KeyExpr(expression).intersects(zenoh.KeyExpr(key)))
+    except zenoh.ZError:
+        return False
+
+
+class Interest:
+    """The subscriptions of all robots, which are named by their tags."""
+
+    def __init__(self) -> None:
+        self._of: dict[str, frozenset[str]] = {}
+        self._by: dict[str, set[str]] = {}
+        self._wanting: dict[str, tuple[str, ...]] = {}
+
+    def set(self, tag: str, expressions: Iterable[str]) -> bool:
+        """The apps of a robot now subscribe to these key expressions, and no others; False when that is no news."""
+        before, after = self._of.pop(tag, frozenset()), frozenset(expressions)
+        if after:
+            self._of[tag] = after
+        for expression in before - after:
+            self._by[expression].discard(tag)
+            if not self._by[expression]:
+                del self._by[expression]
+        for expression in after - before:
+            self._by.setdefault(expression, set()).add(tag)
+        self._renew(before ^ after)
+        return before != after
+
+    def wanting(self, key: str) -> tuple[str, ...]:
+        """Return the tags of the robots whose apps subscribe to the key, in order."""
+        found = self._wanting.get(key)
+        if found is None:
+            if len(self._wanting) >= MOST_KEYS:
+                self._wanting.clear()
+            tags: set[str] = set().union(*(by for expression, by in self._by.items() if intersects(expression, key)))
+            found = self._wanting[key] = tuple(sorted(tags))
+        return found
+
+    def _renew(self, changed: frozenset[str]) -> None:
+        """Forget the answers that changed expressions have a part in; all of them where that is less work."""
+        if len(changed) > 8:
+            self._wanting.clear()
+        for key in [key for key in self._wanting if any(intersects(expression, key) for expression in changed)]:
+            del self._wanting[key]

@@ -1,0 +1,102 @@
+"""A rhythm: period, phase and jitter of numbered generation times, by a robust straight line.
+
+Numbers put every time on the circle of one period, so nothing wraps where phases lie near 0. The slope is the median
+over pairs half of the memory apart (a cheap kin of Theil and Sen's); times far from that line are left out, and least
+squares over the others give the estimate.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import sqrt
+
+Numbered = tuple[int, float]
+"""The number of a sample and when it was generated [s]."""
+
+FAR = 4.0
+"""So many median deviations from the line is too far."""
+EXACT = 1e-4
+"""Deviations below this part of the period are never too far: clocks and the wire round."""
+WANDERING = 0.95
+"""Jitter's variance over that of its steps: 1/2 where deviations are independent, about 1 where they add up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rhythm:
+    """Sample `number` was due at `origin` [s], others every `period` [s], each `jitter` [s] off its time.
+
+    `jitter` is a standard deviation; `known` samples tell all this.
+    """
+
+    period: float
+    origin: float
+    number: int
+    jitter: float
+    known: int
+    wanders: bool = False
+    """Whether deviations add up, so that the last time alone tells the next."""
+
+    @property
+    def looseness(self) -> float:
+        """The jitter as a part of the period."""
+        return self.jitter / self.period
+
+    def due(self, number: int) -> float:
+        """When a sample was or is due [s]."""
+        return self.origin + (number - self.number) * self.period
+
+    def nudged(self, number: int, t: float) -> "Rhythm":
+        """Return the rhythm with one more sample, weighed as least squares over those `known` would."""
+        due, known = self.due(number), self.known
+        weight = 1.0 / (known * (known + 1))
+        origin = t if self.wanders else due + (4 * known - 2) * weight * (t - due)
+        return Rhythm(self.period + 6.0 * weight * (t - due), origin, number, self.jitter, known, self.wanders)
+
+
+def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:
+    """Return the rhythm of generation times, of which numbers and times rise; None for fewer than two.
+
+    A `period` that is told [s] holds as it is: then one is enough.
+    """
+    if not points or (len(points) < 2 and not period):
+        return None
+    number, last = points[-1]
+    x = [n - number for n, _ in points]
+    y = [t - last for _, t in points]
+    slope = period or _slope(x, y)
+    kept = _near(x, y, slope)
+    if len(kept) > 2 and not period:
+        slope = _least_squares(kept) or slope
+    rest = [b - slope * a for a, b in kept]
+    start = sum(rest) / len(rest)
+    square = sum([(e - start) ** 2 for e in rest]) / max(len(rest) - 2, 1)
+    steps = sum([(b - a) ** 2 for a, b in pairwise(rest)]) / max(len(rest) - 1, 1)
+    wanders = len(rest) > 4 and square > WANDERING * steps and kept[-1][0] == 0
+    if wanders:
+        start, square = rest[-1], steps
+    return Rhythm(slope, last + start, number, sqrt(square), len(points), wanders)
+
+
+def _slope(x: list[int], y: list[float]) -> float:
+    half = max(1, len(x) // 2)
+    slopes = sorted([(y[i + half] - y[i]) / (x[i + half] - x[i]) for i in range(len(x) - half)])
+    return slopes[len(slopes) // 2]
+
+
+def _near(x: list[int], y: list[float], slope: float) -> list[Numbered]:
+    """Return the points that are not far from the line of this slope; at least half of them."""
+    rest = [b - slope * a for a, b in zip(x, y, strict=True)]
+    middle = sorted(rest)[len(rest) // 2]
+    off = [abs(e - middle) for e in rest]
+    most = max(FAR * sorted(off)[len(off) // 2], EXACT * slope)
+    return [(a, b) for a, b, e in zip(x, y, off, strict=True) if e <= most]
+
+
+def _least_squares(points: list[Numbered]) -> float:
+    """Return the slope; 0.0 when there is none above 0."""
+    count = len(points)
+    sum_x = sum([a for a, _ in points])
+    sum_y = sum([b for _, b in points])
+    over = sum([a * b for a, b in points]) - sum_x * sum_y / count
+    under = sum([a * a for a, _ in points]) - sum_x * sum_x / count
+    return max(0.0, over / under) if under > 0.0 else 0.0

@@ -1,0 +1,85 @@
+"""What a robot tells of itself: its state, what is news of it, and how much of it can be told."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from proxy.core.mode import Mode
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+from proxy.core.wire import MOST_ORIGINS, MOST_SUBSCRIPTIONS, MOST_TEXT, MOST_TOLD, State, StreamState
+
+LEAST_CHANGE = 0.1
+"""Periods are estimates: only one that moved by this part is news."""
+LEAST_GROWTH = 0.5
+"""So are sizes, which every digest tells anew."""
+
+
+def state_of(view: SharedView, mode: Mode) -> State:
+    """Return the state of this robot as it is now, without a number."""
+    settings = view.settings
+    return State(
+        robot=settings.robot,
+        zid=settings.zid,
+        mode=mode.value,
+        specs=view.specs.generation,
+        streams=tuple(_stream_state(stream) for stream in sorted(view.own(), key=lambda s: s.id)),
+        subscriptions=view.interest,
+        wall_offset=settings.wall_offset,
+        origins=tuple(view.origins),
+        transport=settings.transport,
+    )
+
+
+def shortened(state: State) -> tuple[State, int]:
+    """Return as much of a state as can be told, the latest streams left out first, and how much that leaves out."""
+    streams = state.streams[:MOST_TOLD]
+    while sum(len(s.key) + len(s.information_type) + len(s.schedule) for s in streams) > MOST_TEXT:
+        streams = streams[: len(streams) // 2]
+    subscriptions = state.subscriptions[:MOST_SUBSCRIPTIONS]
+    while sum(map(len, subscriptions)) > MOST_TEXT // 2:
+        subscriptions = subscriptions[: len(subscriptions) // 2]
+    origins = state.origins[:MOST_ORIGINS]
+    left = len(state.streams) - len(streams) + len(state.subscriptions) - len(subscriptions)
+    left += len(state.origins) - len(origins)
+    return (replace(state, streams=streams, subscriptions=subscriptions, origins=origins), left) if left else (state, 0)
+
+
+def differs(told: State, state: State) -> bool:
+    """Whether a state is news."""
+    return bool(_news(told, state)) or _apart_from_streams(told) != _apart_from_streams(state) or _lost(told, state)
+
+
+def update_of(told: State, state: State) -> State | None:
+    """Return what is news of a state; None when that is not of its streams alone, and all of it must be told."""
+    if told.number == 0 or _apart_from_streams(told) != _apart_from_streams(state) or _lost(told, state):
+        return None
+    return State(state.robot, state.zid, "", "", _news(told, state), number=state.number, since=told.number)
+
+
+def _news(told: State, state: State) -> tuple[StreamState, ...]:
+    before = {stream.id: stream for stream in told.streams}
+    return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s))
+
+
+def _moved(told: StreamState, stream: StreamState) -> bool:
+    if (told.key, told.information_type, told.schedule) != (stream.key, stream.information_type, stream.schedule):
+        return True
+    change = LEAST_CHANGE * max(stream.period, 1e-9)
+    if abs(stream.jitter - told.jitter) > change or abs(stream.period - told.period) > change:
+        return True
+    return abs(stream.size - told.size) > LEAST_GROWTH * max(stream.size, 1)
+
+
+def _lost(told: State, state: State) -> bool:
+    """Whether streams are gone."""
+    return not {stream.id for stream in told.streams} <= {stream.id for stream in state.streams}
+
+
+def _apart_from_streams(state: State) -> Iterable[object]:
+    return state.mode, state.specs, state.subscriptions, state.origins
+
+
+def _stream_state(stream: Stream) -> StreamState:
+    schedule, size = stream.schedule, round(stream.mean_size)
+    kind, period, jitter = schedule.kind, schedule.period, schedule.jitter
+    return StreamState(stream.id, stream.key, stream.information_type.name, period, jitter, size, kind)
