@@ -12,7 +12,7 @@ from typing import Any
 from proxy.core import events as ev
 from proxy.core.allocation import Room, gifts, targets
 from proxy.core.claims import claims
-from proxy.core.commands import Command, Notice, SendDigest, SendState
+from proxy.core.commands import Command, Drop, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
 from proxy.core.digests import DigestPacer
 from proxy.core.gate import Gate
@@ -24,6 +24,7 @@ from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Generated, Stream
 from proxy.core.view import SharedView
+from proxy.core.wall import WallClocks
 from proxy.core.warnings import transport_warnings
 from proxy.core.window import WindowBuilder
 from proxy.core.wire import PARTS, Digest, State, StreamState, tag
@@ -33,6 +34,8 @@ COVERED_FLOOR = 0.1
 """Part of what we hold that traffic without a spec leaves to covered streams."""
 ALLOCATION_PACE = 0.05
 """Shares are looked at anew this often at most [s]."""
+WALL_STEP = 1e-3
+"""A wall clock that moved by more than this is told anew [s]."""
 STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
 
@@ -49,7 +52,10 @@ class Core:
         self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=now + settings.settle)
         self.gate = Gate(settings, self.view, self.shares, self.counts, WindowBuilder(self.view, now))
         self.pacer = DigestPacer(now)
+        self.clocks = WallClocks(self.view)
         self.malformed = 0
+        self._keys: dict[int, str] = {}
+        """Of our samples that are not handed over yet."""
         self._tickets = 0
         self._allocated_at = now - ALLOCATION_PACE
         self._urgent = False
@@ -59,7 +65,9 @@ class Core:
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order."""
-        return [*self._on(event), *self._advance(event.now)]
+        commands = [*self._on(event), *self._advance(event.now)]
+        self._forget_dropped(commands)
+        return commands
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
@@ -80,11 +88,13 @@ class Core:
     @_on.register
     def _(self, event: ev.SamplePublished) -> list[Command]:
         self.counts.enter(event.sample)
+        self._keys[event.sample] = event.key
         if event.superseded:
             self.counts.passed(event.superseded, SUPERSEDED)
         self.view.claim(event.origin)
         robot = self.settings.robot
         if self.view.robot_of(event.origin) != robot:
+            del self._keys[event.sample]
             return [self.gate.pass_on(event.sample, "passed:relayed")]
         if self.gate.mode is Mode.PASS:
             return [self.gate.pass_on(event.sample, "passed:mode")]
@@ -119,12 +129,16 @@ class Core:
     def _(self, event: ev.SampleHanded) -> list[Command]:
         self.counts.hand(event.sample)
         self.gate.handed(event.sample)
+        key = self._keys.pop(event.sample, None)
+        if key is not None:
+            self.view.handed(key)
         return []
 
     @_on.register
     def _(self, event: ev.SampleRefused) -> list[Command]:
         self.counts.drop(event.sample, "dropped:egress")
         self.gate.refused(event.sample)
+        self._keys.pop(event.sample, None)
         return []
 
     @_on.register
@@ -137,13 +151,20 @@ class Core:
         digest = event.digest
         if self.view.heard_digest(event.now, digest):
             self.shares.heard(digest.tag, digest.epoch, digest.grants)
+            return self.clocks.compare(event.now, (self.view.peers[digest.tag],))
         return []
 
     @_on.register
     def _(self, event: ev.StateHeard) -> list[Command]:
         before = transport_warnings(self.view)
         self.view.heard_state(event.now, event.state)
-        return [Notice("error", warning) for warning in transport_warnings(self.view) if warning not in before]
+        wrong = [Notice("error", warning) for warning in transport_warnings(self.view) if warning not in before]
+        return [*wrong, *self._compare_clocks(event.now)]
+
+    @_on.register
+    def _(self, event: ev.ClockChanged) -> list[Command]:
+        self.view.wall_offset = event.wall_offset
+        return self._compare_clocks(event.now)
 
     @_on.register
     def _(self, _event: ev.MalformedHeard) -> list[Command]:
@@ -182,12 +203,14 @@ class Core:
     @_on.register
     def _(self, event: ev.SpecsChanged) -> list[Command]:
         self.view.set_specs(event.specs)
+        self.view.restart_losses()
         self._adopt_limits(event.now)
         return [Notice("info", f"specs {event.specs.generation} in force")]
 
     @_on.register
     def _(self, event: ev.ModeChanged) -> list[Command]:
         self.gate.mode = event.mode
+        self.view.restart_losses()
         released = self.gate.release(event.now) if event.mode is Mode.PASS else []
         return [Notice("info", f"mode {event.mode.value}"), *released]
 
@@ -245,6 +268,7 @@ class Core:
             echoes=self.view.echoes() if self.pacer.full(now) else (),
         )
         self._urgent = False
+        self.view.sent_digest(now)
         self.pacer.sent(now, digest, len(self.view.peers) + self.settings.relayed)
         return SendDigest(digest)
 
@@ -263,6 +287,14 @@ class Core:
         self.shares.set_limits(now, self.gate.limits)
         self.pacer.set_rate(allowance_of(self.view.specs, self.settings.allowance, robots))
 
+    def _compare_clocks(self, now: float) -> list[Command]:
+        return self.clocks.compare(now, self.view.peers.values())
+
+    def _forget_dropped(self, commands: list[Command]) -> None:
+        for command in commands:
+            if isinstance(command, Drop):
+                self._keys.pop(command.sample, None)
+
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""
         each = use_of(-(-size // count), 1, self.gate.limits)
@@ -276,6 +308,8 @@ class Core:
     def _differs(told: State, state: State) -> bool:
         """Periods are estimates: only one that moved by a tenth is news."""
         periods = {stream.id: stream.period for stream in told.streams}
+        if abs(state.wall_offset - told.wall_offset) > WALL_STEP:
+            return True
         moved = any(
             stream.id not in periods or abs(stream.period - periods[stream.id]) > 0.1 * max(stream.period, 1e-9)
             for stream in state.streams
@@ -290,7 +324,7 @@ class Core:
             specs=self.view.specs.generation,
             streams=tuple(_stream_state(stream) for stream in self.view.own()),
             subscriptions=self.view.interest,
-            wall_offset=self.settings.wall_offset,
+            wall_offset=self.view.wall_offset,
             origins=tuple(self.view.origins),
             transport=self.settings.transport,
         )

@@ -17,9 +17,10 @@ from planner import Aggregation, Message, Problem, Receiver, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, use_of
-from proxy.core.receivers import grouped
+from proxy.core.receivers import Way, grouped
 from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
+from proxy.core.ways import latency, per_byte, ways
 
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
@@ -38,7 +39,7 @@ Most such models have a state for every set of messages; so these are 2^7 with t
 class _Candidate:
     """A stream that competes, and when it is expected to generate; `place` is its number in the problem.
 
-    Each of its messages takes `latency` [s] to the first of its `receivers`.
+    A message as large as the last one takes `latency` [s] to the first of its `receivers`, and `per_byte` more.
     """
 
     stream: Stream
@@ -46,7 +47,12 @@ class _Candidate:
     copies: int
     latency: float
     receivers: tuple[Receiver, ...]
+    per_byte: float
     times: list[float]
+
+    def latency_of(self, size: int) -> float:
+        """The time that a message of so many bytes takes to the first of the receivers [s]."""
+        return max(0.0, self.latency + self.per_byte * (size - self.stream.newest.size))
 
     @property
     def worth(self) -> float:
@@ -118,15 +124,15 @@ class WindowBuilder:
             ),
             key=lambda s: (s.robot, s.key),
         )
-        return [_Candidate(s, place, view.copies(s), *self._receivers(s), []) for place, s in enumerate(competing)]
+        return [
+            _Candidate(s, place, view.copies(s), *self._receivers(s), per_byte(view, s.robot), [])
+            for place, s in enumerate(competing)
+        ]
 
     def _receivers(self, stream: Stream) -> tuple[float, tuple[Receiver, ...]]:
-        """Return the least latency, and who gains by a stream; how far others are from each other is not known."""
-        view = self._view
-        latency = view.latency(stream.robot)
-        if stream.robot == view.settings.robot:
-            return grouped(view.latencies(stream) or [latency])
-        return latency, (Receiver(0.0, float(max(1, len(view.gaining(stream))))),)
+        """Return the least latency of a message like the last one, and who gains by a stream."""
+        size = stream.newest.size
+        return grouped(ways(self._view, stream, size) or [Way(latency(self._view, stream.robot, size))])
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -184,7 +190,7 @@ class WindowBuilder:
 
 def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
     utility = m.of.stream.information_type.utility_of(m.features)
-    return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.latency, utility, m.scale, use)
+    return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.latency_of(m.size), utility, m.scale, use)
 
 
 def _facts(c: _Candidate, now: float, constraints: int) -> list[Message]:
@@ -204,7 +210,7 @@ def _facts(c: _Candidate, now: float, constraints: int) -> list[Message]:
 
 def _fact(c: _Candidate, sent: Sent, since: float, use: tuple[float, ...]) -> Message:
     utility = c.stream.information_type.utility_of(sent.features)
-    t_rcv = max(sent.t_sent + c.latency, since)
+    t_rcv = max(sent.t_sent + c.latency_of(sent.size), since)
     return Message(c.place, sent.t_gen, sent.t_sent, t_rcv, utility, sent.scale, use, sent=True)
 
 
