@@ -114,7 +114,7 @@ def weighted_median(values: Iterable[tuple[float, float]]) -> float:
 
 
 def _summed_up(taken: deque[_Taken]) -> _Class:
-    return _Class(median(each.size for each in taken), median(each.time for each in taken), len(taken))
+    return _Class(max(1.0, median(each.size for each in taken)), median(each.time for each in taken), len(taken))
 
 
 def _slope(classes: list[_Class]) -> float:

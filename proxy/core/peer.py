@@ -119,6 +119,8 @@ class Peer:
         self.keys = {stream.id: stream.key for stream in state.streams}
         self.periods = {stream.key: stream.period for stream in state.streams}
         self.subscriptions, self.origins = state.subscriptions, state.origins
+        if (self.mode, self.specs) != (state.mode, state.specs):
+            self.restart_losses()
         self.mode, self.specs = state.mode, state.specs
         self.transport = state.transport
         if self.wall_offset not in (None, state.wall_offset):
@@ -178,6 +180,7 @@ class Peer:
             return
         before, incoming.told = incoming.told, (news.forwarded, incoming.heard) if wanted else None
         if before is not None and wanted and news.forwarded >= before[0]:
+            self._in.read(self._due, self._came)
             self._due += news.forwarded - before[0]
             self._came += incoming.heard - before[1]
             self._in.read(self._due, self._came)

@@ -36,10 +36,9 @@ def latency(view: SharedView, robot: str, size: float) -> float:
         sender = view.peer_called(robot)
         if sender is None:
             return 0.0
-        took = sender.latency_from(size)
-        name = tag(sender.zid)
-        told = (peer.hears.get(name) for peer in view.peers.values())
-        known = [took] if took is not None else [line.of(size) for line in told if line is not None]
+        told = [peer.hears.get(tag(sender.zid)) for peer in view.peers.values()]
+        all_ways = [sender.latency_from(size), *(None if line is None else line.of(size) for line in told)]
+        known = [took for took in all_ways if took is not None]
     return sum(known) / len(known) if known else 0.0
 
 
