@@ -1,11 +1,8 @@
 """A team of cores on one medium: a discrete-event simulation in which every robot runs the daemon's core."""
 
-import heapq
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-
-import numpy as np
 
 from planner import Plan, SearchSettings, start
 from proxy.core import events as ev
@@ -13,157 +10,165 @@ from proxy.core.codec import pack_digest
 from proxy.core.commands import Command, Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
+from proxy.core.transport import is_broadcast
 from proxy.core.view import intersects
 from proxy.core.wire import Digest, State
+from studies.simulation.agenda import Agenda
+from studies.simulation.churn import Happening, Join
+from studies.simulation.clocks import Clock
 from studies.simulation.medium import Medium
+from studies.simulation.member import Member
+from studies.simulation.membership import Membership
+from studies.simulation.records import Delivery, Frame, OnAir
 from utility_specs import Specs
+
+__all__ = ["Delivery", "Frame", "Team"]
 
 DIGEST_OVERHEAD = 24
 """Bytes around a digest on the wire."""
-STATE_LATENCY = 0.02
-"""States go over a reliable channel and arrive after this time [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Frame:
-    """A sample that an app will publish: `t_gen` is true time [s], `size` in bytes."""
-
-    robot: str
-    key: str
-    t_gen: float
-    size: int
-    features: dict[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Delivery:
-    """A frame that was sent, and when it arrived (None: lost)."""
-
-    frame: Frame
-    t_sent: float
-    t_rcv: float | None
 
 
 @dataclass
 class Team:
-    """Robots by name, each with its subscriptions; `clocks` are added to true time by each robot."""
+    """Robots by name, each with its subscriptions; `clocks` by robot, or how far each is off [s].
+
+    `happenings` are told in the order of their times. What was sent is in `deliveries`, by receiver, and in `on_air`.
+    """
 
     specs: Specs
-    interests: dict[str, tuple[str, ...]]
+    interests: Mapping[str, tuple[str, ...]]
     medium: Medium
     seed: int = 0
     iterations: int = 300
     decision_time: float = 0.003
-    clocks: dict[str, float] = field(default_factory=dict)
+    clocks: Mapping[str, Clock | float] = field(default_factory=dict)
     settings: CoreSettings = field(default_factory=lambda: CoreSettings("", ""))
     search: SearchSettings = field(default_factory=SearchSettings)
+    happenings: Sequence[Happening] = ()
     deliveries: list[Delivery] = field(default_factory=list)
+    on_air: list[OnAir] = field(default_factory=list)
     digest_bytes: int = 0
 
     def __post_init__(self) -> None:
-        self._rng = np.random.default_rng(self.seed)
-        self._events: list[tuple[float, int, Callable[[float], None]]] = []
-        self._order = 0
-        self._frames: dict[str, dict[int, Frame]] = {robot: {} for robot in self.interests}
-        self.cores = {
-            robot: Core(
-                replace(self.settings, robot=robot, zid=f"z-{robot}", iterations=self.iterations),
-                self.specs,
-                self._clock(robot, 0.0),
-            )
-            for robot in self.interests
-        }
-        self._wakes = dict.fromkeys(self.interests, -1.0)
+        self.medium.seed = self.seed
+        self.agenda = Agenda()
+        self._broadcast = is_broadcast(self.settings.transport)
+        self._matching: dict[tuple[tuple[str, ...], str], bool] = {}
+        self._starts: dict[str, int] = {}
+        late = {h.robot for h in self.happenings if isinstance(h, Join)}
+        self.members = {robot: self._member(robot, 0.0) for robot in self.interests if robot not in late}
+        self.membership = Membership(self.agenda, self.medium, self.members, self._feed, self._member)
+
+    @property
+    def cores(self) -> dict[str, Core]:
+        """The cores of the robots that run, by name."""
+        return {robot: member.core for robot, member in self.members.items()}
 
     def run(self, frames: Sequence[Frame], until: float) -> list[Delivery]:
         """Let the apps publish `frames` and return everything that was sent by `until` [s]."""
-        for robot, keys in self.interests.items():
-            self._at(0.0, partial(self._subscribe, robot, keys))
-            for other in self.interests:
-                if other != robot:
-                    self._at(0.01, partial(self._meet, robot, other))
+        self.membership.start(self.happenings)
         for number, frame in enumerate(frames):
-            self._at(frame.t_gen, partial(self._publish, number, frame))
-        while self._events and self._events[0][0] <= until:
-            t, _, action = heapq.heappop(self._events)
-            action(t)
+            self.agenda.at(frame.t_gen, partial(self._publish, number, frame))
+        self.agenda.run(until)
         return self.deliveries
 
-    def _subscribe(self, robot: str, keys: tuple[str, ...], t: float) -> None:
-        self._feed(robot, t, ev.InterestChanged(self._clock(robot, t), keys))
-
-    def _meet(self, robot: str, other: str, t: float) -> None:
-        self._feed(robot, t, ev.PeerAppeared(self._clock(robot, t), other, f"z-{other}"))
+    def _member(self, robot: str, t: float) -> Member:
+        """Start a robot, with a new id when it ran before."""
+        number = self._starts[robot] = self._starts.get(robot, 0) + 1
+        zid = f"z-{robot}" if number == 1 else f"z{number}-{robot}"
+        given = self.clocks.get(robot, 0.0)
+        clock = given if isinstance(given, Clock) else Clock(given)
+        now = clock.monotonic(t)
+        settings = replace(
+            self.settings, robot=robot, zid=zid, iterations=self.iterations, wall_offset=clock.wall_time(t) - now
+        )
+        return Member(robot, zid, self.interests[robot], clock, Core(settings, self.specs, now))
 
     def _publish(self, number: int, frame: Frame, t: float) -> None:
-        now = self._clock(frame.robot, t)
-        self._frames[frame.robot][number] = frame
-        event = ev.SamplePublished(now, number, frame.key, frame.size, now, None, 5, frame.features)
-        self._feed(frame.robot, t, event)
+        member = self.members.get(frame.robot)
+        if member is not None:
+            member.frames[number] = frame
+            now = member.now(t)
+            self._feed(member, t, ev.SamplePublished(now, number, frame.key, frame.size, now, None, 5, frame.features))
 
-    def _feed(self, robot: str, t: float, event: ev.Event) -> None:
-        for command in self.cores[robot].handle(event):
-            self._execute(robot, t, command)
-        wake = self.cores[robot].wake_at(self._clock(robot, t)) - self.clocks.get(robot, 0.0)
-        if self._wakes[robot] <= t or wake < self._wakes[robot]:
-            self._wakes[robot] = max(wake, t + 1e-4)
-            self._at(self._wakes[robot], partial(self._wake, robot))
+    def _feed(self, member: Member, t: float, event: ev.Event) -> None:
+        if not member.running:
+            return
+        for command in member.core.handle(event):
+            self._execute(member, t, command)
+        wake = member.clock.true(member.core.wake_at(member.now(t)))
+        if member.wake <= t or wake < member.wake:
+            member.wake = max(wake, t + 1e-4)
+            self.agenda.at(member.wake, partial(self._wake, member))
 
-    def _wake(self, robot: str, t: float) -> None:
-        if t >= self._wakes[robot]:
-            self._feed(robot, t, ev.TimePassed(self._clock(robot, t)))
+    def _wake(self, member: Member, t: float) -> None:
+        if t >= member.wake:
+            self._feed(member, t, ev.TimePassed(member.now(t)))
 
-    def _execute(self, robot: str, t: float, command: Command) -> None:
+    def _execute(self, member: Member, t: float, command: Command) -> None:
         match command:
             case Decide():
                 search = start(command.problem, self.search, command.seed)
                 search.run(command.iterations)
-                self._at(t + self.decision_time, partial(self._decided, robot, command.ticket, search.plan()))
+                decided = partial(self._decided, member, command.ticket, search.plan())
+                self.agenda.at(t + self.decision_time, decided)
             case Forward(sample):
-                self._transmit(robot, t, self._frames[robot].pop(sample))
-                self._at(t, partial(self._handed, robot, sample))
+                self._transmit(member, t, member.frames.pop(sample))
+                self.agenda.at(t, partial(self._handed, member, sample))
             case Drop(sample):
-                del self._frames[robot][sample]
+                del member.frames[sample]
             case SendDigest(digest):
-                size = len(pack_digest(digest)) + DIGEST_OVERHEAD
-                for other in (o for o in self.interests if o != robot):
-                    self.digest_bytes += size
-                    arrival = self.medium.offer(t, size, self._rng)
-                    if arrival is not None:
-                        self._at(arrival, partial(self._hear_digest, other, digest))
+                self._tell(member, t, digest)
             case SendState(state):
-                for other in (o for o in self.interests if o != robot):
-                    self._at(t + STATE_LATENCY, partial(self._hear_state, other, state))
+                member.state = state
+                for other in self.membership.linked(member):
+                    self.agenda.at(
+                        self.medium.reliable(t, member.robot, other.robot), partial(self._hear_state, other, state)
+                    )
 
-    def _decided(self, robot: str, ticket: int, plan: Plan, t: float) -> None:
-        self._feed(robot, t, ev.DecisionReady(self._clock(robot, t), ticket, plan))
+    def _decided(self, member: Member, ticket: int, plan: Plan, t: float) -> None:
+        self._feed(member, t, ev.DecisionReady(member.now(t), ticket, plan))
 
-    def _handed(self, robot: str, sample: int, t: float) -> None:
-        self._feed(robot, t, ev.SampleHanded(self._clock(robot, t), sample))
+    def _handed(self, member: Member, sample: int, t: float) -> None:
+        self._feed(member, t, ev.SampleHanded(member.now(t), sample))
 
-    def _hear_digest(self, robot: str, digest: Digest, t: float) -> None:
-        self._feed(robot, t, ev.DigestHeard(self._clock(robot, t), digest))
+    def _tell(self, member: Member, t: float, digest: Digest) -> None:
+        """Send a digest to all who are linked, one copy each."""
+        size = len(pack_digest(digest)) + DIGEST_OVERHEAD
+        others = {other.robot: other for other in self.membership.linked(member)}
+        self.digest_bytes += size * len(others)
+        self.on_air.append(OnAir(t, member.robot, size * len(others)))
+        for robot, arrivals in self.medium.unicast(t, size, member.robot, others).items():
+            for arrival in arrivals:
+                self.agenda.at(arrival, partial(self._hear_digest, others[robot], digest))
 
-    def _hear_state(self, robot: str, state: State, t: float) -> None:
-        self._feed(robot, t, ev.StateHeard(self._clock(robot, t), state))
+    def _hear_digest(self, member: Member, digest: Digest, t: float) -> None:
+        self._feed(member, t, ev.DigestHeard(member.now(t), digest))
 
-    def _transmit(self, robot: str, t: float, frame: Frame) -> None:
-        stamp = self._clock(robot, frame.t_gen)
-        for other, keys in self.interests.items():
-            if other != robot and any(intersects(key, frame.key) for key in keys):
-                arrival = self.medium.offer(t, frame.size, self._rng)
-                self.deliveries.append(Delivery(frame, t, arrival))
-                if arrival is not None:
-                    self._at(arrival, partial(self._hear, other, frame, stamp))
+    def _hear_state(self, member: Member, state: State, t: float) -> None:
+        self._feed(member, t, ev.StateHeard(member.now(t), state))
 
-    def _hear(self, robot: str, frame: Frame, stamp: float, t: float) -> None:
-        origin = f"z-{frame.robot}"
-        event = ev.SampleHeard(self._clock(robot, t), frame.key, frame.size, origin, stamp, None)
-        self._feed(robot, t, event)
+    def _transmit(self, member: Member, t: float, frame: Frame) -> None:
+        linked = {other.robot: other for other in self.membership.linked(member)}
+        wanting = [robot for robot, other in linked.items() if self._wants(other, frame.key)]
+        if self._broadcast:
+            arrivals = self.medium.broadcast(t, frame.size, member.robot, linked)
+        else:
+            arrivals = self.medium.unicast(t, frame.size, member.robot, wanting)
+        copies = 1 if self._broadcast else len(wanting)
+        self.on_air.append(OnAir(t, member.robot, frame.size * copies, frame))
+        stamp = member.clock.wall_time(frame.t_gen)
+        for robot, times in arrivals.items():
+            if robot in wanting:
+                self.deliveries.append(Delivery(frame, t, min(times, default=None), robot))
+            for arrival in times:
+                self.agenda.at(arrival, partial(self._hear, linked[robot], frame, member.zid, stamp))
 
-    def _clock(self, robot: str, t: float) -> float:
-        return t + 1000.0 + self.clocks.get(robot, 0.0)
+    def _wants(self, member: Member, key: str) -> bool:
+        place = member.keys, key
+        if place not in self._matching:
+            self._matching[place] = any(intersects(expression, key) for expression in member.keys)
+        return self._matching[place]
 
-    def _at(self, t: float, action: Callable[[float], None]) -> None:
-        self._order += 1
-        heapq.heappush(self._events, (t, self._order, action))
+    def _hear(self, member: Member, frame: Frame, origin: str, stamp: float, t: float) -> None:
+        self._feed(member, t, ev.SampleHeard(member.now(t), frame.key, frame.size, origin, stamp, None))

@@ -1,0 +1,45 @@
+"""What happens to a team in flight: robots come and go, the mesh falls apart and together again."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Join:
+    """The robot starts at `t` [s], not before; after a `Leave` or a `Crash` it starts anew, with a new id."""
+
+    t: float
+    robot: str
+
+
+@dataclass(frozen=True, slots=True)
+class Leave:
+    """The robot says that it goes."""
+
+    t: float
+    robot: str
+
+
+@dataclass(frozen=True, slots=True)
+class Crash:
+    """The robot is gone without a word: its token is lost later."""
+
+    t: float
+    robot: str
+
+
+@dataclass(frozen=True, slots=True)
+class Partition:
+    """From `t` [s] on only robots of one group hear each other; those of no group hear nobody."""
+
+    t: float
+    groups: tuple[frozenset[str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Merge:
+    """All hear each other again."""
+
+    t: float
+
+
+Happening = Join | Leave | Crash | Partition | Merge

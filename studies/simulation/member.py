@@ -1,0 +1,27 @@
+"""One robot of a team from start to end: its core, its clock, and what its apps published."""
+
+from dataclasses import dataclass, field
+
+from proxy.core.core import Core
+from proxy.core.wire import State
+from studies.simulation.clocks import Clock
+from studies.simulation.records import Frame
+
+
+@dataclass(slots=True, eq=False)
+class Member:
+    """`frames` wait for their decision, by number; `state` is what queries are answered with."""
+
+    robot: str
+    zid: str
+    keys: tuple[str, ...]
+    clock: Clock
+    core: Core
+    frames: dict[int, Frame] = field(default_factory=dict)
+    state: State | None = None
+    wake: float = -1.0
+    running: bool = True
+
+    def now(self, t: float) -> float:
+        """What its monotonic clock shows at true time `t` [s]."""
+        return self.clock.monotonic(t)

@@ -1,0 +1,113 @@
+"""Who is on the mesh, who hears whom, and when the others learn of it."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from proxy.core import events as ev
+from proxy.core.wire import State
+from studies.simulation.agenda import Agenda
+from studies.simulation.churn import Crash, Happening, Join, Leave, Merge, Partition
+from studies.simulation.medium import Medium
+from studies.simulation.member import Member
+
+LIVELINESS = 0.008
+"""Until a robot is noticed that comes, or that says that it goes [s], besides the way through the air."""
+LEASE = 2.0
+"""Until a robot is missed that fell silent [s]."""
+
+
+class Membership:
+    """Runs the happenings: tells the members of each other as liveliness tokens would, and answers state queries."""
+
+    def __init__(
+        self,
+        agenda: Agenda,
+        medium: Medium,
+        members: dict[str, Member],
+        feed: Callable[[Member, float, ev.Event], None],
+        make: Callable[[str, float], Member],
+    ) -> None:
+        self._agenda = agenda
+        self._medium = medium
+        self._members = members
+        self._feed = feed
+        self._make = make
+        self._groups: tuple[frozenset[str], ...] | None = None
+        self._known: dict[tuple[Member, Member], None] = {}
+
+    def start(self, happenings: Sequence[Happening]) -> None:
+        """Let the members there are know of each other, and everything happen in its time."""
+        for member in self._members.values():
+            self._agenda.at(0.0, partial(self._subscribe, member))
+        self._agenda.at(0.0, self._look)
+        for happening in happenings:
+            self._agenda.at(happening.t, partial(self._happen, happening))
+
+    def linked(self, member: Member) -> list[Member]:
+        """Return all who can hear the member now."""
+        return [o for o in self._members.values() if o is not member and self._together(member, o)]
+
+    def _together(self, one: Member, other: Member) -> bool:
+        if not (one.running and other.running):
+            return False
+        return self._groups is None or any(one.robot in group and other.robot in group for group in self._groups)
+
+    def _happen(self, happening: Happening, t: float) -> None:
+        match happening:
+            case Join(_, robot):
+                member = self._members[robot] = self._make(robot, t)
+                self._subscribe(member, t)
+                self._look(t)
+            case Leave(_, robot):
+                self._end(self._members.pop(robot), t, LIVELINESS)
+            case Crash(_, robot):
+                self._end(self._members.pop(robot), t, LEASE)
+            case Partition(_, groups):
+                self._groups = groups
+                self._part(t, LEASE)
+                self._look(t)
+            case Merge():
+                self._groups = None
+                self._look(t)
+
+    def _subscribe(self, member: Member, t: float) -> None:
+        self._feed(member, t, ev.InterestChanged(member.now(t), member.keys))
+
+    def _end(self, member: Member, t: float, noticed: float) -> None:
+        member.running = False
+        self._part(t, noticed)
+
+    def _part(self, t: float, noticed: float) -> None:
+        """Let those who heard each other until now miss each other once it is noticed."""
+        for one, other in self._known:
+            if not self._together(one, other):
+                self._agenda.at(t + noticed, partial(self._miss, one, other))
+
+    def _look(self, t: float) -> None:
+        """Tell everybody of those who are there now and were not."""
+        for one in list(self._members.values()):
+            for other in self.linked(one):
+                if (one, other) not in self._known:
+                    self._known[one, other] = None
+                    noticed = t + self._medium.way(other.robot, one.robot).delay + LIVELINESS
+                    self._agenda.at(noticed, partial(self._meet, one, other))
+
+    def _meet(self, one: Member, other: Member, t: float) -> None:
+        """`one` notices `other`, and asks for its state."""
+        if (one, other) not in self._known:
+            return
+        self._feed(one, t, ev.PeerAppeared(one.now(t), other.robot, other.zid))
+        self._agenda.at(self._medium.reliable(t, one.robot, other.robot), partial(self._ask, one, other))
+
+    def _ask(self, one: Member, other: Member, t: float) -> None:
+        if self._together(one, other) and other.state is not None:
+            told = partial(self._answer, one, other.state)
+            self._agenda.at(self._medium.reliable(t, other.robot, one.robot), told)
+
+    def _answer(self, one: Member, state: State, t: float) -> None:
+        self._feed(one, t, ev.StateHeard(one.now(t), state))
+
+    def _miss(self, one: Member, other: Member, t: float) -> None:
+        if not self._together(one, other) and (one, other) in self._known:
+            del self._known[one, other]
+            self._feed(one, t, ev.PeerGone(one.now(t), other.robot, other.zid))
