@@ -3,7 +3,9 @@
 from collections import deque
 
 MEMORY = 32
-"""Readings looked back on."""
+"""Readings looked back on: 124 samples or more."""
+STEP = 4
+"""Samples between two readings that are kept, at least."""
 ENOUGH = 20
 """A loss among fewer samples counts as one among so many: some are only on their way."""
 
@@ -18,6 +20,8 @@ class Loss:
         """So many were sent so far, and so many received."""
         if self._read and (sent < self._read[-1][0] or received < self._read[-1][1]):
             self._read.clear()
+        if len(self._read) > 1 and self._read[-1][0] - self._read[-2][0] < STEP:
+            self._read.pop()
         if not self._read or self._read[-1] != (sent, received):
             self._read.append((sent, received))
 

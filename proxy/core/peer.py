@@ -23,8 +23,19 @@ UNHEARD = 2.0
 """A step of a wall clock is told this late at most [s]."""
 STREAMS = 1024
 """Streams of one peer that samples are counted of."""
+RECENT = 64
+"""Samples whose age is looked at anew when a step of the wall clock is told."""
 WAITS = 5
 """Waits looked back on."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Heard:
+    """A sample that came at `at` [s], and should have been sent when its robot's wall clock showed `shown`."""
+
+    at: float
+    size: int
+    shown: float
 
 
 @dataclass(slots=True)
@@ -79,6 +90,7 @@ class Peer:
     _marks: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=64))
     """Send times of our last digests, and `sent` then."""
     _incoming: dict[str, Incoming] = field(default_factory=dict)
+    _recent: deque[_Heard] = field(default_factory=lambda: deque(maxlen=RECENT))
     _samples: LatencyFit = field(default_factory=LatencyFit)
     _digests: LatencyFit = field(default_factory=LatencyFit)
     _out: Loss = field(default_factory=Loss)
@@ -123,9 +135,9 @@ class Peer:
             self.restart_losses()
         self.mode, self.specs = state.mode, state.specs
         self.transport = state.transport
-        if self.wall_offset not in (None, state.wall_offset):
-            self._samples.forget_since(now - UNHEARD)
-        self.wall_offset = state.wall_offset
+        before, self.wall_offset = self.wall_offset, state.wall_offset
+        if before is not None and before != state.wall_offset:
+            self._look_anew(now - UNHEARD, before, state.wall_offset)
 
     def postpone(self, news: StreamDigest) -> None:
         """Keep news of a stream whose key is not known yet."""
@@ -166,12 +178,14 @@ class Peer:
         if stamp is None or self.wall_offset is None or not self.offset.known:
             return
         stands, incoming.stamp = abs(stamp - incoming.stamp) < STANDS, stamp
-        age = now - self.offset.ours(stamp - self.wall_offset)
-        took = age - (median(incoming.waits) if incoming.waits else 0.0)
-        if stands or age >= MOST_AGE or took < -EARLY - self.offset.uncertainty(now):
+        heard = _Heard(now, size, stamp + (median(incoming.waits) if incoming.waits else 0.0))
+        if not stands:
+            self._recent.append(heard)
+        took = None if stands else self._took(heard, self.wall_offset)
+        if took is None:
             self.implausible += 1
         else:
-            self._samples.observe(now, size, max(0.0, took))
+            self._samples.observe(now, size, took)
 
     def heard_news(self, key: str, news: StreamDigest, *, wanted: bool) -> None:
         """The peer tells of a stream, of which we get every sample if it is `wanted` here."""
@@ -194,6 +208,22 @@ class Peer:
         self._in.restart()
         for incoming in self._incoming.values():
             incoming.told = None
+
+    def _took(self, heard: _Heard, wall_offset: float) -> float | None:
+        """The time from sending to receipt of a sample [s]; None when it cannot be right."""
+        took = heard.at - self.offset.ours(heard.shown - wall_offset)
+        return max(0.0, took) if -EARLY - self.offset.uncertainty(heard.at) <= took < MOST_AGE else None
+
+    def _look_anew(self, since: float, *wall_offsets: float) -> None:
+        """The wall clock was set from one offset to another some time `since`: what came before shows the first one.
+
+        By the wrong one a sample is the older or was never sent, so the shorter time that can be is right.
+        """
+        self._samples.forget_since(since)
+        for heard in self._recent:
+            times = [took for offset in wall_offsets if (took := self._took(heard, offset)) is not None]
+            if heard.at > since and times:
+                self._samples.observe(heard.at, heard.size, min(times))
 
     def _of(self, key: str) -> Incoming | None:
         """Return how a stream comes in; None when there are too many."""

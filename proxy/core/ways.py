@@ -8,13 +8,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from proxy.core.receivers import Way
+from planner import Receiver
+from proxy.core.receivers import Way, grouped
 from proxy.core.stream import Stream
 from proxy.core.wire import tag
 
 if TYPE_CHECKING:
+    from proxy.core.peer import Peer
     from proxy.core.view import SharedView
 
+REFRESH = 0.2
+"""What ways are like is looked at anew this often [s]."""
 MOST_LOSS = 0.95
 """A robot that gets less than the rest of our samples is not given up: it may get better."""
 
@@ -25,7 +29,14 @@ def ways(view: SharedView, stream: Stream, size: float) -> list[Way]:
     if not gaining:
         return []
     mean = Way(latency(view, stream.robot, size), 1.0 - mean_loss(view))
-    return [_known(view, stream.robot, name, size).filled(mean) for name in gaining]
+    sender = None if stream.robot == view.settings.robot else view.peer_called(stream.robot)
+    ours = tag(view.settings.zid)
+    return [
+        _known_from_us(view.peers.get(name), size).filled(mean)
+        if stream.robot == view.settings.robot
+        else _known_from(sender, None if name == ours else view.peers.get(name), size).filled(mean)
+        for name in gaining
+    ]
 
 
 def latency(view: SharedView, robot: str, size: float) -> float:
@@ -67,14 +78,73 @@ class _Known:
         return Way(mean.latency if self.took is None else self.took, share)
 
 
-def _known(view: SharedView, robot: str, name: str, size: float) -> _Known:
-    """Return what is known of the way of a robot's samples to the one with the tag `name`, which may be us."""
-    receiver, sender = view.peers.get(name), view.peer_called(robot)
-    if robot == view.settings.robot:
-        return _Known(None, None) if receiver is None else _Known(receiver.latency_to(size), receiver.loss_out)
+_UNKNOWN = _Known(None, None)
+
+
+def _known_from_us(receiver: Peer | None, size: float) -> _Known:
+    """Return what is known of the way of our samples to a robot; to a plain node there is None."""
+    return _UNKNOWN if receiver is None else _Known(receiver.latency_to(size), receiver.loss_out)
+
+
+def _known_from(sender: Peer | None, receiver: Peer | None, size: float) -> _Known:
+    """Return what is known of the way of another robot's samples, to us where the receiver is None."""
     if sender is None:
-        return _Known(None, None)
+        return _UNKNOWN
     if receiver is None:
         return _Known(sender.latency_from(size), sender.loss_in)
     line = receiver.hears.get(tag(sender.zid))
-    return _Known(None if line is None else line.of(size), None)
+    return _UNKNOWN if line is None else _Known(line.of(size), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Audience:
+    """Those that gain by a stream: a message of `size` [B] takes `latency` [s] to the first of the `receivers`.
+
+    Every byte more adds `per_byte` [s/B].
+    """
+
+    size: int
+    latency: float
+    per_byte: float
+    receivers: tuple[Receiver, ...]
+
+    def latency_of(self, size: int) -> float:
+        """The time that a message of so many bytes takes to the first of the receivers [s]."""
+        return max(0.0, self.latency + self.per_byte * (size - self.size))
+
+    @property
+    def share(self) -> float:
+        """How many they are, as far as messages get to them."""
+        return sum(r.share for r in self.receivers)
+
+    @property
+    def slowest(self) -> float:
+        """The time to the last of the receivers [s]."""
+        return self.latency + max(r.delay for r in self.receivers)
+
+
+class Audiences:
+    """The audience of each stream, looked at anew when somebody joins or leaves it, and every `REFRESH`."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self._known: dict[tuple[str, str], tuple[float, tuple[str, ...], Audience]] = {}
+
+    def of(self, now: float, stream: Stream) -> Audience:
+        """Return those that gain by a stream as they are now."""
+        gaining, place = self._view.gaining(stream), (stream.robot, stream.key)
+        known = self._known.get(place)
+        if known is not None and now < known[0] and gaining == known[1]:
+            return known[2]
+        if len(self._known) > self._view.settings.streams:
+            self._known.clear()
+        audience = _audience(self._view, stream)
+        self._known[place] = now + REFRESH, gaining, audience
+        return audience
+
+
+def _audience(view: SharedView, stream: Stream) -> Audience:
+    size = stream.newest.size
+    mean = Way(latency(view, stream.robot, size))
+    first, receivers = grouped(ways(view, stream, size) or [mean])
+    return Audience(size, first, per_byte(view, stream.robot), receivers)

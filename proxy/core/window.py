@@ -13,14 +13,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
 
-from planner import Aggregation, Message, Problem, Receiver, Traffic
+from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, use_of
-from proxy.core.receivers import Way, grouped
 from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
-from proxy.core.ways import latency, per_byte, ways
+from proxy.core.ways import Audience, Audiences
 
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
@@ -39,36 +38,25 @@ Most such models have a state for every set of messages; so these are 2^7 with t
 class _Candidate:
     """A stream that competes, and when it is expected to generate; `place` is its number in the problem.
 
-    A message as large as the last one takes `latency` [s] to the first of its `receivers`, and `per_byte` more.
+    Those that gain by its messages are its `audience`.
     """
 
     stream: Stream
     place: int
     copies: int
-    latency: float
-    receivers: tuple[Receiver, ...]
-    per_byte: float
+    audience: Audience
     times: list[float]
-
-    def latency_of(self, size: int) -> float:
-        """The time that a message of so many bytes takes to the first of the receivers [s]."""
-        return max(0.0, self.latency + self.per_byte * (size - self.stream.newest.size))
 
     @property
     def worth(self) -> float:
         """Value per byte on the air, for all forecasts together that are still there."""
         last = self.stream.newest
-        return last.scale * sum(r.share for r in self.receivers) / max(last.size * self.copies, 1) / len(self.times)
+        return last.scale * self.audience.share / max(last.size * self.copies, 1) / len(self.times)
 
     @property
     def standard(self) -> bool:
         """Whether the aggregation is the planner's own, not a model of the operator's."""
         return isinstance(self.stream.information_type.aggregation, Aggregation)
-
-    @property
-    def slowest(self) -> float:
-        """The time to the last of the receivers [s]."""
-        return self.latency + max(r.delay for r in self.receivers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +77,7 @@ class WindowBuilder:
     def __init__(self, view: SharedView, started: float) -> None:
         self._view = view
         self._started = started
+        self._audiences = Audiences(view)
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
         """Return the problem of deciding `current` while others of our own samples are `waiting`."""
@@ -125,14 +114,8 @@ class WindowBuilder:
             key=lambda s: (s.robot, s.key),
         )
         return [
-            _Candidate(s, place, view.copies(s), *self._receivers(s), per_byte(view, s.robot), [])
-            for place, s in enumerate(competing)
+            _Candidate(s, place, view.copies(s), self._audiences.of(now, s), []) for place, s in enumerate(competing)
         ]
-
-    def _receivers(self, stream: Stream) -> tuple[float, tuple[Receiver, ...]]:
-        """Return the least latency of a message like the last one, and who gains by a stream."""
-        size = stream.newest.size
-        return grouped(ways(self._view, stream, size) or [Way(latency(self._view, stream.robot, size))])
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -163,7 +146,7 @@ class WindowBuilder:
         messages.sort(key=lambda entry: (entry[0].t_gen, entry[0].stream))
         return Problem(
             streams=tuple(
-                PlannerStream(robots.index(c.stream.robot), c.stream.information_type.aggregation, c.receivers)
+                PlannerStream(robots.index(c.stream.robot), c.stream.information_type.aggregation, c.audience.receivers)
                 for c in candidates
             ),
             messages=tuple(message for message, _ in messages),
@@ -171,7 +154,7 @@ class WindowBuilder:
             constraints=constraints,
             traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
-            t_end=t_sent + opened[-1].of.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
+            t_end=t_sent + opened[-1].of.audience.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
         )
 
     def _traffic(self, now: float, limits: Limits) -> tuple[Traffic, ...]:
@@ -190,7 +173,7 @@ class WindowBuilder:
 
 def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
     utility = m.of.stream.information_type.utility_of(m.features)
-    return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.latency_of(m.size), utility, m.scale, use)
+    return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.audience.latency_of(m.size), utility, m.scale, use)
 
 
 def _facts(c: _Candidate, now: float, constraints: int) -> list[Message]:
@@ -210,7 +193,7 @@ def _facts(c: _Candidate, now: float, constraints: int) -> list[Message]:
 
 def _fact(c: _Candidate, sent: Sent, since: float, use: tuple[float, ...]) -> Message:
     utility = c.stream.information_type.utility_of(sent.features)
-    t_rcv = max(sent.t_sent + c.latency_of(sent.size), since)
+    t_rcv = max(sent.t_sent + c.audience.latency_of(sent.size), since)
     return Message(c.place, sent.t_gen, sent.t_sent, t_rcv, utility, sent.scale, use, sent=True)
 
 

@@ -77,3 +77,13 @@ def test_only_the_recent_past_counts():
     for number in range(100):
         loss.read(10 * number, 5 * min(number, 50) + 10 * max(0, number - 50))
     assert loss.share == 0.0
+
+
+def test_many_readings_of_few_samples_do_not_shorten_the_past():
+    """Digests may come more often than samples."""
+    loss = Loss()
+    for number in range(400):
+        loss.read(number // 4, number // 4 - number // 8)
+    assert loss.share == pytest.approx(0.5, abs=0.01)
+    assert loss._read[0] == (0, 0)
+    assert len(loss._read) <= MEMORY

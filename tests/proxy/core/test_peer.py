@@ -99,15 +99,17 @@ def test_a_step_of_its_wall_clock_makes_no_sample_older(peer, error):
     assert peer.latency_in.fixed == pytest.approx(0.2, abs=1e-3)
 
 
-def test_a_small_step_of_its_wall_clock_leaves_nothing(peer):
-    """What it made of samples before it was told is forgotten with it."""
+@pytest.mark.parametrize("error", [-3.0, 3.0])
+def test_a_step_of_its_wall_clock_is_looked_at_anew_when_told(peer, error):
+    """What it made of samples before is put right, those that could not be are used after all."""
     for at in range(2, 12):
         hear(peer, float(at), 0.1)
     for at in range(7):
-        hear(peer, 13.1 + 0.1 * at, 0.1, error=-3.0)
-    peer.take_state(14.0, state(997.0))
-    assert peer.implausible == 0
-    assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
+        hear(peer, 13.1 + 0.1 * at, 0.1 + 0.1 * at, size=10_000, error=error)
+    peer.take_state(14.0, state(1000.0 + error))
+    assert peer.implausible == (7 if error > 0.0 else 0)
+    assert peer.latency_from(100) == pytest.approx(0.1, abs=1e-3)
+    assert peer.latency_from(10_000) == pytest.approx(0.4, abs=1e-3)
 
 
 def test_timestamps_that_stand_still_say_nothing(peer):
