@@ -223,7 +223,7 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         transport=transport.broadcast(mesh.group) if mesh.transport == "broadcast" else transport.UNICAST,
         allowance=mesh.allowance,
         relayed=mesh.relayed,
-        wall_offset=clock.wall() - clock.monotonic(),
+        wall_offset=clock.wall_offset(),
     )
 
 

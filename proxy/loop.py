@@ -10,7 +10,7 @@ from queue import Empty, SimpleQueue
 from proxy import clock
 from proxy.core.commands import Command
 from proxy.core.core import Core
-from proxy.core.events import Event, TimePassed
+from proxy.core.events import ClockChanged, Event, TimePassed
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +39,7 @@ class Loop:
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
         self._refusing = threading.Lock()
+        self._wall = clock.WallWatch(core.view.wall_offset)
         self._thread = threading.Thread(target=self._run, name="loop", daemon=True)
 
     def start(self) -> None:
@@ -104,7 +105,11 @@ class Loop:
             event = item() if callable(item) else item
             if event is not None:
                 self.handle(event)
-            return self.core.wake_at(clock.monotonic())
+            now = clock.monotonic()
+            offset = self._wall.look(now)
+            if offset is not None:
+                self.handle(ClockChanged(now, offset))
+            return self.core.wake_at(now)
         except Exception:
             self.faults += 1
             log.exception("the core cannot handle %s", type(item).__name__)

@@ -155,15 +155,31 @@ def _peers(peers: Iterable[Status]) -> str:
         (
             str(peer.get("robot", UNKNOWN)),
             str(peer.get("mode") or UNKNOWN),
-            duration(peer.get("latency") or None),
-            duration(peer.get("clock_offset")),
+            _latency(peer.get("latency_in")),
+            _latency(peer.get("latency_out")),
+            _percent(peer.get("loss_in")),
+            _percent(peer.get("loss_out")),
+            duration(peer.get("wall_ahead")),
             duration(peer.get("digest_age")),
             str(peer.get("samples", 0)),
             str(peer.get("received_of_ours", 0)),
         )
         for peer in peers
     ]
-    return _section(("PEER", "MODE", "LATENCY", "CLOCK", "HEARD", "GOT", "GOT OURS"), "llrrrrr", rows)
+    head = ("PEER", "MODE", "FROM IT", "TO IT", "LOST IN", "OUT", "CLOCK", "HEARD", "GOT", "GOT OURS")
+    return _section(head, "llrrrrrrrr", rows)
+
+
+def _latency(line: Status | None) -> str:
+    """What a sample takes: the fixed part, and what a thousand bytes add."""
+    if line is None:
+        return UNKNOWN
+    fixed, per_byte = duration(line.get("fixed")), line.get("per_byte") or 0.0
+    return f"{fixed} + {duration(1e3 * per_byte)}/kB" if per_byte else fixed
+
+
+def _percent(part: float | None) -> str:
+    return UNKNOWN if part is None else f"{part:.1%}"
 
 
 def _warnings(status: Status) -> str:

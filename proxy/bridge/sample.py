@@ -87,8 +87,12 @@ def origin_of(stamp: zenoh.Timestamp) -> str:
 
 
 def generated(stamp: zenoh.Timestamp | None, now: float, wall: float) -> float:
-    """When a sample was made, on the monotonic clock [s]: by its timestamp if that is plausible, else now."""
+    """When a sample was made, on the monotonic clock [s]: by its timestamp if that is plausible, else now.
+
+    A timestamp from the future is not: Zenoh's clock stands still while the wall clock, set back, is behind it, and
+    runs ahead with another one that is ahead.
+    """
     if stamp is None:
         return now
     age = wall - wall_of(stamp)
-    return now - age if abs(age) <= MAX_STAMP_ERROR else now
+    return now - age if 0.0 <= age <= MAX_STAMP_ERROR else now

@@ -14,7 +14,7 @@ from typing import Any
 from proxy.core import events as ev
 from proxy.core.asking import Asking
 from proxy.core.codec import pack_digest, pack_state
-from proxy.core.commands import AskState, Command, NoteInterest, Notice, SendDigest, SendState
+from proxy.core.commands import AskState, Command, Drop, NoteInterest, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
 from proxy.core.digests import QUESTION, DigestPacer
 from proxy.core.fixed import feature, rounded
@@ -27,10 +27,11 @@ from proxy.core.plausible import PATIENCE, objection, objection_to_state
 from proxy.core.report import report
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
-from proxy.core.stating import differs, shortened, state_of, update_of
+from proxy.core.stating import WALL_STEP, differs, shortened, state_of, update_of
 from proxy.core.strangers import Strangers
 from proxy.core.stream import Generated, Stream
 from proxy.core.view import SharedView
+from proxy.core.wall import WallClocks
 from proxy.core.warnings import namesake_warning, transport_warnings
 from proxy.core.window import WindowBuilder
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
@@ -72,8 +73,11 @@ class Core:
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
         self.strangers = Strangers()
         self.asking = Asking(now)
+        self.clocks = WallClocks(self.view)
         self.untold = 0
         """Streams, subscriptions and origins that did not fit into our state."""
+        self._keys: dict[int, str] = {}
+        """Of our samples that are not handed over yet."""
         self._tickets = 0
         self._urgent = False
         self._settled_at = now + settings.settle
@@ -88,7 +92,9 @@ class Core:
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order."""
-        return [*self._on(event), *self._advance(event.now)]
+        commands = [*self._on(event), *self._advance(event.now)]
+        self._forget_dropped(commands)
+        return commands
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
@@ -110,12 +116,14 @@ class Core:
     @_on.register
     def _(self, event: ev.SamplePublished) -> list[Command]:
         self.counts.enter(event.sample)
+        self._keys[event.sample] = event.key
         if event.superseded:
             self.counts.passed(event.superseded, SUPERSEDED)
         if self.view.claim(event.origin):
             self._restate_at = event.now
         robot = self.settings.robot
         if self.view.robot_of(event.origin) != robot:
+            del self._keys[event.sample]
             return [self.gate.pass_on(event.sample, "passed:relayed")]
         if self.gate.mode is Mode.PASS:
             return [self.gate.pass_on(event.sample, "passed:mode")]
@@ -153,12 +161,16 @@ class Core:
     def _(self, event: ev.SampleHanded) -> list[Command]:
         self.counts.hand(event.sample)
         self.gate.handed(event.sample)
+        key = self._keys.pop(event.sample, None)
+        if key is not None:
+            self.view.handed(key)
         return []
 
     @_on.register
     def _(self, event: ev.SampleRefused) -> list[Command]:
         self.counts.drop(event.sample, "dropped:egress")
         self.gate.refused(event.sample)
+        self._keys.pop(event.sample, None)
         return []
 
     @_on.register
@@ -168,8 +180,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.DigestHeard) -> list[Command]:
-        self._hear(event.now, event.digest)
-        return []
+        return self._hear(event.now, event.digest)
 
     @_on.register
     def _(self, event: ev.StateHeard) -> list[Command]:
@@ -187,7 +198,15 @@ class Core:
             self.asking.want(event.now, name)
         told: list[Command] = [NoteInterest(peer.zid, peer.subscriptions)] * (peer.subscriptions != subscriptions)
         after = transport_warnings(self.view)
-        return [*told, *(Notice("error", warning) for warning in after if warning not in before)]
+        wrong_transports = (Notice("error", warning) for warning in after if warning not in before)
+        return [*told, *wrong_transports, *self._compare_clocks(event.now)]
+
+    @_on.register
+    def _(self, event: ev.ClockChanged) -> list[Command]:
+        if abs(event.wall_offset - self._state.wall_offset) > WALL_STEP:
+            self._restate_at = event.now
+        self.view.wall_offset = event.wall_offset
+        return self._compare_clocks(event.now)
 
     @_on.register
     def _(self, event: ev.MalformedHeard) -> list[Command]:
@@ -210,10 +229,10 @@ class Core:
             self._told_epoch = 0
         self.pacer.forget()
         self.asking.want(event.now, name)
-        for heard, digest in self.strangers.introduce(name):
-            self._hear(heard, digest)
         robot = self.view.peers[name].robot
         notices: list[Command] = [Notice("info", f"robot {robot} is on the mesh")]
+        for heard, digest in self.strangers.introduce(name):
+            notices += self._hear(heard, digest)
         if robot != event.robot:
             notices.append(Notice("error", namesake_warning(event.robot, event.zid, robot)))
         return notices
@@ -245,6 +264,7 @@ class Core:
     def _(self, event: ev.SpecsChanged) -> list[Command]:
         self.view.set_specs(event.specs)
         self._restate_at = event.now
+        self.view.restart_losses()
         self._adopt_limits(event.now)
         return [Notice("info", f"specs {event.specs.generation} in force")]
 
@@ -252,6 +272,7 @@ class Core:
     def _(self, event: ev.ModeChanged) -> list[Command]:
         self.gate.mode = event.mode
         self._restate_at = event.now
+        self.view.restart_losses()
         released = self.gate.release(event.now) if event.mode is Mode.PASS else []
         return [Notice("info", f"mode {event.mode.value}"), *released]
 
@@ -326,6 +347,7 @@ class Core:
             state=self._state.number,
         )
         self._told_epoch = self.shares.epoch
+        self.view.sent_digest(now)
         self.pacer.sent(now, len(pack_digest(digest)), 1 if to else self._copies())
         self._urgent = bool(self.pacer.addressee(self.shares.grants(now)))
         return SendDigest(digest, to)
@@ -368,7 +390,7 @@ class Core:
         """How often a digest or a state is transmitted."""
         return len(self.view.peers) + (self.settings.relayed and bool(self.view.peers))
 
-    def _hear(self, now: float, digest: Digest) -> None:
+    def _hear(self, now: float, digest: Digest) -> list[Command]:
         """Take in a digest, if it is one that the robot can have sent."""
         peer = self.view.peers.get(digest.tag)
         if peer is None:
@@ -376,22 +398,23 @@ class Core:
                 self.refused["digest:forged"] += 1
             else:
                 self.strangers.keep(now, digest)
-            return
+            return []
 
         def known(news: StreamDigest) -> Stream | None:
             return self.view.known(peer.robot, peer.keys.get(news.id, ""))
 
         if wrong := objection(now, peer, digest, known):
             self.refused[wrong] += 1
-            return
+            return []
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
         if self.view.heard_digest(now, digest):
             grants = digest.grants if peer.offset.known else ()
             self.shares.heard(
-                now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.latency
+                now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.uncertainty(now)
             )
             self._look_for_state(now, digest.tag)
+        return self.clocks.compare(now, (peer,))
 
     def _look_for_state(self, now: float, name: str) -> None:
         """Ask a robot for its state if its digests speak of another one than we have."""
@@ -428,6 +451,14 @@ class Core:
         self.gate.limits = limits_of(self.view.specs, self.settings.allowance, robots)
         self.shares.set_limits(now, self.gate.limits)
         self._set_rate()
+
+    def _compare_clocks(self, now: float) -> list[Command]:
+        return self.clocks.compare(now, self.view.peers.values())
+
+    def _forget_dropped(self, commands: list[Command]) -> None:
+        for command in commands:
+            if isinstance(command, Drop):
+                self._keys.pop(command.sample, None)
 
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""

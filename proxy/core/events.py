@@ -140,6 +140,14 @@ class MatchingChanged:
 
 
 @dataclass(frozen=True, slots=True)
+class ClockChanged:
+    """Our wall clock was set: it now shows `wall_offset` [s] more than the monotonic clock."""
+
+    now: float
+    wall_offset: float
+
+
+@dataclass(frozen=True, slots=True)
 class SpecsChanged:
     """The utility specs were swapped whole."""
 
@@ -186,6 +194,7 @@ Event = (
     | PeerGone
     | InterestChanged
     | MatchingChanged
+    | ClockChanged
     | SpecsChanged
     | ModeChanged
     | DecisionReady

@@ -135,12 +135,11 @@ class Gate:
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads:
             union = tuple(
-                replace(c, limit=shares.whole(k), window=c.window + (PLAY if c.shared else 0.0)) for k, c in enumerate(self.limits)
+                replace(c, limit=shares.whole(k), window=c.window + (PLAY if c.shared else 0.0))
+                for k, c in enumerate(self.limits)
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
-        held = [
-            Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)
-        ]
+        held = [Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)]
         return Limits(self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now))
 
     def release(self, now: float) -> list[Command]:

@@ -1,48 +1,101 @@
 """The clock offset between two robots from four timestamps: a digest out, its echo back.
 
-The one-way times there and back each hold the offset with opposite sign; the least of each over the recent past is
-the pair that waited least, so half their difference is the offset and half their sum the latency.
+No message arrives before it is sent. So each digest heard bounds the offset from above, each echo of one of ours from
+below, and a bound stays one as long as it widens by what clocks drift at most. The truth is between the best bounds
+there ever were; the middle is the estimate, and half the width what it may be wrong by, whatever waited where. That
+is half the best round trip, and the drift since.
 """
 
-from collections import deque
+import math
+from dataclasses import dataclass
 
-MEMORY = 32
-"""One-way times looked back on."""
+DRIFT = 200e-6
+"""The most that the clocks of two robots drift from each other: ±100 ppm each [s/s]."""
+RESOLUTION = 2e-6
+"""What times lose on the wire [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Bound:
+    """The offset was no more (or no less) than `offset` when our clock showed `at`."""
+
+    at: float
+    offset: float
+
+    def widened(self, now: float) -> float:
+        """What clocks may have drifted since [s]."""
+        return DRIFT * max(0.0, now - self.at)
 
 
 class ClockOffset:
-    """Maps a peer's monotonic clock to ours."""
+    """Maps a peer's monotonic clock to ours. Remembers two bounds, and the last digest heard."""
 
     def __init__(self) -> None:
-        self._there: deque[float] = deque(maxlen=MEMORY)
-        self._back: deque[float] = deque(maxlen=MEMORY)
+        self._most: _Bound | None = None
+        self._least: _Bound | None = None
+        self._last: _Bound | None = None
+        self.jumps = 0
+        """How often a clock stood still or jumped, as one does while its robot sleeps."""
 
     def heard(self, sent: float, received: float) -> None:
         """A digest that the peer sent at `sent` (its clock) arrived at `received` (ours)."""
-        self._there.append(received - sent)
+        self._last = new = _Bound(received, received - sent)
+        most = self._most
+        if most is None or new.offset - most.offset <= most.widened(new.at) - new.widened(most.at):
+            self._most = new
+        self._agree()
 
     def echoed(self, sent: float, received: float) -> None:
         """Our digest, sent at `sent` (our clock), arrived there at `received` (the peer's)."""
-        self._back.append(received - sent)
+        new = _Bound(sent, sent - received)
+        least = self._least
+        if least is None or least.offset - new.offset <= least.widened(new.at) - new.widened(least.at):
+            self._least = new
+        self._agree()
 
     @property
     def known(self) -> bool:
         """Whether both directions were seen."""
-        return bool(self._there and self._back)
+        return self._most is not None and self._least is not None
 
     @property
     def offset(self) -> float:
-        """Our clock minus the peer's [s]; without echoes, as if the way here took no time."""
-        if not self._there:
+        """Our clock minus the peer's [s] at the last digest; without echoes, as if the way here took no time."""
+        if self._last is None or self._most is None:
             return 0.0
-        here = min(self._there)
-        return (here - min(self._back)) / 2.0 if self._back else here
+        most = self._most.offset + self._most.widened(self._last.at)
+        if self._least is None:
+            return most
+        return (most + self._least.offset - self._least.widened(self._last.at)) / 2.0
+
+    def uncertainty(self, now: float) -> float:
+        """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than `DRIFT`; else infinite."""
+        if self._most is None or self._least is None or self._last is None:
+            return math.inf
+        return self._width(self._last.at) / 2.0 + RESOLUTION + DRIFT * abs(now - self._last.at)
 
     @property
     def latency(self) -> float:
-        """One-way time of a digest [s], mean of both directions; 0.0 until both were seen."""
-        return max(0.0, (min(self._there) + min(self._back)) / 2.0) if self.known else 0.0
+        """One-way time of the quickest digests [s], mean of both directions; 0.0 until both were seen."""
+        if self._most is None or self._least is None:
+            return 0.0
+        return max(0.0, (self._most.offset - self._least.offset) / 2.0)
 
     def ours(self, theirs: float) -> float:
         """The time on our clock when the peer's shows `theirs`."""
         return theirs + self.offset
+
+    def _width(self, now: float) -> float:
+        """The distance between the bounds at `now` [s]; negative when they contradict each other."""
+        if self._most is None or self._least is None:
+            return math.inf
+        return self._most.offset + self._most.widened(now) - self._least.offset + self._least.widened(now)
+
+    def _agree(self) -> None:
+        """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
+        if self._last is None or self._width(self._last.at) >= -RESOLUTION:
+            return
+        self.jumps += 1
+        self._most = self._last
+        if self._width(self._last.at) < -RESOLUTION:
+            self._least = None

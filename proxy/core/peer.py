@@ -1,12 +1,55 @@
 """What is known of another robot."""
 
+from collections import deque
 from dataclasses import dataclass, field, replace
+from statistics import median
 
+from proxy.core.latency import Latency, LatencyFit
+from proxy.core.loss import Loss
 from proxy.core.offset import ClockOffset
-from proxy.core.wire import MOST_TOLD, Digest, State, StreamDigest, StreamState
+from proxy.core.wire import MOST_TOLD, Digest, Echo, State, StreamDigest, StreamState
 
 PENDING = 1024
 """Stream news kept of streams whose key is not known yet."""
+MOST_AGE = 10.0
+"""A sample that seems to be older than this when it arrives says nothing about the way [s]."""
+MOST_WAIT = 1.0
+"""A sample that seems to have waited longer than this before it was sent was not the last one generated [s]."""
+EARLY = 0.005
+"""A sample may seem to arrive so much before it was sent, besides what the clock offset may be wrong by [s]."""
+STANDS = 1e-5
+"""Timestamps closer together than this come from a clock that stands still [s]."""
+UNHEARD = 2.0
+"""A step of a wall clock is told this late at most [s]."""
+STREAMS = 1024
+"""Streams of one peer that samples are counted of."""
+RECENT = 64
+"""Samples whose age is looked at anew when a step of the wall clock is told."""
+WAITS = 5
+"""Waits looked back on."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Heard:
+    """A sample that came at `at` [s], and should have been sent when its robot's wall clock showed `shown`."""
+
+    at: float
+    size: int
+    shown: float
+
+
+@dataclass(slots=True)
+class Incoming:
+    """How the samples of one stream of a peer come in."""
+
+    heard: int = 0
+    """Samples received."""
+    stamp: float = -1.0
+    """Timestamp of the last one [s, its robot's wall clock]."""
+    waits: deque[float] = field(default_factory=lambda: deque(maxlen=WAITS))
+    """How long samples waited to be sent [s], as far as digests tell."""
+    told: tuple[int, int] | None = None
+    """Samples sent by the last news of it, and those received then."""
 
 
 @dataclass(slots=True)
@@ -29,14 +72,33 @@ class Peer:
     digest: Digest | None = None
     digest_received: float = 0.0
     pending: dict[int, StreamDigest] = field(default_factory=dict)
-    wall_offset: float = 0.0
+    wall_offset: float | None = None
+    """Its wall clock minus its monotonic clock [s]; None until it said."""
+    apart: float | None = None
+    """Its wall clock minus ours [s], when that is worth a warning."""
     samples: int = 0
     """Samples heard from it."""
-    latency_in: float = 0.0
-    """Mean time from generation there to receipt here [s]; 0.0 while unknown."""
-    latency_out: float = 0.0
-    """The same for our samples, as the peer tells it."""
+    samples_then: int = 0
+    """Those that were heard when its last digest came."""
+    implausible: int = 0
+    """Samples of it whose timestamp could not be right."""
     received_of_ours: int = 0
+    sent: int = 0
+    """Samples handed to the mesh for it."""
+    latency_out: Latency | None = None
+    """What our samples take to it, as it tells; None while unknown."""
+    hears: dict[str, Latency] = field(default_factory=dict)
+    """What the samples of other robots, by tag, take to it."""
+    _marks: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=64))
+    """Send times of our last digests, and `sent` then."""
+    _incoming: dict[str, Incoming] = field(default_factory=dict)
+    _recent: deque[_Heard] = field(default_factory=lambda: deque(maxlen=RECENT))
+    _samples: LatencyFit = field(default_factory=LatencyFit)
+    _digests: LatencyFit = field(default_factory=LatencyFit)
+    _out: Loss = field(default_factory=Loss)
+    _in: Loss = field(default_factory=Loss)
+    _due: int = 0
+    _came: int = 0
     name: str = ""
     """Its name as it says, which another robot may have too."""
     state: State | None = None
@@ -61,18 +123,46 @@ class Peer:
         return replace(self.state, streams=tuple(streams.values()), number=state.number)
 
     @property
-    def latency_to(self) -> float | None:
-        """Mean time from generation here to receipt there [s], else that of digests; None while unknown."""
-        return self.latency_out or (self.offset.latency if self.offset.known else None)
+    def latency_in(self) -> Latency | None:
+        """What samples of the peer take to us; as long as too few came, its digests; None while unknown."""
+        return self._samples.line or self._digests.line
 
-    def take_state(self, state: State) -> None:
+    @property
+    def loss_out(self) -> float | None:
+        """The part of our samples that does not reach the peer; None while unknown."""
+        return self._out.share
+
+    @property
+    def loss_in(self) -> float | None:
+        """The part of the samples sent to us that does not reach us; None while unknown."""
+        return self._in.share
+
+    def latency_to(self, size: float) -> float | None:
+        """Time from sending to receipt of one of our samples [s], else that of digests; None while unknown."""
+        if self.latency_out is not None:
+            return self.latency_out.of(size)
+        return self.offset.latency if self.offset.known else None
+
+    def latency_from(self, size: float) -> float | None:
+        """Time from sending to receipt of a sample of the peer [s]; None while unknown."""
+        line = self.latency_in
+        if line is not None:
+            return line.of(size)
+        return self.offset.latency if self.offset.known else None
+
+    def take_state(self, now: float, state: State) -> None:
         """The peer's state replaces what it said before."""
         self.state = state
         self.keys = {stream.id: stream.key for stream in state.streams}
         self.told = {stream.key: stream for stream in state.streams}
         self.subscriptions, self.origins = state.subscriptions, state.origins
-        self.mode, self.specs, self.wall_offset = state.mode, state.specs, state.wall_offset
+        if (self.mode, self.specs) != (state.mode, state.specs):
+            self.restart_losses()
+        self.mode, self.specs = state.mode, state.specs
         self.transport = state.transport
+        before, self.wall_offset = self.wall_offset, state.wall_offset
+        if before is not None and before != state.wall_offset:
+            self._look_anew(now - UNHEARD, before, state.wall_offset)
 
     def postpone(self, news: StreamDigest) -> None:
         """Keep news of a stream whose key is not known yet."""
@@ -81,6 +171,99 @@ class Peer:
         else:
             self.evicted += 1
 
-    def note_latency(self, latency: float) -> None:
-        """A sample of the peer took this long [s]."""
-        self.latency_in = latency if self.latency_in == 0.0 else 0.9 * self.latency_in + 0.1 * latency
+    def heard_digest(self, now: float, digest: Digest) -> None:
+        """A digest of the peer arrived."""
+        self.digest, self.digest_received, self.samples_then = digest, now, self.samples
+        self.offset.heard(digest.sent, now)
+
+    def time_digest(self, now: float, size: int) -> None:
+        """The digest that has just arrived, and whose echoes are known, is an example of what messages take."""
+        if self.digest is not None and self.offset.known:
+            self._digests.observe(now, size, max(0.0, now - self.offset.ours(self.digest.sent)))
+
+    def heard_echo(self, now: float, echo: Echo) -> None:
+        """The peer tells what it got of us."""
+        if echo.sent > now:
+            return  # of a digest that we have not sent
+        self.offset.echoed(echo.sent, echo.received)
+        self.received_of_ours, self.latency_out = echo.samples, latency_of(echo)
+        sent = next((count for at, count in self._marks if abs(at - echo.sent) < STANDS), None)
+        if sent is not None:
+            self._out.read(sent, echo.samples)
+
+    def sent_digest(self, at: float) -> None:
+        """We send a digest: its echo will say what had arrived of what was sent by now."""
+        self._marks.append((at, self.sent))
+
+    def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> float | None:
+        """A sample of the peer arrived; `stamp` is on its wall clock [s].
+
+        Return when it was generated, on our clock [s]; None where its timestamp cannot tell.
+        """
+        self.samples += 1
+        incoming = self._of(key)
+        if incoming is None:
+            return None
+        incoming.heard += 1
+        if stamp is None or self.wall_offset is None or not self.offset.known:
+            return None
+        stands, incoming.stamp = abs(stamp - incoming.stamp) < STANDS, stamp
+        heard = _Heard(now, size, stamp + (median(incoming.waits) if incoming.waits else 0.0))
+        if not stands:
+            self._recent.append(heard)
+        took = None if stands else self._took(heard, self.wall_offset)
+        if took is None:
+            self.implausible += 1
+            return None
+        self._samples.observe(now, size, took)
+        return self.offset.ours(stamp - self.wall_offset)
+
+    def heard_news(self, key: str, news: StreamDigest, *, wanted: bool) -> None:
+        """The peer tells of a stream, of which we get every sample if it is `wanted` here."""
+        incoming = self._of(key)
+        if incoming is None:
+            return
+        before, incoming.told = incoming.told, (news.forwarded, incoming.heard) if wanted else None
+        if before is not None and wanted and news.forwarded >= before[0]:
+            self._in.read(self._due, self._came)
+            self._due += news.forwarded - before[0]
+            self._came += incoming.heard - before[1]
+            self._in.read(self._due, self._came)
+        wait = news.t_forwarded - news.t_generated
+        if (before is None or news.forwarded > before[0]) and 0.0 <= wait < MOST_WAIT:
+            incoming.waits.append(wait)
+
+    def restart_losses(self) -> None:
+        """What is sent and what is counted there are not the same any more."""
+        self._out.restart()
+        self._in.restart()
+        for incoming in self._incoming.values():
+            incoming.told = None
+
+    def _took(self, heard: _Heard, wall_offset: float) -> float | None:
+        """The time from sending to receipt of a sample [s]; None when it cannot be right."""
+        took = heard.at - self.offset.ours(heard.shown - wall_offset)
+        return max(0.0, took) if -EARLY - self.offset.uncertainty(heard.at) <= took < MOST_AGE else None
+
+    def _look_anew(self, since: float, *wall_offsets: float) -> None:
+        """The wall clock was set from one offset to another some time `since`: what came before shows the first one.
+
+        By the wrong one a sample is the older or was never sent, so the shorter time that can be is right.
+        """
+        self._samples.forget_since(since)
+        for heard in self._recent:
+            times = [took for offset in wall_offsets if (took := self._took(heard, offset)) is not None]
+            if heard.at > since and times:
+                self._samples.observe(heard.at, heard.size, min(times))
+
+    def _of(self, key: str) -> Incoming | None:
+        """Return how a stream comes in; None when there are too many."""
+        found = self._incoming.get(key)
+        if found is None and len(self._incoming) < STREAMS:
+            found = self._incoming[key] = Incoming()
+        return found
+
+
+def latency_of(echo: Echo) -> Latency | None:
+    """Return what an echo tells of the way; None when its sender does not know."""
+    return Latency(echo.latency, echo.per_byte) if echo.latency > 0.0 or echo.per_byte > 0.0 else None

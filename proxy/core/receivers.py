@@ -1,6 +1,7 @@
-"""Who gets the messages of a stream, and how much later than the first of them."""
+"""Who gets the messages of a stream, how much later than the first of them, and how surely."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import pairwise
 
 from planner import Receiver
@@ -10,28 +11,40 @@ MOST_GROUPS = 4
 ALIKE = 1e-3
 """Latencies that round to the same multiple of this are one group [s]."""
 
-_Group = tuple[float, int]
-"""Mean latency [s], robots."""
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """The way of a message to one robot: it takes `latency` [s] and gets there with the chance `share`."""
+
+    latency: float
+    share: float = 1.0
 
 
-def grouped(latencies: Iterable[float]) -> tuple[float, tuple[Receiver, ...]]:
+def grouped(ways: Iterable[Way]) -> tuple[float, tuple[Receiver, ...]]:
     """Return the least latency [s], and the receivers with their delays after it; each robot counts once.
 
-    There is at least one latency.
+    As far as messages get to it. There is at least one way.
     """
-    alike: dict[int, list[float]] = {}
-    for latency in latencies:
-        alike.setdefault(round(latency / ALIKE), []).append(latency)
-    groups = [(sum(each) / len(each), len(each)) for _, each in sorted(alike.items())]
+    alike: dict[int, list[Way]] = {}
+    for way in ways:
+        alike.setdefault(round(way.latency / ALIKE), []).append(way)
+    groups = [_joined(each) for _, each in sorted(alike.items())]
     while len(groups) > MOST_GROUPS:
         groups = _with_nearest_joined(groups)
-    least = groups[0][0]
-    return least, tuple(Receiver(latency - least, float(robots)) for latency, robots in groups)
+    least = groups[0].latency
+    return least, tuple(Receiver(group.latency - least, group.share) for group in groups)
 
 
-def _with_nearest_joined(groups: list[_Group]) -> list[_Group]:
+def _joined(ways: list[Way]) -> Way:
+    """Return the mean way, by the shares, and the sum of the shares."""
+    share = sum(way.share for way in ways)
+    if share == 0.0:
+        return Way(sum(way.latency for way in ways) / len(ways), 0.0)
+    return Way(sum(way.latency * way.share for way in ways) / share, share)
+
+
+def _with_nearest_joined(groups: list[Way]) -> list[Way]:
     """Join the two neighbours that are closest."""
-    gaps = [after - before for (before, _), (after, _) in pairwise(groups)]
+    gaps = [after.latency - before.latency for before, after in pairwise(groups)]
     at = gaps.index(min(gaps))
-    (early, few), (late, more) = groups[at : at + 2]
-    return [*groups[:at], ((early * few + late * more) / (few + more), few + more), *groups[at + 2 :]]
+    return [*groups[:at], _joined(groups[at : at + 2]), *groups[at + 2 :]]

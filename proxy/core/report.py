@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from proxy.core.latency import Latency
 from proxy.core.peer import Peer
 from proxy.core.stream import Stream
+from proxy.core.wall import clock_warnings, wall_ahead
 from proxy.core.warnings import cast_warnings, namesake_warnings, transport_warnings
 
 if TYPE_CHECKING:
@@ -26,11 +28,12 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "streams": [_stream(core, stream, now) for stream in core.view.streams()],
-        "peers": [_peer(peer, now) for peer in core.view.peers.values()],
+        "peers": [_peer(peer, core, now) for peer in core.view.peers.values()],
         "warnings": [
             *namesake_warnings(core.view),
             *transport_warnings(core.view),
             *cast_warnings(core.gate.limits, core.settings.transport),
+            *clock_warnings(core.view),
         ],
         "malformed": core.refused.total(),
         "refused": dict(sorted(core.refused.items())),
@@ -90,16 +93,30 @@ def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
     }
 
 
-def _peer(peer: Peer, now: float) -> dict[str, Any]:
+def _peer(peer: Peer, core: Core, now: float) -> dict[str, Any]:
+    known, ahead = peer.offset.known, wall_ahead(core.view, peer)
     return {
         "robot": peer.robot,
         "zid": peer.zid,
         "mode": peer.mode,
         "transport": peer.transport,
         "specs": peer.specs,
-        "latency": peer.latency_in or peer.offset.latency,
+        "latency_in": _latency(peer.latency_in),
+        "latency_out": _latency(peer.latency_out),
+        "loss_in": peer.loss_in,
+        "loss_out": peer.loss_out,
         "clock_offset": peer.offset.offset,
+        "clock_uncertainty": peer.offset.uncertainty(now) if known else None,
+        "clock_jumps": peer.offset.jumps,
+        "wall_ahead": ahead,
         "digest_age": now - peer.digest_received if peer.digest else None,
         "samples": peer.samples,
+        "implausible": peer.implausible,
         "received_of_ours": peer.received_of_ours,
+        "sent": peer.sent,
     }
+
+
+def _latency(line: Latency | None) -> dict[str, float] | None:
+    """What samples take: a fixed part [s], and one per byte [s/B]."""
+    return None if line is None else {"fixed": line.fixed, "per_byte": line.per_byte}

@@ -12,6 +12,8 @@ LEAST_CHANGE = 0.1
 """Periods are estimates: only one that moved by this part is news."""
 LEAST_GROWTH = 0.5
 """So are sizes, which every digest tells anew."""
+WALL_STEP = 1e-3
+"""A wall clock that moved by more than this is told anew [s]."""
 
 
 def state_of(view: SharedView, mode: Mode) -> State:
@@ -24,7 +26,7 @@ def state_of(view: SharedView, mode: Mode) -> State:
         specs=view.specs.generation,
         streams=tuple(_stream_state(stream) for stream in sorted(view.own(), key=lambda s: s.id)),
         subscriptions=view.interest,
-        wall_offset=settings.wall_offset,
+        wall_offset=view.wall_offset,
         origins=tuple(view.origins),
         transport=settings.transport,
     )
@@ -46,12 +48,12 @@ def shortened(state: State) -> tuple[State, int]:
 
 def differs(told: State, state: State) -> bool:
     """Whether a state is news."""
-    return bool(_news(told, state)) or _apart_from_streams(told) != _apart_from_streams(state) or _lost(told, state)
+    return bool(_news(told, state)) or _differs_apart_from_streams(told, state) or _lost(told, state)
 
 
 def update_of(told: State, state: State) -> State | None:
     """Return what is news of a state; None when that is not of its streams alone, and all of it must be told."""
-    if told.number == 0 or _apart_from_streams(told) != _apart_from_streams(state) or _lost(told, state):
+    if told.number == 0 or _differs_apart_from_streams(told, state) or _lost(told, state):
         return None
     return State(state.robot, state.zid, "", "", _news(told, state), number=state.number, since=told.number)
 
@@ -73,6 +75,11 @@ def _moved(told: StreamState, stream: StreamState) -> bool:
 def _lost(told: State, state: State) -> bool:
     """Whether streams are gone."""
     return not {stream.id for stream in told.streams} <= {stream.id for stream in state.streams}
+
+
+def _differs_apart_from_streams(told: State, state: State) -> bool:
+    stepped = abs(state.wall_offset - told.wall_offset) > WALL_STEP
+    return stepped or _apart_from_streams(told) != _apart_from_streams(state)
 
 
 def _apart_from_streams(state: State) -> Iterable[object]:

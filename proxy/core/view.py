@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from planner import Aggregation
 from proxy.core.events import SampleHeard
 from proxy.core.interest import Interest, intersects
-from proxy.core.peer import Peer
+from proxy.core.latency import Latency
+from proxy.core.peer import Peer, latency_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
 from proxy.core.transport import is_broadcast
+from proxy.core.ways import latency
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
@@ -17,6 +19,10 @@ MOST_SENDS = 16_384
 """Sends of other robots looked back on."""
 SAME = 1e-3
 """A sample that was generated so much after the last one was sent is another one [s]."""
+DIGEST = 150
+"""A digest is about so large on the way [B]."""
+LEAST_LATENCY = 1e-6
+"""What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
 STALE = 10.0
 """Samples that seem to be older than this tell no latency [s]."""
 SILENT = 60.0
@@ -39,6 +45,8 @@ class SharedView:
         self.specs = specs
         self.peers: dict[str, Peer] = {}
         """The other robots, by tag."""
+        self.wall_offset = settings.wall_offset
+        """Our wall clock minus our monotonic clock [s]."""
         self.interest: tuple[str, ...] = ()
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0
@@ -141,13 +149,6 @@ class SharedView:
             return wanting
         return tuple(name for name in wanting if name not in stream.reached)
 
-    def latencies(self, stream: Stream) -> list[float]:
-        """The time from sending to receipt at each of those that gain by one of our own streams [s]."""
-        mean = self.latency(stream.robot)
-        peers = [self.peers.get(name) for name in self.gaining(stream)]
-        known = [None if peer is None else peer.latency_to for peer in peers]
-        return [mean if latency is None else latency for latency in known]
-
     def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
         """The `count`-th sample sent of a stream was this one."""
         noted = stream.note_sent(count, sent)
@@ -186,13 +187,13 @@ class SharedView:
         """The tags of all robots by their names, our own included."""
         return {peer.robot: name for name, peer in self.peers.items()} | {self.settings.robot: tag(self.settings.zid)}
 
-    def latency(self, robot: str) -> float:
-        """Mean time from sending to receipt of a robot's samples [s]."""
-        peers = self.peers.values()
-        if robot != self.settings.robot:
-            return next((p.latency_in or p.offset.latency for p in peers if p.robot == robot), 0.0)
-        known = [p.latency_to for p in peers if p.latency_to is not None]
-        return sum(known) / len(known) if known else 0.0
+    def latency(self, robot: str, size: float = 0.0) -> float:
+        """Mean time from sending to receipt of a robot's samples of `size` [s]; 0.0 when nothing is known."""
+        return latency(self, robot, size)
+
+    def peer_called(self, robot: str) -> Peer | None:
+        """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
+        return next((peer for peer in reversed(self.peers.values()) if peer.robot == robot), None)
 
     def robot_of(self, origin: str | None) -> str:
         """The robot whose app side an origin entered; an unknown origin is a provisional plain node."""
@@ -215,14 +216,11 @@ class SharedView:
 
     def heard_sample(self, event: SampleHeard) -> None:
         """A sample of another robot arrived from the mesh."""
-        now, stamp, robot = event.now, event.stamp, self.robot_of(event.origin)
-        peer = next((p for p in self.peers.values() if p.robot == robot), None)
-        if peer is not None and peer.digest is not None and stamp is not None:
-            peer.samples += 1
-            age = now - peer.offset.ours(stamp - peer.wall_offset)
-            if 0.0 <= age < STALE:
-                peer.note_latency(age)
-                self._overhear(now, now - age, event, robot)
+        now, robot = event.now, self.robot_of(event.origin)
+        peer = self.peer_called(robot)
+        if peer is not None and peer.digest is not None:
+            t_gen = peer.heard_sample(now, event.key, event.size, event.stamp)
+            self._overhear(now, t_gen, event, robot)
         elif robot.startswith(PLAIN) and (stream := self.stream(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
@@ -230,14 +228,16 @@ class SharedView:
             stream.note_generated(stream.generated + 1, generated, numbered=False)
             self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
-    def _overhear(self, now: float, t_gen: float, event: SampleHeard, robot: str) -> None:
+    def _overhear(self, now: float, t_gen: float | None, event: SampleHeard, robot: str) -> None:
         """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already."""
         stream = self._streams.get((robot, event.key))
+        on_air = now - self.latency(robot, event.size)
+        t_gen = on_air if t_gen is None else min(t_gen, now)
         if stream is None or stream.last is None or (stream.sent is not None and t_gen < stream.sent.t_sent + SAME):
             return
         features = event.features or {}
         scale = stream.information_type.scale(features) if features else stream.last.scale
-        t_sent = max(t_gen, min(now, now - self.latency(robot)))
+        t_sent = max(t_gen, on_air)
         self.note_sent(stream, stream.forwarded + 1, Sent(t_gen, t_sent, event.size, scale, features))
         period = stream.schedule.period
         if period > 0.0 and t_gen > stream.last.t_gen + SAME:
@@ -250,12 +250,13 @@ class SharedView:
         peer = self.peers.get(digest.tag)
         if peer is None or (peer.digest is not None and digest.sent <= peer.digest.sent):
             return False
-        peer.digest, peer.digest_received = digest, now
-        peer.offset.heard(digest.sent, now)
+        if peer.specs != self.specs.generation:
+            peer.restart_losses()  # it may not count what we count
+        peer.heard_digest(now, digest)
         for echo in digest.echoes:
-            if echo.peer == tag(self.settings.zid):
-                peer.offset.echoed(echo.sent, echo.received)
-                peer.received_of_ours, peer.latency_out = echo.samples, echo.latency
+            self._heard_echo(now, peer, echo)
+        if not is_broadcast(peer.transport):
+            peer.time_digest(now, DIGEST)
         for news in digest.streams:
             self._take(now, peer, news)
         return True
@@ -270,7 +271,7 @@ class SharedView:
         if peer is None or whole is None:
             return False
         subscriptions, origins = peer.subscriptions, peer.origins
-        peer.take_state(whole)
+        peer.take_state(now, whole)
         self._note_broadcasting()
         if peer.subscriptions != subscriptions:
             self._note_interest(tag(peer.zid), peer.subscriptions)
@@ -310,6 +311,8 @@ class SharedView:
         if peer is None:
             return
         self._note_interest(tag(zid), ())
+        for other in self.peers.values():
+            other.hears.pop(tag(zid), None)
         for stream in self.streams():
             stream.reached.discard(tag(zid))
         for stream in list(self._owned.get(peer.robot, {}).values()):
@@ -331,11 +334,32 @@ class SharedView:
 
     def echoes(self) -> tuple[Echo, ...]:
         """What we tell every peer of its last digest and of its samples."""
-        return tuple(
-            Echo(name, peer.digest.sent, peer.digest_received, peer.samples, peer.latency_in)
-            for name, peer in self.peers.items()
-            if peer.digest is not None
-        )
+        return tuple(_echo(name, peer, peer.digest) for name, peer in self.peers.items() if peer.digest is not None)
+
+    def sent_digest(self, at: float) -> None:
+        """A digest of ours goes out."""
+        for peer in self.peers.values():
+            peer.sent_digest(at)
+
+    def restart_losses(self) -> None:
+        """From now on other samples are counted than before."""
+        for peer in self.peers.values():
+            peer.restart_losses()
+
+    def handed(self, key: str) -> None:
+        """A covered sample of ours was handed to the mesh; in broadcast it gets to all, else to those that want it."""
+        stream = self._streams.get((self.settings.robot, key))
+        everybody = self.settings.robot in self._broadcasting
+        reached = self.peers if everybody else () if stream is None else self.wanting(stream)
+        for name in reached:
+            if name in self.peers:
+                self.peers[name].sent += 1
+
+    def _heard_echo(self, now: float, peer: Peer, echo: Echo) -> None:
+        if echo.peer == tag(self.settings.zid):
+            peer.heard_echo(now, echo)
+        elif echo.peer in self.peers and (line := latency_of(echo)) is not None:
+            peer.hears[echo.peer] = line
 
     def _find_wanting(self, stream: Stream) -> tuple[str, ...]:
         """Return the robots whose apps subscribe to the stream, this robot included, by their tags."""
@@ -420,6 +444,8 @@ class SharedView:
         stream = self.stream(now, peer.robot, key)
         if stream is None:
             return
+        wanted = peer.robot in self._broadcasting or tag(self.settings.zid) in self.wanting(stream)
+        peer.heard_news(key, news, wanted=wanted)
         told = peer.told.get(key)
         if told is not None:
             stream.schedule.assume(told.period, told.schedule)
@@ -438,3 +464,9 @@ class SharedView:
 def _owner(robot: str) -> str:
     """Whose streams are counted together, so that nobody pushes out another one's."""
     return PLAIN if robot.startswith(PLAIN) else robot
+
+
+def _echo(name: str, peer: Peer, digest: Digest) -> Echo:
+    line = peer.latency_in
+    told = Latency(0.0) if line is None else Latency(max(line.fixed, LEAST_LATENCY), line.per_byte)
+    return Echo(name, digest.sent, peer.digest_received, peer.samples_then, told.fixed, told.per_byte)

@@ -14,13 +14,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain, islice
 
-from planner import Aggregation, Message, Problem, Receiver, Traffic
+from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
-from proxy.core.receivers import grouped
 from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
+from proxy.core.ways import Audience, Audiences
 
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
@@ -43,31 +43,25 @@ Most such models have a state for every set of messages; so these are 2^7 with t
 class _Candidate:
     """A stream that competes, and when it is expected to generate; `place` is its number in the problem.
 
-    Each of its messages takes `latency` [s] to the first of its `receivers`.
+    Those that gain by its messages are its `audience`.
     """
 
     stream: Stream
     place: int
     copies: int
-    latency: float
-    receivers: tuple[Receiver, ...]
+    audience: Audience
     times: list[float]
 
     @property
     def worth(self) -> float:
         """Value per byte on the air, for all forecasts together that are still there."""
         last = self.stream.newest
-        return last.scale * sum(r.share for r in self.receivers) / max(last.size * self.copies, 1) / len(self.times)
+        return last.scale * self.audience.share / max(last.size * self.copies, 1) / len(self.times)
 
     @property
     def standard(self) -> bool:
         """Whether the aggregation is the planner's own, not a model of the operator's."""
         return isinstance(self.stream.information_type.aggregation, Aggregation)
-
-    @property
-    def slowest(self) -> float:
-        """The time to the last of the receivers [s]."""
-        return self.latency + max(r.delay for r in self.receivers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +95,7 @@ class WindowBuilder:
     def __init__(self, view: SharedView, started: float) -> None:
         self._view = view
         self._started = started
+        self._audiences = Audiences(view)
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
         """Return the problem of deciding `current` while others of our own samples are `waiting`."""
@@ -168,15 +163,9 @@ class WindowBuilder:
             ),
             key=lambda s: (s.robot, s.key),
         )
-        return [_Candidate(s, place, view.copies(s), *self._receivers(s), []) for place, s in enumerate(competing)]
-
-    def _receivers(self, stream: Stream) -> tuple[float, tuple[Receiver, ...]]:
-        """Return the least latency, and who gains by a stream; how far others are from each other is not known."""
-        view = self._view
-        latency = view.latency(stream.robot)
-        if stream.robot == view.settings.robot:
-            return grouped(view.latencies(stream) or [latency])
-        return latency, (Receiver(0.0, float(max(1, len(view.gaining(stream))))),)
+        return [
+            _Candidate(s, place, view.copies(s), self._audiences.of(now, s), []) for place, s in enumerate(competing)
+        ]
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -200,9 +189,9 @@ class WindowBuilder:
         half = 0.5 * stream.schedule.period
         if limits.promised is not None:
             promised = limits.promised.get((stream.robot, stream.key), ())
-            return max([now + c.latency + LEAD, *(p.t_gen + half for p in promised[-1:])])
+            return max([now + c.audience.latency + LEAD, *(p.t_gen + half for p in promised[-1:])])
         heard = max(stream.schedule.last or now, stream.sent.t_gen + half if stream.sent else 0.0)
-        known = now - c.latency - OVERHEARD if view.overhears(stream) else now - longest
+        known = now - c.audience.latency - OVERHEARD if view.overhears(stream) else now - longest
         return max(heard, known)
 
     def _problem(
@@ -225,7 +214,7 @@ class WindowBuilder:
         current = next((place for place, m in places.items() if m.current), min(places))
         problem = Problem(
             streams=tuple(
-                PlannerStream(robots.index(c.stream.robot), c.stream.information_type.aggregation, c.receivers)
+                PlannerStream(robots.index(c.stream.robot), c.stream.information_type.aggregation, c.audience.receivers)
                 for c in candidates
             ),
             messages=tuple(message for message, _ in messages),
@@ -233,7 +222,7 @@ class WindowBuilder:
             constraints=constraints,
             traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
-            t_end=t_sent + opened[-1].of.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
+            t_end=t_sent + opened[-1].of.audience.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
         )
         return problem, places
 
@@ -247,7 +236,7 @@ class WindowBuilder:
 
 def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
     utility = m.of.stream.information_type.utility_of(m.features)
-    return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.latency, utility, m.scale, use)
+    return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.audience.latency_of(m.size), utility, m.scale, use)
 
 
 def _facts(c: _Candidate, now: float, constraints: int, promised: Promises) -> list[Message]:
@@ -274,7 +263,7 @@ def _facts(c: _Candidate, now: float, constraints: int, promised: Promises) -> l
 
 def _fact(c: _Candidate, sent: Sent, since: float, use: tuple[float, ...]) -> Message:
     utility = c.stream.information_type.utility_of(sent.features)
-    t_rcv = max(sent.t_sent + c.latency, since)
+    t_rcv = max(sent.t_sent + c.audience.latency_of(sent.size), since)
     return Message(c.place, sent.t_gen, sent.t_sent, t_rcv, utility, sent.scale, use, sent=True)
 
 

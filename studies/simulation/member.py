@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from proxy.clock import PACE, STEP
 from proxy.core.core import Core
 from proxy.core.wire import State
 from studies.simulation.clocks import Clock
@@ -20,7 +21,16 @@ class Member:
     frames: dict[int, Frame] = field(default_factory=dict)
     state: State | None = None
     wake: float = -1.0
+    look: float = 0.0
     running: bool = True
+
+    def wall_step(self, t: float) -> float | None:
+        """What the wall clock shows more than the monotonic one, if that is news; looked at as often as daemons do."""
+        if t < self.look:
+            return None
+        self.look = t + PACE
+        offset = self.clock.wall_time(t) - self.now(t)
+        return None if abs(offset - self.core.view.wall_offset) < STEP else offset
 
     def now(self, t: float) -> float:
         """What its monotonic clock shows at true time `t` [s]."""

@@ -96,6 +96,10 @@ class Team:
             return
         for command in member.core.handle(event):
             self._execute(member, t, command)
+        stepped = member.wall_step(t)
+        if stepped is not None:
+            self._feed(member, t, ev.ClockChanged(member.now(t), stepped))
+            return
         wake = member.clock.true(member.core.wake_at(member.now(t)))
         if member.wake <= t or wake < member.wake:
             member.wake = max(wake, t + 1e-4)

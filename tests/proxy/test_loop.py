@@ -99,3 +99,19 @@ def test_closing_handles_what_waits(executed):
     loop.close(5.0)
     assert len(texts(executed)) == 20
     assert not loop._thread.is_alive()
+
+
+def test_the_core_learns_what_the_wall_clock_shows(executed):
+    """Within about a second: a core that was told another time at start tells the others."""
+    core = Core(CoreSettings("r1", "z1", wall_offset=-60.0), Specs.empty(), clock.monotonic())
+    loop = Loop(core, executed.append)
+    loop.start()
+    try:
+        wait_until(lambda: states(executed) and states(executed)[-1].wall_offset != -60.0, what="a state")
+        assert abs(states(executed)[-1].wall_offset - clock.wall_offset()) < 0.1
+    finally:
+        loop.close(1.0)
+
+
+def states(executed):
+    return [command.state for command in executed if isinstance(command, SendState)]

@@ -77,8 +77,11 @@ STATUS = {
         {
             "robot": "r2",
             "mode": "shadow",
-            "latency": 0.0421,
-            "clock_offset": -3.25,
+            "latency_in": {"fixed": 0.0421, "per_byte": 2e-6},
+            "latency_out": {"fixed": 0.5, "per_byte": 0.0},
+            "loss_in": None,
+            "loss_out": 0.125,
+            "wall_ahead": -3.25,
             "digest_age": 0.2,
             "samples": 12,
             "received_of_ours": 30,
@@ -111,8 +114,8 @@ throughput   0.5 s  125 kB  62.5 kB  50%  31.2 kB  25%       2
 STREAM           ROBOT  TYPE    PERIOD     SIZE  SCALE  MADE  SENT  UNSENT  SENT/S  WANTED BY
 robot/r1/camera  r1     camera  100 ms  36.5 kB    3.5    60    30      30       5          1
 
-PEER  MODE    LATENCY    CLOCK   HEARD  GOT  GOT OURS
-r2    shadow  42.1 ms  -3.25 s  200 ms   12        30"""
+PEER  MODE              FROM IT   TO IT  LOST IN    OUT    CLOCK   HEARD  GOT  GOT OURS
+r2    shadow  42.1 ms + 2 ms/kB  500 ms        -  12.5%  -3.25 s  200 ms   12        30"""
 
 
 def test_a_status_becomes_a_table():

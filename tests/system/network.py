@@ -81,6 +81,8 @@ class Host:
         self.name = name
         self.address = address
         self.namespace = f"{air}-{name}"
+        self.clock = None
+        """The wall clock of everything started from now on; None: the machine's."""
         self._air = air
         self._place = place
 
@@ -108,7 +110,10 @@ class Host:
     def _here(self, command):
         # `ip netns exec` makes mounts private. Hosts share no files, so they must not share sockets that are files.
         own_files = 'mount -t tmpfs tmpfs "$0" && TMPDIR="$0" exec "$@"'
-        return ["ip", "netns", "exec", self.namespace, "sh", "-c", own_files, str(self._place), *command]
+        clock = (
+            () if self.clock is None else ("env", *(f"{name}={value}" for name, value in self.clock.environ.items()))
+        )
+        return ["ip", "netns", "exec", self.namespace, "sh", "-c", own_files, str(self._place), *clock, *command]
 
     def sent(self):
         """How many bytes went on the air so far, with the headers of all layers down to Ethernet."""

@@ -1,16 +1,50 @@
 """The clock offset from four timestamps."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.offset import ClockOffset
+from proxy.core.offset import DRIFT, ClockOffset
+
+DELAYS = st.floats(0.0, 3.0)
+
+
+@given(
+    offset=st.floats(-1e5, 1e5),
+    drifts=st.lists(st.floats(-DRIFT, DRIFT), min_size=1, max_size=8),
+    messages=st.lists(st.tuples(st.floats(0.001, 20.0), st.booleans(), DELAYS, DELAYS), min_size=2, max_size=25),
+)
+def test_the_error_is_never_more_than_the_uncertainty(offset, drifts, messages):
+    """Whatever waits in either direction, whichever digests are echoed, however the clocks drift and turn."""
+    clock = ClockOffset()
+    turns = np.cumsum([0.0, *(gap for gap, *_ in messages), 10.0])
+    rates = np.resize(drifts, len(turns))
+    ahead = np.concatenate([[0.0], np.cumsum(np.diff(turns) * rates[:-1])])
+
+    def theirs(ours):
+        """Their clock when ours shows `ours`."""
+        return ours - offset - float(np.interp(ours, turns, ahead))
+
+    sent_ours, echo = 0.0, None
+    for (_, echoed, out, back), at in zip(messages, turns[1:], strict=False):
+        received = at + back
+        clock.heard(theirs(at), received)
+        if echoed and echo is not None and echo[1] <= theirs(at):
+            clock.echoed(*echo)
+        for now in (received, received + 7.0):
+            error = abs(clock.offset - (now - theirs(now)))
+            assert error <= clock.uncertainty(now) + 1e-9
+        sent_ours, echo = at, (at, theirs(at + out))
+    assert clock.jumps == 0
+    assert sent_ours <= turns[-1]
 
 
 @given(st.floats(-1e6, 1e6), st.floats(0.001, 2.0), st.integers(1, 100))
 def test_the_offset_is_found_through_varying_delays(offset, latency, seed):
-    """The pairs that waited least give offset and latency, however long the others waited."""
+    """The messages that waited least give offset and latency, to what clocks may drift between them."""
     rng = np.random.default_rng(seed)
     clock = ClockOffset()
     for i in range(20):
@@ -19,15 +53,45 @@ def test_the_offset_is_found_through_varying_delays(offset, latency, seed):
         wait = 0.0 if i == 12 else rng.exponential(0.3)
         clock.echoed(sent=float(i), received=i - offset + latency + wait)
     assert clock.known
-    assert clock.offset == pytest.approx(offset, abs=1e-6)
-    assert clock.latency == pytest.approx(latency, abs=1e-6)
-    assert clock.ours(5.0 - offset) == pytest.approx(5.0, abs=1e-6)
+    assert clock.offset == pytest.approx(offset, abs=DRIFT * 5.0)
+    assert clock.latency == pytest.approx(latency, abs=DRIFT * 10.0)
+    assert clock.ours(5.0 - offset) == pytest.approx(5.0, abs=DRIFT * 5.0)
 
 
 def test_before_the_first_echo_the_way_here_counts_as_no_time():
-    """One direction alone gives an offset that is late by the latency, and no latency."""
+    """One direction alone gives an offset that is late by the latency, which nothing bounds, and no latency."""
     clock = ClockOffset()
-    assert (clock.offset, clock.latency, clock.known) == (0.0, 0.0, False)
+    assert (clock.offset, clock.latency, clock.known, clock.uncertainty(0.0)) == (0.0, 0.0, False, math.inf)
     clock.heard(sent=100.0, received=7.5)
     assert clock.offset == -92.5
     assert clock.latency == 0.0
+    assert clock.uncertainty(7.5) == math.inf
+
+
+def test_uncertainty_is_half_the_best_round_trip_and_grows_as_clocks_drift():
+    """Until a better round trip comes."""
+    clock = ClockOffset()
+    clock.heard(10.0, 10.02)
+    clock.echoed(10.0, 10.04)
+    assert clock.uncertainty(10.02) == pytest.approx(0.03, abs=1e-4)
+    assert clock.uncertainty(110.02) == pytest.approx(0.03 + 100.0 * DRIFT, abs=1e-4)
+    clock.heard(110.0, 110.02)
+    clock.echoed(110.0, 110.04)
+    assert clock.uncertainty(110.02) == pytest.approx(0.03, abs=1e-4)
+    clock.echoed(110.1, 110.11)
+    assert clock.uncertainty(110.12) == pytest.approx(0.015, abs=1e-4)
+
+
+@pytest.mark.parametrize("slept", [60.0, -60.0])
+def test_a_clock_that_stood_still_is_found_out(slept):
+    """A robot that slept: the next round trip counts, what was before does not. The other way round, we slept."""
+    clock = ClockOffset()
+    for i in range(5):
+        clock.heard(float(i), i + 0.02)
+        clock.echoed(float(i), i + 0.02)
+    for i in (200.0, 201.0):
+        clock.heard(i - slept, i + 0.02)
+        clock.echoed(i, i - slept + 0.02)
+    assert clock.jumps == 1
+    assert clock.offset == pytest.approx(slept, abs=1e-3)
+    assert clock.uncertainty(201.0) < 0.03

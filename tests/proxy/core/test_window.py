@@ -12,12 +12,13 @@ from planner import Constraint, Receiver, SearchSettings, start
 from planner.measures import Energy, Messages, Throughput
 from planner.tables import tabulate
 from proxy.core.inbox import Waiting
+from proxy.core.latency import Latency
 from proxy.core.limits import Limit, Limits, allowance_of, limits_of, use_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
 from proxy.core.view import SharedView
 from proxy.core.window import MOST_OF_BEST, MOST_OF_OWN, WindowBuilder
-from proxy.core.wire import State
+from proxy.core.wire import Echo, State
 from utility_specs import ConstraintSpec, Specs
 
 LIMIT = Limit("throughput", 1.0, 10_000.0, Throughput(10_000.0, 1.0))
@@ -204,11 +205,11 @@ def test_what_others_sent_of_once_still_uses_the_channel(make_specs):
 
 
 def test_receivers_of_our_own_stream_are_told_apart_by_latency(crowd):
-    """Of others' streams they are one group; no message has their number in its scale."""
+    """Those of which we know nothing get messages like the others; no message has their number in its scale."""
     for robot, latency in (("r2", 0.02), ("r3", 0.1), ("r4", 0.02)):
         crowd.add_peer(0.0, robot, f"z-{robot}")
         crowd.heard_state(0.0, State(robot, f"z-{robot}", "enforce", "", (), ("robot/**",)))
-        crowd.peers[f"z-{robot}"].latency_out = latency
+        crowd.peers[f"z-{robot}"].latency_out = Latency(latency)
     problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), union())
     ours, others, _ = problem.streams
     assert ours.receivers == (Receiver(0.0, 2.0), Receiver(pytest.approx(0.08), 1.0))
@@ -216,6 +217,36 @@ def test_receivers_of_our_own_stream_are_told_apart_by_latency(crowd):
     current = problem.messages[problem.current]
     assert (current.t_rcv, current.scale) == (pytest.approx(10.02), 1.0)
     assert problem.t_end > max(m.t_rcv for m in problem.messages) + 0.08
+
+
+def test_a_message_arrives_the_later_the_larger_it_is(crowd):
+    """The time to a receiver has a part per byte, for what is decided as for what was sent."""
+    meet(crowd, Latency(0.02, 1e-5))
+    stream = crowd.stream(0.0, "r1", "robot/r1/camera")
+    stream.note_sent(1, Sent(9.0, 9.0, 21_000, 1.0))
+    problem = WindowBuilder(crowd, 0.0).build(10.0, replace(sample(10.0), size=11_000), (), union())
+    (fact,) = [m for m in problem.messages if m.sent and m.stream == 0]
+    assert fact.t_rcv == pytest.approx(9.0 + 0.02 + 0.21)
+    assert problem.messages[problem.current].t_rcv == pytest.approx(10.0 + 0.02 + 0.11)
+
+
+def test_what_gets_lost_is_worth_less(crowd):
+    """A receiver counts by the part of our samples that it is expected to get."""
+    peer = meet(crowd, Latency(0.02))
+    for at, sent, received in ((1.0, 0, 0), (2.0, 100, 75)):
+        peer.sent = sent
+        peer.sent_digest(at)
+        peer.heard_echo(at + 0.1, Echo("z-r1", at, at, received, 0.02))
+    problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), union())
+    assert problem.streams[0].receivers == (Receiver(0.0, pytest.approx(0.75)),)
+
+
+def meet(view, latency):
+    """Robot r2 is there, wants everything, and gets our samples after `latency`."""
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (), ("robot/**",)))
+    view.peers["z-r2"].latency_out = latency
+    return view.peers["z-r2"]
 
 
 @hypothesis_settings(deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -234,7 +265,7 @@ def test_equal_latencies_give_the_plan_of_one_receiver_that_counts_for_all(
     for number in range(robots):
         view.add_peer(0.0, f"p{number}", f"z-{number}")
         view.heard_state(0.0, State(f"p{number}", f"z-{number}", "enforce", "", (), ("robot/**",)))
-        view.peers[f"z-{number}"].latency_out = latency
+        view.peers[f"z-{number}"].latency_out = Latency(latency)
     stream = add_stream(view, "r1")
     for count, age in enumerate(sorted(ages, reverse=True)):
         stream.note_sent(count + 1, Sent(10.0 - age, 10.0 - age, 1000, 1.0))

@@ -1,0 +1,127 @@
+"""How long samples take from being sent to being received, by their size: a fixed part, and one per byte.
+
+A robust line: sizes are sorted into classes, the recent samples of each are summed up by their medians, and the slope
+is the weighted median of the slopes between the classes (after Theil and Sen; weights by distance, after Jaeckel),
+never negative. So a few samples that waited much longer than the others alter nothing, and a size that is seldom sent
+is not forgotten because of one that is sent all the time. Where sizes do not differ enough all is the fixed part.
+"""
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import combinations
+from statistics import median
+
+MEMORY = 16
+"""Samples of a class of sizes looked back on."""
+RECENT = 60.0
+"""Samples older than this before the last one do not count any more [s]."""
+ENOUGH = 3
+"""A class of fewer samples says nothing about the slope, and as many samples of any size nothing at all."""
+APART = 1.5
+"""Sizes whose ratio is less than this count as one."""
+CLASSES = 24
+"""Classes: doubling sizes, up to 8 MiB and beyond."""
+
+
+@dataclass(frozen=True, slots=True)
+class Latency:
+    """Time from sending to receipt: `fixed` [s] and `per_byte` [s/B]."""
+
+    fixed: float
+    per_byte: float = 0.0
+
+    def of(self, size: float) -> float:
+        """Time that a message of so many bytes takes [s]."""
+        return self.fixed + self.per_byte * size
+
+
+@dataclass(frozen=True, slots=True)
+class _Taken:
+    """A message of `size` bytes, received at `at`, took `time` [s]."""
+
+    at: float
+    size: float
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Class:
+    """Medians of the recent messages of about one size."""
+
+    size: float
+    time: float
+    count: int
+
+
+class LatencyFit:
+    """The line through what recent messages took. At most `CLASSES` times `MEMORY` are remembered."""
+
+    def __init__(self) -> None:
+        self._classes: list[deque[_Taken]] = [deque(maxlen=MEMORY) for _ in range(CLASSES)]
+        self._newest = 0.0
+        self._line: Latency | None = None
+        self._stale = False
+
+    def observe(self, now: float, size: int, time: float) -> None:
+        """A message of so many bytes that came at `now` took `time` [s]."""
+        self._classes[min(size.bit_length(), CLASSES - 1)].append(_Taken(now, float(size), time))
+        self._newest = now
+        self._stale = True
+
+    def forget_since(self, moment: float) -> None:
+        """What was observed after `moment` was wrong."""
+        for taken in self._classes:
+            while taken and taken[-1].at > moment:
+                taken.pop()
+        self._stale = True
+
+    @property
+    def line(self) -> Latency | None:
+        """What messages take; None while too few were observed."""
+        if self._stale:
+            self._line, self._stale = self._fitted(), False
+        return self._line
+
+    def _fitted(self) -> Latency | None:
+        classes = [_summed_up(taken) for each in self._classes if (taken := self._recent(each))]
+        if sum(each.count for each in classes) < ENOUGH:
+            return None
+        slope = _slope([each for each in classes if each.count >= ENOUGH])
+        fixed = weighted_median((each.time - slope * each.size, float(each.count)) for each in classes)
+        if fixed >= 0.0:
+            return Latency(fixed, slope)
+        return Latency(0.0, weighted_median((each.time / each.size, each.count * each.size) for each in classes))
+
+    def _recent(self, taken: deque[_Taken]) -> deque[_Taken]:
+        while taken and taken[0].at < self._newest - RECENT:
+            taken.popleft()
+        return taken
+
+
+def weighted_median(values: Iterable[tuple[float, float]]) -> float:
+    """Return the median of values with weights; between two that share the middle their mean. There is at least one."""
+    ordered = sorted(values)
+    half = sum(weight for _, weight in ordered) / 2.0
+    passed = 0.0
+    for (value, weight), (after, _) in zip(ordered, [*ordered[1:], ordered[-1]], strict=True):
+        passed += weight
+        if passed == half:
+            return (value + after) / 2.0
+        if passed > half:
+            return value
+    return ordered[-1][0]
+
+
+def _summed_up(taken: deque[_Taken]) -> _Class:
+    return _Class(max(1.0, median(each.size for each in taken)), median(each.time for each in taken), len(taken))
+
+
+def _slope(classes: list[_Class]) -> float:
+    """Time per byte [s/B]; 0.0 where sizes are too much alike to tell."""
+    slopes = [
+        ((large.time - small.time) / (large.size - small.size), large.size - small.size)
+        for small, large in combinations(sorted(classes, key=lambda each: each.size), 2)
+        if large.size > APART * small.size
+    ]
+    return max(0.0, weighted_median(slopes)) if slopes else 0.0

@@ -1,0 +1,38 @@
+"""What part of the samples sent to a robot gets lost, from two cumulative counts: sent, and received of those."""
+
+from collections import deque
+
+MEMORY = 32
+"""Readings looked back on: 124 samples or more."""
+STEP = 4
+"""Samples between two readings that are kept, at least."""
+ENOUGH = 20
+"""A loss among fewer samples counts as one among so many: some are only on their way."""
+
+
+class Loss:
+    """The share of samples lost within the recent past. A count that restarts begins a new past."""
+
+    def __init__(self) -> None:
+        self._read: deque[tuple[int, int]] = deque(maxlen=MEMORY)
+
+    def read(self, sent: int, received: int) -> None:
+        """So many were sent so far, and so many received."""
+        if self._read and (sent < self._read[-1][0] or received < self._read[-1][1]):
+            self._read.clear()
+        if len(self._read) > 1 and self._read[-1][0] - self._read[-2][0] < STEP:
+            self._read.pop()
+        if not self._read or self._read[-1] != (sent, received):
+            self._read.append((sent, received))
+
+    def restart(self) -> None:
+        """The counts are not about the same samples any more."""
+        self._read.clear()
+
+    @property
+    def share(self) -> float | None:
+        """Part of the samples that got lost, from 0.0 to 1.0; None while nothing was sent."""
+        if len(self._read) < 2 or self._read[-1][0] == self._read[0][0]:
+            return None
+        sent, received = (last - first for first, last in zip(self._read[0], self._read[-1], strict=True))
+        return min(1.0, max(0, sent - received) / max(sent, ENOUGH))

@@ -1,0 +1,159 @@
+"""What is learnt of another robot from its digests and samples."""
+
+import pytest
+
+from proxy.core.latency import Latency
+from proxy.core.peer import STREAMS, Peer
+from proxy.core.wire import Digest, Echo, State, StreamDigest
+
+KEY = "robot/r2/camera"
+
+
+@pytest.fixture
+def peer():
+    """Robot r2: its clock shows 100 s less than ours, its wall clock 1,000 s more than its own; digests take 10 ms."""
+    made = Peer("r2", "z-r2", 0.0)
+    made.take_state(0.0, state(1000.0))
+    hear_digest(made, 1.0)
+    return made
+
+
+def state(wall_offset, mode="enforce"):
+    return State("r2", "z-r2", mode, "", wall_offset=wall_offset)
+
+
+def hear_digest(peer, at):
+    """It was sent at `at` on our clock, and echoes one that we sent then."""
+    peer.heard_digest(at + 0.01, Digest("r2", "z-r2", at - 100.0, 0, 0, 0))
+    peer.heard_echo(at + 0.01, Echo("z-r1", at, at - 100.0 + 0.01, 0, 0.0))
+    peer.time_digest(at + 0.01, 150)
+
+
+def hear(peer, sent, took, size=100, error=0.0):
+    """A sample stamped at `sent` on our clock."""
+    peer.heard_sample(sent + took, KEY, size, sent - 100.0 + 1000.0 + error)
+
+
+def news(generated, forwarded, t_generated, t_forwarded):
+    return StreamDigest(7, generated, forwarded, t_generated - 100.0, t_forwarded - 100.0, 100, 1.0)
+
+
+def test_samples_tell_what_they_take_by_their_size(peer):
+    """Their timestamp is read through the peer's wall clock and clock offset."""
+    for at in range(2, 12):
+        hear(peer, float(at), 0.1, size=100)
+        hear(peer, at + 0.5, 0.3, size=10_100)
+    assert peer.latency_in.fixed == pytest.approx(0.098, abs=1e-3)
+    assert peer.latency_in.per_byte == pytest.approx(0.2 / 10_000, rel=0.01)
+    assert peer.latency_from(5_100) == pytest.approx(0.2, abs=1e-3)
+
+
+def test_digests_tell_as_long_as_there_are_no_samples(peer):
+    """First the quickest round trip, then what they take."""
+    assert peer.latency_in is None
+    assert peer.latency_from(1000) == peer.latency_to(1000) == pytest.approx(0.01, abs=1e-3)
+    for at in (2.0, 3.0):
+        hear_digest(peer, at)
+    assert peer.latency_in.fixed == pytest.approx(0.01, abs=1e-3)
+    for at in (4.0, 5.0, 6.0):
+        hear(peer, at, 0.1)
+    assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
+
+
+def test_before_the_first_echo_nothing_is_known():
+    """How far the clocks are from each other is not, so no sample tells its age."""
+    peer = Peer("r2", "z-r2", 0.0)
+    peer.take_state(0.0, state(1000.0))
+    for at in range(5):
+        peer.heard_digest(at + 0.01, Digest("r2", "z-r2", at - 100.0, 0, 0, 0))
+        peer.time_digest(at + 0.01, 150)
+        hear(peer, at + 0.5, 0.1)
+    assert peer.latency_in is peer.latency_from(1.0) is peer.latency_to(1.0) is None
+    assert (peer.samples, peer.implausible) == (5, 0)
+
+
+def test_the_wait_before_sending_is_no_latency(peer):
+    """News of a stream whose last sample was the one sent tells how long it waited."""
+    for at in range(2, 12):
+        hear(peer, at + 0.0, 0.25)
+        peer.heard_news(KEY, news(at, at, at + 0.0, at + 0.2), wanted=True)
+    for at in range(12, 22):
+        peer.heard_news(KEY, news(at + 1, at, at + 0.9, at + 0.2), wanted=True)
+        hear(peer, at + 0.0, 0.25)
+    assert peer.latency_in.fixed == pytest.approx(0.05, abs=1e-3)
+
+
+@pytest.mark.parametrize("error", [10.0, -10.0, 60.0, -60.0, -1e9])
+def test_a_step_of_its_wall_clock_makes_no_sample_older(peer, error):
+    """Ages that cannot be are counted until it tells; from then on samples count again."""
+    for at in range(2, 12):
+        hear(peer, float(at), 0.1)
+    for at in range(12, 15):
+        hear(peer, float(at), 0.1, error=error)
+    assert peer.implausible == 3
+    assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
+    peer.take_state(15.0, state(1000.0 + error))
+    for at in range(15, 32):
+        hear(peer, float(at), 0.2, error=error)
+    assert peer.implausible == 3
+    assert peer.latency_in.fixed == pytest.approx(0.2, abs=1e-3)
+
+
+@pytest.mark.parametrize("error", [-3.0, 3.0])
+def test_a_step_of_its_wall_clock_is_looked_at_anew_when_told(peer, error):
+    """What it made of samples before is put right, those that could not be are used after all."""
+    for at in range(2, 12):
+        hear(peer, float(at), 0.1)
+    for at in range(7):
+        hear(peer, 13.1 + 0.1 * at, 0.1 + 0.1 * at, size=10_000, error=error)
+    peer.take_state(14.0, state(1000.0 + error))
+    assert peer.implausible == (7 if error > 0.0 else 0)
+    assert peer.latency_from(100) == pytest.approx(0.1, abs=1e-3)
+    assert peer.latency_from(10_000) == pytest.approx(0.4, abs=1e-3)
+
+
+def test_timestamps_that_stand_still_say_nothing(peer):
+    """Zenoh's clock does while the wall clock, set back, is behind it."""
+    for at in range(10):
+        hear(peer, 2.0 + at * 1e-7, 0.1 + at)
+    assert peer.implausible == 9
+    assert peer.latency_in is None
+
+
+def test_loss_to_it_is_what_had_not_arrived_when_it_heard_our_digest(peer):
+    """Its echo says which digest."""
+    for at, sent, received in ((10.0, 0, 0), (11.0, 30, 27), (12.0, 60, 54)):
+        peer.sent = sent
+        peer.sent_digest(at)
+        peer.sent += 7  # these are not in the digest
+        peer.heard_echo(at + 0.02, Echo("z-r1", at, at - 99.99, received, 0.2, 1e-6))
+    assert peer.loss_out == pytest.approx(0.1)
+    assert peer.latency_to(1000) == pytest.approx(0.201)
+    assert peer.latency_out == Latency(0.2, 1e-6)
+    assert peer.received_of_ours == 54
+    peer.heard_echo(13.0, Echo("z-r1", 12.5, -87.4, 60, 0.2))
+    assert peer.loss_out == pytest.approx(0.1), "an echo of what we never sent tells no loss"
+    peer.heard_echo(13.0, Echo("z-r1", 99.0, -87.4, 99, 0.9))
+    assert peer.received_of_ours == 60, "an echo from the future is none"
+
+
+def test_loss_from_it_is_what_it_says_it_sent_and_did_not_come(peer):
+    """Of streams that we get whole; another mode or other specs begin a new past."""
+    for count in range(101):
+        if count % 4:
+            hear(peer, 2.0 + count, 0.1)
+        if count % 10 == 0:
+            peer.heard_news(KEY, news(count, count, 2.0 + count, 2.0 + count), wanted=True)
+            peer.heard_news("other", news(count, count, 2.0 + count, 2.0 + count), wanted=False)
+    assert peer.loss_in == pytest.approx(0.25)
+    peer.take_state(200.0, state(1000.0, mode="shadow"))
+    assert peer.loss_in is None
+
+
+def test_streams_of_a_peer_are_bounded(peer):
+    """Samples of too many are counted, and tell nothing more."""
+    for number in range(STREAMS + 10):
+        peer.heard_sample(2.0, f"robot/{number}/camera", 100, None)
+        peer.heard_news(f"robot/{number}/camera", news(1, 1, 1.0, 1.0), wanted=True)
+    assert peer.samples == STREAMS + 10
+    assert len(peer._incoming) == STREAMS
