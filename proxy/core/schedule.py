@@ -34,6 +34,8 @@ TIGHT = 0.06
 """this part of the period."""
 RANDOM = 0.45
 """Samples come at random whose gaps deviate by more than this part of them."""
+SELDOM = 6
+"""That is looked at every so many samples: it takes as long as all else together."""
 BACK = 3
 """So many samples in a row before the last one mean that the clock was set back."""
 
@@ -54,6 +56,8 @@ class Schedule:
         self._back = 0
         self._resumed = -MEMORY
         self._seen = 0
+        self._spread = 0.0
+        self._judged = -MEMORY
         self._periodic = True
         self._numbered = True
 
@@ -105,7 +109,7 @@ class Schedule:
         if count is not None and count <= before:
             return
         if t_gen <= last:
-            if not self._goes_back(count, t_gen):
+            if t_gen == last or not self._goes_back(count, t_gen):
                 return
             before, last = self._past[-1] if self._past else (0, -math.inf)
         self._numbered = count is not None
@@ -145,7 +149,7 @@ class Schedule:
         If it is where it was due, the last one's time was wrong. If that goes on, the clock was set back.
         """
         self._back += 1
-        if len(self._past) > 1 and t_gen > self._past[-2][1] and self._tracker.fits(count, t_gen):
+        if len(self._past) > 1 and t_gen > self._past[-2][1] and self._tracker.withdraw(count, t_gen):
             self._past.pop()
         elif self._back >= BACK:
             self._past.clear()
@@ -193,7 +197,11 @@ class Schedule:
         if rhythm.looseness > LOOSE + (STAY if self._periodic else -STAY):
             return False
         chance = rhythm.known < SURE if self._numbered else rhythm.looseness > TIGHT
-        return not chance or spread(self._past) < RANDOM + (STAY if self._periodic else -STAY)
+        if not chance:
+            return True
+        if self._seen >= self._judged + SELDOM or self._seen < SURE:
+            self._spread, self._judged = spread(self._past), self._seen
+        return self._spread < RANDOM + (STAY if self._periodic else -STAY)
 
     def _mean_interval(self) -> float:
         (count, first), (number, last) = self._past[0], self._past[-1]
