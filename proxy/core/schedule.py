@@ -8,7 +8,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 
-from proxy.core.schedules.bursts import bursts_in, told_bursts
+from proxy.core.schedules.bursts import Bursts, bursts_in, told_bursts
 from proxy.core.schedules.gaps import RUN, spread
 from proxy.core.schedules.patterns import Memoryless, Pattern, Periodic, Span
 from proxy.core.schedules.rhythm import Numbered, Rhythm
@@ -56,6 +56,8 @@ class Schedule:
         self._back = 0
         self._resumed = -MEMORY
         self._seen = 0
+        self._bursts: Bursts | None = None
+        self._joined = 0
         self._spread = 0.0
         self._judged = -MEMORY
         self._periodic = True
@@ -182,13 +184,19 @@ class Schedule:
             return told
         pauses = self._longest > RUN * rhythm.period or self._seen - self._resumed < MEMORY
         if pauses and kind != "periodic":
-            bursts = bursts_in(self._past, whole=self._past[0] == first)
-            if bursts is not None:
-                return bursts
+            self._bursts = self._bursts_in(first, last)
+            if self._bursts is not None:
+                return self._bursts
         if told is not None:
             return told
         self._periodic = kind == "periodic" or self._has_rhythm(rhythm)
         return Periodic(rhythm) if self._periodic else Memoryless(self._mean_interval())
+
+    def _bursts_in(self, first: Numbered, last: float) -> Bursts | None:
+        """Return the bursts of the past; where one goes on, those known are not looked for again."""
+        known, self._joined = self._joined, self._seen
+        joined = self._bursts.joined(last) if self._bursts is not None and known == self._seen - 1 else None
+        return joined or bursts_in(self._past, whole=self._past[0] == first)
 
     def _has_rhythm(self, rhythm: Rhythm) -> bool:
         """Whether the rhythm explains what was seen: a few samples, or any without numbers, always seem to have one."""

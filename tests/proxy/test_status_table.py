@@ -184,7 +184,7 @@ def test_a_status_of_another_version_is_shown_as_far_as_it_goes():
     """What is missing is a dash."""
     headline = "robot r1   mode -   specs -   coordination -   transport -   up -"
     assert table({"robot": "r1"}).splitlines()[0] == headline
-    assert "robot/x  -      -          -     -      0     0     0       0       -          0" in table(
+    assert "robot/x  -      -     -              -     -      0     0     0       0       -          0" in table(
         {"streams": [{"key": "robot/x"}]}
     )
 

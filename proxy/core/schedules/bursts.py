@@ -1,7 +1,7 @@
 """Bursts: several samples close together, then a pause, and again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from proxy.core.schedules.gaps import gaps_of
@@ -48,6 +48,12 @@ class Bursts:
     def pause(self) -> float:
         """Mean time between the starts of bursts [s]."""
         return self.starts.period
+
+    def joined(self, t: float) -> "Bursts | None":
+        """Return the bursts with one more sample at `t` [s] in the last one; None when it is none of it."""
+        if t > self.last + APART * self.step:
+            return None
+        return replace(self, last=t, begun=min(self.size, self.begun + 1))
 
     def expect(self, span: Span) -> list[float]:
         """Return what is missing of the last burst, and the members of those to come."""

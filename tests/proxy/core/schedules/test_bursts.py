@@ -19,6 +19,13 @@ def test_bursts_are_found_by_their_pauses():
     assert found.kind == "bursts 4 0.1"
 
 
+def test_a_burst_goes_on():
+    """With a sample that comes soon; one that comes late begins another."""
+    found = bursts_in(numbered([*bursts(4), 8.0]), whole=True)
+    assert found.joined(8.05).expect(Span(8.05, 8.05, 9.0, 9)) == pytest.approx([8.1, 8.15, 8.2])
+    assert found.joined(8.3) is None
+
+
 def test_two_bursts_and_a_begun_one_are_enough():
     """If they are alike."""
     assert bursts_in(numbered([*bursts(2), 4.0]), whole=True).begun == 1
