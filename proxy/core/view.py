@@ -43,6 +43,8 @@ class SharedView:
         self._streams: dict[tuple[str, str], Stream] = {}
         self._wanting: dict[tuple[str, str], tuple[str, ...]] = {}
         self._broadcasting: set[str] = set()
+        self._told_at: dict[str, float] = {}
+        """When the last digest of each robot came [s]."""
         self._note_broadcasting()
         self._ids = 0
 
@@ -190,6 +192,7 @@ class SharedView:
         if peer is None or (peer.digest is not None and digest.sent <= peer.digest.sent):
             return False
         peer.digest, peer.digest_received = digest, now
+        self._told_at[peer.robot] = now
         peer.offset.heard(digest.sent, now)
         for echo in digest.echoes:
             if echo.peer == tag(self.settings.zid):
@@ -226,6 +229,7 @@ class SharedView:
         for stream in self.streams():
             stream.reached.discard(tag(zid))
         if peer is not None and all(other.robot != peer.robot for other in self.peers.values()):
+            self._told_at.pop(peer.robot, None)
             for place in [p for p in self._streams if p[0] == peer.robot]:
                 del self._streams[place]
 
@@ -271,5 +275,5 @@ class SharedView:
             self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
 
     def _active(self, now: float, stream: Stream) -> bool:
-        """Whether more samples are to be expected of the stream."""
-        return not stream.schedule.over(now)
+        """Whether more samples are to be expected of the stream; how long it is silent only its robot's news tells."""
+        return not stream.schedule.over(self._told_at.get(stream.robot, now))

@@ -320,11 +320,16 @@ def test_features_that_others_need_are_read_by_name(make_specs):
 
 
 def test_a_stream_that_is_silent_for_long_by_its_own_measure_competes_no_more(view):
-    """A fast one after a second, a slow one after minutes."""
+    """As far as its robot's news tell: while there are none, it may well go on."""
     meet(view)
     view.set_interest(("**",))
     for k in range(1, 12):
         view.heard_digest(100.0 + 0.1 * k, digest(5.0 + 0.1 * k, StreamDigest(7, k, 0, 5.0 + 0.1 * k, 0.0, 10, 2.0)))
     (stream,) = view.streams()
-    assert view.competes(101.5, stream)
-    assert not view.competes(103.2, stream)
+    assert view.competes(130.0, stream)
+    view.heard_digest(101.8, digest(6.8))
+    assert view.competes(130.0, stream)
+    view.heard_digest(102.2, digest(7.2))
+    assert not view.competes(102.2, stream)
+    view.gone("z-r2")
+    assert list(view.streams()) == []
