@@ -7,7 +7,7 @@ own, the rate changed, and they are all the past there is; else the stream is lo
 
 from collections import deque
 from itertools import pairwise
-from math import sqrt
+from math import gcd, sqrt
 
 from proxy.core.schedules.gaps import RUN, base_of, faster, gaps_of, numbered, slower
 from proxy.core.schedules.rhythm import Numbered, Rhythm, fit
@@ -152,7 +152,11 @@ class Tracker:
         if slower(times, rhythm, (lost + 0.5) / len(self._line)):
             self._restart(times[-RUN - 1 :])
             return True
-        base = faster(times, rhythm)
+        steps = [b - a for (a, _), (b, _) in pairwise(self._line[-FEW - 1 :])]
+        if len(times) == RECENT and gcd(*steps) > 1:
+            self._restart(times, gcd(*steps) * rhythm.period)
+            return True
+        base = faster(times[-RUN - 2 :], rhythm)
         if base is None:
             return False
         other = fit(numbered(times, base))

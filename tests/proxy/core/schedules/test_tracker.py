@@ -80,3 +80,14 @@ def test_one_sample_too_many_is_no_faster_rhythm():
     for t in sorted([*periodic(20), 22.4]):
         tracker.hear(t)
     assert tracker.rhythm.period == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_rhythm_of_which_only_every_second_sample_comes_is_a_slower_one():
+    """Two late samples may look like a faster rhythm: not for long."""
+    tracker = Tracker()
+    times = periodic(40)
+    for t in [*times[:20], times[20] + 0.5, times[21], times[22] + 0.5, *times[23:25]]:
+        tracker.hear(t)
+    for t in times[25:36]:
+        tracker.hear(t)
+    assert tracker.rhythm.period == pytest.approx(1.0, abs=0.02)
