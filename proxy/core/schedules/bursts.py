@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from proxy.core.schedules.gaps import gaps_of
-from proxy.core.schedules.patterns import AT_ONCE, Memoryless, Periodic, Span, evenly, merged
+from proxy.core.schedules.patterns import Memoryless, Periodic, Span, evenly, merged
 from proxy.core.schedules.rhythm import Numbered, Rhythm, fit
 
 APART = 3.0
@@ -61,8 +61,6 @@ class Bursts:
         since = Span(span.now, max(span.after, self.last), span.until, span.most // self.size + 2)
         regular = self.starts.looseness <= REGULAR
         starts = (Periodic(self.starts) if regular else Memoryless(self.starts.period)).expect(since)
-        if span.after < self.last + self.step * (self.size - self.begun):
-            starts = [t for t in starts if t > since.after + AT_ONCE]
         return merged([rest, *(evenly(t, self.step, span.until, self.size) for t in starts)], span)
 
 

@@ -233,14 +233,6 @@ def test_a_burst_is_not_over_between_two():
     assert observe(Schedule(), bursts(10, spacing=5.0)).over(61.0)
 
 
-def test_what_is_hardly_late_is_due_at_once():
-    """A sample that is overdue by less than twice the jitter still comes."""
-    schedule = observe(Schedule(), periodic(40, jitter=0.1, seed=3))
-    (due,) = schedule.forecast(44.5, 45.5, 5)
-    assert schedule.forecast(due + schedule.jitter, due + 0.5, 5) == pytest.approx([due + schedule.jitter], abs=1e-3)
-    assert schedule.forecast(due + 3 * schedule.jitter, due + 0.5, 5) == []
-
-
 def test_a_period_told_by_another_robot_serves_until_one_is_seen():
     """An assumed period is used at once and replaced by the estimate."""
     schedule = Schedule()

@@ -366,7 +366,7 @@ def test_what_is_forecast_is_worth_what_its_features_will_be(make_specs):
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
     ours = [(m.t_gen, m.scale) for m in problem.messages if m.stream == 0][1:3]
     others = [(m.t_gen, m.scale) for m in problem.messages if m.stream == 1][:2]
-    assert np.array(ours) == pytest.approx(np.array([(11.0, 1.1), (12.0, 1.2)]))
+    assert np.array(ours) == pytest.approx(np.array([(11.0, 1.1), (12.0, 1.4)]))
     assert np.array(others) == pytest.approx(np.array(ours))
 
 
