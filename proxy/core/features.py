@@ -58,7 +58,7 @@ class FeatureTrack:
 
 
 class Outlook:
-    """All features of one stream, or its scale, at a handful of times to come."""
+    """All features of one stream, or its scale, at times to come."""
 
     def __init__(self, methods: Callable[[str], Sequence[Method]], failed: Callable[[], None]) -> None:
         self._methods = methods

@@ -37,7 +37,7 @@ def test_unless_a_spec_says_otherwise_the_next_is_like_the_last(make_stream):
 
 
 def test_what_rises_is_expected_to_go_on_rising(make_stream):
-    """At a handful of times ahead, so that a window costs a handful of evaluations."""
+    """At two times ahead, so that a window costs few evaluations."""
     stream = make_stream('{ features = "trend" }', *(0.02 * k for k in range(10)))
     expected = [stream.expected(9.0 + ahead) for ahead in range(1, 60)]
     assert [e.features["red"] for e in expected[:2]] == pytest.approx([0.2, 0.26])
