@@ -123,6 +123,7 @@ def _streams(streams: Iterable[Status]) -> str:
             str(stream.get("key", UNKNOWN)),
             str(stream.get("robot", UNKNOWN)),
             str(stream.get("type", UNKNOWN)),
+            schedule(stream),
             duration(stream.get("period") or None),
             amount(stream.get("size"), "B"),
             f"{stream.get('scale', 0.0):.3g}",
@@ -138,6 +139,7 @@ def _streams(streams: Iterable[Status]) -> str:
         "STREAM",
         "ROBOT",
         "TYPE",
+        "SCHEDULE",
         "PERIOD",
         "SIZE",
         "SCALE",
@@ -147,7 +149,7 @@ def _streams(streams: Iterable[Status]) -> str:
         "SENT/S",
         "WANTED BY",
     )
-    return _section(head, "lllrrrrrrrr", rows)
+    return _section(head, "llllrrrrrrrr", rows)
 
 
 def _peers(peers: Iterable[Status]) -> str:
@@ -253,6 +255,13 @@ def amount(value: float | None, unit: str) -> str:
 def share(part: float | None, whole: float | None) -> str:
     """Write a part of a whole in percent."""
     return f"{part / whole:.0%}" if part is not None and whole else UNKNOWN
+
+
+def schedule(stream: Status) -> str:
+    """Write how a stream generates, and how exactly it keeps to that."""
+    kind = str(stream.get("schedule") or UNKNOWN).split()[0]
+    jitter, period = stream.get("jitter"), stream.get("period")
+    return f"{kind} ±{share(jitter, period)}" if kind == "periodic" and jitter is not None and period else kind
 
 
 def rate(stream: Status) -> str:

@@ -1,10 +1,9 @@
 """What the next samples of a stream are expected to be worth: features, or where these are not known the scale."""
 
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from planner.errors import ProblemError
-from utility_specs.forecast import LAST, Method
+from utility_specs.forecast import Method
 
 MEMORY = 16
 """Values looked back on."""
@@ -22,8 +21,8 @@ class FeatureTrack:
     def __init__(self, methods: Sequence[Method], failed: Callable[[], None]) -> None:
         self._methods = tuple(methods)
         self._failed = failed
-        self._times: deque[float] = deque(maxlen=MEMORY)
-        self._values: deque[float] = deque(maxlen=MEMORY)
+        self._times: list[float] = []
+        self._values: list[float] = []
         self._errors = [0.0] * len(self._methods)
         self._judged = 0
 
@@ -44,22 +43,22 @@ class FeatureTrack:
             self._judged += 1
         self._times.append(t)
         self._values.append(value)
+        del self._times[:-MEMORY], self._values[:-MEMORY]
 
     def expect(self, t: float) -> float:
         """Return the value expected at `t` [s]; something was noted before."""
         return self._predicted(self.method, t)
 
     def _predicted(self, method: Method, t: float) -> float:
-        times, values = list(self._times), list(self._values)
         try:
-            return method.predict(times, values, t)
+            return method.predict(self._times, self._values, t)
         except ProblemError:
             self._failed()
-            return LAST.predict(times, values, t)
+            return self._values[-1]
 
 
 class Outlook:
-    """All features of one stream, or its scale, at a handful of times to come."""
+    """All features of one stream, or its scale, at times to come."""
 
     def __init__(self, methods: Callable[[str], Sequence[Method]], failed: Callable[[], None]) -> None:
         self._methods = methods

@@ -8,7 +8,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 
-from proxy.core.schedules.bursts import bursts_in, told_bursts
+from proxy.core.schedules.bursts import Bursts, bursts_in, told_bursts
 from proxy.core.schedules.gaps import RUN, spread
 from proxy.core.schedules.patterns import Memoryless, Pattern, Periodic, Span
 from proxy.core.schedules.rhythm import Numbered, Rhythm
@@ -34,6 +34,8 @@ TIGHT = 0.06
 """this part of the period."""
 RANDOM = 0.45
 """Samples come at random whose gaps deviate by more than this part of them."""
+SELDOM = 6
+"""That is looked at every so many samples: it takes as long as all else together."""
 BACK = 3
 """So many samples in a row before the last one mean that the clock was set back."""
 
@@ -54,6 +56,10 @@ class Schedule:
         self._back = 0
         self._resumed = -MEMORY
         self._seen = 0
+        self._bursts: Bursts | None = None
+        self._joined = 0
+        self._spread = 0.0
+        self._judged = -MEMORY
         self._periodic = True
         self._numbered = True
 
@@ -105,7 +111,7 @@ class Schedule:
         if count is not None and count <= before:
             return
         if t_gen <= last:
-            if not self._goes_back(count, t_gen):
+            if t_gen == last or not self._goes_back(count, t_gen):
                 return
             before, last = self._past[-1] if self._past else (0, -math.inf)
         self._numbered = count is not None
@@ -145,7 +151,7 @@ class Schedule:
         If it is where it was due, the last one's time was wrong. If that goes on, the clock was set back.
         """
         self._back += 1
-        if len(self._past) > 1 and t_gen > self._past[-2][1] and self._tracker.fits(count, t_gen):
+        if len(self._past) > 1 and t_gen > self._past[-2][1] and self._tracker.withdraw(count, t_gen):
             self._past.pop()
         elif self._back >= BACK:
             self._past.clear()
@@ -178,13 +184,19 @@ class Schedule:
             return told
         pauses = self._longest > RUN * rhythm.period or self._seen - self._resumed < MEMORY
         if pauses and kind != "periodic":
-            bursts = bursts_in(self._past, whole=self._past[0] == first)
-            if bursts is not None:
-                return bursts
+            self._bursts = self._bursts_in(first, last)
+            if self._bursts is not None:
+                return self._bursts
         if told is not None:
             return told
         self._periodic = kind == "periodic" or self._has_rhythm(rhythm)
         return Periodic(rhythm) if self._periodic else Memoryless(self._mean_interval())
+
+    def _bursts_in(self, first: Numbered, last: float) -> Bursts | None:
+        """Return the bursts of the past; where one goes on, those known are not looked for again."""
+        known, self._joined = self._joined, self._seen
+        joined = self._bursts.joined(last) if self._bursts is not None and known == self._seen - 1 else None
+        return joined or bursts_in(self._past, whole=self._past[0] == first)
 
     def _has_rhythm(self, rhythm: Rhythm) -> bool:
         """Whether the rhythm explains what was seen: a few samples, or any without numbers, always seem to have one."""
@@ -193,7 +205,11 @@ class Schedule:
         if rhythm.looseness > LOOSE + (STAY if self._periodic else -STAY):
             return False
         chance = rhythm.known < SURE if self._numbered else rhythm.looseness > TIGHT
-        return not chance or spread(self._past) < RANDOM + (STAY if self._periodic else -STAY)
+        if not chance:
+            return True
+        if self._seen >= self._judged + SELDOM or self._seen < SURE:
+            self._spread, self._judged = spread(self._past), self._seen
+        return self._spread < RANDOM + (STAY if self._periodic else -STAY)
 
     def _mean_interval(self) -> float:
         (count, first), (number, last) = self._past[0], self._past[-1]

@@ -1,5 +1,6 @@
 """What is known of one stream: the samples of one key from one robot."""
 
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,8 +11,8 @@ from utility_specs import InformationType
 
 SCALE = "scale"
 """Stands for the scale where features are not known."""
-LEADS = (1, 2, 4, 8)
-"""Features that change with time are forecast for so many periods ahead; a message takes the next of these."""
+LEADS = (1, 4)
+"""Features that change with time are forecast for so many periods ahead: for the next sample, and for all others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +64,7 @@ class Stream:
     _outlook: Outlook | None = None
     _steady: bool = True
     _expected: dict[int, Generated] = field(default_factory=dict)
+    _reach: list[float] = field(default_factory=list)
 
     def cover(self, information_type: InformationType) -> None:
         """This type covers the stream from now on: its schedule and its forecast of features hold."""
@@ -117,13 +119,13 @@ class Stream:
         """What the sample generated at `t_gen` [s] will be like; its own `t_gen` tells of when that was known."""
         if self._outlook is None:
             return self.newest
-        lead = LEADS[0]
-        if not self._steady:
-            ahead = (t_gen - self.newest.t_gen) / max(self.schedule.period, 1e-9)
-            lead = next((each for each in LEADS if ahead <= each + 0.5), LEADS[-1])
-        if lead not in self._expected:
-            self._expected[lead] = self._outlined(self._outlook, lead)
-        return self._expected[lead]
+        if not self._expected:
+            period = self.schedule.period
+            self._reach = [] if self._steady else [(lead + 0.5) * period for lead in LEADS[:-1]]
+        at = bisect_left(self._reach, t_gen - self.newest.t_gen)
+        if at not in self._expected:
+            self._expected[at] = self._outlined(self._outlook, LEADS[at])
+        return self._expected[at]
 
     @property
     def forecasts(self) -> dict[str, str]:

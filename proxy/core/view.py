@@ -63,6 +63,8 @@ class SharedView:
         self._robots: dict[str, str] = {}
         """Robots by the origins they claim."""
         self._broadcasting: set[str] = set()
+        self._told_at: dict[str, float] = {}
+        """When the last digest of each robot came [s]."""
         self._note_broadcasting()
         self._ids = 0
         self._swept = 0.0
@@ -253,6 +255,7 @@ class SharedView:
         if peer.specs != self.specs.generation:
             peer.restart_losses()  # it may not count what we count
         peer.heard_digest(now, digest)
+        self._told_at[peer.robot] = now
         for echo in digest.echoes:
             self._heard_echo(now, peer, echo)
         if not is_broadcast(peer.transport):
@@ -317,6 +320,7 @@ class SharedView:
             stream.reached.discard(tag(zid))
         for stream in list(self._owned.get(peer.robot, {}).values()):
             self._forget(stream)
+        self._told_at.pop(peer.robot, None)
         heir = next((other for other in self.peers.values() if other.name == peer.robot), None)
         if heir is not None:
             self._rename(heir, heir.name)
@@ -457,8 +461,8 @@ class SharedView:
             self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
 
     def _active(self, now: float, stream: Stream) -> bool:
-        """Whether more samples are to be expected of the stream."""
-        return not stream.schedule.over(now)
+        """Whether more samples are to be expected of the stream; how long it is silent only its robot's news tells."""
+        return not stream.schedule.over(self._told_at.get(stream.robot, now))
 
 
 def _owner(robot: str) -> str:

@@ -4,7 +4,7 @@ import pytest
 
 from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
-from proxy.status_table import amount, duration, rate, share, table
+from proxy.status_table import amount, duration, rate, schedule, share, table
 from utility_specs import Specs
 
 STATUS = {
@@ -65,7 +65,9 @@ STATUS = {
             "robot": "r1",
             "key": "robot/r1/camera",
             "type": "camera",
+            "schedule": "periodic",
             "period": 0.1,
+            "jitter": 0.004,
             "size": 36500,
             "scale": 3.5,
             "generated": 60,
@@ -111,8 +113,8 @@ last     robot/r1/camera dropped:planner 300 ms ago
 BUDGET      WINDOW   LIMIT     OURS          USED       ROBOTS
 throughput   0.5 s  125 kB  62.5 kB  50%  31.2 kB  25%       2
 
-STREAM           ROBOT  TYPE    PERIOD     SIZE  SCALE  MADE  SENT  UNSENT  SENT/S  WANTED BY
-robot/r1/camera  r1     camera  100 ms  36.5 kB    3.5    60    30      30       5          1
+STREAM           ROBOT  TYPE    SCHEDULE      PERIOD     SIZE  SCALE  MADE  SENT  UNSENT  SENT/S  WANTED BY
+robot/r1/camera  r1     camera  periodic ±4%  100 ms  36.5 kB    3.5    60    30      30       5          1
 
 PEER  MODE              FROM IT   TO IT  LOST IN    OUT    CLOCK   HEARD  GOT  GOT OURS
 r2    shadow  42.1 ms + 2 ms/kB  500 ms        -  12.5%  -3.25 s  200 ms   12        30"""
@@ -185,7 +187,7 @@ def test_a_status_of_another_version_is_shown_as_far_as_it_goes():
     """What is missing is a dash."""
     headline = "robot r1   mode -   specs -   coordination -   transport -   up -"
     assert table({"robot": "r1"}).splitlines()[0] == headline
-    assert "robot/x  -      -          -     -      0     0     0       0       -          0" in table(
+    assert "robot/x  -      -     -              -     -      0     0     0       0       -          0" in table(
         {"streams": [{"key": "robot/x"}]}
     )
 
@@ -238,3 +240,10 @@ def test_shares_and_rates_need_something_to_divide_by():
     assert share(1.0, None) == share(None, 1.0) == "-"
     assert rate({"period": 0.5, "generated": 10, "forwarded": 5}) == "1"
     assert rate({"period": 0.0, "generated": 10, "forwarded": 5}) == "-"
+
+
+def test_a_schedule_says_how_exactly_it_is_kept():
+    """Where there is a period to keep; other kinds are told by name alone."""
+    assert schedule({"schedule": "periodic", "period": 0.5, "jitter": 0.05}) == "periodic ±10%"
+    assert schedule({"schedule": "bursts 5 0.05", "period": 0.4, "jitter": 0.1}) == "bursts"
+    assert schedule({"schedule": "", "period": 0.0, "jitter": 0.0}) == schedule({}) == "-"

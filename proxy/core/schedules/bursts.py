@@ -1,11 +1,11 @@
 """Bursts: several samples close together, then a pause, and again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from proxy.core.schedules.gaps import gaps_of
-from proxy.core.schedules.patterns import AT_ONCE, Memoryless, Periodic, Span, evenly, merged
+from proxy.core.schedules.patterns import Memoryless, Periodic, Span, evenly, merged
 from proxy.core.schedules.rhythm import Numbered, Rhythm, fit
 
 APART = 3.0
@@ -49,14 +49,18 @@ class Bursts:
         """Mean time between the starts of bursts [s]."""
         return self.starts.period
 
+    def joined(self, t: float) -> "Bursts | None":
+        """Return the bursts with one more sample at `t` [s] in the last one; None when it is none of it."""
+        if t > self.last + APART * self.step:
+            return None
+        return replace(self, last=t, begun=min(self.size, self.begun + 1))
+
     def expect(self, span: Span) -> list[float]:
         """Return what is missing of the last burst, and the members of those to come."""
         rest = evenly(self.last + self.step, self.step, span.until, self.size - self.begun)
         since = Span(span.now, max(span.after, self.last), span.until, span.most // self.size + 2)
         regular = self.starts.looseness <= REGULAR
         starts = (Periodic(self.starts) if regular else Memoryless(self.starts.period)).expect(since)
-        if span.after < self.last + self.step * (self.size - self.begun):
-            starts = [t for t in starts if t > since.after + AT_ONCE]
         return merged([rest, *(evenly(t, self.step, span.until, self.size) for t in starts)], span)
 
 

@@ -43,7 +43,7 @@ def numbered(times: Sequence[float], base: float) -> list[Numbered]:
 def faster(times: Sequence[float], rhythm: Rhythm) -> float | None:
     """Return a shorter period [s] that two of these times' gaps hint at; None when there is none."""
     first, second = sorted(gaps_of(times))[:2]
-    return second if second < (1.0 - NEAR) * rhythm.period and first > (1.0 - 2.0 * NEAR) * second else None
+    return second if second < (1.0 - NEAR) * rhythm.period and first > (1.0 - NEAR) * second else None
 
 
 def slower(times: Sequence[float], rhythm: Rhythm, lost: float) -> bool:

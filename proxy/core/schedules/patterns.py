@@ -7,11 +7,6 @@ from typing import Protocol
 
 from proxy.core.schedules.rhythm import Rhythm
 
-AT_ONCE = 1e-6
-"""What is due comes so soon [s]."""
-LATE = 2.0
-"""A sample may be so many times the jitter late before it is taken for one that does not come."""
-
 
 @dataclass(frozen=True, slots=True)
 class Span:
@@ -73,14 +68,12 @@ class Periodic:
         return self.rhythm.period
 
     def expect(self, span: Span) -> list[float]:
-        """Return the times due from the next number on; what is hardly late is due at once."""
+        """Return the times due from the next number on; what is late is not expected any more."""
         rhythm = self.rhythm
-        missing = span.after - rhythm.origin - min(LATE * rhythm.jitter, 0.5 * rhythm.period)
-        first = rhythm.origin + max(1, floor(missing / rhythm.period) + 1) * rhythm.period
-        times = evenly(first, rhythm.period, span.until, span.most)
-        if times and times[0] <= span.after:
-            times[0] = min(span.after + AT_ONCE, span.until)
-        return times
+        number = max(1, floor((span.after - rhythm.origin) / rhythm.period) + 1)
+        while rhythm.origin + number * rhythm.period <= span.after:  # where the quotient was rounded down
+            number += 1
+        return evenly(rhythm.origin + number * rhythm.period, rhythm.period, span.until, span.most)
 
 
 @dataclass(frozen=True, slots=True)

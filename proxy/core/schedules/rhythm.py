@@ -17,8 +17,8 @@ FAR = 4.0
 """So many median deviations from the line is too far."""
 EXACT = 1e-4
 """Deviations below this part of the period are never too far: clocks and the wire round."""
-WANDERING = 0.95
-"""Jitter's variance over that of its steps: 1/2 where deviations are independent, about 1 where they add up."""
+WANDERING = 0.75
+"""Jitter's variance over that of its steps: about 1/2 where deviations are independent, 1 where they add up."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ own, the rate changed, and they are all the past there is; else the stream is lo
 
 from collections import deque
 from itertools import pairwise
-from math import sqrt
+from math import gcd, sqrt
 
 from proxy.core.schedules.gaps import RUN, base_of, faster, gaps_of, numbered, slower
 from proxy.core.schedules.rhythm import Numbered, Rhythm, fit
@@ -75,6 +75,15 @@ class Tracker:
         number = round((t - rhythm.origin) / rhythm.period) + rhythm.number if count is None else count
         return abs(t - rhythm.due(number)) <= _gate(rhythm)
 
+    def withdraw(self, count: int | None, t: float) -> bool:
+        """Forget the last sample if it was a suspect and this one, from before it, fits; return whether it is so."""
+        if not self._suspects or not self.fits(count, t):
+            return False
+        self._suspects.pop()
+        if self._times:
+            self._times.pop()
+        return True
+
     def resume(self, count: int | None, t: float) -> None:
         """Take in a sample after a pause: the period is what it was, the phase is not."""
         number = (self._line[-1][0] + 1 if self._line else 1) if count is None else count
@@ -85,6 +94,7 @@ class Tracker:
         if self.rhythm is not None:
             shift = t - self.rhythm.due(number)
             self._line = [(n, old + shift) for n, old in self._line]
+            self._since = REFIT
         self._take(number, t)
 
     def tell(self, period: float) -> None:
@@ -123,8 +133,10 @@ class Tracker:
             self._line = last if _steady([*last, *suspects]) else []
         elif len(self._suspects) < PATIENT:
             return
+        else:
+            suspects = self._suspects
         self._line += suspects
-        self._suspects.clear()
+        self._suspects = []
         self._fit()
 
     def _restart(self, times: list[float], base: float = 0.0) -> None:
@@ -140,7 +152,11 @@ class Tracker:
         if slower(times, rhythm, (lost + 0.5) / len(self._line)):
             self._restart(times[-RUN - 1 :])
             return True
-        base = faster(times, rhythm)
+        steps = [b - a for (a, _), (b, _) in pairwise(self._line[-FEW - 1 :])]
+        if len(times) == RECENT and gcd(*steps) > 1:
+            self._restart(times, gcd(*steps) * rhythm.period)
+            return True
+        base = faster(times[-RUN - 2 :], rhythm)
         if base is None:
             return False
         other = fit(numbered(times, base))

@@ -9,6 +9,7 @@ from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forward, Notice, SendDigest, SendState
 from proxy.core.mode import Mode
 from proxy.core.wire import Digest, State, StreamDigest, StreamState
+from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
 
 
@@ -428,3 +429,21 @@ def test_an_answer_is_checked_against_the_constraints_in_force(make_talk, make_s
     talk.tell(ev.SpecsChanged(0.2, make_specs(text=after or None)))
     assert only(talk.answer(0.3, only(commands)[0], send=True)) == [Forward(sample)]
     assert len(talk.core.status(0.3)["budget"]) == len(talk.core.gate.limits)
+
+
+def test_others_are_told_how_streams_generate(make_talk):
+    """Period and jitter, and again when it becomes clear that it is another kind of stream."""
+    talk = make_talk()
+    talk.want(0.0)
+    for t in periodic(30, jitter=0.02):
+        talk.publish(t)
+    (stream,) = talk.all(SendState)[-1].state.streams
+    assert (stream.schedule, stream.period) == ("periodic", pytest.approx(1.0, rel=0.1))
+    assert stream.jitter < 0.1
+    for t in poisson(60, seed=3):
+        talk.publish(36.0 + t)
+    kinds = [command.state.streams[0].schedule for command in talk.all(SendState) if command.state.streams]
+    assert list(dict.fromkeys(kinds)) == ["", "periodic", "poisson"]
+    assert talk.all(SendState)[-1].state.streams[0].jitter > 0.5
+    (told,) = talk.core.status(100.0)["streams"]
+    assert (told["schedule"], told["jitter"] > 0.1, told["forecast"]) == ("poisson", True, {})

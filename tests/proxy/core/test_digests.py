@@ -7,6 +7,7 @@ from proxy.core.digests import OVERHEAD, SLOW, DigestPacer
 from proxy.core.limits import LEAST_DIGEST
 from proxy.core.stream import Generated, Stream
 from proxy.core.wire import Digest, Echo
+from tests.proxy.core.talk import UNLIMITED
 
 
 def digest(*streams, echoes=()):
@@ -93,3 +94,17 @@ def test_echoes_go_out_about_once_a_second():
     pacer.sent(0.0, digest(echoes=(Echo("z", 0.0, 0.0, 0, 0.0),)), 1)
     assert not pacer.full(0.9)
     assert pacer.full(1.0)
+
+
+def test_features_are_told_where_others_need_them(make_specs):
+    """Only a `python` utility needs more than the scale."""
+    for utility, told in (
+        ('{ kind = "python", function = "tests.utility_specs.worths:by_red" }', (0.25,)),
+        ('{ kind = "video" }', ()),
+    ):
+        text = UNLIMITED.replace('utility = { kind = "video" }', f"utility = {utility}")
+        (covering,) = make_specs(text=text).types
+        stream = Stream(1, "r1", "robot/r1/camera", covering)
+        stream.note_generated(1, Generated(1.0, 10, 2.0, {"red": 0.25}))
+        (news,) = DigestPacer(0.0).changed([stream])
+        assert news.features == told

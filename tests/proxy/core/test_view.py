@@ -267,3 +267,59 @@ def test_a_broadcast_sample_is_one_copy_for_all(make_specs):
     assert {robot: view.copies(stream) for robot, stream in streams.items()} == {"r1": 1, "r2": 2, "r3": 1}
     view.gone("z-r3")
     assert view.copies(view.stream(1.0, "r3", "robot/r3/camera")) == 2
+
+
+PYTHON = """
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+utility = { kind = "python", function = "tests.utility_specs.worths:by_red" }
+features.red = { kind = "color_fraction", color = "red" }
+"""
+
+
+def test_how_a_stream_generates_its_robot_knows_best(view):
+    """Of a random stream the next is expected from now on, though the samples we know of seem regular."""
+    view.add_peer(0.0, "r2", "z-r2")
+    streams = (StreamState(7, CAMERA, "camera", 4.0, schedule="poisson"),)
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", streams))
+    for k in range(1, 5):
+        view.heard_digest(100.0 + k, digest(5.0 + k, StreamDigest(7, k, 0, 5.0 + k, 0.0, 1000, 2.0)))
+    (stream,) = view.streams()
+    assert stream.schedule.kind == "poisson"
+    assert stream.schedule.forecast(104.0, 112.0, 5, 105.0) == [109.0]
+
+
+def test_nothing_was_generated_in_the_future(view):
+    """Whatever a peer's clock says, a sample is no newer than the news of it."""
+    meet(view)
+    view.heard_digest(100.0, digest(5.0, StreamDigest(7, 3, 0, 9.0, 0.0, 1000, 2.0)))
+    (stream,) = view.streams()
+    assert stream.last.t_gen == 100.0
+
+
+def test_features_that_others_need_are_read_by_name(make_specs):
+    """As many as the type has; others tell of another spec."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=PYTHON))
+    meet(view)
+    view.heard_digest(100.0, digest(5.0, StreamDigest(7, 3, 1, 4.9, 4.5, 1000, 2.0, (0.5,))))
+    (stream,) = view.streams()
+    assert stream.last.features == stream.sent.features == {"red": 0.5}
+    view.heard_digest(101.0, digest(6.0, StreamDigest(7, 4, 1, 5.9, 4.5, 1000, 2.0, (0.5, 0.7))))
+    assert stream.last.features == {}
+
+
+def test_a_stream_that_is_silent_for_long_by_its_own_measure_competes_no_more(view):
+    """As far as its robot's news tell: while there are none, it may well go on."""
+    meet(view)
+    view.set_interest(("**",))
+    for k in range(1, 12):
+        view.heard_digest(100.0 + 0.1 * k, digest(5.0 + 0.1 * k, StreamDigest(7, k, 0, 5.0 + 0.1 * k, 0.0, 10, 2.0)))
+    (stream,) = view.streams()
+    assert view.competes(130.0, stream)
+    view.heard_digest(101.8, digest(6.8))
+    assert view.competes(130.0, stream)
+    view.heard_digest(102.2, digest(7.2))
+    assert not view.competes(102.2, stream)
+    view.gone("z-r2")
+    assert list(view.streams()) == []

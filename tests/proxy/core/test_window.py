@@ -371,3 +371,42 @@ def test_others_use_nothing_of_our_energy(make_specs):
     assert uses == {(0, (1000.0, 1.0, 1.0)), (1, (1000.0, 1.0, 0.0))}
     assert sorted(t.use for t in problem.traffic) == [(1000.0, 1.0, 0.0), (1000.0, 1.0, 1.0)]
     start(problem, SearchSettings()).run(10)
+
+
+TRENDING = """
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+utility = { kind = "linear", slope = 0.1 }
+scale = "10 * red"
+features.red = { kind = "color_fraction", color = "red" }
+forecast = { features = { red = "trend" } }
+"""
+
+
+def test_what_is_forecast_is_worth_what_its_features_will_be(make_specs):
+    """Of our own streams by features, of others' by the scale that they tell."""
+    view = make_view(make_specs(text=TRENDING))
+    view.set_interest(("robot/**",))
+    for robot in ("r1", "r2"):
+        stream = view.stream(10.0, robot, f"robot/{robot}/camera")
+        stream.matching = True
+        for count in range(11):
+            features = {"red": 0.01 * count} if robot == "r1" else {}
+            stream.note_generated(count + 1, Generated(float(count), 1000, 0.1 * count, features))
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    ours = [(m.t_gen, m.scale) for m in problem.messages if m.stream == 0][1:3]
+    others = [(m.t_gen, m.scale) for m in problem.messages if m.stream == 1][:2]
+    assert np.array(ours) == pytest.approx(np.array([(11.0, 1.1), (12.0, 1.4)]))
+    assert np.array(others) == pytest.approx(np.array(ours))
+
+
+def test_others_random_samples_are_expected_from_now_on(make_specs):
+    """As nothing was heard of any since, there was none."""
+    spec = TRENDING.replace('features = { red = "trend" }', 'schedule = { kind = "poisson", interval = 3 }')
+    view = make_view(make_specs(text=spec))
+    view.set_interest(("robot/**",))
+    for robot in ("r1", "r2"):
+        add_stream(view, robot)
+    problem = WindowBuilder(view, 0.0).build(12.5, sample(12.5), (), union())
+    assert [m.t_gen for m in problem.messages if m.stream == 1][:2] == [15.5, 18.5]
