@@ -29,7 +29,7 @@ def _claim(view: SharedView, stream: Stream, now: float, *, robot: str, limits: 
         scale=last.scale * view.receivers(stream),
         utility=stream.information_type.utility_of(last.features),
         period=stream.schedule.period,
-        latency=view.latency(stream.robot, last.size),
+        latency=view.audiences.of(now, stream).mean,
         age=t_next - sent.t_gen if sent else NEVER,
         last_scale=sent.scale * view.receivers(stream) if sent else 0.0,
         wait=t_next - now,
