@@ -11,7 +11,7 @@ from studies.simulation.conditions import Conditions
 from studies.simulation.flights import fly, team
 from studies.simulation.forecasts import Probe
 from studies.simulation.missions import Mission, Sizes, draw, scenario
-from studies.simulation.scores import measure, reached, same_decisions
+from studies.simulation.scores import measure, reached, same_decisions, sent
 from studies.simulation.team import Team
 from studies.simulation.usage import usage
 
@@ -34,15 +34,16 @@ def _line(name: str, seed: int, how: Conditions, skew: float, sizes: Sizes) -> s
     probe.attach(flight, flown.frames)
     flight.run(flown.frames, flown.problem.t_end)
     took = process_time() - begin
-    marks, used, worth = measure(flown, how, seed), usage(flown, flight, how), reached(flown, flight)
+    marks, used, worth = measure(flown, how.iterations), usage(flown, flight, how), reached(flown, flight)
+    central = marks.central(flown, how.loss, seed)
     figures = [
         f"{name:5} seed {seed} {how.coordination} {how.transport} r={how.limit}",
-        f"of central {100 * worth / marks.central:.1f} %",
-        f"of bound {100 * worth / marks.bound:.1f} % (central {100 * marks.central / marks.bound:.1f} %)",
+        f"of central {100 * worth / central:.1f} %",
+        f"of bound {100 * worth / marks.bound:.1f} % (central {100 * central / marks.bound:.1f} %)",
         f"sent {used.messages:.2f}/s",
         f"exceeding {100 * used.exceeding:.1f} % by {used.worst}, with digests {100 * used.together:.1f} %",
         f"told {used.told:.0f} B/s, a digest in {used.interval:.1f} s",
-        f"forecasts off by {100 * probe.others.median():.1f} % (own {100 * probe.own.median():.1f} %)",
+        f"forecasts off by {100 * probe.others.summary()[0]:.1f} % (own {100 * probe.own.summary()[0]:.1f} %)",
     ]
     if skew:
         figures.append(f"same with clocks off {100 * _same(how, skew, seed, flight, flown):.1f} %")
@@ -51,7 +52,8 @@ def _line(name: str, seed: int, how: Conditions, skew: float, sizes: Sizes) -> s
 
 def _same(how: Conditions, skew: float, seed: int, right: Team, flown: Mission) -> float:
     clocks = {f"r{i}": Clock(offset=skew * (-1) ** i, wall=skew * (-1) ** i) for i in range(how.robots)}
-    return same_decisions(flown.frames, right, fly(flown, replace(how, clocks=clocks), seed))
+    wrong = fly(flown, replace(how, clocks=clocks), seed)
+    return same_decisions(flown, sent(flown, right), sent(flown, wrong))
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -22,16 +22,10 @@ class Errors:
     each: list[float] = field(default_factory=list)
     none: int = 0
 
-    def median(self) -> float:
-        """The median; what was not predicted counts as the largest possible error, half a period."""
-        return median(self._all())
-
-    def percentile95(self) -> float:
-        """The 95th percentile, likewise."""
-        return quantiles(self._all(), n=20)[-1]
-
-    def _all(self) -> list[float]:
-        return [*self.each, *[0.5] * self.none]
+    def summary(self) -> tuple[float, float]:
+        """Return the median and the 95th percentile; what was not predicted is off by half a period, the most."""
+        every = [*self.each, *[0.5] * self.none]
+        return (median(every), quantiles(every, n=20)[-1]) if len(every) > 1 else (0.5, 0.5)
 
 
 @dataclass(slots=True)

@@ -1,6 +1,5 @@
 """What a flight was worth, beside what it could have been."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from random import Random
 from statistics import fmean
@@ -10,9 +9,8 @@ from planner.definition import utility
 from studies.central import CentralDecider
 from studies.oracle import upper_bound
 from studies.policies import Planned
-from studies.simulation.conditions import WARM_UP, Conditions
+from studies.simulation.conditions import WARM_UP
 from studies.simulation.missions import OPERATOR, Mission
-from studies.simulation.records import Frame
 from studies.simulation.team import Team
 
 HORIZON = 60
@@ -23,21 +21,28 @@ DRAWS = 20
 
 @dataclass(frozen=True, slots=True)
 class Yardsticks:
-    """The offline bound of a mission [utility·s], and what one central decider reaches."""
+    """The offline bound of a mission [utility·s], and what one central decider sends, by index."""
 
     bound: float
-    central: float
+    sends: tuple[int, ...]
+
+    def central(self, flown: Mission, loss: float, seed: int) -> float:
+        """Return what the central decider reaches with a receiver on average, if so many are lost [utility·s]."""
+        problem = scored(flown.problem)
+        if loss == 0.0:
+            return utility(problem, self.sends)
+        draw = Random(seed)
+        return fmean(utility(problem, [i for i in self.sends if draw.random() >= loss]) for _ in range(DRAWS))
 
 
-def measure(flown: Mission, how: Conditions, seed: int) -> Yardsticks:
-    """Bound the mission, and let one decider fly it that expects periods and means, at the same latency and loss.
+def measure(flown: Mission, iterations: int) -> Yardsticks:
+    """Bound the mission, and let one decider fly it that expects periods and means, at the same latency.
 
     Raises OracleUnavailable without SciPy.
     """
     decider = CentralDecider(flown.problem, HORIZON, forecast=True)
-    sends = decider.fly(Planned(SearchSettings(search="best"), how.iterations))
-    mission = scored(flown.problem)
-    return Yardsticks(upper_bound(mission).bound, _with_loss(mission, sends, how.loss, seed))
+    sends = decider.fly(Planned(SearchSettings(search="best"), iterations))
+    return Yardsticks(upper_bound(scored(flown.problem)).bound, sends)
 
 
 def scored(problem: Problem) -> Problem:
@@ -55,11 +60,16 @@ def reached(flown: Mission, team: Team) -> float:
     return sum(_worth(flown, times, receiver) for receiver, times in received.items())
 
 
-def same_decisions(frames: Sequence[Frame], one: Team, other: Team) -> float:
-    """Return the part of all frames after the warm-up that both teams sent, or neither."""
-    sent = [{id(air.frame) for air in each.on_air} for each in (one, other)]
-    due = [id(frame) for frame in frames if frame.t_gen >= WARM_UP]
-    return fmean((frame in sent[0]) == (frame in sent[1]) for frame in due)
+def sent(flown: Mission, team: Team) -> frozenset[int]:
+    """Return the frames that were sent, by index."""
+    number = {id(frame): i for i, frame in enumerate(flown.frames)}
+    return frozenset(number[id(air.frame)] for air in team.on_air if air.frame is not None)
+
+
+def same_decisions(flown: Mission, one: frozenset[int], other: frozenset[int]) -> float:
+    """Return the part of all frames after the warm-up that both flights sent, or neither."""
+    due = [i for i, frame in enumerate(flown.frames) if frame.t_gen >= WARM_UP]
+    return fmean((i in one) == (i in other) for i in due)
 
 
 def _worth(flown: Mission, times: dict[int, float], receiver: str) -> float:
@@ -69,11 +79,3 @@ def _worth(flown: Mission, times: dict[int, float], receiver: str) -> float:
     )
     wanting = sum(map(bool, flown.interests.values())) - (receiver != OPERATOR)
     return utility(replace(flown.problem, messages=messages), times) / wanting
-
-
-def _with_loss(problem: Problem, sends: Sequence[int], loss: float, seed: int) -> float:
-    """What these sends are worth to a receiver on average, if so many are lost."""
-    if loss == 0.0:
-        return utility(problem, sends)
-    draw = Random(seed)
-    return fmean(utility(problem, [i for i in sends if draw.random() >= loss]) for _ in range(DRAWS))

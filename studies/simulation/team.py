@@ -14,7 +14,7 @@ from proxy.core.transport import is_broadcast
 from proxy.core.view import intersects
 from proxy.core.wire import Digest, State
 from studies.simulation.agenda import Agenda
-from studies.simulation.churn import Happening, Join
+from studies.simulation.churn import Happening, joining
 from studies.simulation.clocks import Clock
 from studies.simulation.medium import Medium
 from studies.simulation.member import Member
@@ -57,8 +57,8 @@ class Team:
         self._broadcast = is_broadcast(self.settings.transport)
         self._matching: dict[tuple[tuple[str, ...], str], bool] = {}
         self._starts: dict[str, int] = {}
-        late = {h.robot for h in self.happenings if isinstance(h, Join)}
-        self.members = {robot: self._member(robot, 0.0) for robot in self.interests if robot not in late}
+        absent = joining(self.happenings)
+        self.members = {robot: self._member(robot, 0.0) for robot in self.interests if robot not in absent}
         self.membership = Membership(self.agenda, self.medium, self.members, self._feed, self._member)
 
     @property

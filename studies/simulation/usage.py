@@ -19,8 +19,8 @@ class Usage:
 
     `messages` per second. `exceeding` is the part of windows whose messages exceed what the limit leaves to them,
     `worst` by how many of the largest messages at most, rounded up. `together` is the part of windows in which messages
-    and what robots tell each other exceed the limit. `told` is that, in B/s per robot, copies counted, and `interval` the
-    mean time between two digests of a robot [s].
+    and what robots tell each other exceed the limit. `told` is that, in B/s per robot, copies counted, and `interval`
+    the mean time between two digests of a robot [s].
     """
 
     messages: float
