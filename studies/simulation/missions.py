@@ -58,7 +58,7 @@ def draw(scenario: Scenario, seed: int, how: Conditions, sizes: Sizes = "equal")
         for m in problem.messages
     )
     gross = how.gross(carried)
-    specs = _load(_spec(problem, keys, gross))
+    specs = specs_of(_spec(problem, keys, gross))
     return Mission(problem, frames, specs, _interests(how, frames), carried, gross)
 
 
@@ -68,6 +68,14 @@ def scenario(name: str) -> Scenario:
         if each.name.startswith(name):
             return each
     raise ValueError(f"no scenario {name!r}: {', '.join(each.name for each in SCENARIOS)}")
+
+
+def specs_of(text: str) -> Specs:
+    """Load specs as a daemon would; raise `SpecsError` for what is wrong with them."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mission.toml"
+        path.write_text(text)
+        return load_specs(path)
 
 
 def _interests(how: Conditions, frames: tuple[Frame, ...]) -> dict[str, tuple[str, ...]]:
@@ -111,10 +119,3 @@ def _utility(utilities: list[MessageUtility]) -> str:
 
 def _mean(utilities: list[MessageUtility], parameter: str) -> str:
     return repr(fmean(float(getattr(utility, parameter)) for utility in utilities))
-
-
-def _load(text: str) -> Specs:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "mission.toml"
-        path.write_text(text)
-        return load_specs(path)

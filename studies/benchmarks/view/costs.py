@@ -27,8 +27,8 @@ def cost_table(results: Results, extent: Extent) -> Table:
         ("condition", *columns),
         rows,
         "Share of one central decider at the same latency and loss [%], in brackets the share of the offline bound,"
-        " which loses nothing. After the / the part of windows that exceed the limit [%], and the most messages too many."
-        " While a robot is gone its samples are not published; the bound and the central decider have them.",
+        " which loses nothing. After the / the part of windows that exceed the limit [%], and the most messages too"
+        " many. While a robot is gone its samples are not published; the bound and the central decider have them.",
     )
 
 

@@ -2,13 +2,14 @@
 
 from studies.benchmarks.report import Table
 from studies.benchmarks.view.costs import cost_table, detail_table
+from studies.benchmarks.view.crowd import measure_crowd
 from studies.benchmarks.view.flown import fly_all
 from studies.benchmarks.view.programme import QUICK, Extent, programme
 from studies.benchmarks.view.targets import target_table
 
 
 def measure_view(*, quick: bool) -> list[Table]:
-    """Fly the programme and return its tables; `quick` flies four robots for seconds.
+    """Fly the programme and return its tables; `quick` flies three robots for seconds.
 
     Raises OracleUnavailable without SciPy.
     """
@@ -16,4 +17,5 @@ def measure_view(*, quick: bool) -> list[Table]:
     flights = programme(extent)
     flown = iter(fly_all([flight for each in flights.values() for flight in each], alone=quick))
     results = {name: [next(flown) for _ in each] for name, each in flights.items()}
-    return [target_table(results, extent, ()), cost_table(results, extent), detail_table(results)]
+    crowd = measure_crowd(quick=quick)
+    return [target_table(results, extent, ()), cost_table(results, extent), detail_table(results), crowd]
