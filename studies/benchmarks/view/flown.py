@@ -67,18 +67,22 @@ class Flown:
 
 
 def fly_all(flights: Iterable[Flight], *, alone: bool = False) -> list[Flown]:
-    """Fly them in as many processes as there are cores, or `alone` in this one.
+    """Fly them in as many processes as there are cores, or `alone` in this one; what is asked for twice only once.
 
     Raises OracleUnavailable without SciPy.
     """
-    all_flights = list(flights)
-    unlike = {flight.measured_like(): flight for flight in all_flights}
+    asked = [(flight, repr(flight)) for flight in flights]
+    each = {name: flight for flight, name in asked}
+    unlike = {flight.measured_like(): flight for flight in each.values()}
     if alone:
         marks = dict(zip(unlike, map(_measure, unlike.values()), strict=True))
-        return [_fly(flight, marks[flight.measured_like()]) for flight in all_flights]
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
-        marks = dict(zip(unlike, pool.map(_measure, unlike.values()), strict=True))
-        return list(pool.map(_fly, all_flights, [marks[flight.measured_like()] for flight in all_flights]))
+        flown = [_fly(flight, marks[flight.measured_like()]) for flight in each.values()]
+    else:
+        with ProcessPoolExecutor(os.cpu_count()) as pool:
+            marks = dict(zip(unlike, pool.map(_measure, unlike.values()), strict=True))
+            flown = list(pool.map(_fly, each.values(), [marks[flight.measured_like()] for flight in each.values()]))
+    found = dict(zip(each, flown, strict=True))
+    return [found[name] for _, name in asked]
 
 
 def _measure(flight: Flight) -> Yardsticks:

@@ -17,7 +17,7 @@ def measure_view(*, quick: bool) -> list[Table]:
     """
     extent = QUICK if quick else Extent()
     flights = programme(extent)
-    flown = iter(fly_all([flight for each in flights.values() for flight in each], alone=quick))
+    flown = iter(fly_all((flight for each in flights.values() for flight in each), alone=quick))
     results = {name: [next(flown) for _ in each] for name, each in flights.items()}
     adaptive = list(adaptive_rows(QUICK_COURSE if quick else Course()))
     crowd = measure_crowd(quick=quick)

@@ -112,7 +112,7 @@ def _latency(results: Results) -> Iterator[Row]:
     usual = [one for one in results["limits"] if one.flight.course.seed == 0]
     for _, name, flown in by_arrangement(results["latency"]):
         late = [one.of_bound for one in flown if one.flight.how.latency == 1.0]
-        limit = flown[0].flight.how.limit
+        limit = limit_of(flown)
         near = [one.of_bound for one in usual if arrangement(one.flight.how) == name and one.flight.how.limit == limit]
         lost = fmean(near) - fmean(late)
         yield (
@@ -131,11 +131,13 @@ def _told(results: Results) -> Iterator[Row]:
             for limit in sorted({one.flight.how.limit for one in flown})
         )
         inside = [one for one in results["inside"] if arrangement(one.flight.how) == name]
-        outside = [one for one in flown if one.flight.course.seed == 0]
+        limit = limit_of(inside)
+        outside = [one for one in flown if one.flight.course.seed == 0 and one.flight.how.limit == limit]
+        central = f"of central {_percent(outside)} with it on top of the limit, {_percent(inside)} with it inside"
         yield (
             f"What a robot tells the others: {name}",
             "≤ the larger of 2 % of the limit and 100 B/s",
-            f"{figures}; of central {_percent(outside)} with it on top of the limit, {_percent(inside)} with it inside",
+            f"{figures}; r = {limit}: {central}",
             met(over <= 0.0),
         )
 
@@ -143,6 +145,11 @@ def _told(results: Results) -> Iterator[Row]:
 def allowed(how: Conditions) -> float:
     """What a robot may tell the others [B/s], all copies together."""
     return max(0.02 * how.gross(how.limit * SIZE) / WINDOW / how.members, 100.0)
+
+
+def limit_of(flown: Sequence[Flown]) -> int:
+    """Return the limit that all of these were flown with [messages]."""
+    return flown[0].flight.how.limit
 
 
 def _percent(flown: Sequence[Flown]) -> str:
