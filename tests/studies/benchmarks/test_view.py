@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.benchmarks.view import measure_view
+from studies.benchmarks.view import adaptive, measure_view
 from studies.benchmarks.view.crowd import KINDS
 from studies.benchmarks.view.programme import ARRANGEMENTS, QUICK, programme, wrong_clocks
 
@@ -33,6 +33,16 @@ def test_what_bad_networks_cost_is_told_for_each_arrangement(tables):
     assert len(costs.columns) == 1 + len(ARRANGEMENTS)
     assert len(costs.rows) == 1 + len(QUICK.latencies) + len(QUICK.losses) + len(wrong_clocks(QUICK)) + 1
     assert len(tables[2].rows) == len(ARRANGEMENTS)
+
+
+def test_limits_that_follow_the_medium_are_measured_beside_right_ones(monkeypatch):
+    """A limit that never exceeds the least rate keeps delays short; one far below it reaches less."""
+    course = adaptive.Course(robots=2, halved=3.0, doubled=7.0, end=8.0)
+    right = f'limit = "{adaptive.PART * adaptive.RATE / 2.0} B/s"'
+    monkeypatch.setattr(adaptive, "ADAPTIVE", right)
+    assert next(adaptive.adaptive_rows(course))[-1] == "yes"
+    monkeypatch.setattr(adaptive, "ADAPTIVE", 'limit = "10 kB/s"')
+    assert next(adaptive.adaptive_rows(course))[-1] == "no"
 
 
 def test_a_crowd_is_measured_beside_a_team(tables):
