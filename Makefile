@@ -6,7 +6,7 @@ BIN := .venv/bin
 PACKAGES := planner proxy utility_specs studies
 SESSIONS := tests/proxy/bridge tests/ros2
 
-.PHONY: setup demo test lint bench qualify test-system transparency lock clean FORCE
+.PHONY: setup demo test lint bench study qualify test-system transparency lock clean FORCE
 
 setup: .venv/ready
 
@@ -46,6 +46,10 @@ lint: setup
 
 bench: setup
 	$(BIN)/python -m studies.benchmarks
+
+# What teams reach on bad networks: writes studies/results/view.md anew.
+study: setup
+	$(BIN)/python -m studies.benchmarks view
 
 test-system: setup
 	tests/system/run

@@ -13,6 +13,8 @@ PENDING = 1024
 """Stream news kept of streams whose key is not known yet."""
 MOST_AGE = 10.0
 """A sample that seems to be older than this when it arrives says nothing about the way [s]."""
+MOST_PER_BYTE = 0.1
+"""No channel takes as long for a byte [s/B]."""
 MOST_WAIT = 1.0
 """A sample that seems to have waited longer than this before it was sent was not the last one generated [s]."""
 EARLY = 0.005
@@ -265,5 +267,6 @@ class Peer:
 
 
 def latency_of(echo: Echo) -> Latency | None:
-    """Return what an echo tells of the way; None when its sender does not know."""
-    return Latency(echo.latency, echo.per_byte) if echo.latency > 0.0 or echo.per_byte > 0.0 else None
+    """Return what an echo tells of the way; None when its sender does not know, or tells what cannot be."""
+    possible = 0.0 <= echo.latency < MOST_AGE and 0.0 <= echo.per_byte < MOST_PER_BYTE
+    return Latency(echo.latency, echo.per_byte) if possible and (echo.latency or echo.per_byte) else None

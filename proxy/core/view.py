@@ -11,7 +11,7 @@ from proxy.core.peer import Peer, latency_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
 from proxy.core.transport import is_broadcast
-from proxy.core.ways import latency
+from proxy.core.ways import Audiences, latency
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
@@ -47,6 +47,7 @@ class SharedView:
         """The other robots, by tag."""
         self.wall_offset = settings.wall_offset
         """Our wall clock minus our monotonic clock [s]."""
+        self.audiences = Audiences(self)
         self.interest: tuple[str, ...] = ()
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0

@@ -118,6 +118,11 @@ class Audience:
         return sum(r.share for r in self.receivers)
 
     @property
+    def mean(self) -> float:
+        """The mean time to those whom messages get to [s]."""
+        return self.latency + sum(r.delay * r.share for r in self.receivers) / self.share
+
+    @property
     def slowest(self) -> float:
         """The time to the last of the receivers [s]."""
         return self.latency + max(r.delay for r in self.receivers)

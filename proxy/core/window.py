@@ -20,7 +20,7 @@ from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
 from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
-from proxy.core.ways import Audience, Audiences
+from proxy.core.ways import Audience
 
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
@@ -95,7 +95,6 @@ class WindowBuilder:
     def __init__(self, view: SharedView, started: float) -> None:
         self._view = view
         self._started = started
-        self._audiences = Audiences(view)
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
         """Return the problem of deciding `current` while others of our own samples are `waiting`."""
@@ -164,7 +163,7 @@ class WindowBuilder:
             key=lambda s: (s.robot, s.key),
         )
         return [
-            _Candidate(s, place, view.copies(s), self._audiences.of(now, s), []) for place, s in enumerate(competing)
+            _Candidate(s, place, view.copies(s), view.audiences.of(now, s), []) for place, s in enumerate(competing)
         ]
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:

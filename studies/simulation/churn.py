@@ -1,5 +1,6 @@
 """What happens to a team in flight: robots come and go, the mesh falls apart and together again."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -43,3 +44,12 @@ class Merge:
 
 
 Happening = Join | Leave | Crash | Partition | Merge
+
+
+def joining(happenings: Iterable[Happening]) -> frozenset[str]:
+    """Return the robots that are not there from the start: what happens to them first is that they join."""
+    first: dict[str, Happening] = {}
+    for each in sorted(happenings, key=lambda happening: happening.t):
+        if isinstance(each, Join | Leave | Crash):
+            first.setdefault(each.robot, each)
+    return frozenset(robot for robot, each in first.items() if isinstance(each, Join))

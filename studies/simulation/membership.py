@@ -97,9 +97,15 @@ class Membership:
         if (one, other) not in self._known:
             return
         self._feed(one, t, ev.PeerAppeared(one.now(t), other.robot, other.zid))
-        self._agenda.at(self._medium.reliable(t, one.robot, other.robot), partial(self._ask, one, other))
+        self.ask(one, other.robot, t)
 
-    def _ask(self, one: Member, other: Member, t: float) -> None:
+    def ask(self, one: Member, robot: str, t: float) -> None:
+        """`one` asks a robot for its state, which arrives later if the robot is there."""
+        other = self._members.get(robot)
+        if other is not None:
+            self._agenda.at(self._medium.reliable(t, one.robot, robot), partial(self._asked, one, other))
+
+    def _asked(self, one: Member, other: Member, t: float) -> None:
         if self._together(one, other) and other.state is not None:
             told = partial(self._answer, one, other.state)
             self._agenda.at(self._medium.reliable(t, other.robot, one.robot), told)

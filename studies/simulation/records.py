@@ -26,9 +26,10 @@ class Delivery:
 
 @dataclass(frozen=True, slots=True)
 class OnAir:
-    """Bytes put on the air, all copies together; `frame` is None for a digest."""
+    """Bytes put on the air, all copies together; `frame` is None for what robots tell each other."""
 
     t: float
     robot: str
     size: int
     frame: Frame | None = None
+    digest: bool = False

@@ -6,7 +6,7 @@ from functools import partial
 
 from planner import Plan, SearchSettings, start
 from proxy.core import events as ev
-from proxy.core.codec import pack_digest
+from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import Command, Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
@@ -14,7 +14,7 @@ from proxy.core.transport import is_broadcast
 from proxy.core.view import intersects
 from proxy.core.wire import Digest, State, tag
 from studies.simulation.agenda import Agenda
-from studies.simulation.churn import Happening, Join
+from studies.simulation.churn import Happening, joining
 from studies.simulation.clocks import Clock
 from studies.simulation.medium import Medium
 from studies.simulation.member import Member
@@ -32,7 +32,8 @@ DIGEST_OVERHEAD = 24
 class Team:
     """Robots by name, each with its subscriptions; `clocks` by robot, or how far each is off [s].
 
-    `happenings` are told in the order of their times. What was sent is in `deliveries`, by receiver, and in `on_air`.
+    `happenings` are told in the order of their times. With `digests_on_air` digests are broadcast where samples are.
+    What was sent is in `deliveries`, by receiver, and in `on_air`.
     """
 
     specs: Specs
@@ -45,6 +46,7 @@ class Team:
     settings: CoreSettings = field(default_factory=lambda: CoreSettings("", ""))
     search: SearchSettings = field(default_factory=SearchSettings)
     happenings: Sequence[Happening] = ()
+    digests_on_air: bool = False
     deliveries: list[Delivery] = field(default_factory=list)
     on_air: list[OnAir] = field(default_factory=list)
     digest_bytes: int = 0
@@ -55,8 +57,8 @@ class Team:
         self._broadcast = is_broadcast(self.settings.transport)
         self._matching: dict[tuple[tuple[str, ...], str], bool] = {}
         self._starts: dict[str, int] = {}
-        late = {h.robot for h in self.happenings if isinstance(h, Join)}
-        self.members = {robot: self._member(robot, 0.0) for robot in self.interests if robot not in late}
+        absent = joining(self.happenings)
+        self.members = {robot: self._member(robot, 0.0) for robot in self.interests if robot not in absent}
         self.membership = Membership(self.agenda, self.medium, self.members, self._feed, self._member)
 
     @property
@@ -124,11 +126,7 @@ class Team:
             case SendDigest(digest, to):
                 self._tell(member, t, digest, to)
             case SendState(state):
-                member.state = state
-                for other in self.membership.linked(member):
-                    self.agenda.at(
-                        self.medium.reliable(t, member.robot, other.robot), partial(self._hear_state, other, state)
-                    )
+                self._publish_state(member, t, state)
 
     def _decided(self, member: Member, ticket: int, plan: Plan, t: float) -> None:
         self._feed(member, t, ev.DecisionReady(member.now(t), ticket, plan))
@@ -137,14 +135,26 @@ class Team:
         self._feed(member, t, ev.SampleHanded(member.now(t), sample))
 
     def _tell(self, member: Member, t: float, digest: Digest, to: str) -> None:
-        """Send a digest to all who are linked, one copy each, or to one of them."""
+        """Send a digest to all who are linked, one copy each or one for all on the air, or to one of them."""
         size = len(pack_digest(digest)) + DIGEST_OVERHEAD
         others = {other.robot: other for other in self.membership.linked(member) if to in ("", tag(other.zid))}
-        self.digest_bytes += size * len(others)
-        self.on_air.append(OnAir(t, member.robot, size * len(others)))
-        for robot, arrivals in self.medium.unicast(t, size, member.robot, others).items():
+        send, copies = self.medium.unicast, len(others)
+        if self._broadcast and self.digests_on_air:
+            send, copies = self.medium.broadcast, 1
+        self.digest_bytes += size * copies
+        self.on_air.append(OnAir(t, member.robot, size * copies, digest=True))
+        for robot, arrivals in send(t, size, member.robot, others).items():
             for arrival in arrivals:
                 self.agenda.at(arrival, partial(self._hear_digest, others[robot], digest))
+
+    def _publish_state(self, member: Member, t: float, state: State) -> None:
+        """Send a state reliably to all who are linked, and answer queries with it from now on."""
+        member.state = state
+        others = self.membership.linked(member)
+        self.on_air.append(OnAir(t, member.robot, len(pack_state(state)) * len(others)))
+        for other in others:
+            arrival = self.medium.reliable(t, member.robot, other.robot)
+            self.agenda.at(arrival, partial(self._hear_state, other, state))
 
     def _hear_digest(self, member: Member, digest: Digest, t: float) -> None:
         self._feed(member, t, ev.DigestHeard(member.now(t), digest))

@@ -3,7 +3,7 @@
 import pytest
 
 from proxy.core.latency import Latency
-from proxy.core.peer import STREAMS, Peer
+from proxy.core.peer import STREAMS, Peer, latency_of
 from proxy.core.wire import Digest, Echo, State, StreamDigest
 
 KEY = "robot/r2/camera"
@@ -157,3 +157,13 @@ def test_streams_of_a_peer_are_bounded(peer):
         peer.heard_news(f"robot/{number}/camera", news(1, 1, 1.0, 1.0), wanted=True)
     assert peer.samples == STREAMS + 10
     assert len(peer._incoming) == STREAMS
+
+
+@pytest.mark.parametrize(
+    ("latency", "per_byte"), [(0.0, 0.0), (-1.0, 1e-6), (1e9, 0.0), (0.1, 1e30), (0.1, float("inf")), (0.1, -1e-3)]
+)
+def test_what_an_echo_tells_that_cannot_be_is_not_believed(peer, latency, per_byte):
+    """Nor does nothing at all mean that samples take no time."""
+    peer.heard_echo(2.0, Echo("z-r1", 1.9, -98.1, 0, latency, per_byte))
+    assert peer.latency_out is None
+    assert latency_of(Echo("z-r3", 1.9, -98.1, 0, 0.0, 1e-6)) == Latency(0.0, 1e-6)

@@ -5,9 +5,10 @@ import pytest
 from proxy.core.latency import Latency
 from proxy.core.receivers import Way
 from proxy.core.settings import CoreSettings
+from proxy.core.stream import Generated
 from proxy.core.transport import broadcast
 from proxy.core.view import SharedView
-from proxy.core.ways import latency, mean_loss, per_byte, ways
+from proxy.core.ways import REFRESH, latency, mean_loss, per_byte, ways
 from proxy.core.wire import Digest, Echo, State
 
 GROUP = broadcast("224.0.0.226:7449")
@@ -83,6 +84,36 @@ def test_a_plain_node_gets_things_like_the_others(view):
     """Nothing is known of it but that it is there."""
     camera = view.stream(0.0, "?plain", "robot/x/camera")
     assert [way.latency for way in ways(view, camera, 100)] == [0.0] * 4
+
+
+def test_an_audience_is_looked_at_anew_when_somebody_joins_or_after_a_while(view):
+    """Not for every decision: with many robots that takes long."""
+    own = view.stream(0.0, "r1", "robot/r1/camera")
+    own.note_generated(1, Generated(0.0, 1000, 1.0))
+    for peer in view.peers.values():
+        peer.latency_out = Latency(0.1, 1e-5)
+    audience = view.audiences.of(1.0, own)
+    assert (audience.latency_of(1000), audience.latency_of(2000)) == pytest.approx((0.11, 0.12))
+    view.peers["z-r2"].latency_out = Latency(0.4)
+    assert view.audiences.of(1.1, own) is audience
+    later = view.audiences.of(1.0 + REFRESH, own)
+    assert (later.mean, later.slowest, later.share) == pytest.approx((0.62 / 3, 0.4, 3.0))
+    view.gone("z-r2")
+    assert view.audiences.of(1.0 + REFRESH, own).share == 2.0
+    for robot in ("r3", "r4"):
+        view.gone(f"z-{robot}")
+    assert ways(view, own, 100) == []
+    assert view.audiences.of(1.0 + REFRESH, own).share == 1.0
+
+
+def test_audiences_are_bounded(make_specs):
+    """Those of streams that there are no more are forgotten."""
+    view = SharedView(CoreSettings("r1", "z-r1", streams=3), make_specs())
+    for number in range(20):
+        stream = view.stream(float(number), "r1", f"robot/{number}/camera")
+        stream.note_generated(1, Generated(0.0, 10, 1.0))
+        view.audiences.of(float(number), stream)
+    assert len(view.audiences._known) <= 4
 
 
 def test_samples_for_a_robot_are_counted_when_they_are_handed_over(view, make_specs):

@@ -79,7 +79,7 @@ def test_the_union_of_all_robots_keeps_the_limit(specs, loss):
 
 def test_who_sees_red_sends_at_least_twice_as_often(specs):
     """The share follows the value within a second of its change."""
-    deliveries = team(specs).run(scene(), 14.0)
+    deliveries = team(specs).run(scene(red=0.6), 14.0)
     during = [d.frame for d in deliveries if 5.0 <= d.frame.t_gen < 8.0]
     red = sum(frame.robot == "r1" for frame in during)
     others = sum(frame.robot != "r1" for frame in during) / 3

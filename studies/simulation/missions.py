@@ -1,0 +1,121 @@
+"""Missions of the study as a team flies them: what apps publish, who wants it, and the specs for it."""
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean
+from typing import Literal
+
+from planner import Constraint, Exponential, Linear, Message, MessageUtility, Polynomial, Problem, Step, Video
+from studies.mixed_workload import ByteLimit, mixed_mission
+from studies.simulation.conditions import WARM_UP, WINDOW, Conditions
+from studies.simulation.records import Frame
+from studies.workload import SCENARIOS, Scenario, mission
+from utility_specs import Specs, load_specs
+
+SIZE = 2_048
+"""Of a message of the paper's workload [B]."""
+SLACK = 0.25
+"""There the limit carries so much more than whole messages: no plan gains by it, and nobody fails by a byte."""
+GENERATED = 25.0
+"""Messages that ten robots generate in a window."""
+OPERATOR = "op"
+"""Who wants everything in unicast."""
+
+Sizes = Literal["equal", "mixed"]
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """A mission as the oracle and a central decider see it, and message by message the `frames` of a team.
+
+    `carried` is what the limit leaves to messages per window, `gross` what it leaves to messages and digests [B].
+    """
+
+    problem: Problem
+    frames: tuple[Frame, ...]
+    specs: Specs
+    interests: Mapping[str, tuple[str, ...]]
+    carried: float
+    gross: float
+
+
+def draw(scenario: Scenario, seed: int, how: Conditions, sizes: Sizes = "equal") -> Mission:
+    """Draw a mission: the paper's, or one of mixed sizes; the same seed gives the same one under all conditions."""
+    seconds = WARM_UP + how.seconds
+    if sizes == "equal":
+        limit = Constraint("messages", WINDOW, float(how.limit))
+        problem = mission(scenario, seed, seconds=seconds, robots=how.robots, latency=how.latency, constraint=limit)
+        carried = (how.limit + SLACK) * SIZE
+    else:
+        share = ByteLimit(how.limit / GENERATED, WINDOW)
+        problem = mixed_mission(scenario, seed, seconds=seconds, latency=how.latency, limit=share)
+        carried = problem.constraints[0].limit
+    keys = [f"r{stream.robot}/{number}" for number, stream in enumerate(problem.streams)]
+    frames = tuple(
+        Frame(keys[m.stream].split("/")[0], keys[m.stream], m.t_gen, SIZE if sizes == "equal" else int(m.use[0]), {})
+        for m in problem.messages
+    )
+    gross = how.gross(carried)
+    specs = specs_of(_spec(problem, keys, gross))
+    return Mission(problem, frames, specs, _interests(how, frames), carried, gross)
+
+
+def scenario(name: str) -> Scenario:
+    """Return the scenario whose name begins so; raise `ValueError` when there is none."""
+    for each in SCENARIOS:
+        if each.name.startswith(name):
+            return each
+    raise ValueError(f"no scenario {name!r}: {', '.join(each.name for each in SCENARIOS)}")
+
+
+def specs_of(text: str) -> Specs:
+    """Load specs as a daemon would; raise `SpecsError` for what is wrong with them."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mission.toml"
+        path.write_text(text)
+        return load_specs(path)
+
+
+def _interests(how: Conditions, frames: tuple[Frame, ...]) -> dict[str, tuple[str, ...]]:
+    robots = sorted({frame.robot for frame in frames} | {f"r{i}" for i in range(how.robots)})
+    if how.unicast:
+        return dict.fromkeys(robots, ()) | {OPERATOR: ("*/*",)}
+    return dict.fromkeys(robots, ("*/*",))
+
+
+def _spec(problem: Problem, keys: list[str], gross: float) -> str:
+    """Return what an operator would write: of every stream the weight, and how its messages fade on average."""
+    limit = f'[[constraint]]\nkind = "throughput"\nlimit = "{gross / WINDOW!r} B/s"\nwindow = {WINDOW}\n'
+    streams = [[m for m in problem.messages if m.stream == number] for number in range(len(keys))]
+    types = (_type(number, key, own) for number, (key, own) in enumerate(zip(keys, streams, strict=True)) if own)
+    return "\n".join((limit, *types))
+
+
+def _type(number: int, key: str, own: list[Message]) -> str:
+    return (
+        f'[[information_type]]\nname = "stream-{number}"\nkeys = ["{key}"]\naggregation = "most_recent"\n'
+        f"weight = {own[0].scale!r}\nutility = {_utility([m.utility for m in own])}\n"
+    )
+
+
+def _utility(utilities: list[MessageUtility]) -> str:
+    """Return the table of the mean utility; raise `TypeError` for a kind that no workload has."""
+    first = utilities[0]
+    match first:
+        case Linear():
+            return f'{{ kind = "linear", slope = {_mean(utilities, "slope")} }}'
+        case Video():
+            return f'{{ kind = "video", a1 = {_mean(utilities, "a1")} }}'
+        case Exponential():
+            return f'{{ kind = "exponential", tau = {_mean(utilities, "tau")} }}'
+        case Step():
+            return f'{{ kind = "step", lifetime = {_mean(utilities, "lifetime")} }}'
+        case Polynomial():
+            return f'{{ kind = "polynomial", a1 = {_mean(utilities, "a1")}, k = {first.k!r} }}'
+    raise TypeError(f"no workload has {first!r}")
+
+
+def _mean(utilities: list[MessageUtility], parameter: str) -> str:
+    return repr(fmean(float(getattr(utility, parameter)) for utility in utilities))

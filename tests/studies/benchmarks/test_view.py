@@ -1,0 +1,60 @@
+"""The page of the shared view."""
+
+import pytest
+
+from studies.benchmarks.view import adaptive, measure_view
+from studies.benchmarks.view.crowd import KINDS
+from studies.benchmarks.view.programme import ARRANGEMENTS, QUICK, programme, wrong_clocks
+
+
+@pytest.fixture(scope="module")
+def tables():
+    """A quick page."""
+    return measure_view(quick=True)
+
+
+def test_every_target_has_a_row(tables):
+    """With what is asked, and whether it is met."""
+    rows = {row[0]: row for row in tables[0].rows}
+    assert all(row[-1] in ("yes", "no", "not measured") for row in rows.values())
+    for words in ("generation times", "right clocks", "central decider", "exceeds", "Latency 1 s", "tells the others"):
+        assert any(words in name for name in rows)
+
+
+def test_shares_never_exceed_the_limit(tables):
+    """In none of the windows."""
+    rows = [row for row in tables[0].rows if row[0].startswith("Windows") and "shares" in row[0]]
+    assert [row[-1] for row in rows] == ["yes"] * 2
+
+
+def test_what_bad_networks_cost_is_told_for_each_arrangement(tables):
+    """A row for each condition."""
+    costs = tables[1]
+    assert len(costs.columns) == 1 + len(ARRANGEMENTS)
+    assert len(costs.rows) == 1 + len(QUICK.latencies) + len(QUICK.losses) + len(wrong_clocks(QUICK)) + 1
+    assert len(tables[2].rows) == len(ARRANGEMENTS)
+
+
+def test_limits_that_follow_the_medium_are_measured_beside_right_ones(monkeypatch):
+    """A limit that never exceeds the least rate keeps delays short; one far below it reaches less."""
+    course = adaptive.Course(robots=2, halved=3.0, doubled=7.0, end=8.0)
+    right = f'limit = "{adaptive.PART * adaptive.RATE / 2.0} B/s"'
+    monkeypatch.setattr(adaptive, "ADAPTIVE", right)
+    assert next(adaptive.adaptive_rows(course))[-1] == "yes"
+    monkeypatch.setattr(adaptive, "ADAPTIVE", 'limit = "10 kB/s"')
+    assert next(adaptive.adaptive_rows(course))[-1] == "no"
+
+
+def test_a_crowd_is_measured_beside_a_team(tables):
+    """The same figures of both."""
+    assert tables[3].columns[1:] == KINDS
+    assert len(tables[3].rows) == 2
+
+
+def test_all_arrangements_fly_the_same_missions():
+    """So that they can be compared."""
+    for flights in programme(QUICK).values():
+        courses = [
+            [f.course for f in flights if (f.how.coordination, f.how.transport) == each] for each in ARRANGEMENTS
+        ]
+        assert courses[0] == courses[1] == courses[2]

@@ -1,0 +1,82 @@
+"""Robots that come and go in a simulated team."""
+
+import pytest
+
+from proxy.core.wire import tag
+from studies.simulation.churn import Crash, Join, Leave, Merge, Partition, joining
+from studies.simulation.conditions import Conditions
+from studies.simulation.flights import team
+from studies.simulation.membership import LEASE
+from studies.simulation.missions import draw
+from studies.workload import MIXED
+
+
+@pytest.fixture
+def fly():
+    """Fly three robots and an operator for so long under these happenings."""
+
+    def fly(until, *happenings, **changes):
+        how = Conditions(robots=3, seconds=4.0, iterations=50, happenings=happenings, **changes)
+        flown = draw(MIXED, 0, how)
+        flying = team(flown, how, 0)
+        flying.run(flown.frames, until)
+        return flying
+
+    return fly
+
+
+def known(flying, robot):
+    """The names of the robots that one knows of."""
+    return sorted(peer.robot for peer in flying.cores[robot].view.peers.values())
+
+
+def test_all_know_each_other_and_what_they_want(fly):
+    """Soon after the start everybody has everybody's state."""
+    flying = fly(0.5)
+    for robot, core in flying.cores.items():
+        assert known(flying, robot) == sorted(set(flying.cores) - {robot})
+        assert {peer.robot for peer in core.view.peers.values() if peer.subscriptions} <= {"op"}
+
+
+def test_a_crash_is_noticed_late_and_a_farewell_at_once(fly):
+    """The token of a robot that fell silent is lost after the lease."""
+    assert "r1" in known(fly(3.0 + 0.9 * LEASE, Crash(3.0, "r1")), "r0")
+    assert "r1" not in known(fly(3.1 + LEASE, Crash(3.0, "r1")), "r0")
+    left = fly(3.1, Leave(3.0, "r1"))
+    assert "r1" not in known(left, "r0")
+    assert "r1" not in left.cores
+
+
+def test_who_comes_again_has_a_new_id(fly):
+    """And sends again; the others know it and its streams."""
+    flying = fly(12.0, Crash(3.0, "r1"), Join(7.0, "r1"))
+    zid = flying.members["r1"].zid
+    assert zid != "z-r1"
+    assert tag(zid) in flying.cores["op"].view.peers
+    assert any(stream.robot == "r1" for stream in flying.cores["r0"].view.streams())
+    assert flying.cores["r1"].counts.received > 0
+
+
+def test_who_joins_late_is_not_there_before(fly):
+    """Nobody knows it and it sends nothing, until it joins."""
+    assert joining((Join(5.0, "r1"), Crash(3.0, "r2"), Join(6.0, "r2"))) == {"r1"}
+    flying = fly(4.0, Join(5.0, "r1"))
+    assert "r1" not in flying.cores
+    assert "r1" not in known(flying, "op")
+    assert "r1" in known(fly(6.0, Join(5.0, "r1")), "op")
+
+
+def test_parts_of_a_mesh_lose_each_other_and_meet_again(fly):
+    """Nothing crosses a partition; after the lease its sides miss each other, and after the merge they do not."""
+    apart = Partition(3.0, (frozenset(("r0", "r1")), frozenset(("r2", "op"))))
+    flying = fly(8.0, apart)
+    assert known(flying, "r0") == ["r1"]
+    assert known(flying, "op") == ["r2"]
+    assert not [d for d in flying.deliveries if d.t_sent > 3.0 and d.frame.robot != "r2"]
+    assert known(fly(9.0, apart, Merge(8.0)), "r0") == ["op", "r1", "r2"]
+
+
+def test_a_partition_shorter_than_the_lease_goes_unnoticed(fly):
+    """Tokens stay, and so do robots."""
+    apart = Partition(3.0, (frozenset(("r0", "r1")), frozenset(("r2", "op"))))
+    assert known(fly(8.0, apart, Merge(4.0)), "r0") == ["op", "r1", "r2"]
