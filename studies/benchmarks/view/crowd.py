@@ -1,5 +1,6 @@
 """What one core costs in a crowd: time of a view update and of a decision, and memory."""
 
+import tracemalloc
 from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
@@ -11,7 +12,7 @@ from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import broadcast
 from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
-from studies.benchmarks.memory import MEGABYTE, resident
+from studies.benchmarks.memory import MEGABYTE
 from studies.benchmarks.report import Table
 from studies.simulation.missions import specs_of
 
@@ -144,9 +145,12 @@ def measure_crowd(*, quick: bool) -> Table:
 
 
 def _cost(robots: int, times: int) -> Cost:
-    before = resident()
+    tracemalloc.start()
+    held = Crowd(robots)
+    memory, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    del held
     crowd = Crowd(robots)
-    memory = resident() - before
     digests = [took for _ in range(times) for took in crowd.round()]
     samples = [took for _ in range(times) for took in crowd.hear()]
     passed = crowd.pass_time(10 * times)

@@ -15,7 +15,8 @@ Row = tuple[str, str, str, str]
 OF_CENTRAL = {"overhear": 0.96, "shares": 0.93}
 """What is asked of each coordination, as a share of one central decider."""
 SAME = 0.99
-EXCEEDING = 0.01
+MAY_EXCEED = {"overhear": (0.01, 1), "shares": (0.0, 0)}
+"""What part of windows may exceed the limit, and by how many messages."""
 FORECAST = 0.1
 LATENCY_COSTS = 0.03
 
@@ -52,6 +53,16 @@ def by_arrangement(flown: Sequence[Flown]) -> Iterator[tuple[str, str, list[Flow
 def met(holds: bool) -> str:  # noqa: FBT001 -- it is the only argument
     """Return the word for it."""
     return "yes" if holds else "no"
+
+
+def lawful(flown: Sequence[Flown]) -> bool:
+    """Whether flights of one arrangement exceed the limit no more than they may."""
+    most, by = MAY_EXCEED[flown[0].flight.how.coordination]
+    return fmean(one.used.exceeding for one in flown) <= most and max(one.used.worst for one in flown) <= by
+
+
+def _unless_lawful(flown: Sequence[Flown]) -> str:
+    return "" if lawful(flown) else ", by exceeding the limit"
 
 
 def _forecasts(results: Results, extent: Extent) -> Iterator[Row]:
@@ -91,20 +102,20 @@ def _central(results: Results) -> Iterator[Row]:
         yield (
             f"Utility beside one central decider: {name}",
             f"≥ {100 * asked:g} %",
-            f"{100 * reached:.1f} %, worst mission {100 * worst:.1f} %",
-            met(reached >= asked),
+            f"{100 * reached:.1f} %, worst mission {100 * worst:.1f} %{_unless_lawful(flown)}",
+            met(reached >= asked and lawful(flown)),
         )
 
 
 def _exceeding(results: Results) -> Iterator[Row]:
     for coordination, name, flown in by_arrangement(results["limits"]):
         share, worst = fmean(one.used.exceeding for one in flown), max(one.used.worst for one in flown)
-        most, by = (EXCEEDING, 1) if coordination == "overhear" else (0.0, 0)
+        most, by = MAY_EXCEED[coordination]
         yield (
             f"Windows in which the union exceeds the limit: {name}",
             f"≤ {100 * most:g} %, by at most {by}" if by else "none",
             f"{100 * share:.2f} %, by at most {worst} messages",
-            met(share <= most and worst <= by),
+            met(lawful(flown)),
         )
 
 
@@ -118,8 +129,8 @@ def _latency(results: Results) -> Iterator[Row]:
         yield (
             f"Latency 1 s beside 20 ms, each as a share of the bound at its latency: {name}",
             f"within {100 * LATENCY_COSTS:g} points",
-            f"{100 * fmean(late):.1f} % beside {100 * fmean(near):.1f} %",
-            met(lost <= LATENCY_COSTS),
+            f"{100 * fmean(late):.1f} % beside {100 * fmean(near):.1f} %{_unless_lawful(flown)}",
+            met(lost <= LATENCY_COSTS and lawful(flown)),
         )
 
 
