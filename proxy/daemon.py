@@ -20,7 +20,7 @@ from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
 from proxy.core import transport
-from proxy.core.commands import Command, Decide, Drop, Forward, Notice, SendDigest, SendState
+from proxy.core.commands import Command, Decide, Drop, Forward, Notice, SendDigest, SendState, SetPace
 from proxy.core.core import Core
 from proxy.core.events import ModeChanged, SpecsChanged
 from proxy.core.mode import Mode
@@ -160,6 +160,8 @@ class Daemon:
                 self._bridge.drop(sample)
             case SendDigest(digest):
                 self._presence.send_digest(digest)
+            case SetPace(rate):
+                self._bridge.set_pace(rate)
             case SendState(state):
                 self._presence.send_state(state)
             case Notice(level, text):

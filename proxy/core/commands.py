@@ -47,6 +47,13 @@ class SendState:
 
 
 @dataclass(frozen=True, slots=True)
+class SetPace:
+    """Samples that were decided on go to the mesh no faster than `rate` [B/s, copies counted]: a limit has moved."""
+
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
 class Notice:
     """A line for the log."""
 
@@ -54,4 +61,4 @@ class Notice:
     text: str
 
 
-Command = Decide | Forward | Drop | SendDigest | SendState | Notice
+Command = Decide | Forward | Drop | SendDigest | SendState | SetPace | Notice

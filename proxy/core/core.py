@@ -6,18 +6,20 @@
 The same events and settings give the same commands, whoever drives: the daemon, a simulation, a test.
 """
 
+import math
 from functools import singledispatchmethod
 from typing import Any
 
 from proxy.core import events as ev
 from proxy.core.allocation import Room, gifts, targets
+from proxy.core.capacity import Capacity, Seen
 from proxy.core.claims import claims
-from proxy.core.commands import Command, Notice, SendDigest, SendState
+from proxy.core.commands import Command, Notice, SendDigest, SendState, SetPace
 from proxy.core.counts import DROPPED, Counts
 from proxy.core.digests import DigestPacer
 from proxy.core.gate import Gate
 from proxy.core.inbox import SUPERSEDED, Waiting
-from proxy.core.limits import allowance_of, limits_of, use_of
+from proxy.core.limits import Limit, allowance_of, in_force, limits_of, use_of
 from proxy.core.mode import Mode
 from proxy.core.report import report
 from proxy.core.settings import CoreSettings
@@ -49,6 +51,9 @@ class Core:
         self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=now + settings.settle)
         self.gate = Gate(settings, self.view, self.shares, self.counts, WindowBuilder(self.view, now))
         self.pacer = DigestPacer(now)
+        self.capacity = Capacity(now, tag(settings.zid))
+        self._ceilings: tuple[Limit, ...] = ()
+        self._factors: tuple[float, ...] = ()
         self.malformed = 0
         self._tickets = 0
         self._allocated_at = now - ALLOCATION_PACE
@@ -66,6 +71,7 @@ class Core:
         times = [self._digest_due(now), now + 1.0]
         if self._state_changed():
             times.append(self._state_at + STATE_PACE)
+        times += self.capacity.wake_at(now)
         return max(min(times), now)
 
     def status(self, now: float) -> dict[str, Any]:
@@ -137,6 +143,7 @@ class Core:
         digest = event.digest
         if self.view.heard_digest(event.now, digest):
             self.shares.heard(digest.tag, digest.epoch, digest.grants)
+            self.capacity.heard(event.now, digest)
         return []
 
     @_on.register
@@ -164,6 +171,7 @@ class Core:
             return []
         self.view.gone(event.zid)
         self.shares.forget(tag(event.zid))
+        self.capacity.forget(tag(event.zid))
         self._membership(event.now)
         return [Notice("info", f"robot {event.robot} left the mesh")]
 
@@ -177,6 +185,12 @@ class Core:
         stream = self.view.stream(event.now, self.settings.robot, event.key)
         if stream is not None:
             stream.matching = event.matching
+        return []
+
+    @_on.register
+    def _(self, event: ev.LinksGauged) -> list[Command]:
+        for zid, wait in event.waits:
+            self.capacity.gauged(event.now, tag(zid), wait)
         return []
 
     @_on.register
@@ -203,7 +217,7 @@ class Core:
 
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event."""
-        commands: list[Command] = []
+        commands: list[Command] = self._follow_channel(now)
         self._allocate(now)
         if self.gate.pending is None:
             self._tickets += 1
@@ -232,7 +246,54 @@ class Core:
                 if gift.giver == self.shares.own:
                     self._urgent |= self.shares.grant(now, gift.taker, k, gift.amount) > 0.0
 
+    def _follow_channel(self, now: float) -> list[Command]:
+        """Let adaptive limits be what the channel bears."""
+        if self.capacity.due(now):
+            self.capacity.sent(now, self.view.messages, self.view.bytes)
+            self.capacity.look(now, self._seen(now))
+            self._urgent |= self.capacity.news(now)
+        if self.capacity.factors == self._factors:
+            return []
+        self._factors = self.capacity.factors
+        self._adopt_factors(self._factors)
+        pairs = zip(self.gate.limits, self._ceilings, strict=True)
+        return [SetPace(min(limit.measure.pace * limit.limit / ceiling.limit for limit, ceiling in pairs))]
+
+    def _seen(self, now: float) -> Seen:
+        streams = [stream for stream in self.view.streams() if self.view.competes(now, stream)]
+        own = self.settings.robot
+        wanting = (self.view.wanting(stream) for stream in streams if stream.robot == own)
+        others = (stream for stream in self.view.streams() if stream.robot != own)
+        factors = self.capacity.factors
+        parts = [self._parts(stream) for stream in streams]
+        windows = [limit.window / factor for limit, factor in zip(self._adaptive(), factors, strict=True)]
+        return Seen(
+            dropped=self.counts.dropped + sum(stream.generated - stream.forwarded for stream in others),
+            receivers={name for names in wanting for name in names},
+            longest=max((part * time for each in parts for part, time in zip(each, windows, strict=True)), default=0.0),
+            each=tuple(sum(each[k] for each in parts) for k in range(len(factors))),
+        )
+
+    def _parts(self, stream: Stream) -> tuple[float, ...]:
+        """What a sample takes of the ceilings of adaptive limits."""
+        adaptive = self._adaptive()
+        uses = use_of(stream.newest.size, self.view.copies(stream), adaptive, own=False)
+        return tuple(use / limit.limit for use, limit in zip(uses, adaptive, strict=True))
+
+    def _adaptive(self) -> tuple[Limit, ...]:
+        return tuple(limit for limit in self._ceilings if limit.least < 1.0)
+
+    def _adopt_factors(self, factors: tuple[float, ...]) -> None:
+        self.gate.limits = in_force(self._ceilings, factors)
+        for k, (limit, ceiling) in enumerate(zip(self.gate.limits, self._ceilings, strict=True)):
+            self.shares.set_factor(k, limit.limit / ceiling.limit)
+        # Less than in proportion: where little gets through, digests are what tells.
+        allowance = self.settings.allowance * math.sqrt(min(factors, default=1.0))
+        self.pacer.set_rate(allowance_of(self.view.specs, allowance, len(self.view.peers) + 1))
+
     def _send_digest(self, now: float) -> Command:
+        capacity = self.capacity.telling(now)
+        self.capacity.told(now, capacity)
         digest = Digest(
             robot=self.settings.robot,
             tag=self.shares.own,
@@ -242,7 +303,8 @@ class Core:
             bytes=self.view.bytes,
             streams=self.pacer.changed(list(self.view.own())),
             grants=self.shares.grants(),
-            echoes=self.view.echoes() if self.pacer.full(now) else (),
+            echoes=self.view.echoes() if self.pacer.full(now) or self.capacity.delayed else (),
+            capacity=capacity,
         )
         self._urgent = False
         self.pacer.sent(now, digest, len(self.view.peers) + self.settings.relayed)
@@ -259,9 +321,11 @@ class Core:
 
     def _adopt_limits(self, now: float) -> None:
         robots = len(self.view.peers) + 1
-        self.gate.limits = limits_of(self.view.specs, self.settings.allowance, robots)
-        self.shares.set_limits(now, self.gate.limits)
-        self.pacer.set_rate(allowance_of(self.view.specs, self.settings.allowance, robots))
+        self._ceilings = limits_of(self.view.specs, self.settings.allowance, robots)
+        self.shares.set_limits(now, self._ceilings)
+        self.capacity.set_limits(now, self._ceilings)
+        self._factors = ()  # so that the driver is told
+        self._adopt_factors(self.capacity.factors)
 
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""

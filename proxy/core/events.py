@@ -132,6 +132,17 @@ class MatchingChanged:
 
 
 @dataclass(frozen=True, slots=True)
+class LinksGauged:
+    """How long what we send now is on its way, as the driver sees it: `waits` are ids of robots and times [s].
+
+    Links that sent nothing lately are left out.
+    """
+
+    now: float
+    waits: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class SpecsChanged:
     """The utility specs were swapped whole."""
 
@@ -177,6 +188,7 @@ Event = (
     | PeerGone
     | InterestChanged
     | MatchingChanged
+    | LinksGauged
     | SpecsChanged
     | ModeChanged
     | DecisionReady

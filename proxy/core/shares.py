@@ -45,6 +45,7 @@ class Shares:
     def __init__(self, own: str, limits: tuple[Limit, ...], *, floor: float, settled_at: float) -> None:
         self.own = own
         self._limits = limits
+        self._factors = [1.0] * len(limits)
         self._floor = floor
         self._settled_at = settled_at
         self._members: frozenset[str] = frozenset((own,))
@@ -80,7 +81,12 @@ class Shares:
         ]
         self._sent = deque((t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in self._sent)
         self._limits = limits
+        self._factors = [1.0] * len(limits)
         self._enter()
+
+    def set_factor(self, k: int, factor: float) -> None:
+        """Only this part of constraint `k` is in force: all amounts are parts of that, in the same epoch."""
+        self._factors[k] = factor
 
     def heard(self, peer: str, epoch: int, grants: Iterable[Grant]) -> None:
         """Take in that `peer` is in `epoch`, and what it granted there."""
@@ -122,11 +128,11 @@ class Shares:
 
     def held_by(self, robot: str, k: int) -> float:
         """What a member holds of constraint `k` in this epoch, as far as we heard of grants [its units]."""
-        limit = self._limits[k]
-        if not limit.shared:
-            return limit.limit
-        part = (1.0 - self._floor) * limit.limit / len(self._members)
-        return part + self._ledgers[self.epoch].net(robot, k) * limit.limit / PARTS
+        amount = self._amount(k)
+        if not self._limits[k].shared:
+            return amount
+        part = (1.0 - self._floor) * amount / len(self._members)
+        return part + self._ledgers[self.epoch].net(robot, k) * amount / PARTS
 
     def used(self, now: float, k: int) -> float:
         """What our sends of the window that ends now use of constraint `k`."""
@@ -166,11 +172,11 @@ class Shares:
         limit = self._limits[k]
         if not limit.shared or peer not in self._members or peer == self.own or not self.confirmed(now):
             return 0.0
-        parts = max(0, int(min(amount, self.free(now, k)) * PARTS / limit.limit))
+        parts = max(0, int(min(amount, self.free(now, k)) * PARTS / self._amount(k)))
         if parts > 0:
             grants = self._ledgers[self.epoch].grants
             grants[self.own, peer, k] = grants.get((self.own, peer, k), 0) + parts
-        return parts * limit.limit / PARTS
+        return parts * self._amount(k) / PARTS
 
     def grants(self) -> tuple[Grant, ...]:
         """All that we granted in this epoch, for the digest."""
@@ -180,7 +186,7 @@ class Shares:
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5 against what we hold; a message larger than anybody could hold has a window stretched for it."""
         limit = self._limits[k]
-        if amount <= (HOLDABLE if limit.shared else 1.0) * limit.limit:
+        if amount <= (HOLDABLE if limit.shared else 1.0) * self._amount(k):
             return amount <= self.free(now, k)
         since = now - self._stretched(k, amount)
         alone = self.confirmed(now) or not limit.shared
@@ -194,7 +200,11 @@ class Shares:
         """The window in which a message may be alone, if all robots send such messages [s]; at least the window."""
         limit = self._limits[k]
         users = len(self._members) if limit.shared else 1
-        return limit.window * max(1.0, amount * users / limit.limit)
+        return limit.window * max(1.0, amount * users / self._amount(k))
+
+    def _amount(self, k: int) -> float:
+        """What is in force of a constraint [its units]."""
+        return self._factors[k] * self._limits[k].limit
 
     def _enter(self) -> None:
         """Enter the epoch of the members and limits as they are now."""

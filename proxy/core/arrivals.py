@@ -1,0 +1,61 @@
+"""Loss that was not there before: what part of what we send arrives, against the best of the recent past.
+
+Cumulative counts tell the part: what we put on the air, and what the others say they have received of it. Some never
+count (plain nodes) and some radios always lose: so only what is lost beyond the best counts, and a decrease is a trial.
+When less is sent and as much is lost, load was not the cause; the radio is worse than it was, and that is taken as is.
+"""
+
+from collections import deque
+
+SPAN = 3.0
+"""A part is measured over at least this time [s],"""
+LEAST = 40
+"""and over so many messages."""
+REMEMBERED = 30.0
+"""The best of so long counts [s]."""
+LOST = 0.25
+"""More than this part beyond the best is a reason to send less."""
+HELPED = 0.6
+"""Sending less has helped when less than so much of the loss is left."""
+MOST = 64
+"""Counts and parts remembered."""
+
+
+class Arrivals:
+    """Our messages of the recent past, sent and arrived."""
+
+    def __init__(self) -> None:
+        self._received: dict[str, int] = {}
+        self._counts: deque[tuple[float, int, int]] = deque(maxlen=MOST)
+        self._parts: deque[tuple[float, float]] = deque(maxlen=MOST)
+
+    def note(self, now: float, sent: int, peer: str, received: int) -> None:
+        """We have sent so many messages so far, copies counted, and a peer says it has received so many of them."""
+        if received < self._received.get(peer, received + 1):
+            self.forget(peer)
+        self._received[peer] = received
+        self._counts.append((now, sent, sum(self._received.values())))
+        while len(self._counts) > 2 and self._counts[1][0] <= now - SPAN:
+            self._counts.popleft()
+        (t0, sent0, arrived0), (t1, sent1, arrived1) = self._counts[0], self._counts[-1]
+        if t1 - t0 >= SPAN and sent1 - sent0 >= LEAST:
+            self._parts.append((now, (arrived1 - arrived0) / (sent1 - sent0)))
+        while self._parts and self._parts[0][0] < now - REMEMBERED:
+            self._parts.popleft()
+
+    def forget(self, peer: str) -> None:
+        """A robot left or started anew: what arrived until now is not comparable."""
+        self._received.pop(peer, None)
+        self._counts.clear()
+        self._parts.clear()
+
+    def accept(self) -> None:
+        """What is lost now is how the radio is."""
+        self._parts.clear()
+
+    def lost(self, now: float) -> float:
+        """The part that was lost at last beyond the best; 0 while nothing is known."""
+        if not self._parts or self._parts[-1][0] < now - SPAN:
+            return 0.0
+        best = max(part for _, part in self._parts)
+        return 1.0 - self._parts[-1][1] / best if best > 0.0 else 0.0

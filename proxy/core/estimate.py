@@ -1,0 +1,85 @@
+"""How much of an adaptive limit the channel bears: additive increase, multiplicative decrease.
+
+It grows only while it is used, so it is always known to have been borne. A decrease goes to what came through while a
+queue grew, then lower for the time that the queue needs to drain: who hears of it sees the delay vanish and, with it,
+the reason for another decrease.
+"""
+
+INITIAL = 0.25
+"""Where an estimate starts, as a part of the ceiling."""
+STEP = 0.02
+"""Part of the ceiling that an estimate grows by in a second."""
+STEEPEST = 0.1
+"""Part of itself that it grows by in a second at most."""
+PROBING = 0.5
+"""The same until the first decrease, and after silence: nothing is known then."""
+QUIET = 5.0
+"""When nothing stood in the way for so long, it grows twice as fast [s]."""
+LESS, LEAST_CUT, DEEPEST_CUT, AGAIN = 0.95, 0.9, 0.5, 0.7
+"""A decrease: to so much of what came through; at least and at most to so much; to so much when the last one failed."""
+DRAIN = 0.6
+"""Part of the estimate that holds while a queue drains."""
+LONGEST_DRAIN = 2.0
+"""A queue is given up to this long to drain [s]."""
+AGAIN_WITHIN = 1.0
+"""The last decrease has failed when there is cause for another one so soon after it settled [s]."""
+SETTLE = 0.2
+"""So long it takes until the others know of a decrease and have sent what they had decided on [s]."""
+
+
+class Estimate:
+    """One limit's, as a part of its ceiling, never below `floor`."""
+
+    def __init__(self, now: float, floor: float) -> None:
+        self.floor = floor
+        self.part = max(floor, INITIAL)
+        self._probing = True
+        self._cut_at = now
+        self._drained_at = now
+        self._settled_at = now
+
+    def told(self, now: float) -> float:
+        """What the channel bears now: less than the estimate while a queue drains."""
+        return max(self.floor, self.part * (DRAIN if now < self._drained_at else 1.0))
+
+    @property
+    def settled_at(self) -> float:
+        """What is seen of what was sent from then on [s] is not the effect of what was decreased for."""
+        return self._settled_at
+
+    @property
+    def drained_at(self) -> float:
+        """When the last queue has drained [s]."""
+        return self._drained_at
+
+    def grow(self, now: float, elapsed: float, most: float) -> None:
+        """It was used and nothing stood in the way for `elapsed` [s]; it grows to `most` at most."""
+        if self._probing:
+            step = PROBING * self.part
+        else:
+            step = min(STEP * (2.0 if now >= self._cut_at + QUIET else 1.0), STEEPEST * self.part)
+        self.part = max(self.part, min(self.part + step * elapsed, most, 1.0))
+
+    def cut(self, now: float, used: float, share: float, delay: float) -> None:
+        """A queue of `delay` [s] grew while `used` was sent, of which `share` came through."""
+        failed = not self._probing and now < self._settled_at + AGAIN_WITHIN
+        factor = min(max(LESS * share, DEEPEST_CUT), AGAIN if failed else LEAST_CUT)
+        self.part = max(self.floor, factor * min(self.part, used))
+        self._probing = False
+        self._cut_at = now
+        self._drained_at = now + min(delay / (1.0 - DRAIN), LONGEST_DRAIN)
+        self._settled_at = self._drained_at + SETTLE
+
+    def wait(self, now: float) -> None:
+        """Another robot decreased for all: let that show."""
+        self._cut_at = now
+        self._settled_at = max(self._settled_at, now + SETTLE)
+
+    def fade(self) -> None:
+        """Nothing was heard for too long; when something is, it may grow fast."""
+        self.part = max(self.floor, AGAIN * self.part)
+        self._probing = True
+
+    def restore(self, part: float) -> None:
+        """A decrease was for nothing."""
+        self.part = max(self.part, min(part, 1.0))
