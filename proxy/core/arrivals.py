@@ -1,20 +1,21 @@
-"""Loss that was not there before: what part of what we send arrives, against the best of the recent past.
+"""Loss that was not there before: what part of what we send arrives, against what is usual.
 
 Cumulative counts tell the part: what we put on the air, and what the others say they have received of it. Some never
-count (plain nodes) and some radios always lose: so only what is lost beyond the best counts, and a decrease is a trial.
+count (plain nodes) and some radios always lose: so only what is lost beyond the usual counts. A decrease is a trial.
 When less is sent and as much is lost, load was not the cause; the radio is worse than it was, and that is taken as is.
 """
 
 from collections import deque
+from statistics import median
 
 SPAN = 3.0
 """A part is measured over at least this time [s],"""
 LEAST = 40
 """and over so many messages."""
 REMEMBERED = 30.0
-"""The best of so long counts [s]."""
-LOST = 0.25
-"""More than this part beyond the best is a reason to send less."""
+"""The median of so long is the usual [s]."""
+LOST = 0.3
+"""More than this part beyond the usual is a reason to send less."""
 HELPED = 0.6
 """Sending less has helped when less than so much of the loss is left."""
 MOST = 64
@@ -54,8 +55,8 @@ class Arrivals:
         self._parts.clear()
 
     def lost(self, now: float) -> float:
-        """The part that was lost at last beyond the best; 0 while nothing is known."""
+        """The part that was lost at last beyond the usual; 0 while nothing is known."""
         if not self._parts or self._parts[-1][0] < now - SPAN:
             return 0.0
-        best = max(part for _, part in self._parts)
-        return 1.0 - self._parts[-1][1] / best if best > 0.0 else 0.0
+        usual = median(part for _, part in self._parts)
+        return max(0.0, 1.0 - self._parts[-1][1] / usual) if usual > 0.0 else 0.0

@@ -2,8 +2,9 @@
 
 Every robot watches how long digests wait on their way, here and there, and whether anything gets through; from that it
 estimates what the channel bears and tells it in its digests. In force is the least that any robot tells, its own
-included; but where there are three or more, the word of a single other one does not count: it may be far away. So all
-come to nearly the same limit, and who decreases first decreases for all: the others wait for the effect.
+included; but of those whom our samples go to, and of the rest, the word of a single one does not count where there are
+several: it may be far away. So all come to nearly the same limit, and who decreases first decreases for all: the others
+wait for the effect.
 """
 
 from collections.abc import Collection, Iterable, Sequence
@@ -28,10 +29,20 @@ FRESH = 5.0
 """What a robot tells counts for so long [s]."""
 USED, HALF_USED = 0.85, 0.5
 """A limit is used when this part of it is, or the lesser part, and samples had to be dropped."""
+MOSTLY = 0.75
+"""Who uses so much of a limit uses it."""
 AHEAD = 1.3
 """An estimate above the limit in force is not tested: it grows no further than so many times that."""
+BOUND = 0.9
+"""Others who tell less than so much of what we would are the first to decrease: they know more."""
+BEAT = 0.25
+"""Digests of ours are so far apart at most while the channel is in use [s], if the allowance lets them."""
+RECENT = 1.5
+"""Delays are as old as this at most [s], or as twice the time between digests."""
 FADING = 1.0
 """Silence decreases the estimates this often [s]."""
+SAID = 64
+"""Digests of ours remembered for their echoes."""
 FELL, ROSE = 0.98, 1.15
 """Others are told at once when an estimate fell or rose to so much of what they were told last."""
 
@@ -67,15 +78,19 @@ class Capacity:
         self._limits: tuple[Limit, ...] = ()
         self._estimates: list[Estimate] = []
         self._force: list[float] = []
+        self._used: tuple[float, ...] = ()
         self._ways: dict[str, Ways] = {}
         self._told: dict[str, tuple[float, tuple[float, ...]]] = {}
         self._last_told: tuple[float, ...] = ()
         self._load = Load()
         self._hearing = Hearing(now)
         self._arrivals = Arrivals()
-        self._messages = 0
+        self._said: dict[float, int] = {}
+        """How many messages we had put on the air when our last digests were sent."""
         self._trial: _Trial | None = None
         self._looked_at = now
+        self._free_at = now
+        """When growth began or was last granted [s]."""
         self._faded_at = now
         self._most_dropped = 0
         self._pressed_until = now
@@ -91,9 +106,12 @@ class Capacity:
         for limit, estimate in zip(self._limits, self._estimates, strict=True):
             estimate.floor = limit.least
         self._force = [estimate.told(now) for estimate in self._estimates]
+        self._used = (0.0,) * len(self._estimates)
 
     def heard(self, now: float, digest: Digest) -> None:
         """A digest of another robot arrived."""
+        if not self._estimates:
+            return
         if not self._ways:
             self._hearing.restart(now)
         ways = self._ways.setdefault(digest.tag, Ways())
@@ -102,7 +120,8 @@ class Capacity:
         for echo in digest.echoes:
             if echo.peer == self._own and ways.there.note(now, echo.sent, echo.received):
                 self._hearing.heard_by(now)
-                self._arrivals.note(now, self._messages, digest.tag, echo.samples)
+                if echo.sent in self._said:
+                    self._arrivals.note(now, self._said[echo.sent], digest.tag, echo.samples)
         self._load.note(now, digest.tag, digest.sent, digest.messages, digest.bytes)
         self._told[digest.tag] = now, digest.capacity
 
@@ -113,7 +132,6 @@ class Capacity:
 
     def sent(self, now: float, messages: int, size: int) -> None:
         """So much was put on the air by us so far."""
-        self._messages = messages
         self._load.note(now, self._own, now, messages, size)
 
     def forget(self, peer: str) -> None:
@@ -130,11 +148,11 @@ class Capacity:
 
     def look(self, now: float, seen: Seen) -> None:
         """Grow or decrease the estimates by what is seen now."""
-        elapsed, self._looked_at = now - self._looked_at, now
+        self._looked_at = now
         self._note_drops(now, seen.dropped)
         bearable = BEARABLE + min(seen.longest, LONGEST)
         self._queue = self._worst(now, seen.receivers, bearable)
-        used = self._load.parts(now, self._limits)
+        used = self._used = self._load.parts(now, self._limits)
         if not self._ways:
             self._why = "nobody is there"
         elif self._hearing.silent(now):
@@ -152,8 +170,10 @@ class Capacity:
             self._why = "some delay"
         else:
             self._why = "free"
-            self._grow(now, min(elapsed, 1.0), used, seen.each)
-        self._combine(now)
+            self._grow(now, used, seen)
+        if self._why not in ("free", "settling"):
+            self._free_at = now
+        self._combine(now, seen.receivers)
 
     @property
     def factors(self) -> tuple[float, ...]:
@@ -169,6 +189,11 @@ class Capacity:
         """When limits change by themselves [s]."""
         return [t for estimate in self._estimates if (t := estimate.drained_at) > now]
 
+    def speak(self, now: float) -> bool:
+        """Whether it is time for a digest of ours for its way alone: the channel is in use, and that tells of it."""
+        used = any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
+        return used and bool(self._ways) and now >= self._hearing.last_said + BEAT
+
     def news(self, now: float) -> bool:
         """Whether the others should hear at once what we would tell them."""
         told = self.telling(now)
@@ -181,10 +206,13 @@ class Capacity:
         """What a digest says: of every adaptive limit, the part that the channel bears by our evidence."""
         return tuple(estimate.told(now) for estimate in self._estimates)
 
-    def told(self, now: float, told: tuple[float, ...]) -> None:
-        """A digest says this."""
-        self._last_told = told
-        self._hearing.said(now)
+    def told(self, digest: Digest) -> None:
+        """This digest of ours goes out."""
+        self._last_told = digest.capacity
+        self._hearing.said(digest.sent)
+        self._said[digest.sent] = digest.messages
+        if len(self._said) > SAID:
+            del self._said[next(iter(self._said))]
 
     def described(self, now: float, number: int) -> dict[str, Any]:
         """An adaptive limit as plain JSON data: parts of its ceiling, and what it reacts to."""
@@ -194,7 +222,7 @@ class Capacity:
             "told": self._estimates[number].told(now),
             "floor": self._limits[number].least,
             "ceiling": self._limits[number].limit,
-            "used": self._load.parts(now, self._limits)[number],
+            "used": self._used[number],
             "delay": self._queue.delay if self._queue else None,
             "lost": self._arrivals.lost(now),
             "reason": self._why,
@@ -210,7 +238,7 @@ class Capacity:
         """The longest of what stands before what comes here, and before what we send to those whom it matters to."""
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
         groups = [[ways.here for ways in self._ways.values()], [w.there for w in outward], [w.link for w in outward]]
-        since = max((estimate.settled_at for estimate in self._estimates), default=now)
+        since = max(now - max(RECENT, 2.0 * self._hearing.gap(now)), *(each.settled_at for each in self._estimates))
         found = [queue(now, ways, since, bearable / 2.0) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
 
@@ -222,12 +250,14 @@ class Capacity:
 
     def _cut(self, now: float, used: Sequence[float], standing: Queue) -> None:
         for part, force, estimate in zip(used, self._force, self._estimates, strict=True):
-            estimate.cut(now, min(max(part, 0.5 * force), force), standing.share, standing.delay)
+            # Whole samples never fill a limit; much less than it means that others than us fill the channel.
+            borne = min(max(part / MOSTLY, 0.5 * force), force)
+            estimate.cut(now, borne, standing.share, standing.delay)
 
     def _judge_loss(self, now: float, used: Sequence[float]) -> bool:
         """Whether a decrease is on trial because of loss; begin one, and end it with what it shows."""
         lost, trial = self._arrivals.lost(now), self._trial
-        if trial is None and lost > LOST:
+        if trial is None and lost > LOST and all(now >= estimate.settled_at + SPAN for estimate in self._estimates):
             self._trial = _Trial(now + 2.0 * SPAN, lost, tuple(estimate.part for estimate in self._estimates))
             self._cut(now, used, Queue(0.0, 1.0 - lost))
         elif trial is not None and now >= trial.until:
@@ -238,24 +268,36 @@ class Capacity:
                     estimate.restore(part)
         return self._trial is not None
 
-    def _grow(self, now: float, elapsed: float, used: Sequence[float], each: Sequence[float]) -> None:
+    def _grow(self, now: float, used: Sequence[float], seen: Seen) -> None:
         """Grow what is used, or what is too small for a sample of each stream: robots may wait for their turn then."""
+        elapsed = min(now - self._free_at, max(1.0, self._hearing.gap(now)))
+        self._free_at = now
         pressed = now < self._pressed_until
-        for part, need, force, estimate in zip(used, each, self._force, self._estimates, strict=True):
-            if part >= (HALF_USED if pressed else USED) * force or (pressed and need > force):
-                estimate.grow(now, elapsed, AHEAD * force)
+        for k, (force, estimate) in enumerate(zip(self._force, self._estimates, strict=True)):
+            if used[k] >= (HALF_USED if pressed else USED) * force or (pressed and seen.each[k] > force):
+                estimate.grow(now, elapsed, AHEAD * force, self._others(now, k))
             else:
                 self._why = "not used"
 
-    def _combine(self, now: float) -> None:
+    def _others(self, now: float, k: int) -> float:
+        """The least that any other robot tells; nothing when none does."""
+        words = (told[k] for t, told in self._told.values() if t >= now - FRESH and len(told) > k)
+        return min(words, default=0.0)
+
+    def _combine(self, now: float, receivers: Collection[str]) -> None:
         """Put in force what all tell together."""
         for k, estimate in enumerate(self._estimates):
             own = estimate.told(now)
-            others = [told[k] for t, told in self._told.values() if t >= now - FRESH and len(told) > k]
-            others = sorted(min(max(part, self._limits[k].least), 1.0) for part in others)
-            if len(others) > 1:
-                del others[0]
-            least = others[0] if others else 1.0
-            if least < FELL * self._force[k] and least < own:
+            others = min(self._bound(now, k, receivers, inside=inside) for inside in (True, False))
+            if others < BOUND * own:
                 estimate.wait(now)
-            self._force[k] = min(own, least)
+            self._force[k] = min(own, others)
+
+    def _bound(self, now: float, k: int, receivers: Collection[str], *, inside: bool) -> float:
+        """What those tell who receive what we send, or the others: the least but one, where there are several."""
+        words = sorted(
+            min(max(told[k], self._limits[k].least), 1.0)
+            for peer, (t, told) in self._told.items()
+            if (peer in receivers) is inside and t >= now - FRESH and len(told) > k
+        )
+        return words[min(1, len(words) - 1)] if words else 1.0

@@ -292,8 +292,6 @@ class Core:
         self.pacer.set_rate(allowance_of(self.view.specs, allowance, len(self.view.peers) + 1))
 
     def _send_digest(self, now: float) -> Command:
-        capacity = self.capacity.telling(now)
-        self.capacity.told(now, capacity)
         digest = Digest(
             robot=self.settings.robot,
             tag=self.shares.own,
@@ -304,14 +302,15 @@ class Core:
             streams=self.pacer.changed(list(self.view.own())),
             grants=self.shares.grants(),
             echoes=self.view.echoes() if self.pacer.full(now) or self.capacity.delayed else (),
-            capacity=capacity,
+            capacity=self.capacity.telling(now),
         )
         self._urgent = False
+        self.capacity.told(digest)
         self.pacer.sent(now, digest, len(self.view.peers) + self.settings.relayed)
         return SendDigest(digest)
 
     def _digest_due(self, now: float) -> float:
-        news = self.pacer.has_news(list(self.view.own()))
+        news = self.pacer.has_news(list(self.view.own())) or self.capacity.speak(now)
         return self.pacer.due(now, urgent=self._urgent, news=news)
 
     def _membership(self, now: float) -> None:

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 
 REMEMBERED = 15.0
 """A way is known at its fastest for so long [s]: after that a longer way is taken for what it is."""
-NEW = 0.5
+NEW = 0.25
 """All times that are this young say whether something stands in the way [s]."""
 NEEDED = 2
 """And at least so many,"""
 APART = 0.1
 """that span at least this time [s]: robots speak at the same moment when something happens."""
-OLD = 3.0
-"""Older ones do not [s]."""
+OLD = 5.0
+"""Times are kept for so long [s]."""
 MOST = 512
 """Times remembered of one way."""
 
@@ -90,7 +90,6 @@ def queue(now: float, ways: Iterable[OneWay], since: float, bearable: float) -> 
 
     Where there are several ways these are of two: one robot that is far away is no channel that is full.
     """
-    since = max(since, now - OLD)
     ways = [way for way in ways if way.known]
     waits = [(t, wait, way) for way in ways for t, wait in way.waits(since)]
     waits.sort(key=lambda each: -each[0])

@@ -12,13 +12,13 @@ STEP = 0.02
 STEEPEST = 0.1
 """Part of itself that it grows by in a second at most."""
 PROBING = 0.5
-"""The same until the first decrease, and after silence: nothing is known then."""
+"""The same until the first decrease, after silence, and up to what the others know to be borne."""
 QUIET = 5.0
 """When nothing stood in the way for so long, it grows twice as fast [s]."""
 LESS, LEAST_CUT, DEEPEST_CUT, AGAIN = 0.95, 0.9, 0.5, 0.7
 """A decrease: to so much of what came through; at least and at most to so much; to so much when the last one failed."""
-DRAIN = 0.6
-"""Part of the estimate that holds while a queue drains."""
+DRAIN, LEFT = 0.5, 0.35
+"""A queue is to drain in this time [s]; so much of the estimate is left to send, even if it takes longer."""
 LONGEST_DRAIN = 2.0
 """A queue is given up to this long to drain [s]."""
 AGAIN_WITHIN = 1.0
@@ -34,13 +34,14 @@ class Estimate:
         self.floor = floor
         self.part = max(floor, INITIAL)
         self._probing = True
+        self._draining = 1.0
         self._cut_at = now
         self._drained_at = now
         self._settled_at = now
 
     def told(self, now: float) -> float:
         """What the channel bears now: less than the estimate while a queue drains."""
-        return max(self.floor, self.part * (DRAIN if now < self._drained_at else 1.0))
+        return max(self.floor, self.part * (self._draining if now < self._drained_at else 1.0))
 
     @property
     def settled_at(self) -> float:
@@ -52,9 +53,12 @@ class Estimate:
         """When the last queue has drained [s]."""
         return self._drained_at
 
-    def grow(self, now: float, elapsed: float, most: float) -> None:
-        """It was used and nothing stood in the way for `elapsed` [s]; it grows to `most` at most."""
-        if self._probing:
+    def grow(self, now: float, elapsed: float, most: float, others: float) -> None:
+        """It was used and nothing stood in the way for `elapsed` [s]; it grows to `most` at most.
+
+        It grows fast as long as all the `others` say that the channel bears more.
+        """
+        if self._probing or self.part < others:
             step = PROBING * self.part
         else:
             step = min(STEP * (2.0 if now >= self._cut_at + QUIET else 1.0), STEEPEST * self.part)
@@ -67,12 +71,12 @@ class Estimate:
         self.part = max(self.floor, factor * min(self.part, used))
         self._probing = False
         self._cut_at = now
-        self._drained_at = now + min(delay / (1.0 - DRAIN), LONGEST_DRAIN)
+        self._draining = max(LEFT, 1.0 - delay / DRAIN)
+        self._drained_at = now + min(max(DRAIN, delay / (1.0 - LEFT)), LONGEST_DRAIN)
         self._settled_at = self._drained_at + SETTLE
 
     def wait(self, now: float) -> None:
-        """Another robot decreased for all: let that show."""
-        self._cut_at = now
+        """Others hold it below what we would: what is seen is theirs to judge, and takes a moment to change."""
         self._settled_at = max(self._settled_at, now + SETTLE)
 
     def fade(self) -> None:

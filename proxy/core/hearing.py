@@ -23,6 +23,11 @@ class Hearing:
         self._heard = now
         self._heard_by = now
 
+    @property
+    def last_said(self) -> float:
+        """When our last digest went out [s]."""
+        return self._said[-1]
+
     def said(self, now: float) -> None:
         """A digest of ours goes out."""
         self._said.append(now)
@@ -39,9 +44,11 @@ class Hearing:
         """Nobody was there to be heard until now."""
         self._heard = self._heard_by = now
 
+    def gap(self, now: float) -> float:
+        """The longest time between two of our last digests [s]; the others' are as far apart."""
+        return max(after - before for before, after in pairwise((*self._said, now)))
+
     def silent(self, now: float) -> bool:
         """Whether nothing gets through, one way or the other."""
-        times = (*self._said, now)
-        gap = max(after - before for before, after in pairwise(times))
-        patience = max(SILENCE, GAPS * gap)
+        patience = max(SILENCE, GAPS * self.gap(now))
         return now - self._heard > patience or now - self._heard_by > ECHOES * patience
