@@ -16,7 +16,7 @@ REMEMBERED = 30.0
 """The median of so long is the usual [s]."""
 LOST = 0.3
 """More than this part beyond the usual is a reason to send less."""
-HELPED = 0.6
+HELPED = 0.8
 """Sending less has helped when less than so much of the loss is left."""
 MOST = 64
 """Counts and parts remembered."""
@@ -29,6 +29,8 @@ class Arrivals:
         self._received: dict[str, int] = {}
         self._counts: deque[tuple[float, int, int]] = deque(maxlen=MOST)
         self._parts: deque[tuple[float, float]] = deque(maxlen=MOST)
+        self._blamed = (0.0, 0.0)
+        """What was usual when load was found to be the cause of loss, and until when that holds [s]."""
 
     def note(self, now: float, sent: int, peer: str, received: int) -> None:
         """We have sent so many messages so far, copies counted, and a peer says it has received so many of them."""
@@ -48,15 +50,28 @@ class Arrivals:
         """A robot left or started anew: what arrived until now is not comparable."""
         self._received.pop(peer, None)
         self._counts.clear()
-        self._parts.clear()
+        self.accept()
 
     def accept(self) -> None:
         """What is lost now is how the radio is."""
         self._parts.clear()
+        self._blamed = (0.0, 0.0)
+
+    def blame(self, now: float) -> None:
+        """What is lost now is lost by load: for a while it does not become usual."""
+        self._blamed = (now + REMEMBERED, self._usual(now))
 
     def lost(self, now: float) -> float:
         """The part that was lost at last beyond the usual; 0 while nothing is known."""
         if not self._parts or self._parts[-1][0] < now - SPAN:
             return 0.0
-        usual = median(part for _, part in self._parts)
+        usual = self._usual(now)
         return max(0.0, 1.0 - self._parts[-1][1] / usual) if usual > 0.0 else 0.0
+
+    def blamed(self, now: float) -> bool:
+        """Whether load was found to be the cause of loss lately."""
+        return now < self._blamed[0]
+
+    def _usual(self, now: float) -> float:
+        usual = median(part for _, part in self._parts)
+        return max(usual, self._blamed[1]) if self.blamed(now) else usual

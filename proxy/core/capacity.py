@@ -8,7 +8,7 @@ wait for the effect.
 """
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from proxy.core.arrivals import HELPED, LOST, SPAN, Arrivals
@@ -33,8 +33,6 @@ MOSTLY = 0.75
 """Who uses so much of a limit uses it."""
 AHEAD = 1.3
 """An estimate above the limit in force is not tested: it grows no further than so many times that."""
-BOUND = 0.9
-"""Others who tell less than so much of what we would are the first to decrease: they know more."""
 BEAT = 0.25
 """Digests of ours are so far apart at most while the channel is in use [s], if the allowance lets them."""
 RECENT = 1.5
@@ -78,6 +76,7 @@ class Capacity:
         self._limits: tuple[Limit, ...] = ()
         self._estimates: list[Estimate] = []
         self._force: list[float] = []
+        self._others_told: list[float] = []
         self._used: tuple[float, ...] = ()
         self._ways: dict[str, Ways] = {}
         self._told: dict[str, tuple[float, tuple[float, ...]]] = {}
@@ -106,6 +105,7 @@ class Capacity:
         for limit, estimate in zip(self._limits, self._estimates, strict=True):
             estimate.floor = limit.least
         self._force = [estimate.told(now) for estimate in self._estimates]
+        self._others_told = [1.0] * len(self._estimates)
         self._used = (0.0,) * len(self._estimates)
 
     def heard(self, now: float, digest: Digest) -> None:
@@ -128,7 +128,7 @@ class Capacity:
     def gauged(self, now: float, peer: str, wait: float) -> None:
         """What we send a robot now is that long on its way [s], as our own socket tells."""
         if peer in self._ways:
-            self._ways[peer].link.note(now, now, now + wait)
+            self._ways[peer].link.note(now + wait, now, now + wait)
 
     def sent(self, now: float, messages: int, size: int) -> None:
         """So much was put on the air by us so far."""
@@ -151,20 +151,23 @@ class Capacity:
         self._looked_at = now
         self._note_drops(now, seen.dropped)
         bearable = BEARABLE + min(seen.longest, LONGEST)
-        self._queue = self._worst(now, seen.receivers, bearable)
+        recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
+        settled = max((recent, *(estimate.settled_at for estimate in self._estimates)))
+        self._queue = self._worst(now, seen.receivers, recent, bearable)
+        new = self._worst(now, seen.receivers, settled, bearable)
         used = self._used = self._load.parts(now, self._limits)
         if not self._ways:
             self._why = "nobody is there"
         elif self._hearing.silent(now):
             self._why = "silence"
             self._fade(now)
-        elif self._queue is not None and self._queue.delay > bearable:
+        elif new is not None and new.delay > bearable:
             self._why = "delay"
             self._trial = None
-            self._cut(now, used, self._queue)
+            self._cut(now, used, new)
         elif self._judge_loss(now, used):
             self._why = "loss"
-        elif self._queue is None:
+        elif self._queue is None or new is None:
             self._why = "settling"
         elif self._queue.delay > bearable / 2.0:
             self._why = "some delay"
@@ -234,11 +237,10 @@ class Capacity:
             self._pressed_until = now + 1.0
             self._most_dropped = dropped
 
-    def _worst(self, now: float, receivers: Collection[str], bearable: float) -> Queue | None:
-        """The longest of what stands before what comes here, and before what we send to those whom it matters to."""
+    def _worst(self, now: float, receivers: Collection[str], since: float, bearable: float) -> Queue | None:
+        """The longest that stands before what comes here, or before what we send to those whom it matters to."""
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
         groups = [[ways.here for ways in self._ways.values()], [w.there for w in outward], [w.link for w in outward]]
-        since = max(now - max(RECENT, 2.0 * self._hearing.gap(now)), *(each.settled_at for each in self._estimates))
         found = [queue(now, ways, since, bearable / 2.0) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
 
@@ -259,8 +261,11 @@ class Capacity:
         lost, trial = self._arrivals.lost(now), self._trial
         if trial is None and lost > LOST and all(now >= estimate.settled_at + SPAN for estimate in self._estimates):
             self._trial = _Trial(now + 2.0 * SPAN, lost, tuple(estimate.part for estimate in self._estimates))
+            self._arrivals.blame(now)
             self._cut(now, used, Queue(0.0, 1.0 - lost))
-        elif trial is not None and now >= trial.until:
+        elif trial is not None and now < trial.until:
+            self._trial = replace(trial, lost=max(lost, trial.lost))
+        elif trial is not None:
             self._trial = None
             if lost > HELPED * trial.lost:
                 self._arrivals.accept()
@@ -280,7 +285,9 @@ class Capacity:
                 self._why = "not used"
 
     def _others(self, now: float, k: int) -> float:
-        """The least that any other robot tells; nothing when none does."""
+        """The least that any other robot tells; nothing when none does, or when only we see what is lost by load."""
+        if self._arrivals.blamed(now):
+            return 0.0
         words = (told[k] for t, told in self._told.values() if t >= now - FRESH and len(told) > k)
         return min(words, default=0.0)
 
@@ -289,8 +296,9 @@ class Capacity:
         for k, estimate in enumerate(self._estimates):
             own = estimate.told(now)
             others = min(self._bound(now, k, receivers, inside=inside) for inside in (True, False))
-            if others < BOUND * own:
+            if others < FELL * self._others_told[k] and others < own:
                 estimate.wait(now)
+            self._others_told[k] = others
             self._force[k] = min(own, others)
 
     def _bound(self, now: float, k: int, receivers: Collection[str], *, inside: bool) -> float:

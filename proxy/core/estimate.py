@@ -27,6 +27,10 @@ SETTLE = 0.2
 """So long it takes until the others know of a decrease and have sent what they had decided on [s]."""
 
 
+PATIENCE = 1.0
+"""So long we wait for what a decrease of others comes to [s]."""
+
+
 class Estimate:
     """One limit's, as a part of its ceiling, never below `floor`."""
 
@@ -76,8 +80,8 @@ class Estimate:
         self._settled_at = self._drained_at + SETTLE
 
     def wait(self, now: float) -> None:
-        """Others hold it below what we would: what is seen is theirs to judge, and takes a moment to change."""
-        self._settled_at = max(self._settled_at, now + SETTLE)
+        """Others decreased for all: let that show."""
+        self._settled_at = max(self._settled_at, now + PATIENCE)
 
     def fade(self) -> None:
         """Nothing was heard for too long; when something is, it may grow fast."""
