@@ -235,3 +235,10 @@ def test_shares_and_rates_need_something_to_divide_by():
     assert share(1.0, None) == share(None, 1.0) == "-"
     assert rate({"period": 0.5, "generated": 10, "forwarded": 5}) == "1"
     assert rate({"period": 0.0, "generated": 10, "forwarded": 5}) == "-"
+
+
+def test_an_adaptive_limit_says_what_it_follows():
+    """What is in force, what we think ourselves, and why."""
+    adaptive = {"in_force": 0.5, "estimate": 0.55, "delay": 0.02, "reason": "free"}
+    text = table({"budget": [{"constraint": "air", "adaptive": adaptive}]})
+    assert "air is adaptive: 50% of its ceiling, 55% by our estimate (free, delay 20 ms)" in text
