@@ -165,6 +165,10 @@ class Capacity:
             self._why = "delay"
             self._trial = None
             self._cut(now, used, new)
+        elif self._queue is not None and self._queue.delay > bearable:
+            self._why = "draining"
+            for estimate in self._estimates:
+                estimate.linger(now)
         elif self._judge_loss(now, used):
             self._why = "loss"
         elif self._queue is None or new is None:
@@ -186,7 +190,7 @@ class Capacity:
     @property
     def delayed(self) -> bool:
         """Whether something waits on its way: who sent it should hear of it soon."""
-        return self._why in ("delay", "some delay")
+        return self._why in ("delay", "draining", "some delay")
 
     def wake_at(self, now: float) -> list[float]:
         """When limits change by themselves [s]."""

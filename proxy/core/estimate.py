@@ -79,6 +79,12 @@ class Estimate:
         self._drained_at = now + min(max(DRAIN, delay / (1.0 - LEFT)), LONGEST_DRAIN)
         self._settled_at = self._drained_at + SETTLE
 
+    def linger(self, now: float) -> None:
+        """A queue still stands: if we decreased for it, it takes longer to drain."""
+        if self._cut_at < now < self._drained_at + SETTLE and now < self._cut_at + LONGEST_DRAIN:
+            self._drained_at = max(self._drained_at, now + SETTLE)
+            self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
+
     def wait(self, now: float) -> None:
         """Others decreased for all: let that show."""
         self._settled_at = max(self._settled_at, now + PATIENCE)
