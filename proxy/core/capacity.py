@@ -168,7 +168,7 @@ class Capacity:
         elif self._queue is not None and self._queue.delay > bearable:
             self._why = "draining"
             for estimate in self._estimates:
-                estimate.linger(now)
+                estimate.linger(now, self._queue.delay)
         elif self._judge_loss(now, used):
             self._why = "loss"
         elif self._queue is None or new is None:

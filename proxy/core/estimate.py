@@ -39,6 +39,7 @@ class Estimate:
         self.part = max(floor, INITIAL)
         self._probing = True
         self._draining = 1.0
+        self._cut_for = 0.0
         self._cut_at = now
         self._drained_at = now
         self._settled_at = now
@@ -75,15 +76,21 @@ class Estimate:
         self.part = max(self.floor, factor * min(self.part, used))
         self._probing = False
         self._cut_at = now
+        self._cut_for = delay
         self._draining = max(LEFT, 1.0 - delay / DRAIN)
         self._drained_at = now + min(max(DRAIN, delay / (1.0 - LEFT)), LONGEST_DRAIN)
         self._settled_at = self._drained_at + SETTLE
 
-    def linger(self, now: float) -> None:
-        """A queue still stands: if we decreased for it, it takes longer to drain."""
-        if self._cut_at < now < self._drained_at + SETTLE and now < self._cut_at + LONGEST_DRAIN:
-            self._drained_at = max(self._drained_at, now + SETTLE)
-            self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
+    def linger(self, now: float, delay: float) -> None:
+        """A queue still stands: if we decreased for it, it takes longer to drain, and more if it has doubled since."""
+        if not self._cut_at < now < min(self._drained_at + SETTLE, self._cut_at + LONGEST_DRAIN):
+            return
+        if delay > 2.0 * self._cut_for:
+            self._cut_for = delay
+            self.part = max(self.floor, AGAIN * self.part)
+        self._draining = min(self._draining, max(LEFT, 1.0 - delay / DRAIN))
+        self._drained_at = max(self._drained_at, now + SETTLE)
+        self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
 
     def wait(self, now: float) -> None:
         """Others decreased for all: let that show."""

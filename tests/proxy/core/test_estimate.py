@@ -12,6 +12,7 @@ DEEDS = st.lists(
         st.tuples(st.just("cut"), st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 10.0)),
         st.tuples(st.just("fade")),
         st.tuples(st.just("wait")),
+        st.tuples(st.just("linger"), st.floats(0.0, 5.0)),
         st.tuples(st.just("restore"), st.floats(0.0, 2.0)),
     ),
     max_size=50,
@@ -25,7 +26,7 @@ def test_it_stays_between_floor_and_ceiling(floor, deeds):
     for name, *words in deeds:
         now += 0.3
         before = estimate.part
-        getattr(estimate, name)(*([now, *words] if name in ("grow", "cut", "wait") else words))
+        getattr(estimate, name)(*([now, *words] if name in ("grow", "cut", "linger", "wait") else words))
         assert floor <= estimate.told(now) <= estimate.part <= 1.0
         assert (estimate.part >= before) if name in ("grow", "restore") else (estimate.part <= before)
         assert estimate.settled_at >= estimate.drained_at
@@ -91,3 +92,21 @@ def test_after_silence_it_may_grow_fast():
     assert estimate.part == pytest.approx(0.35 * 1.5)
     estimate.wait(5.0)
     assert estimate.settled_at > 5.0
+
+
+def test_a_queue_that_still_stands_drains_longer():
+    """At less, for two seconds at most; and one that has doubled meanwhile is reason for another decrease."""
+    estimate = settled(0.9)
+    estimate.cut(10.0, 0.9, 1.0, 0.1)
+    before = estimate.part
+    for tenth in range(1, 30):
+        estimate.linger(10.0 + tenth / 10.0, 0.18)
+    assert estimate.part == before
+    assert 11.9 < estimate.drained_at < 12.3
+    assert estimate.told(11.9) == pytest.approx((1.0 - 0.18 / 0.5) * before)
+    estimate.cut(20.0, 0.9, 1.0, 0.1)
+    before = estimate.part
+    estimate.linger(20.2, 0.5)
+    estimate.linger(20.3, 0.5)
+    assert estimate.part == pytest.approx(0.7 * before)
+    assert estimate.told(20.4) == pytest.approx(0.35 * estimate.part)
