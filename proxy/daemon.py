@@ -20,7 +20,18 @@ from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
 from proxy.core import transport
-from proxy.core.commands import AskState, Command, Decide, Drop, Forward, NoteInterest, Notice, SendDigest, SendState
+from proxy.core.commands import (
+    AskState,
+    Command,
+    Decide,
+    Drop,
+    Forward,
+    NoteInterest,
+    Notice,
+    SendDigest,
+    SendState,
+    SetPace,
+)
 from proxy.core.core import Core
 from proxy.core.events import ModeChanged, SpecsChanged
 from proxy.core.mode import Mode
@@ -167,6 +178,8 @@ class Daemon:
                 self._presence.ask_state(name, tag)
             case NoteInterest(zid, subscriptions):
                 self._bridge.demand.told(zid, subscriptions)
+            case SetPace(rate):
+                self._bridge.set_pace(rate)
             case Notice(level, text):
                 log.log(_LEVELS[level], "%s", text)
 

@@ -100,7 +100,7 @@ def _last(last: Status) -> list[Row]:
     ]
 
 
-def _budget(budget: Iterable[Status]) -> str:
+def _budget(budget: Sequence[Status]) -> str:
     rows = [
         (
             str(limit.get("constraint", UNKNOWN)),
@@ -114,7 +114,24 @@ def _budget(budget: Iterable[Status]) -> str:
         )
         for limit in budget
     ]
-    return _section(("BUDGET", "WINDOW", "LIMIT", "OURS", "", "USED", "", "ROBOTS"), "lrrrrrrr", rows)
+    return "\n".join(
+        line
+        for line in (
+            _section(("BUDGET", "WINDOW", "LIMIT", "OURS", "", "USED", "", "ROBOTS"), "lrrrrrrr", rows),
+            *(_adaptive(limit) for limit in budget if "adaptive" in limit),
+        )
+        if line
+    )
+
+
+def _adaptive(limit: Status) -> str:
+    """How an adaptive limit came to be what it is."""
+    adaptive = limit["adaptive"]
+    return (
+        f"{limit.get('constraint', UNKNOWN)} is adaptive: {share(adaptive.get('in_force'), 1.0)} of its ceiling, "
+        f"{share(adaptive.get('estimate'), 1.0)} by our estimate ({adaptive.get('reason', UNKNOWN)}, "
+        f"delay {duration(adaptive.get('delay'))})"
+    )
 
 
 def _streams(streams: Iterable[Status]) -> str:

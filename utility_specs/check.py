@@ -51,7 +51,8 @@ def _combined(aggregation: Aggregation | AggregationModel) -> str:
 
 
 def _constraint_line(each: ConstraintSpec) -> str:
-    return f'  constraint "{each.name}": {_limit(each.measure)}'
+    adaptive = f"; adaptive, down to {each.least * 100:.3g} % of it" if each.least < 1.0 else ""
+    return f'  constraint "{each.name}": {_limit(each.measure)}{adaptive}'
 
 
 def _limit(measure: Measure) -> str:

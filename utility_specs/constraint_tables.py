@@ -1,13 +1,26 @@
-"""The constraints that a spec may set, told apart by their `kind`: one table for each resource measure."""
+"""The constraints that a spec may set, told apart by their `kind`: one table for each resource measure.
 
-from typing import Annotated, Literal, Self
+Limits of the channel are fixed, or `"adaptive"` between a floor and a ceiling: then they follow what the channel bears.
+"""
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from planner.airtime import BASIC_RATE, OVERHEAD, Airtime, Cast, Wifi
 from planner.measures import WINDOW, Energy, Measure, Messages, Throughput
 from utility_specs.names import Name
-from utility_specs.units import Duration, Fraction, Joule, Rate
+from utility_specs.units import FRACTION, RATE, Duration, Fraction, Joule, Rate
+
+ADAPTIVE = "adaptive"
+FLOOR = 0.05
+"""The floor of an adaptive limit unless one is set, as a part of its ceiling."""
+
+
+def _or_adaptive(parse: Callable[[Any], float]) -> Callable[[Any], float | str]:
+    """Read a quantity, or the word that says that it follows the channel."""
+    return lambda written: ADAPTIVE if written == ADAPTIVE else parse(written)
 
 
 class ConstraintTable(BaseModel):
@@ -15,18 +28,56 @@ class ConstraintTable(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
+    @property
+    def least(self) -> float:
+        """The part of the limit that holds whatever the channel does: all of a fixed one."""
+        return 1.0
 
-class ThroughputTable(ConstraintTable):
+
+class ChannelTable(ConstraintTable):
+    """A limit of the channel. An adaptive one needs a `ceiling`: nobody else knows what the radio could do at best."""
+
+    limit: float | Literal["adaptive"]
+    floor: float | None = None
+    ceiling: float | None = None
+
+    @model_validator(mode="after")
+    def _bounded_if_adaptive(self) -> Self:
+        if self.limit != ADAPTIVE:
+            if self.floor is not None or self.ceiling is not None:
+                raise ValueError('floor and ceiling are for limit = "adaptive"; a fixed limit has none')
+        elif self.ceiling is None:
+            raise ValueError('limit = "adaptive" needs a ceiling: the most that the channel can carry at its best')
+        elif self.floor is not None and self.floor > self.ceiling:
+            raise ValueError("floor is above ceiling")
+        return self
+
+    @property
+    def most(self) -> float:
+        """The limit, or the ceiling of an adaptive one."""
+        return (self.ceiling or 0.0) if isinstance(self.limit, str) else self.limit
+
+    @property
+    def least(self) -> float:
+        """The floor of an adaptive limit as a part of its ceiling; 1 for a fixed one."""
+        if self.limit != ADAPTIVE:
+            return 1.0
+        return FLOOR if self.floor is None else self.floor / self.most
+
+
+class ThroughputTable(ChannelTable):
     """At most `limit` × `window` bytes in any window, copies counted (Eq. 5 and 6)."""
 
     kind: Literal["throughput"]
     name: Name | None = None
-    limit: Rate
+    limit: Annotated[float | Literal["adaptive"], BeforeValidator(_or_adaptive(RATE.parse), json_schema_input_type=str)]
+    floor: Rate | None = None
+    ceiling: Rate | None = None
     window: Duration = WINDOW
 
     def measure(self) -> Measure:
-        """Return the planner's measure."""
-        return Throughput(self.limit, self.window)
+        """Return the planner's measure, of the ceiling where the limit is adaptive."""
+        return Throughput(self.most, self.window)
 
 
 class MessagesTable(ConstraintTable):
@@ -42,12 +93,16 @@ class MessagesTable(ConstraintTable):
         return Messages(self.limit, self.window)
 
 
-class AirtimeTable(ConstraintTable):
+class AirtimeTable(ChannelTable):
     """The channel is occupied during at most the part `limit` of any window. `rate` is that of the PHY."""
 
     kind: Literal["airtime"]
     name: Name | None = None
-    limit: Fraction
+    limit: Annotated[
+        float | Literal["adaptive"], BeforeValidator(_or_adaptive(FRACTION.parse), json_schema_input_type=float | str)
+    ]
+    floor: Fraction | None = None
+    ceiling: Fraction | None = None
     window: Duration = WINDOW
     rate: Rate
     wifi: Wifi = "adhoc"
@@ -57,10 +112,10 @@ class AirtimeTable(ConstraintTable):
     overhead: Duration | None = None
 
     def measure(self) -> Measure:
-        """Return the planner's measure; a wire has no overhead unless one is set."""
+        """Return the planner's measure, as for throughput; a wire has no overhead unless one is set."""
         default = 0.0 if self.wifi == "wired" else OVERHEAD
         return Airtime(
-            fraction=self.limit,
+            fraction=self.most,
             phy_rate=self.rate,
             window=self.window,
             wifi=self.wifi,

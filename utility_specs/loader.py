@@ -140,7 +140,7 @@ def _assembled(sources: Iterable[TomlSource], tables: Sequence[SpecFile]) -> Spe
         LoadedFile(
             source.path,
             tuple(map(_information_type, table.information_type)),
-            tuple(ConstraintSpec(next(names), c.measure()) for c in table.constraint),
+            tuple(ConstraintSpec(next(names), c.measure(), c.least) for c in table.constraint),
         )
         for source, table in zip(sources, tables, strict=True)
     )

@@ -70,10 +70,14 @@ class Failures:
 
 @dataclass(frozen=True, slots=True)
 class ConstraintSpec:
-    """A limit on what may be sent in any window (Eq. 5 and 6), and the measure of what a message uses of it."""
+    """A limit on what may be sent in any window (Eq. 5 and 6), and the measure of what a message uses of it.
+
+    `least` is the part of the limit that holds whatever the channel does: below 1 the limit is adaptive.
+    """
 
     name: str
     measure: Measure
+    least: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

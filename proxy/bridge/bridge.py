@@ -62,6 +62,7 @@ class Bridge:
         offer: Callable[[Event], object],
     ) -> None:
         self._specs = specs
+        self._most = math.inf
         self._post = post
         self._rules = rules
         self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh, relayed=relayed)
@@ -107,6 +108,7 @@ class Bridge:
             wake=wake,
             fence=fence,
         )
+        self._watch.gauging = _adaptive(specs)
 
     def open(self) -> None:
         """Let things cross."""
@@ -138,12 +140,23 @@ class Bridge:
     def switch(self, mode: Mode) -> None:
         """Change the mode for samples that come from now on."""
         self._ingress.mode = mode
-        self._egress.rate = _pace(self._specs, mode)
+        self._pace_egress()
 
     def swap(self, specs: Specs) -> None:
         """Put another generation of specs in force for samples that come from now on."""
         self._specs = specs
-        self._egress.rate = _pace(specs, self._ingress.mode)
+        self._watch.gauging = _adaptive(specs)
+        self._most = math.inf
+        self._pace_egress()
+
+    def set_pace(self, rate: float) -> None:
+        """Send what was decided no faster than `rate` [B/s], until specs are swapped: a limit has moved."""
+        self._most = rate
+        self._pace_egress()
+
+    def _pace_egress(self) -> None:
+        rate = _pace(self._specs, self._ingress.mode)
+        self._egress.rate = None if rate is None else min(rate, self._most)
 
     def flush(self) -> None:
         """Report what passed without a decision up to now."""
@@ -176,3 +189,8 @@ def _pace(specs: Specs, mode: Mode) -> float | None:
     """Return the rate of the tightest limit of the channel [B/s]; None: as fast as it goes."""
     rate = min((constraint.measure.pace for constraint in specs.constraints), default=math.inf)
     return rate if mode is Mode.ENFORCE and math.isfinite(rate) else None
+
+
+def _adaptive(specs: Specs) -> bool:
+    """Whether any limit follows the channel."""
+    return any(constraint.least < 1.0 for constraint in specs.constraints)

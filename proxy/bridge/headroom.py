@@ -7,6 +7,7 @@ socket of each link; while that is little, a publication returns at once, whatev
 import ctypes
 import ipaddress
 import socket
+import struct
 import threading
 from contextlib import suppress
 from pathlib import Path
@@ -20,6 +21,17 @@ _MEMINFO = 55
 """SO_MEMINFO of <asm-generic/socket.h>."""
 _SNDBUF, _QUEUED, _ALLOCATED = 3, 5, 2
 """Places in what it gives: size of the send buffer, memory queued to be sent (TCP), memory being sent (UDP)."""
+_SINCE_SENT, _UNACKED, _RTT, _NOT_SENT, _LEAST_RTT, _RATE = (
+    struct.Struct(f"@{at}x{kind}") for at, kind in ((44, "I"), (24, "I"), (68, "I"), (144, "I"), (148, "I"), (160, "Q"))
+)
+"""Places in `tcp_info` of <linux/tcp.h>: time since something was sent [ms], segments on their way, the time of a round
+trip [us], bytes that wait, the least time of a round trip [us], and what came through at last [B/s]."""
+_TCP_INFO = 168
+"""So much of it is needed [B]."""
+LATELY = 500
+"""A link that sent nothing for so long says nothing of the channel [ms]."""
+DENSE = 4
+"""With fewer segments on their way a round trip is longer than the way: receivers wait before they acknowledge."""
 USABLE = 0.5
 """Part of a send buffer that is filled without asking again."""
 LITTLE = 16384
@@ -38,6 +50,8 @@ class Headroom:
         self._lock = threading.Lock()
         self._links: tuple[str, ...] = ()
         self._sockets: tuple[int, ...] = ()
+        self._ends: tuple[tuple[str, int], ...] = ()
+        """The session at the other end of each link, and its socket."""
         self._unknown = True
         self._budget = 0.0
         self.refresh()
@@ -58,6 +72,11 @@ class Headroom:
         rooms = [_room(number) for number in self._sockets]
         return sum(room < LITTLE for room in rooms), len(rooms)
 
+    def waits(self) -> tuple[tuple[str, float], ...]:
+        """Return for each link that sends: the session at its other end, and when what is sent now arrives [s]."""
+        waits = ((zid, _wait(number)) for zid, number in self._ends)
+        return tuple((zid, wait) for zid, wait in waits if wait is not None)
+
     @property
     def clear(self) -> bool:
         """Whether no link has little room, as far as all of them can be seen."""
@@ -65,7 +84,8 @@ class Headroom:
 
     def refresh(self) -> None:
         """Take note of links that came and went."""
-        links = tuple(sorted(f"{link.src} {link.dst}" for link in self._session.info.links() if not _private(link)))
+        ends = {f"{link.src} {link.dst}": str(link.zid) for link in self._session.info.links() if not _private(link)}
+        links = tuple(sorted(ends))
         if links == self._links and not self._unknown:
             return
         found = _sockets()
@@ -73,6 +93,7 @@ class Headroom:
         with self._lock:
             self._links = links
             self._sockets = tuple(number for number in numbers if number is not None)
+            self._ends = tuple((ends[link], n) for link, n in zip(links, numbers, strict=True) if n is not None)
             self._unknown = None in numbers
             self._budget = 0.0
 
@@ -94,6 +115,20 @@ def _room(number: int) -> float:
     if _libc.getsockopt(number, socket.SOL_SOCKET, _MEMINFO, info, ctypes.byref(size)) != 0:
         return 0.0
     return USABLE * info[_SNDBUF] - max(info[_QUEUED], info[_ALLOCATED])
+
+
+def _wait(number: int) -> float | None:
+    """Return how long what is written into a socket now is on its way [s]; None when nothing was sent lately."""
+    info = ctypes.create_string_buffer(_TCP_INFO)
+    size = ctypes.c_uint32(_TCP_INFO)
+    if _libc.getsockopt(number, socket.IPPROTO_TCP, socket.TCP_INFO, info, ctypes.byref(size)) != 0:
+        return None
+    since, unacked, rtt, not_sent, least, rate = (
+        place.unpack_from(info)[0] for place in (_SINCE_SENT, _UNACKED, _RTT, _NOT_SENT, _LEAST_RTT, _RATE)
+    )
+    if size.value < _TCP_INFO or since > LATELY or not rate:
+        return None
+    return float((rtt if unacked >= DENSE else least) / 1e6 + not_sent / rate)
 
 
 def _sockets() -> dict[tuple[Address, Address], int]:

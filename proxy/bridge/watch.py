@@ -22,7 +22,7 @@ from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Rules
 from proxy.bridge.voice import Voice
 from proxy.bridge.witnesses import Witnesses
-from proxy.core.events import Event, InterestChanged
+from proxy.core.events import Event, InterestChanged, LinksGauged
 
 log = logging.getLogger(__name__)
 
@@ -86,6 +86,8 @@ class Watch:
         self._editions = (0, 0)
         self._stirred = True
         self._stop = False
+        self.gauging = False
+        """Whether the core is told how long what the links send is on its way."""
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
     def start(self) -> None:
@@ -119,6 +121,7 @@ class Watch:
                 for links in self._links:
                     links.check(clock.monotonic())
                 self._headroom.refresh()
+                self._gauge()
                 if woken or again:
                     again = self._look()
                 failing = False
@@ -129,6 +132,10 @@ class Watch:
                 if not failing:
                     log.exception("cannot mirror what was declared")
                 failing = True
+
+    def _gauge(self) -> None:
+        if self.gauging and (waits := self._headroom.waits()):
+            self._post(LinksGauged(clock.monotonic(), waits))
 
     def _look(self) -> bool:
         """Mirror what has changed; return whether to look again although nothing changes."""

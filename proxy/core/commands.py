@@ -65,6 +65,13 @@ class NoteInterest:
 
 
 @dataclass(frozen=True, slots=True)
+class SetPace:
+    """Samples that were decided on go to the mesh no faster than `rate` [B/s, copies counted]: a limit has moved."""
+
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
 class Notice:
     """A line for the log."""
 
@@ -72,4 +79,4 @@ class Notice:
     text: str
 
 
-Command = Decide | Forward | Drop | SendDigest | SendState | AskState | NoteInterest | Notice
+Command = Decide | Forward | Drop | SendDigest | SendState | AskState | NoteInterest | SetPace | Notice

@@ -13,6 +13,7 @@ from typing import Any
 
 from proxy.core import events as ev
 from proxy.core.asking import Asking
+from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Drop, NoteInterest, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
@@ -69,6 +70,7 @@ class Core:
         self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
         self.layout = Layout(self.view, self.shares, self.gate, windows)
         self.pacer = DigestPacer(now)
+        self.channel = Channel(now, self.view, self.shares, self.gate, self.counts)
         self.refused: Counter[str] = Counter()
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
         self.strangers = Strangers()
@@ -100,6 +102,7 @@ class Core:
         """When `TimePassed` is due at the latest [s, our clock]."""
         digest_due = now + 1.0 if self.layout.pending else self._digest_due(now)
         times = [digest_due, self.gate.wakes_at, self.layout.due_at, self.asking.next_at(), now + 1.0]
+        times += self.channel.capacity.wake_at(now)
         if self._restate_at < float("inf"):
             times.append(max(self._restate_at, self._state_due(now)))
         return max(min(times), now)
@@ -246,6 +249,7 @@ class Core:
         self.view.gone(event.zid)
         self.asking.done(tag(event.zid))
         self.shares.forget(tag(event.zid))
+        self.channel.capacity.forget(tag(event.zid))
         self._membership(event.now)
         return [NoteInterest(event.zid, ()), Notice("info", f"robot {robot} left the mesh")]
 
@@ -258,6 +262,12 @@ class Core:
     @_on.register
     def _(self, event: ev.MatchingChanged) -> list[Command]:
         self.view.set_matching(event.key, matching=event.matching)
+        return []
+
+    @_on.register
+    def _(self, event: ev.LinksGauged) -> list[Command]:
+        for zid, wait in event.waits:
+            self.channel.capacity.gauged(event.now, tag(zid), wait)
         return []
 
     @_on.register
@@ -292,6 +302,10 @@ class Core:
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event."""
         commands: list[Command] = []
+        self._urgent |= self.channel.look(now)
+        if (pace := self.channel.follow()) is not None:
+            self._set_rate()
+            commands.append(pace)
         self._lay_out(now, commands)
         if self.gate.pending is None:
             self._tickets += 1
@@ -323,7 +337,8 @@ class Core:
         robots, part = len(self.view.peers) + 1, 1.0
         if self.settings.coordination == "shares" and self.shares.leader and robots > 1:
             part = LEADERS_PART * robots if self.shares.leads else 1.0 - LEADERS_PART
-        self.pacer.set_rate(part * allowance_of(self.view.specs, self.settings.allowance, robots))
+        allowance = self.settings.allowance * self.channel.part
+        self.pacer.set_rate(part * allowance_of(self.view.specs, allowance, robots))
 
     def _speaks_again(self) -> float:
         """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
@@ -345,7 +360,9 @@ class Core:
             grants=self.pacer.grants(to),
             echoes=self.pacer.echoes(now, self._echoes(to)),
             state=self._state.number,
+            capacity=self.channel.capacity.telling(now),
         )
+        self.channel.capacity.told(digest)
         self._told_epoch = self.shares.epoch
         self.view.sent_digest(now)
         self.pacer.sent(now, len(pack_digest(digest)), 1 if to else self._copies())
@@ -413,6 +430,7 @@ class Core:
             self.shares.heard(
                 now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.uncertainty(now)
             )
+            self.channel.capacity.heard(now, digest)
             self._look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
 
@@ -438,7 +456,7 @@ class Core:
         to = self._addressee(now)
         if self.shares.leads and not to and now < self._told_all_at + ALL_PACE and self.view.peers:
             return self._told_all_at + ALL_PACE
-        news = self.pacer.has_news(own)
+        news = self.pacer.has_news(own) or self.channel.capacity.speak(now)
         return self.pacer.due(now, urgent=self._urgent, news=news, copies=1 if to else max(1, self._copies()))
 
     def _membership(self, now: float) -> None:
@@ -448,8 +466,7 @@ class Core:
 
     def _adopt_limits(self, now: float) -> None:
         robots = len(self.view.peers) + 1
-        self.gate.limits = limits_of(self.view.specs, self.settings.allowance, robots)
-        self.shares.set_limits(now, self.gate.limits)
+        self.channel.adopt(now, limits_of(self.view.specs, self.settings.allowance, robots))
         self._set_rate()
 
     def _compare_clocks(self, now: float) -> list[Command]:

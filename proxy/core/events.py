@@ -148,6 +148,17 @@ class ClockChanged:
 
 
 @dataclass(frozen=True, slots=True)
+class LinksGauged:
+    """How long what we send now is on its way, as the driver sees it: `waits` are ids of robots and times [s].
+
+    Links that sent nothing lately are left out.
+    """
+
+    now: float
+    waits: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class SpecsChanged:
     """The utility specs were swapped whole."""
 
@@ -195,6 +206,7 @@ Event = (
     | InterestChanged
     | MatchingChanged
     | ClockChanged
+    | LinksGauged
     | SpecsChanged
     | ModeChanged
     | DecisionReady

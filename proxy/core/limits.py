@@ -1,7 +1,7 @@
 """What the constraints of the specs leave for messages, and what a message uses of them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from planner import Constraint
 from planner.measures import Measure
@@ -17,9 +17,13 @@ LEAST_DIGEST = 64
 
 @dataclass(frozen=True, slots=True)
 class Limit(Constraint):
-    """A constraint in force, and the measure of what messages use of it."""
+    """A constraint in force, and the measure of what messages use of it.
+
+    `least` is the part of it that holds whatever the channel does: below 1 the limit is adaptive.
+    """
 
     measure: Measure
+    least: float = 1.0
 
     @property
     def shared(self) -> bool:
@@ -69,6 +73,12 @@ def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Limit, ...]:
     return tuple(_limit(spec, allowance, robots) for spec in ordered)
 
 
+def in_force(limits: tuple[Limit, ...], factors: Sequence[float]) -> tuple[Limit, ...]:
+    """Return the limits with each adaptive one, in their order, at this part of its ceiling."""
+    left = iter(factors)
+    return tuple(replace(limit, limit=next(left) * limit.limit) if limit.least < 1.0 else limit for limit in limits)
+
+
 def allowance_of(specs: Specs, allowance: float, robots: int) -> float:
     """Return what the digests of one of so many robots may use [B/s], all copies together."""
     rates = [_digest_rate(spec.measure, allowance, robots) for spec in specs.constraints]
@@ -84,7 +94,8 @@ def _limit(spec: ConstraintSpec, allowance: float, robots: int) -> Limit:
     measure = spec.measure
     least = LEAST_ALLOWANCE * _use_per_byte(measure, robots) * measure.window
     digests = max(allowance * measure.limit, least * _users(measure, robots))
-    return Limit(spec.name, measure.window, max(measure.limit - digests, LEAST_LEFT * measure.limit), measure)
+    left = max(measure.limit - digests, LEAST_LEFT * measure.limit)
+    return Limit(spec.name, measure.window, left, measure, spec.least)
 
 
 def _digest_rate(measure: Measure, allowance: float, robots: int) -> float:

@@ -57,6 +57,7 @@ def _counts(core: Core) -> dict[str, Any]:
 
 
 def _budget(core: Core, now: float) -> list[dict[str, Any]]:
+    adaptive = [k for k, limit in enumerate(core.gate.limits) if limit.least < 1.0]
     return [
         {
             "constraint": limit.name,
@@ -68,6 +69,7 @@ def _budget(core: Core, now: float) -> list[dict[str, Any]]:
             "used": core.shares.used(now, k),
             "members": len(core.shares.members) if limit.shared else 1,
             "confirmed": core.shares.confirmed(now) or not limit.shared,
+            **({"adaptive": core.channel.capacity.described(now, adaptive.index(k))} if k in adaptive else {}),
         }
         for k, limit in enumerate(core.gate.limits)
     ]

@@ -247,3 +247,10 @@ def test_a_schedule_says_how_exactly_it_is_kept():
     assert schedule({"schedule": "periodic", "period": 0.5, "jitter": 0.05}) == "periodic ±10%"
     assert schedule({"schedule": "bursts 5 0.05", "period": 0.4, "jitter": 0.1}) == "bursts"
     assert schedule({"schedule": "", "period": 0.0, "jitter": 0.0}) == schedule({}) == "-"
+
+
+def test_an_adaptive_limit_says_what_it_follows():
+    """What is in force, what we think ourselves, and why."""
+    adaptive = {"in_force": 0.5, "estimate": 0.55, "delay": 0.02, "reason": "free"}
+    text = table({"budget": [{"constraint": "air", "adaptive": adaptive}]})
+    assert "air is adaptive: 50% of its ceiling, 55% by our estimate (free, delay 20 ms)" in text

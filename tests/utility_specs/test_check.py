@@ -38,6 +38,15 @@ def test_good_specs_are_summed_up(tmp_path):
             "200 ms on the air in any 0.5 s (40 %; adhoc, unicast, 8 Mbit/s, 2 hops; 1 kB takes 2.73 ms)",
         ),
         (
+            'kind = "throughput"\nlimit = "adaptive"\nceiling = "4 Mbit/s"\nfloor = "1 Mbit/s"\n',
+            "250000 B in any 0.5 s (4 Mbit/s); adaptive, down to 25 % of it",
+        ),
+        (
+            'kind = "airtime"\nlimit = "adaptive"\nceiling = "40 %"\nrate = "8 Mbit/s"\n',
+            "200 ms on the air in any 0.5 s (40 %; adhoc, unicast, 8 Mbit/s, 1 hop; 1 kB takes 1.36 ms); "  # noqa: ISC004
+            "adaptive, down to 5 % of it",
+        ),
+        (
             'kind = "energy"\nlimit = "0.5 J"\nwindow = 10\nper_byte = "2 uJ"\nper_message = "1 mJ"\n',
             "0.5 J of each robot in any 10 s (0.05 W; 1 kB takes 3 mJ)",
         ),

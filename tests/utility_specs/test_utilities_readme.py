@@ -45,7 +45,7 @@ def test_the_spec_with_a_function_loads(tmp_path, monkeypatch):
     """The function and the spec that names it fit together."""
     (tmp_path / "worth.py").write_text(blocks("python")[0])
     monkeypatch.syspath_prepend(tmp_path)
-    (tmp_path / "x.toml").write_text(blocks("toml")[0])
+    (tmp_path / "x.toml").write_text(blocks("toml")[1])
     (camera,) = load_specs(tmp_path / "x.toml").types
     assert camera.utility_of({"red": 0.5}) != camera.utility
 
@@ -70,6 +70,12 @@ def test_the_spec_with_a_class_loads(tmp_path, monkeypatch):
     """The class and the spec that names it fit together."""
     (tmp_path / "soundings.py").write_text(blocks("python")[1])
     monkeypatch.syspath_prepend(tmp_path)
-    (tmp_path / "x.toml").write_text(blocks("toml")[1])
+    (tmp_path / "x.toml").write_text(blocks("toml")[2])
     (soundings,) = load_specs(tmp_path / "x.toml").types
     assert isinstance(soundings.aggregation, AggregationModel)
+
+
+def test_the_spec_of_an_adaptive_limit_loads(tmp_path):
+    """As it stands there."""
+    (tmp_path / "x.toml").write_text(spec("utility = { kind = 'video' }") + blocks("toml")[0])
+    assert load_specs(tmp_path / "x.toml").constraints[-1].least == pytest.approx(0.2 / 6.0)

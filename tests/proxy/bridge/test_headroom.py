@@ -99,3 +99,20 @@ def test_a_link_whose_socket_cannot_be_found_counts_as_full(stack):
     headroom.refresh()
     assert not headroom.takes(1)
     assert not headroom.clear
+
+
+@pytest.mark.usefixtures("listener")
+def test_a_link_tells_how_long_what_is_sent_now_takes(mesh):
+    """Next to nothing while the peer reads; nothing when nothing was sent lately."""
+    session, _ = mesh
+    headroom = Headroom(session)
+    wait_until(lambda: linked(headroom, 1), what="the link")
+    publisher = session.declare_publisher("k", congestion_control=zenoh.CongestionControl.DROP)
+    wait_until(lambda: publisher.matching_status.matching, what="the subscription")
+
+    def wait():
+        publisher.put(b"x" * 30_000)
+        return dict(headroom.waits()).get(next(iter(map(str, session.info.peers_zid()))), -1.0)
+
+    wait_until(lambda: 0.0 <= wait() < 0.05, what="a free link")
+    wait_until(lambda: headroom.waits() == (), what="silence")

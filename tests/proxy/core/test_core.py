@@ -6,9 +6,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from proxy.core import events as ev
-from proxy.core.commands import Decide, Drop, Forward, Notice, SendDigest, SendState
+from proxy.core.commands import Decide, Drop, Forward, Notice, SendDigest, SendState, SetPace
 from proxy.core.mode import Mode
-from proxy.core.wire import Digest, State, StreamDigest, StreamState
+from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
 
@@ -447,3 +447,36 @@ def test_others_are_told_how_streams_generate(make_talk):
     assert talk.all(SendState)[-1].state.streams[0].jitter > 0.5
     (told,) = talk.core.status(100.0)["streams"]
     assert (told["schedule"], told["jitter"] > 0.1, told["forecast"]) == ("poisson", True, {})
+
+
+ADAPTIVE = SPEC.replace('limit = "{limit}"', 'limit = "adaptive"\nceiling = "{limit}"')
+
+
+@pytest.mark.parametrize("coordination", ["shares", "overhear"])
+def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs, coordination):
+    """It grows while digests come at once; the driver is told the pace, the others what is found."""
+    talk = make_talk(make_specs(text=ADAPTIVE.format(limit="800 kbit/s", window=1.0)), coordination=coordination)
+    talk.want(0.0)
+    for i in range(400):
+        now = 0.05 * i
+        _, commands = talk.publish(now, size=2000)
+        for decide in only(commands, Decide):
+            talk.answer(now + 0.001, decide, send=True)
+        ours = (talk.all(SendDigest) or [None])[-1]
+        echoes = () if ours is None else (Echo("z-r1", ours.digest.sent, 9.0 + now, 0, 0.0),)
+        epoch = talk.core.shares.epoch
+        talk.tell(ev.DigestHeard(now + 0.01, Digest("op", "z-op", 9.0 + now, epoch, 0, 0, (), (), echoes)))
+        talk.tell(ev.LinksGauged(now + 0.02, (("z-op", 0.001), ("nobody", 0.0))))
+    (budget,) = talk.core.status(20.0)["budget"]
+    adaptive = budget["adaptive"]
+    assert adaptive["in_force"] > 0.3
+    assert adaptive["ceiling"] == pytest.approx(100_000.0, rel=0.01)
+    assert budget["limit"] == pytest.approx(adaptive["in_force"] * adaptive["ceiling"])
+    assert budget["held"] <= budget["limit"]
+    assert talk.all(SetPace)[0].rate == pytest.approx(25_000.0)
+    assert talk.all(SetPace)[-1].rate == pytest.approx(adaptive["in_force"] * 100_000.0)
+    assert talk.all(SendDigest)[-1].digest.capacity == pytest.approx((adaptive["told"],), rel=0.2)
+    talk.tell(ev.PeerGone(21.0, "op", "z-op"))
+    talk.tell(ev.SpecsChanged(22.0, make_specs()))
+    assert "adaptive" not in talk.core.status(22.0)["budget"][0]
+    assert talk.all(SendDigest)[-1].digest.capacity == ()

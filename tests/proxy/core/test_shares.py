@@ -219,3 +219,21 @@ def test_the_union_holds_under_loss_delay_and_reordering(seed, robots, loss):
                 sends.append((now, amount))
         window = sum(amount for t, amount in sends if t >= now - LIMIT.window)
         assert window <= LIMIT.limit + 1e-6
+
+
+@given(st.lists(st.floats(0.05, 1.0), min_size=3, max_size=3))
+def test_the_union_keeps_the_greatest_part_in_force(factors):
+    """Robots that agree on the ceiling apply a part of it each, in the same epoch; grants are of what is in force."""
+    shares = team(["a", "b", "c"])
+    agree(shares, 0.1)
+    epochs = {share.epoch for share in shares.values()}
+    for share, factor in zip(shares.values(), factors, strict=True):
+        share.set_factor(0, factor)
+    given = shares["a"].grant(0.2, "b", 0, 100.0 * factors[0])
+    assert given == pytest.approx(100.0 * factors[0], rel=1e-3)
+    agree(shares, 0.3)
+    held = [share.held(0.3, 0) for share in shares.values()]
+    assert sum(held) <= max(factors) * LIMIT.limit
+    assert held[1] == pytest.approx(430.0 * factors[1], rel=1e-3)
+    assert {share.epoch for share in shares.values()} == epochs
+    assert not shares["c"].fits(0.3, (held[2] + 1.0,))

@@ -1,0 +1,315 @@
+"""Adaptive limits: how much of each the channel bears, by our own evidence and by what the others tell of theirs.
+
+Every robot watches how long digests wait on their way, here and there, and whether anything gets through; from that it
+estimates what the channel bears and tells it in its digests. In force is the least that any robot tells, its own
+included; but of those whom our samples go to, and of the rest, the word of a single one does not count where there are
+several: it may be far away. So all come to nearly the same limit, and who decreases first decreases for all: the others
+wait for the effect.
+"""
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from proxy.core.arrivals import HELPED, LOST, SPAN, Arrivals
+from proxy.core.delays import Queue, Ways, queue
+from proxy.core.estimate import Estimate
+from proxy.core.hearing import Hearing
+from proxy.core.limits import Limit
+from proxy.core.load import Load
+from proxy.core.wire import Digest
+
+BEARABLE = 0.05
+"""Digests may wait so long [s], besides the time that the longest sample takes."""
+LONGEST = 0.25
+"""The time of the longest sample counts up to this [s]."""
+PACE = 0.1
+"""The channel is looked at this often at most [s]."""
+FRESH = 5.0
+"""What a robot tells counts for so long [s]."""
+USED, HALF_USED = 0.85, 0.5
+"""A limit is used when this part of it is, or the lesser part, and samples had to be dropped."""
+MOSTLY = 0.75
+"""Who uses so much of a limit uses it."""
+AHEAD = 1.3
+"""An estimate above the limit in force is not tested: it grows no further than so many times that."""
+BEAT = 0.25
+"""Digests of ours are so far apart at most while the channel is in use [s], if the allowance lets them."""
+RECENT = 1.5
+"""Delays are as old as this at most [s], or as twice the time between digests."""
+FADING = 1.0
+"""Silence decreases the estimates this often [s]."""
+SAID = 64
+"""Digests of ours remembered for their echoes."""
+FELL, ROSE = 0.98, 1.15
+"""Others are told at once when an estimate fell or rose to so much of what they were told last."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What the view knows of the use of the channel: samples `dropped` so far by anybody, whom our samples go to.
+
+    `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
+    of every adaptive limit's ceiling that one sample of each stream takes together.
+    """
+
+    dropped: int
+    receivers: Collection[str]
+    longest: float
+    each: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """Estimates were decreased from these `parts` because so much was `lost`; at `until` [s] it shows if that helps."""
+
+    until: float
+    lost: float
+    parts: tuple[float, ...]
+
+
+class Capacity:
+    """The adaptive limits among `limits`, which are those of the ceilings."""
+
+    def __init__(self, now: float, own: str) -> None:
+        self._own = own
+        self._limits: tuple[Limit, ...] = ()
+        self._estimates: list[Estimate] = []
+        self._force: list[float] = []
+        self._others_told: list[float] = []
+        self._used: tuple[float, ...] = ()
+        self._ways: dict[str, Ways] = {}
+        self._told: dict[str, tuple[float, tuple[float, ...]]] = {}
+        self._last_told: tuple[float, ...] = ()
+        self._load = Load()
+        self._hearing = Hearing(now)
+        self._arrivals = Arrivals()
+        self._said: dict[float, int] = {}
+        """How many messages we had put on the air when our last digests were sent."""
+        self._trial: _Trial | None = None
+        self._looked_at = now
+        self._free_at = now
+        """When growth began or was last granted [s]."""
+        self._faded_at = now
+        self._most_dropped = 0
+        self._pressed_until = now
+        self._queue: Queue | None = None
+        self._why = "nobody is there"
+
+    def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
+        """The constraints in force are now these; estimates of limits of the same name stay."""
+        before = {limit.name: estimate for limit, estimate in zip(self._limits, self._estimates, strict=True)}
+        self._limits = tuple(limit for limit in limits if limit.least < 1.0)
+        self._trial = None
+        self._estimates = [before.get(each.name) or Estimate(now, each.least) for each in self._limits]
+        for limit, estimate in zip(self._limits, self._estimates, strict=True):
+            estimate.floor = limit.least
+        self._force = [estimate.told(now) for estimate in self._estimates]
+        self._others_told = [1.0] * len(self._estimates)
+        self._used = (0.0,) * len(self._estimates)
+
+    def heard(self, now: float, digest: Digest) -> None:
+        """A digest of another robot arrived."""
+        if not self._estimates:
+            return
+        if not self._ways:
+            self._hearing.restart(now)
+        ways = self._ways.setdefault(digest.tag, Ways())
+        ways.here.note(now, digest.sent, now)
+        self._hearing.heard(now)
+        for echo in digest.echoes:
+            if echo.peer == self._own and ways.there.note(now, echo.sent, echo.received):
+                self._hearing.heard_by(now)
+                if echo.sent in self._said:
+                    self._arrivals.note(now, self._said[echo.sent], digest.tag, echo.samples)
+        self._load.note(now, digest.tag, digest.sent, digest.messages, digest.bytes)
+        self._told[digest.tag] = now, digest.capacity
+
+    def gauged(self, now: float, peer: str, wait: float) -> None:
+        """What we send a robot now is that long on its way [s], as our own socket tells."""
+        if peer in self._ways:
+            self._ways[peer].link.note(now + wait, now, now + wait)
+
+    def sent(self, now: float, messages: int, size: int) -> None:
+        """So much was put on the air by us so far."""
+        self._load.note(now, self._own, now, messages, size)
+
+    def forget(self, peer: str) -> None:
+        """A robot left: it is no evidence of anything."""
+        self._ways.pop(peer, None)
+        self._told.pop(peer, None)
+        self._load.forget(peer)
+        self._arrivals.forget(peer)
+        self._most_dropped = 0
+
+    def due(self, now: float) -> bool:
+        """Whether it is time to look at the channel."""
+        return bool(self._estimates) and now >= self._looked_at + PACE
+
+    def look(self, now: float, seen: Seen) -> None:
+        """Grow or decrease the estimates by what is seen now."""
+        self._looked_at = now
+        self._note_drops(now, seen.dropped)
+        bearable = BEARABLE + min(seen.longest, LONGEST)
+        recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
+        settled = max((recent, *(estimate.settled_at for estimate in self._estimates)))
+        self._queue = self._worst(now, seen.receivers, recent, bearable)
+        new = self._worst(now, seen.receivers, settled, bearable)
+        used = self._used = self._load.parts(now, self._limits)
+        if not self._ways:
+            self._why = "nobody is there"
+        elif self._hearing.silent(now):
+            self._why = "silence"
+            self._fade(now)
+        elif new is not None and new.delay > bearable:
+            self._why = "delay"
+            self._trial = None
+            self._cut(now, used, new)
+        elif self._queue is not None and self._queue.delay > bearable:
+            self._why = "draining"
+            for estimate in self._estimates:
+                estimate.linger(now, self._queue.delay)
+        elif self._judge_loss(now, used):
+            self._why = "loss"
+        elif self._queue is None or new is None:
+            self._why = "settling"
+        elif self._queue.delay > bearable / 2.0:
+            self._why = "some delay"
+        else:
+            self._why = "free"
+            self._grow(now, used, seen)
+        if self._why not in ("free", "settling"):
+            self._free_at = now
+        self._combine(now, seen.receivers)
+
+    @property
+    def factors(self) -> tuple[float, ...]:
+        """Of every adaptive limit, the part of its ceiling that is in force."""
+        return tuple(self._force)
+
+    @property
+    def delayed(self) -> bool:
+        """Whether something waits on its way: who sent it should hear of it soon."""
+        return self._why in ("delay", "draining", "some delay")
+
+    def wake_at(self, now: float) -> list[float]:
+        """When limits change by themselves [s]."""
+        return [t for estimate in self._estimates if (t := estimate.drained_at) > now]
+
+    def speak(self, now: float) -> bool:
+        """Whether it is time for a digest of ours for its way alone: the channel is in use, and that tells of it."""
+        used = any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
+        return used and bool(self._ways) and now >= self._hearing.last_said + BEAT
+
+    def news(self, now: float) -> bool:
+        """Whether the others should hear at once what we would tell them."""
+        told = self.telling(now)
+        if len(told) != len(self._last_told):
+            return bool(told)
+        pairs = zip(told, self._last_told, strict=True)
+        return any(new < FELL * old or new > ROSE * old for new, old in pairs)
+
+    def telling(self, now: float) -> tuple[float, ...]:
+        """What a digest says: of every adaptive limit, the part that the channel bears by our evidence."""
+        return tuple(estimate.told(now) for estimate in self._estimates)
+
+    def told(self, digest: Digest) -> None:
+        """This digest of ours goes out."""
+        self._last_told = digest.capacity
+        self._hearing.said(digest.sent)
+        self._said[digest.sent] = digest.messages
+        if len(self._said) > SAID:
+            del self._said[next(iter(self._said))]
+
+    def described(self, now: float, number: int) -> dict[str, Any]:
+        """An adaptive limit as plain JSON data: parts of its ceiling, and what it reacts to."""
+        return {
+            "in_force": self._force[number],
+            "estimate": self._estimates[number].part,
+            "told": self._estimates[number].told(now),
+            "floor": self._limits[number].least,
+            "ceiling": self._limits[number].limit,
+            "used": self._used[number],
+            "delay": self._queue.delay if self._queue else None,
+            "lost": self._arrivals.lost(now),
+            "reason": self._why,
+        }
+
+    def _note_drops(self, now: float, dropped: int) -> None:
+        """More than ever before: a sample that still waits for its decision looks like a dropped one for a moment."""
+        if dropped > self._most_dropped:
+            self._pressed_until = now + 1.0
+            self._most_dropped = dropped
+
+    def _worst(self, now: float, receivers: Collection[str], since: float, bearable: float) -> Queue | None:
+        """The longest that stands before what comes here, or before what we send to those whom it matters to."""
+        outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
+        groups = [[ways.here for ways in self._ways.values()], [w.there for w in outward], [w.link for w in outward]]
+        found = [queue(now, ways, since, bearable / 2.0) for ways in groups]
+        return max((each for each in found if each), key=lambda each: each.delay, default=None)
+
+    def _fade(self, now: float) -> None:
+        if now >= self._faded_at + FADING:
+            self._faded_at = now
+            for estimate in self._estimates:
+                estimate.fade()
+
+    def _cut(self, now: float, used: Sequence[float], standing: Queue) -> None:
+        for part, force, estimate in zip(used, self._force, self._estimates, strict=True):
+            # Whole samples never fill a limit; much less than it means that others than us fill the channel.
+            borne = min(max(part / MOSTLY, 0.5 * force), force)
+            estimate.cut(now, borne, standing.share, standing.delay)
+
+    def _judge_loss(self, now: float, used: Sequence[float]) -> bool:
+        """Whether a decrease is on trial because of loss; begin one, and end it with what it shows."""
+        lost, trial = self._arrivals.lost(now), self._trial
+        if trial is None and lost > LOST and all(now >= estimate.settled_at + SPAN for estimate in self._estimates):
+            self._trial = _Trial(now + 2.0 * SPAN, lost, tuple(estimate.part for estimate in self._estimates))
+            self._arrivals.blame(now)
+            self._cut(now, used, Queue(0.0, 1.0 - lost))
+        elif trial is not None and now < trial.until:
+            self._trial = replace(trial, lost=max(lost, trial.lost))
+        elif trial is not None:
+            self._trial = None
+            if lost > HELPED * trial.lost:
+                self._arrivals.accept()
+                for estimate, part in zip(self._estimates, trial.parts, strict=True):
+                    estimate.restore(part)
+        return self._trial is not None
+
+    def _grow(self, now: float, used: Sequence[float], seen: Seen) -> None:
+        """Grow what is used, or what is too small for a sample of each stream: robots may wait for their turn then."""
+        elapsed = min(now - self._free_at, max(1.0, self._hearing.gap(now)))
+        self._free_at = now
+        pressed = now < self._pressed_until
+        for k, (force, estimate) in enumerate(zip(self._force, self._estimates, strict=True)):
+            if used[k] >= (HALF_USED if pressed else USED) * force or (pressed and seen.each[k] > force):
+                estimate.grow(now, elapsed, AHEAD * force, self._others(now, k))
+            else:
+                self._why = "not used"
+
+    def _others(self, now: float, k: int) -> float:
+        """The least that any other robot tells; nothing when none does, or when only we see what is lost by load."""
+        if self._arrivals.blamed(now):
+            return 0.0
+        words = (told[k] for t, told in self._told.values() if t >= now - FRESH and len(told) > k)
+        return min(words, default=0.0)
+
+    def _combine(self, now: float, receivers: Collection[str]) -> None:
+        """Put in force what all tell together."""
+        for k, estimate in enumerate(self._estimates):
+            own = estimate.told(now)
+            others = min(self._bound(now, k, receivers, inside=inside) for inside in (True, False))
+            if others < FELL * self._others_told[k] and others < own:
+                estimate.wait(now)
+            self._others_told[k] = others
+            self._force[k] = min(own, others)
+
+    def _bound(self, now: float, k: int, receivers: Collection[str], *, inside: bool) -> float:
+        """What those tell who receive what we send, or the others: the least but one, where there are several."""
+        words = sorted(
+            min(max(told[k], self._limits[k].least), 1.0)
+            for peer, (t, told) in self._told.items()
+            if (peer in receivers) is inside and t >= now - FRESH and len(told) > k
+        )
+        return words[min(1, len(words) - 1)] if words else 1.0

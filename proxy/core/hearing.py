@@ -1,0 +1,54 @@
+"""Whether anything gets through at all, in both directions. Silence is no good news.
+
+How often the others can be heard depends on the allowance of digests, which is the same for all: who may seldom speak
+expects to hear seldom.
+"""
+
+from collections import deque
+from itertools import pairwise
+
+SILENCE = 2.5
+"""Robots say something every second if they may: silence is at least this long [s]."""
+GAPS = 3.0
+"""And so many times what lies between two digests of ours."""
+ECHOES = 1.6
+"""That our own digests arrived is told more rarely, by so much."""
+
+
+class Hearing:
+    """When others were last heard, when they last told that they heard us, and when we last said something."""
+
+    def __init__(self, now: float) -> None:
+        self._said: deque[float] = deque((now,), maxlen=5)
+        self._heard = now
+        self._heard_by = now
+
+    @property
+    def last_said(self) -> float:
+        """When our last digest went out [s]."""
+        return self._said[-1]
+
+    def said(self, now: float) -> None:
+        """A digest of ours goes out."""
+        self._said.append(now)
+
+    def heard(self, now: float) -> None:
+        """A digest of another robot arrived."""
+        self._heard = now
+
+    def heard_by(self, now: float) -> None:
+        """Another robot tells that a digest of ours arrived which it had not told of before."""
+        self._heard_by = now
+
+    def restart(self, now: float) -> None:
+        """Nobody was there to be heard until now."""
+        self._heard = self._heard_by = now
+
+    def gap(self, now: float) -> float:
+        """The longest time between two of our last digests [s]; the others' are as far apart."""
+        return max(after - before for before, after in pairwise((*self._said, now)))
+
+    def silent(self, now: float) -> bool:
+        """Whether nothing gets through, one way or the other."""
+        patience = max(SILENCE, GAPS * self.gap(now))
+        return now - self._heard > patience or now - self._heard_by > ECHOES * patience

@@ -1,0 +1,112 @@
+"""An estimate grows by addition, decreases by multiplication, and stays between floor and ceiling."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from proxy.core.estimate import INITIAL, STEP, Estimate
+
+DEEDS = st.lists(
+    st.one_of(
+        st.tuples(st.just("grow"), st.floats(0.0, 5.0), st.floats(0.0, 2.0), st.floats(0.0, 1.0)),
+        st.tuples(st.just("cut"), st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 10.0)),
+        st.tuples(st.just("fade")),
+        st.tuples(st.just("wait")),
+        st.tuples(st.just("linger"), st.floats(0.0, 5.0)),
+        st.tuples(st.just("restore"), st.floats(0.0, 2.0)),
+    ),
+    max_size=50,
+)
+
+
+@given(st.floats(0.001, 0.99), DEEDS)
+def test_it_stays_between_floor_and_ceiling(floor, deeds):
+    """Whatever happens; growth never lowers it, and nothing else but the end of a trial raises it."""
+    estimate, now = Estimate(0.0, floor), 0.0
+    for name, *words in deeds:
+        now += 0.3
+        before = estimate.part
+        getattr(estimate, name)(*([now, *words] if name in ("grow", "cut", "linger", "wait") else words))
+        assert floor <= estimate.told(now) <= estimate.part <= 1.0
+        assert (estimate.part >= before) if name in ("grow", "restore") else (estimate.part <= before)
+        assert estimate.settled_at >= estimate.drained_at
+
+
+def settled(part=0.5):
+    """An estimate of so much that was cut once, long ago."""
+    estimate = Estimate(0.0, 0.05)
+    estimate.restore(part / 0.9)
+    estimate.cut(1.0, 1.0, 1.0, 0.1)
+    assert estimate.part == pytest.approx(part)
+    return estimate
+
+
+def test_it_grows_by_addition_once_it_was_cut():
+    """By as much each second, more when nothing stood in its way for long; before, and up to what others know, fast."""
+    estimate = settled()
+    estimate.grow(2.0, 1.0, 1.0, 0.0)
+    assert estimate.part == pytest.approx(0.5 + STEP)
+    estimate.grow(9.0, 1.0, 1.0, 0.0)
+    assert estimate.part == pytest.approx(0.5 + 3 * STEP)
+    estimate.grow(10.0, 1.0, 1.0, 0.8)
+    assert estimate.part == pytest.approx(1.5 * (0.5 + 3 * STEP))
+    first = Estimate(0.0, 0.05)
+    first.grow(1.0, 1.0, 1.0, 0.0)
+    assert first.part == pytest.approx(1.5 * INITIAL)
+
+
+def test_it_does_not_grow_beyond_what_is_tested():
+    """Nor shrinks to it."""
+    estimate = settled()
+    estimate.grow(2.0, 1.0, 0.51, 0.0)
+    assert estimate.part == pytest.approx(0.51)
+    estimate.grow(3.0, 1.0, 0.3, 0.0)
+    assert estimate.part == pytest.approx(0.51)
+
+
+def test_a_cut_goes_to_what_came_through_and_lower_until_the_queue_has_drained():
+    """Half of 0.8 came through and 0.2 s wait: less for half a second, a little below half of it from then on."""
+    estimate = settled(0.9)
+    estimate.cut(10.0, 0.8, 0.5, 0.2)
+    assert estimate.part == pytest.approx(0.4)
+    assert estimate.told(10.1) == pytest.approx(0.6 * 0.4)
+    assert estimate.told(estimate.drained_at) == pytest.approx(0.4)
+    assert estimate.drained_at == pytest.approx(10.5)
+
+
+def test_a_cut_that_did_not_help_is_followed_by_a_deeper_one():
+    """A full queue does not grow: nothing tells how much comes through."""
+    estimate = settled(0.9)
+    estimate.cut(10.0, 0.9, 1.0, 0.1)
+    assert estimate.part == pytest.approx(0.9 * 0.9)
+    estimate.cut(estimate.settled_at + 0.1, 0.9, 1.0, 0.1)
+    assert estimate.part == pytest.approx(0.9 * 0.9 * 0.7)
+
+
+def test_after_silence_it_may_grow_fast():
+    """Nothing is known of the channel then."""
+    estimate = settled()
+    estimate.fade()
+    assert estimate.part == pytest.approx(0.35)
+    estimate.grow(2.0, 1.0, 1.0, 0.0)
+    assert estimate.part == pytest.approx(0.35 * 1.5)
+    estimate.wait(5.0)
+    assert estimate.settled_at > 5.0
+
+
+def test_a_queue_that_still_stands_drains_longer():
+    """At less, for two seconds at most; and one that has doubled meanwhile is reason for another decrease."""
+    estimate = settled(0.9)
+    estimate.cut(10.0, 0.9, 1.0, 0.1)
+    before = estimate.part
+    for tenth in range(1, 30):
+        estimate.linger(10.0 + tenth / 10.0, 0.18)
+    assert estimate.part == before
+    assert 11.9 < estimate.drained_at < 12.3
+    assert estimate.told(11.9) == pytest.approx((1.0 - 0.18 / 0.5) * before)
+    estimate.cut(20.0, 0.9, 1.0, 0.1)
+    before = estimate.part
+    estimate.linger(20.2, 0.5)
+    estimate.linger(20.3, 0.5)
+    assert estimate.part == pytest.approx(0.7 * before)
+    assert estimate.told(20.4) == pytest.approx(0.35 * estimate.part)

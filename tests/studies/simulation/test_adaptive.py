@@ -1,0 +1,74 @@
+"""Adaptive limits on a simulated channel that nobody told the robots about."""
+
+from collections import Counter
+from dataclasses import dataclass
+
+import pytest
+
+from planner import SearchSettings
+from studies.simulation.medium import Medium
+from studies.simulation.team import Frame, Team
+from utility_specs import load_specs
+
+SPEC = """
+[[constraint]]
+kind = "throughput"
+limit = "adaptive"
+ceiling = "6 Mbit/s"
+floor = "200 kbit/s"
+
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+utility = { kind = "video" }
+"""
+RATE = 250_000.0
+SIZE = 10_000
+
+
+@dataclass(slots=True)
+class Halved(Medium):
+    """A medium that carries half from `since` on."""
+
+    since: float = 1e9
+
+    def offer(self, now, size, rng):
+        if now >= self.since:
+            self.rate = RATE / 2.0
+        return Medium.offer(self, now, size, rng)
+
+
+@pytest.fixture
+def fly(tmp_path):
+    """Let robots send more than the channel carries to an operator; return the team and what arrived."""
+    path = tmp_path / "spec.toml"
+    path.write_text(SPEC)
+    specs = load_specs(path)
+
+    def run(robots, seconds, **medium):
+        interests = {f"r{i}": () for i in range(robots)} | {"op": ("robot/*/camera",)}
+        rate = 40.0 / robots
+        frames = [
+            Frame(f"r{i}", f"robot/r{i}/camera", 1.0 + 0.023 * i + k / rate, SIZE, {})
+            for k in range(int(seconds * rate))
+            for i in range(robots)
+        ]
+        team = Team(specs, interests, Halved(RATE, **medium), search=SearchSettings(search="best"), iterations=10)
+        sent = team.run(sorted(frames, key=lambda frame: frame.t_gen), seconds)
+        return team, [delivery for delivery in sent if delivery.t_rcv]
+
+    return run
+
+
+def test_a_channel_is_used_shared_fairly_and_noticed_when_it_is_halved(fly):
+    """Random loss does not matter. After the change samples arrive as soon as before within seconds."""
+    team, arrived = fly(2, 24.0, loss=0.05, since=16.0)
+    late = [d for d in arrived if 10.0 <= d.t_rcv < 16.0]
+    assert len(late) * SIZE / 6.0 >= 0.7 * 0.95 * RATE
+    counts = Counter(d.frame.robot for d in late)
+    assert min(counts.values()) >= 0.8 * max(counts.values())
+    ages = sorted(d.t_rcv - d.t_sent for d in late)
+    assert ages[len(ages) // 2] <= 0.15
+    ages = sorted(d.t_rcv - d.t_sent for d in arrived if d.t_sent >= 20.0)
+    assert ages[len(ages) // 2] <= 0.3
+    assert max(core.channel.capacity.factors[0] for core in team.cores.values()) <= 0.4
