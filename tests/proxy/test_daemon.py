@@ -205,6 +205,26 @@ def test_specs_are_swapped_while_running(pair, tmp_path):
     wait_until(lambda: wanted.samples, what="the sample")
 
 
+def test_a_limit_becomes_adaptive_while_running(pair, tmp_path):
+    """Between two daemons it rises from where it starts, while samples use it and links and digests are fast."""
+    path = tmp_path / "adaptive.toml"
+    path.write_text(SPECS.replace('"80 kbit/s"', '"adaptive"\nceiling = "800 kbit/s"'))
+    for robot in pair:
+        robot.daemon.swap_specs(load_specs(path))
+    wanted = Heard(pair[1].node(), "covered/a")
+    publisher = pair[0].node().declare_publisher("covered/a")
+    wait_until(lambda: publisher.matching_status.matching, what="the receiver")
+
+    def risen():
+        for _ in range(20):
+            publisher.put(bytes(2000))
+        (limit,) = pair[0].status()["budget"]
+        return limit["adaptive"]["in_force"] > 0.27
+
+    wait_until(risen, 20, "a higher limit")
+    assert wanted.samples
+
+
 def test_a_daemon_stops_within_a_second_and_its_peers_notice(pair):
     """Both ports are free again, and the other robot knows that it is alone."""
     started = clock.monotonic()
