@@ -173,9 +173,10 @@ class Shares:
         return [k for k, amount in enumerate(use) if not self._fits(now, now, k, amount)]
 
     def holds(self, now: float, t: float, use: tuple[float, ...]) -> bool:
-        """Whether we hold what a message takes that is sent at a time to come, if nothing else is."""
+        """Whether what a message takes that is sent at a time to come would be of what is lent to us already."""
+        begun = [lent for lent in self._lent if lent.begins <= now]
         return all(
-            amount > HOLDABLE * self._limits[k].limit or amount <= self._free(t, now, k) + self._used_at(t, k)
+            amount <= self._factors[k] * sum(lent.amounts[k] for lent in begun if t <= lent.ends)
             for k, amount in enumerate(use)
             if self._limits[k].shared
         )

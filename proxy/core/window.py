@@ -234,6 +234,7 @@ class WindowBuilder:
             traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
+            goes_on=limits.holds is None,
         )
         return problem, places
 
