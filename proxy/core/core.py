@@ -426,10 +426,13 @@ class Core:
         if self.settings.coordination == "shares" and self.view.peers:
             if not self.shares.epoch and now < self._settled_at + HELLO:
                 return self._settled_at + HELLO
-            if self._told_epoch != self.shares.epoch or (self.pacer.unknown(own) and self.pacer.solvent):
+            if self._told_epoch != self.shares.epoch:
                 return now
+        if self.view.peers and self.pacer.unknown(own) and self.pacer.solvent:
+            return now
         to = self._addressee(now)
-        if self.shares.leads and not to and now < self._told_all_at + ALL_PACE and self.view.peers:
+        sharing = self.settings.coordination == "shares" and bool(self.view.peers)
+        if sharing and self.shares.leads and not to and now < self._told_all_at + ALL_PACE:
             return self._told_all_at + ALL_PACE
         news = self.pacer.has_news(own)
         due = self.pacer.due(now, urgent=self._urgent, news=news, copies=1 if to else max(1, self._copies()))

@@ -222,7 +222,9 @@ class SharedView:
             age = now - peer.offset.ours(stamp - peer.wall_offset)
             if 0.0 <= age < STALE:
                 peer.note_latency(age)
-                self._overhear(now, now - age, event, robot)
+                self._overhear(now, now - age, event, peer)
+        elif peer is not None:
+            self.sends.append((now, event.size, 1))
         elif robot.startswith(PLAIN) and (stream := self.stream(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
@@ -230,14 +232,18 @@ class SharedView:
             stream.note_generated(stream.generated + 1, generated, numbered=False)
             self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
-    def _overhear(self, now: float, t_gen: float, event: SampleHeard, robot: str) -> None:
+    def _overhear(self, now: float, t_gen: float, event: SampleHeard, peer: Peer) -> None:
         """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already."""
-        stream = self._streams.get((robot, event.key))
-        if stream is None or stream.last is None or (stream.sent is not None and t_gen < stream.sent.t_sent + SAME):
+        stream = self._streams.get((peer.robot, event.key))
+        if stream is None or stream.last is None:
+            self.sends.append((now, event.size, 1))
+            return
+        if stream.sent is not None and t_gen < stream.sent.t_sent + SAME:
             return
         features = event.features or {}
         scale = stream.information_type.scale(features) if features else stream.last.scale
-        t_sent = max(t_gen, min(now, now - self.latency(robot)))
+        # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
+        t_sent = max(t_gen, now - peer.offset.latency + SAME)
         self.note_sent(stream, stream.forwarded + 1, Sent(t_gen, t_sent, event.size, scale, features))
         period = stream.schedule.period
         if period > 0.0 and t_gen > stream.last.t_gen + SAME:
