@@ -19,7 +19,10 @@ SPARE = 2.0
 
 
 def asks(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...]) -> bool:
-    """Whether the robot of a stream asks for what a message takes when it has generated it; `other` is there or leads."""
+    """Whether the robot of a stream asks for what a message takes when it has generated it.
+
+    `other` is who leads, or where we do, that robot.
+    """
     delay = 2.0 * other.offset.latency + ANSWERED
     if delay > PATIENCE:
         return False

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from planner import Aggregation, Constraint, Plan
+from proxy.core.asks import ANSWERED, PATIENCE, asks
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -14,7 +15,6 @@ from proxy.core.inbox import Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
-from proxy.core.asks import ANSWERED, PATIENCE, asks
 from proxy.core.shares import Shares
 from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
@@ -133,13 +133,12 @@ class Gate:
         if not self._sharing:
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads:
+            play = [PLAY if limit.shared else 0.0 for limit in self.limits]
             union = tuple(
-                replace(c, limit=shares.whole(k), window=c.window + (PLAY if c.shared else 0.0)) for k, c in enumerate(self.limits)
+                replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
-        held = [
-            Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)
-        ]
+        held = [Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)]
         return Limits(self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now))
 
     def release(self, now: float) -> list[Command]:

@@ -9,8 +9,8 @@ import math
 from collections.abc import Iterable
 
 from planner import Plan
-from proxy.core.commands import Decide
 from proxy.core.asks import ANSWERED, SPREADS, asks
+from proxy.core.commands import Decide
 from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Promise, use_of
@@ -83,7 +83,7 @@ class Layout:
             return False
         chosen = [self._ahead[place] for place in plan.sends if place in self._ahead]
         due = [e for e in chosen if e.message.t_gen <= (now if self._asks(e.stream) else until)]
-        return any([self._promise(now, expected) for expected in due])
+        return sum(self._promise(now, expected) for expected in due) > 0
 
     def hurry(self) -> None:
         """There is news: plan anew at once."""

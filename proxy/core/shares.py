@@ -210,7 +210,8 @@ class Shares:
 
     def lend(self, now: float, peer: str, earliest: float, latest: float, use: tuple[float, ...]) -> Lent | None:
         """Let `peer` send `use` (of the shared limits) until `latest`, from as early on as it can be, not before
-        `earliest`; None when it cannot be."""
+        `earliest`; None when it cannot be.
+        """
         if not self.leads or not self.confirmed(now) or peer not in self._members - {self.own}:
             return None
         parts = tuple(self._parts(k, amount) for k, amount in enumerate(use))
@@ -331,7 +332,9 @@ class Shares:
         if (self.leader in self._members and not again) or now < self._settled_at or self.own != min(self._members):
             return
         others = self._members - {self.own}
-        led = any(self._leader_of(self._epochs.get(o, 0)) in others for o in others if self._epochs.get(o, 0) >= self.epoch)
+        led = any(
+            self._leader_of(self._epochs.get(o, 0)) in others for o in others if self._epochs.get(o, 0) >= self.epoch
+        )
         if not led and (all(other in self._epochs for other in others) or not any(self._epochs.values())):
             self._propose(now, max([self.epoch, *self._epochs.values()]))
 
@@ -340,7 +343,9 @@ class Shares:
         term = min((before >> 32) + 1, TERMS)
         self._enter(term << 32 | self._hash(self.own), self.own)
         self._awaited = set(self._members - {self.own})
-        self._ready_at = now + (max(self._windows(), default=0.0) + EDGE if term > 1 or len(self._members) > NEWCOMERS else 0.0)
+        self._ready_at = now + (
+            max(self._windows(), default=0.0) + EDGE if term > 1 or len(self._members) > NEWCOMERS else 0.0
+        )
 
     def _confirm(self, now: float, peer: str, epoch: int) -> None:
         """As leader, note whether a robot follows us; one that followed another leader still has sends of then."""
