@@ -6,6 +6,7 @@
 The same events and settings give the same commands, whoever drives: the daemon, a simulation, a test.
 """
 
+import math
 from collections import Counter
 from dataclasses import replace
 from functools import singledispatchmethod
@@ -40,12 +41,16 @@ from utility_specs import Specs
 
 COVERED_FLOOR = 0.1
 """Part of what we hold that traffic without a spec leaves to covered streams."""
-LEADERS_PART = 0.3
+LEADERS_PART = 0.35
 """Of what all robots may tell each other, this part is for the one that leads."""
 AHEAD = 0.15
 """Others are lent what they need so much before they need it [s]."""
 ALL_PACE = 30.0
 """Where one robot leads, all are told what concerns only some this often [s]."""
+NEWS_PACE = 1.0
+"""Who leads hears news that are not urgent this often [s]."""
+ECHO_PACE = 5.0
+"""Digests that concern one robot echo its own this often [s]."""
 MOST_AT_ONCE = 8
 """Digests that go out at the same time."""
 HELLO = 0.5
@@ -83,7 +88,8 @@ class Core:
         self._tickets = 0
         self._urgent = False
         self._settled_at = now + settings.settle
-        self._told_all_at = now
+        self._told_all_at = self._told_at = now
+        self._echoed_at: dict[str, float] = {}
         self._told_epoch = 0
         """Epochs are told at once, and paid for later."""
         self._state = State(settings.robot, settings.zid, "", "")
@@ -310,6 +316,7 @@ class Core:
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
+            self._urgent |= self.gate.wakes_at < math.inf
         if now >= self._restate_at and now >= self._state_due(now):
             commands += self._send_state(now)
         if (name := self.asking.due(now)) is not None:
@@ -347,6 +354,7 @@ class Core:
 
     def _send_digest(self, now: float) -> Command:
         to = self._addressee(now)
+        self._told_at = now
         if not to:
             self._told_all_at = now
         digest = Digest(
@@ -426,6 +434,8 @@ class Core:
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
         if self.view.heard_digest(now, digest):
+            if digest.streams:
+                self.layout.hurry()
             grants = digest.grants if peer.offset.known else ()
             self.shares.heard(
                 now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.uncertainty(now)
@@ -444,20 +454,31 @@ class Core:
 
     def _echoes(self, to: str) -> tuple[Echo, ...]:
         """What a digest echoes: of whom it is sent to alone, or of all."""
-        return tuple(echo for echo in self.view.echoes() if to in ("", echo.peer))
+        if not to:
+            return self.view.echoes()
+        known = self.view.peers[to].offset.known
+        if known and self._told_at - self._echoed_at.get(to, -math.inf) < ECHO_PACE:
+            return ()
+        self._echoed_at[to] = self._told_at
+        return tuple(echo for echo in self.view.echoes() if echo.peer == to)
 
     def _digest_due(self, now: float) -> float:
         own = list(self.view.own())
         if self.settings.coordination == "shares" and self.view.peers:
             if not self.shares.epoch and now < self._settled_at + HELLO:
                 return self._settled_at + HELLO
-            if self._told_epoch != self.shares.epoch or (self.pacer.unknown(own) and self.pacer.solvent):
+            if self._told_epoch != self.shares.epoch:
                 return now
+        if self.view.peers and self.pacer.unknown(own) and self.pacer.solvent:
+            return now
         to = self._addressee(now)
-        if self.shares.leads and not to and now < self._told_all_at + ALL_PACE and self.view.peers:
+        sharing = self.settings.coordination == "shares" and bool(self.view.peers)
+        if sharing and self.shares.leads and not to and now < self._told_all_at + ALL_PACE:
             return self._told_all_at + ALL_PACE
         news = self.pacer.has_news(own) or self.channel.capacity.speak(now)
-        return self.pacer.due(now, urgent=self._urgent, news=news, copies=1 if to else max(1, self._copies()))
+        due = self.pacer.due(now, urgent=self._urgent, news=news, copies=1 if to else max(1, self._copies()))
+        # What could be urgent later is not spent on news that nobody waits for.
+        return due if self._urgent or not to else max(due, self._told_at + NEWS_PACE)
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)

@@ -44,7 +44,7 @@ class DigestPacer:
         self._tokens = LEAST_ALLOWANCE
         self._debt = -SAVED * LEAST_ALLOWANCE
         self._updated = now
-        self._size = 150.0
+        self._size = float(LEAST_DIGEST)
         self._depth = 150.0
         """What the dearest of the recent digests cost, all copies together [B]."""
         self._last = now - SLOW
@@ -75,6 +75,7 @@ class DigestPacer:
     def due(self, now: float, *, urgent: bool, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once."""
         cost = self._size * copies
+        self._depth = max(self._depth, cost)
         self._fill(now)
         overdue = now >= self._last + SLOW
         needed = cost if urgent or overdue else 2.0 * cost

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from planner import Aggregation, Constraint, Plan
+from proxy.core.asks import ANSWERED, PATIENCE, asks
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -21,8 +22,6 @@ from proxy.core.window import WindowBuilder
 
 LEAST_HELD = 1e-6
 """A constraint cannot be zero; this is as good."""
-PATIENCE = 0.25
-"""A sample waits so long at most for what is lent to us from then on [s]."""
 PLAY = 0.005
 """What one robot lends comes back so much later than it was to be sent, at least [s]."""
 URGENT_PRIORITY = 4
@@ -134,9 +133,9 @@ class Gate:
         if not self._sharing:
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads:
+            play = [PLAY if limit.shared else 0.0 for limit in self.limits]
             union = tuple(
-                replace(c, limit=shares.whole(k), window=c.window + (PLAY if c.shared else 0.0))
-                for k, c in enumerate(self.limits)
+                replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
         held = [Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)]
@@ -252,9 +251,18 @@ class Gate:
             return False
         opens = self._shares.opens(now, use, now + PATIENCE)
         if opens is None:
-            return False
+            opens = self._answer_by(sample)
+            if opens is None or opens <= now:
+                return False
         self.wakes_at = min(self.wakes_at, opens)
         return True
+
+    def _answer_by(self, sample: Waiting) -> float | None:
+        """Until when a sample waits for who leads to lend what it takes; None where we do not ask."""
+        stream, leader = self._view.known(self._settings.robot, sample.key), self._view.peers.get(self._shares.leader)
+        if stream is None or leader is None or not asks(self._view, stream, leader, self.limits):
+            return None
+        return sample.t_gen + 3.0 * leader.offset.latency + ANSWERED
 
     def _known_use(self, now: float, limit: Limit, k: int, sent: Sequence[tuple[float, tuple[float, ...]]]) -> float:
         """What we know to be sent, by anybody, within the window that ends now."""

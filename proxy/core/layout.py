@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterable
 
 from planner import Plan
+from proxy.core.asks import ANSWERED, SPREADS, asks
 from proxy.core.commands import Decide
 from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
@@ -22,8 +23,6 @@ PACE = 0.1
 """It is planned this often at most [s]."""
 LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
-SPREADS = 2.0
-"""It may be so many standard deviations of its generation time."""
 MARGIN = 1.01
 """Messages may be larger by so much than the last one of the stream."""
 REMEMBERED = 16
@@ -83,17 +82,28 @@ class Layout:
         if plan is None:
             return False
         chosen = [self._ahead[place] for place in plan.sends if place in self._ahead]
-        return any([self._promise(now, expected, until) for expected in chosen if expected.message.t_gen <= until])
+        due = [e for e in chosen if e.message.t_gen <= (now if self._asks(e.stream) else until)]
+        return sum(self._promise(now, expected) for expected in due) > 0
 
-    def _promise(self, now: float, expected: Expected, until: float) -> bool:
+    def hurry(self) -> None:
+        """There is news: plan anew at once."""
+        self._asked_at = -math.inf
+
+    def _asks(self, stream: Stream) -> bool:
+        peer = next((peer for peer in self._view.peers.values() if peer.robot == stream.robot), None)
+        return peer is not None and asks(self._view, stream, peer, self._gate.limits)
+
+    def _promise(self, now: float, expected: Expected) -> bool:
         stream, message = expected.stream, expected.message
         peer = next((name for name, peer in self._view.peers.items() if peer.robot == stream.robot), None)
         if peer is None:
             return False
         shared = tuple(limit for limit in self._gate.limits if limit.shared)
         use = tuple(MARGIN * amount for amount in use_of(message.size, expected.copies, shared))
-        slack = self._slack(expected)
-        lent = self._shares.lend(now, peer, message.t_gen - slack, message.t_gen + slack, use)
+        slack, center = self._slack(expected), message.t_gen
+        if center <= now:
+            center, slack = now, 2.0 * self._view.peers[peer].offset.latency + ANSWERED
+        lent = self._shares.lend(now, peer, center - slack, center + slack, use)
         if lent is None:
             return False
         promise = Promise(message.t_gen, lent.ends, message.size, message.scale, message.features)

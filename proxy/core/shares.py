@@ -65,6 +65,7 @@ class Shares:
         self._ready_at = 0.0
         self._lent: list[Lent] = []
         self._told: dict[Grant, float] = {}
+        """Grants that we made, or heard of: these are remembered for as long as they could come again."""
         self._factors = [1.0] * len(limits)
         self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
 
@@ -173,9 +174,10 @@ class Shares:
         return [k for k, amount in enumerate(use) if not self._fits(now, now, k, amount)]
 
     def holds(self, now: float, t: float, use: tuple[float, ...]) -> bool:
-        """Whether we hold what a message takes that is sent at a time to come, if nothing else is."""
+        """Whether what a message takes that is sent at a time to come would be of what is lent to us already."""
+        begun = [lent for lent in self._lent if lent.begins <= now]
         return all(
-            amount > HOLDABLE * self._limits[k].limit or amount <= self._free(t, now, k) + self._used_at(t, k)
+            amount <= self._factors[k] * sum(lent.amounts[k] for lent in begun if t <= lent.ends)
             for k, amount in enumerate(use)
             if self._limits[k].shared
         )
@@ -183,7 +185,7 @@ class Shares:
     def opens(self, now: float, use: tuple[float, ...], until: float) -> float | None:
         """When a message with this use may be sent by what we know, in (now, until]; None when it may not."""
         times = {lent.begins for lent in self._lent if not self.leads}
-        times |= {lent.ends + EDGE + w for lent in self._lent for w in self._windows() if self.leads}
+        times |= {lent.ends + EDGE + w + 1e-6 for lent in self._lent for w in self._windows() if self.leads}
         times |= {t + w + 1e-6 for t, _ in self._sent for w in self._windows()}
         for t in sorted(t for t in times if now < t <= until):
             if all(self._fits(t, now, k, amount) for k, amount in enumerate(use)):
@@ -231,6 +233,8 @@ class Shares:
 
     def grants(self, now: float) -> tuple[Grant, ...]:
         """All that we lend and that can still be used, for the digest."""
+        if not self.leads:
+            return ()
         self._told = {grant: ends for grant, ends in self._told.items() if ends > now}
         return tuple(self._told)
 

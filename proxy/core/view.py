@@ -223,7 +223,9 @@ class SharedView:
         peer = self.peer_called(robot)
         if peer is not None and peer.digest is not None:
             t_gen = peer.heard_sample(now, event.key, event.size, event.stamp)
-            self._overhear(now, t_gen, event, robot)
+            self._overhear(now, t_gen, event, peer)
+        elif peer is not None:
+            self.sends.append((now, event.size, 1))
         elif robot.startswith(PLAIN) and (stream := self.stream(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
@@ -231,12 +233,19 @@ class SharedView:
             stream.note_generated(stream.generated + 1, generated, numbered=False)
             self.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
-    def _overhear(self, now: float, t_gen: float | None, event: SampleHeard, robot: str) -> None:
-        """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already."""
-        stream = self._streams.get((robot, event.key))
-        on_air = now - self.latency(robot, event.size)
+    def _overhear(self, now: float, t_gen: float | None, event: SampleHeard, peer: Peer) -> None:
+        """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already.
+
+        Where its timestamp cannot tell, it was generated when it was sent.
+        """
+        stream = self._streams.get((peer.robot, event.key))
+        if stream is None or stream.last is None:
+            self.sends.append((now, event.size, 1))
+            return
+        # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
+        on_air = now - peer.offset.latency + SAME
         t_gen = on_air if t_gen is None else min(t_gen, now)
-        if stream is None or stream.last is None or (stream.sent is not None and t_gen < stream.sent.t_sent + SAME):
+        if stream.sent is not None and t_gen < stream.sent.t_sent + SAME:
             return
         features = event.features or {}
         scale = stream.information_type.scale(features) if features else stream.last.scale

@@ -30,6 +30,8 @@ MOST_OF_BEST = 24
 """So many forecasts of a stream are planned for where the best message counts: time grows with their square."""
 LEAD = 0.02
 """A robot hears what we let it send so much before it decides on it, besides the latency [s]."""
+ASKED = 0.25
+"""A robot waits so long for us to lend what a message takes [s]."""
 OVERHEARD = 0.05
 """What was sent we have overheard so much later at most, besides the latency [s]."""
 MOST_OF_OWN = 3
@@ -134,9 +136,19 @@ class WindowBuilder:
             for t in c.times
             for like in (c.stream.expected(t),)
         ]
+        opened += [m for c in candidates for m in self._asking(now, c, limits)]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
         opened = [m for m in opened if m.current or self._possible(m, limits)]
         return self._problem(now, candidates, opened, limits) if opened else None
+
+    def _asking(self, now: float, c: _Candidate, limits: Limits) -> list[_Open]:
+        """Where we lend, return what another robot has generated, told us of, and waits with."""
+        stream, last = c.stream, c.stream.newest
+        if limits.promised is None or stream.robot == self._view.settings.robot or now - last.t_gen > ASKED:
+            return []
+        promised = limits.promised.get((stream.robot, stream.key), ())
+        known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
+        return [_Open(last.t_gen, c, last.size, last.scale, last.features)] if last.t_gen > known else []
 
     def _possible(self, m: _Open, limits: Limits) -> bool:
         """Whether a message to come can be sent at all by what we hold then, where that is known."""
@@ -203,7 +215,7 @@ class WindowBuilder:
         t_sent = 0.0
         for m in opened:
             own = m.of.stream.robot == self._view.settings.robot
-            t_sent = max(t_sent, m.t_gen, now if own else 0.0)
+            t_sent = max(t_sent, m.t_gen, now if own or limits.promised is not None else 0.0)
             use = use_of(m.size, m.of.copies, limits.union, own=own)
             held = use if own else (0.0,) * len(use)
             messages.append((_message(m, t_sent, (*use, *held[: len(limits.held)])), m))
@@ -222,6 +234,7 @@ class WindowBuilder:
             traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.audience.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
+            goes_on=limits.holds is None,
         )
         return problem, places
 

@@ -2,6 +2,7 @@
 
 import random
 from dataclasses import replace
+from functools import partial
 
 import pytest
 from hypothesis import given
@@ -10,80 +11,204 @@ from hypothesis import strategies as st
 
 from planner.measures import Energy, Messages, Throughput
 from proxy.core.limits import Limit
-from proxy.core.shares import Shares
+from proxy.core.shares import MOST_GRANTS, NEWCOMERS, Shares
 
 LIMIT = Limit("throughput", 1.0, 1000.0, Throughput(1000.0, 1.0))
 BATTERY = Limit("energy", 1.0, 2.0, Energy(2.0, 1.0, per_byte=1e-3))
 
 
-def team(names, now=0.0, floor=0.01):
-    shares = {name: Shares(name, (LIMIT,), floor=floor, settled_at=now + 0.05) for name in names}
+def team(names, now=0.0, floor=0.01, limits=(LIMIT,)):
+    shares = {name: Shares(name, limits, floor=floor, settled_at=now + 0.05) for name in names}
     for share in shares.values():
         share.set_members(now, names)
-        assert share.held(now, 0) == pytest.approx(floor * LIMIT.limit)
     return shares
 
 
 def tell(shares, sender, receivers, now):
     """A digest of `sender` reaches `receivers`."""
     for receiver in receivers:
-        shares[receiver].heard(sender, shares[sender].announced(now), shares[sender].grants())
+        shares[receiver].heard(now, sender, shares[sender].epoch, shares[sender].grants(now))
 
 
 def agree(shares, now):
-    for sender in shares:
-        tell(shares, sender, [r for r in shares if r != sender], now)
+    """All hear each other, and then again, so that they enter the epoch of who leads and say so."""
+    for _ in range(2):
+        for sender in shares:
+            tell(shares, sender, [r for r in shares if r != sender], now)
 
 
-def test_members_hold_equal_parts_once_all_agree():
-    """Before, a newcomer holds the floor; after, the limit less the floor is split evenly."""
-    shares = team(["a", "b", "c"])
+def test_one_robot_holds_all_once_all_follow_it():
+    """That with the least tag; the others hold what it lends, and a newcomer a part of the floor before."""
+    shares = team("abc")
+    assert [s.held(0.0, 0) for s in shares.values()] == [10.0 / NEWCOMERS] * 3
     agree(shares, 0.1)
-    assert [s.held(0.1, 0) for s in shares.values()] == pytest.approx([330.0] * 3)
-    assert shares["a"].confirmed(0.1)
+    assert [s.held(0.1, 0) for s in shares.values()] == pytest.approx([990.0, 0.0, 0.0])
+    assert all(s.confirmed(0.1) for s in shares.values())
+    assert [s.leads for s in shares.values()] == [True, False, False]
+
+
+def test_nobody_leads_before_others_were_heard():
+    """Who heard that some follow somebody else waits until all have spoken."""
+    shares = Shares("a", (LIMIT,), floor=0.01, settled_at=0.0)
+    shares.set_members(-1.0, "abc")
+    shares.heard(-1.0, "b", 5 << 32)
+    shares.set_members(0.0, "abc")
+    assert not shares.leads
+    shares.heard(0.1, "c", 0)
+    assert shares.leads
+    assert shares.epoch >> 32 == 6
 
 
 def test_a_robot_alone_holds_everything_once_settled():
     """Who hears nobody for the settling time has the channel."""
     alone = Shares("a", (LIMIT,), floor=0.01, settled_at=5.0)
-    assert alone.held(4.9, 0) == pytest.approx(10.0)
+    assert alone.held(4.9, 0) == pytest.approx(10.0 / NEWCOMERS)
     assert alone.held(5.0, 0) == pytest.approx(990.0)
 
 
-def test_a_grant_moves_only_what_is_free():
-    """What is in use stays; the receiver holds more when it hears of the grant, the giver less at once."""
-    shares = team(["a", "b"])
+def test_what_is_lent_is_gone_until_one_window_after_its_end():
+    """The other one has it from the begin, may send until the end, and the leader gets it back by itself."""
+    shares = team("ab")
     agree(shares, 0.1)
-    shares["a"].use(0.1, (400.0,))
-    assert shares["a"].grant(0.5, "b", 0, 300.0) == 95.0
-    assert shares["a"].held(0.5, 0) == pytest.approx(400.0)
-    assert shares["b"].held(0.5, 0) == pytest.approx(495.0)
-    tell(shares, "a", ["b"], 0.6)
-    tell(shares, "a", ["b"], 0.7)
-    assert shares["b"].held(0.7, 0) == pytest.approx(590.0)
+    lent = shares["a"].lend(0.1, "b", 1.0, 1.5, (300.0,))
+    assert (lent.begins, lent.ends) == (pytest.approx(1.001), 1.5)
+    tell(shares, "a", "b", 0.2)
+    assert [shares["a"].held(t, 0) for t in (0.9, 1.1, 2.49, 2.6)] == pytest.approx([990.0, 690.0, 690.0, 990.0])
+    assert [shares["b"].fits(t, (300.0,)) for t in (0.9, 1.1, 1.5, 1.6)] == [False, True, True, False]
+    assert shares["b"].opens(0.9, (300.0,), 1.2) == pytest.approx(1.001)
+    assert shares["b"].opens(0.9, (300.0,), 0.95) is None
+    assert shares["b"].holds(1.1, 1.4, (300.0,))
+    assert not shares["b"].holds(1.1, 1.6, (300.0,))
+    assert shares["a"].lent(2.4) == (lent,)
+    assert shares["a"].lent(2.6) == ()
 
 
-def test_a_grant_to_a_stranger_is_refused():
-    """Only members of a confirmed epoch are given anything."""
-    shares = team(["a", "b"])
-    assert shares["a"].grant(0.1, "b", 0, 10.0) == 0.0
+def test_the_leader_does_not_send_what_is_lent_for_later():
+    """Its own send would still be in the window when the other one begins."""
+    shares = team("ab")
     agree(shares, 0.1)
-    assert shares["a"].grant(0.1, "x", 0, 10.0) == 0.0
-    assert shares["a"].grant(0.1, "a", 0, 10.0) == 0.0
+    shares["a"].lend(0.1, "b", 1.0, 1.5, (700.0,))
+    assert shares["a"].fits(0.1, (290.0,))
+    assert not shares["a"].fits(0.1, (300.0,))
+    assert shares["a"].opens(0.1, (300.0,), 9.0) == pytest.approx(2.501)
 
 
-def test_a_newcomer_waits_until_those_who_were_there_give_way():
-    """The old members lower their sends first and announce it; only then the newcomer rises."""
-    shares = team(["a", "b"])
+def test_a_grant_begins_when_what_it_takes_comes_back():
+    """As early as asked for if possible; not at all when its end is before that, or for strangers."""
+    shares = team("ab")
     agree(shares, 0.1)
-    shares["a"].use(0.1, (495.0,))
-    shares["c"] = Shares("c", (LIMIT,), floor=0.01, settled_at=0.3)
+    shares["a"].use(0.1, (990.0,))
+    assert shares["a"].lend(0.2, "b", 0.5, 1.0, (100.0,)) is None
+    assert shares["a"].lend(0.2, "b", 0.5, 1.5, (100.0,)).begins == pytest.approx(1.1, abs=0.01)
+    assert shares["a"].lend(0.2, "x", 5.0, 6.0, (1.0,)) is None
+    assert shares["a"].lend(0.2, "a", 5.0, 6.0, (1.0,)) is None
+    assert shares["b"].lend(0.2, "a", 5.0, 6.0, (1.0,)) is None
+
+
+def test_who_may_be_wrong_about_the_leaders_clock_uses_less_of_the_time():
+    """The clock of the leader is 100 s ahead, give or take 0.1 s."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    shares["a"].lend(0.1, "b", 101.0, 102.0, (300.0,))
+    ours = partial(lambda by, t: t - by, 100.0)
+    shares["b"].heard(0.2, "a", shares["a"].epoch, shares["a"].grants(0.1), ours=ours, uncertainty=0.1)
+    assert [shares["b"].fits(t, (300.0,)) for t in (1.05, 1.15, 1.85, 1.95)] == [False, True, True, False]
+
+
+def test_a_grant_heard_twice_counts_once():
+    """Digests are repeated and duplicated; what another robot than the leader lends counts nothing."""
+    shares = team("abc")
+    agree(shares, 0.1)
+    shares["a"].lend(0.1, "b", 0.2, 1.0, (300.0,))
+    for now in (0.2, 0.3):
+        tell(shares, "a", "b", now)
+    shares["b"].heard(0.3, "c", shares["c"].epoch, shares["a"].grants(0.3))
+    assert shares["b"].held(0.5, 0) == pytest.approx(300.0)
+    shares["b"].heard(0.3, "stranger", shares["c"].epoch)
+    assert shares["b"].held(0.5, 0) == pytest.approx(300.0)
+
+
+def test_a_factor_shrinks_what_everybody_holds():
+    """Limits that move are a part of a fixed ceiling, which each robot applies itself; no epoch is needed."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    shares["a"].lend(0.1, "b", 0.2, 1.0, (400.0,))
+    tell(shares, "a", "b", 0.1)
+    epoch = shares["a"].epoch
     for share in shares.values():
-        share.set_members(0.2, ["a", "b", "c"])
-    agree(shares, 0.3)
-    assert shares["c"].held(0.3, 0) == pytest.approx(10.0)
+        share.set_factor(0, 0.5)
+    assert [s.held(0.5, 0) for s in shares.values()] == pytest.approx([295.0, 200.0])
+    assert shares["a"].epoch == epoch
+    shares["b"].set_factor(0, 7.0)
+    assert shares["b"].held(0.5, 0) == pytest.approx(400.0)
+
+
+def test_when_the_leader_is_gone_another_one_waits_for_what_was_lent():
+    """It is in force when all follow it, and what they sent before has left the windows."""
+    shares = team("abc")
+    agree(shares, 0.1)
+    shares["a"].lend(0.1, "c", 0.2, 5.0, (900.0,))
+    tell(shares, "a", "bc", 0.1)
+    gone = shares.pop("a")
+    for share in shares.values():
+        share.forget("a")
+        share.set_members(1.0, "bc")
+    assert shares["c"].fits(1.0, (900.0,))
     agree(shares, 1.2)
-    assert shares["c"].held(1.2, 0) == pytest.approx(330.0)
+    assert shares["b"].leads
+    assert not shares["c"].fits(1.2, (900.0,))
+    assert not shares["b"].confirmed(2.1)
+    assert shares["b"].held(2.3, 0) == pytest.approx(990.0)
+    gone.set_members(2.4, "abc")
+    gone.heard(2.4, "b", shares["b"].epoch)
+    assert gone.held(2.4, 0) == 0.0
+
+
+def test_a_newcomer_does_not_disturb_who_leads():
+    """Even if its tag is less; it is lent to as soon as it is there."""
+    shares = team("bc")
+    agree(shares, 0.1)
+    shares["a"] = Shares("a", (LIMIT,), floor=0.01, settled_at=1.0)
+    for share in shares.values():
+        share.set_members(0.5, "abc")
+    tell(shares, "b", "a", 0.5)
+    assert [s.leader for s in shares.values()] == ["b", "b", "b"]
+    assert shares["b"].lend(0.5, "a", 0.6, 1.0, (100.0,)) is not None
+
+
+def test_two_teams_that_meet_follow_the_later_leader():
+    """The other one gives way, and holds nothing from then on."""
+    one, two = team("ab"), team("cd")
+    agree(one, 0.1)
+    agree(two, 0.1)
+    shares = one | two
+    for share in shares.values():
+        share.set_members(5.0, "abcd")
+    tell(shares, "a", "cd", 5.0)
+    tell(shares, "c", "ab", 5.0)
+    agree(shares, 5.1)
+    leaders = {share.leader for share in shares.values()}
+    assert len(leaders) == 1
+    assert sorted(share.held(6.2, 0) for share in shares.values()) == pytest.approx([0.0, 0.0, 0.0, 990.0])
+
+
+def test_a_robot_that_led_before_leads_in_another_term():
+    """What it lent then nobody remembers but the others: it does not enter that epoch again."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    again = Shares("a", (LIMIT,), floor=0.01, settled_at=9.0)
+    again.set_members(8.0, "ab")
+    again.heard(8.0, "b", shares["b"].epoch)
+    assert again.leads
+    assert again.epoch > shares["b"].epoch
+
+
+def test_no_more_is_lent_than_can_be_kept():
+    """There is a bound on what is alive at the same time."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    shares["a"]._lent = [shares["a"].lend(0.1, "b", 1.0, 1.5, (0.01,))] * MOST_GRANTS
+    assert shares["a"].lend(0.1, "b", 1.0, 1.5, (0.01,)) is None
 
 
 def test_a_message_larger_than_the_limit_goes_through_a_stretched_window():
@@ -111,37 +236,44 @@ def test_uncovered_traffic_lowers_what_is_left_down_to_a_floor():
     assert alone.free(0.1, 0) == pytest.approx(100.0)
 
 
-def test_changed_limits_start_a_new_epoch_and_keep_what_was_sent():
-    """A lower limit holds at once; a higher one when all have it."""
-    shares = team(["a", "b"])
+def test_other_ceilings_start_a_new_epoch_and_keep_what_was_sent():
+    """Until all have them, who has them does not follow who has not; what was sent still counts."""
+    shares = team("ab")
     agree(shares, 0.1)
     shares["a"].use(0.1, (100.0,))
+    epoch, other = shares["a"].epoch, Limit("other", 1.0, 7.0, Messages(7))
+    changed = (other, replace(LIMIT, limit=2000.0, measure=Throughput(2000.0, 1.0)))
+    shares["b"].set_limits(0.2, changed)
+    assert shares["b"].leader == ""
+    shares["a"].set_limits(0.2, changed)
+    assert shares["a"].epoch > epoch
+    assert (shares["a"].used(0.2, 0), shares["a"].used(0.2, 1)) == (0.0, pytest.approx(100.0))
+    agree(shares, 0.3)
+    assert shares["a"].held(1.4, 1) == pytest.approx(1980.0)
+
+
+def test_what_digests_leave_of_a_limit_may_change_without_a_new_epoch():
+    """Robots come and go; the ceilings stay."""
+    shares = team("ab")
+    agree(shares, 0.1)
     epoch = shares["a"].epoch
-    shares["a"].set_limits(0.2, (Limit("other", 1.0, 7.0, Messages(7)), replace(LIMIT, limit=2000.0)))
-    assert shares["a"].epoch != epoch
-    assert shares["a"].held(0.2, 1) == pytest.approx(495.0)
-    assert shares["a"].used(0.2, 1) == pytest.approx(100.0)
-    assert shares["a"].used(0.2, 0) == 0.0
-    assert not shares["a"].confirmed(0.2)
+    shares["a"].set_limits(0.2, (replace(LIMIT, limit=900.0),))
+    assert (shares["a"].epoch, shares["a"].held(0.2, 0)) == (epoch, pytest.approx(891.0))
 
 
 def test_a_constraint_of_another_kind_is_another_one():
     """Amounts in one unit say nothing of those in another."""
-    shares = team(["a", "b"])
-    agree(shares, 0.1)
-    shares["a"].use(0.1, (400.0,))
-    shares["a"].set_limits(0.2, (Limit(LIMIT.name, 1.0, 500.0, Messages(500)),))
-    assert (shares["a"].held(0.2, 0), shares["a"].used(0.2, 0)) == (0.0, 0.0)
+    alone = Shares("a", (LIMIT,), floor=0.01, settled_at=0.0)
+    alone.use(0.1, (400.0,))
+    alone.set_limits(0.2, (Limit(LIMIT.name, 1.0, 500.0, Messages(500)),))
+    assert alone.used(0.2, 0) == 0.0
 
 
 def test_what_is_not_shared_is_held_whole():
-    """Before anybody agreed and after; it can be used up to the limit, and not be granted."""
-    shares = {name: Shares(name, (LIMIT, BATTERY), floor=0.01, settled_at=0.05) for name in "ab"}
-    for share in shares.values():
-        share.set_members(0.0, "ab")
-        assert share.held(0.0, 1) == 2.0
+    """Before anybody agreed and after; it can be used up to the limit, and is not lent."""
+    shares = team("ab", limits=(LIMIT, BATTERY))
+    assert [share.held(0.0, 1) for share in shares.values()] == [2.0, 2.0]
     agree(shares, 0.1)
-    assert shares["a"].grant(0.1, "b", 1, 1.0) == 0.0
     assert shares["a"].fits(0.1, (0.0, 2.0))
     shares["a"].use(0.1, (0.0, 2.0))
     assert not shares["a"].fits(0.2, (0.0, 0.1))
@@ -150,90 +282,81 @@ def test_what_is_not_shared_is_held_whole():
 
 def test_robots_agree_whatever_each_one_has_for_itself():
     """A robot with a battery shares the channel with one on the mains."""
-    shares = {"a": Shares("a", (LIMIT, BATTERY), floor=0.01, settled_at=0.05)}
-    shares["b"] = Shares("b", (LIMIT,), floor=0.01, settled_at=0.05)
+    shares = team("a", limits=(LIMIT, BATTERY)) | team("b")
     for share in shares.values():
         share.set_members(0.0, "ab")
     agree(shares, 0.1)
     assert [share.confirmed(0.1) for share in shares.values()] == [True, True]
 
 
-def test_a_large_message_that_fits_the_limit_waits_a_whole_window():
-    """Its window is stretched, never shortened."""
-    alone = Shares("a", (LIMIT,), floor=0.0, settled_at=0.0)
-    alone.use(0.0, (990.0,))
-    assert not alone.fits(0.995, (990.0,))
-    assert alone.fits(1.01, (990.0,))
+class Mission:
+    """Robots that come, go and meet again, and digests that are lost, late, repeated and out of order."""
+
+    def __init__(self, rng, robots, loss):
+        self.rng, self.loss = rng, loss
+        self.names = [f"r{i}" for i in range(robots)]
+        self.clocks = {name: rng.uniform(-50.0, 50.0) for name in self.names}
+        self.shares, self.zids, self.mail, self.sends, self.now = {}, 0, [], [], 100.0
+        for name in self.names:
+            self.join(name)
+
+    def clock(self, name):
+        return self.now + self.clocks[name]
+
+    def join(self, name):
+        settled = self.clock(name) + 1.0
+        self.shares[name] = Shares(name, (LIMIT,), floor=0.01, settled_at=settled)
+        for other in self.shares:
+            self.shares[other].set_members(self.clock(other), self.shares)
+
+    def flap(self, name, other):
+        """`name` loses sight of `other` for a moment, while all others see both."""
+        self.shares[name].forget(other)
+        self.shares[name].set_members(self.clock(name), set(self.shares) - {other})
+        self.shares[name].set_members(self.clock(name), self.shares)
+
+    def speak(self, name):
+        letter = name, self.shares[name].epoch, self.shares[name].grants(self.clock(name))
+        for to in self.shares:
+            for _ in range(self.rng.choice([1, 1, 2])):
+                if to != name and self.rng.random() >= self.loss:
+                    self.mail.append((self.now + self.rng.random() * 0.8, to, *letter))
+
+    def hear(self):
+        due = [letter for letter in self.mail if letter[0] <= self.now]
+        self.mail = [letter for letter in self.mail if letter[0] > self.now]
+        for _, to, by, epoch, grants in due:
+            wrong = self.rng.uniform(-0.1, 0.1)
+            offset = self.clocks[to] - self.clocks[by] + wrong
+            ours = partial(lambda offset, t: t + offset, offset)
+            self.shares[to].heard(self.clock(to), by, epoch, grants, ours=ours, uncertainty=0.1)
+
+    def act(self, name):
+        share, now = self.shares[name], self.clock(name)
+        begins = now + self.rng.random() * 2.0
+        share.lend(now, self.rng.choice(self.names), begins, begins + self.rng.random(), (self.rng.random() * 600.0,))
+        amount = self.rng.choice([3.0, share.free(now, 0)])
+        if 0.0 < amount < 980.0 and share.fits(now, (amount,)):
+            share.use(now, (amount,))
+            self.sends.append((self.now, amount))
+
+    def worst(self):
+        recent = [(t, amount) for t, amount in self.sends if t >= self.now - LIMIT.window]
+        return sum(amount for _, amount in recent)
 
 
-def test_small_units_are_granted_too():
-    """Tenths of a second of airtime move like thousands of bytes, in parts of the limit."""
-    air = Limit("airtime", 1.0, 0.2, Throughput(0.2, 1.0))
-    shares = {name: Shares(name, (air,), floor=0.0, settled_at=0.05) for name in "ab"}
-    for share in shares.values():
-        share.set_members(0.0, "ab")
-    agree(shares, 0.1)
-    assert shares["a"].grant(0.1, "b", 0, 0.05) == pytest.approx(0.05)
-    tell(shares, "a", ["b"], 0.2)
-    assert shares["b"].held(0.2, 0) == pytest.approx(0.15)
-
-
-def test_a_member_that_flaps_finds_its_grants_again():
-    """Leaving and coming back does not forget what was given away."""
-    shares = team(["a", "b"])
-    agree(shares, 0.1)
-    shares["a"].grant(0.1, "b", 0, 200.0)
-    shares["a"].set_members(0.2, [])
-    shares["a"].forget("b")
-    shares["a"].set_members(0.3, ["b"])
-    assert shares["a"].held(0.3, 0) == pytest.approx(295.0)
-
-
-@hypothesis_settings(deadline=None, max_examples=60)
+@hypothesis_settings(deadline=None, max_examples=40)
 @given(st.integers(0, 10**6), st.integers(2, 5), st.floats(0.0, 0.6))
-def test_the_union_holds_under_loss_delay_and_reordering(seed, robots, loss):
-    """Robots send all they can, grant at random, and digests are lost, late and out of order: Eq. 5 holds."""
-    rng = random.Random(seed)
-    names = [f"r{i}" for i in range(robots)]
-    shares = {name: Shares(name, (LIMIT,), floor=0.01, settled_at=30.0) for name in names}
-    known = {name: {name} for name in names}
-    sends, mail, now = [], [], 0.0
-    for _ in range(900):
-        now += rng.random() * 0.1
-        name = rng.choice(names)
-        if rng.random() < 0.3 and len(known[name]) < robots:
-            known[name].add(rng.choice(names))
-            shares[name].set_members(now, known[name])
-        if len(known[name]) == robots:
-            letter = (name, shares[name].announced(now), shares[name].grants())
-            mail += [(now + rng.random(), r, *letter) for r in names if r != name]
-        for letter in [m for m in mail if m[0] <= now]:
-            mail.remove(letter)
-            if rng.random() >= loss:
-                shares[letter[1]].heard(*letter[2:])
-        if len(known[name]) == robots:
-            shares[name].grant(now, rng.choice(names), 0, rng.random() * 300.0)
-            amount = rng.choice([10.0, shares[name].free(now, 0)])
-            if amount > 0.0 and shares[name].fits(now, (amount,)):
-                shares[name].use(now, (amount,))
-                sends.append((now, amount))
-        window = sum(amount for t, amount in sends if t >= now - LIMIT.window)
-        assert window <= LIMIT.limit + 1e-6
-
-
-@given(st.lists(st.floats(0.05, 1.0), min_size=3, max_size=3))
-def test_the_union_keeps_the_greatest_part_in_force(factors):
-    """Robots that agree on the ceiling apply a part of it each, in the same epoch; grants are of what is in force."""
-    shares = team(["a", "b", "c"])
-    agree(shares, 0.1)
-    epochs = {share.epoch for share in shares.values()}
-    for share, factor in zip(shares.values(), factors, strict=True):
-        share.set_factor(0, factor)
-    given = shares["a"].grant(0.2, "b", 0, 100.0 * factors[0])
-    assert given == pytest.approx(100.0 * factors[0], rel=1e-3)
-    agree(shares, 0.3)
-    held = [share.held(0.3, 0) for share in shares.values()]
-    assert sum(held) <= max(factors) * LIMIT.limit
-    assert held[1] == pytest.approx(430.0 * factors[1], rel=1e-3)
-    assert {share.epoch for share in shares.values()} == epochs
-    assert not shares["c"].fits(0.3, (held[2] + 1.0,))
+def test_the_union_holds_under_loss_delay_reordering_and_wrong_clocks(seed, robots, loss):
+    """Robots lend and send at random, lose sight of each other for moments, and their clocks differ: Eq. 5 holds."""
+    flight = Mission(random.Random(seed), robots, loss)
+    for _ in range(500):
+        flight.now += flight.rng.random() * 0.05
+        name, other = flight.rng.choice(flight.names), flight.rng.choice(flight.names)
+        if flight.rng.random() < 0.3:
+            flight.speak(name)
+        if robots > 2 and flight.rng.random() < 0.01 and other != name:
+            flight.flap(name, other)
+        flight.hear()
+        flight.act(name)
+        assert flight.worst() <= LIMIT.limit + 1e-6

@@ -1,0 +1,35 @@
+"""Who asks: robots whose next message nobody can foresee, where the answer is quick and asking affordable.
+
+Elsewhere who leads the shares lends ahead of time what a message is expected to take.
+"""
+
+from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST, Limit
+from proxy.core.peer import Peer
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+
+PATIENCE = 0.25
+"""A sample waits so long at most for what is lent to us from then on [s]."""
+ANSWERED = 0.06
+"""Who asks hears the answer so much later at most, besides the latency there and back [s]."""
+SPREADS = 2.0
+"""A message may be so many standard deviations of its generation time off."""
+SPARE = 2.0
+"""Asking may take this part of the allowance."""
+
+
+def asks(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...]) -> bool:
+    """Whether the robot of a stream asks for what a message takes when it has generated it.
+
+    `other` is who leads, or where we do, that robot.
+    """
+    delay = 2.0 * other.offset.latency + ANSWERED
+    if delay > PATIENCE:
+        return False
+    schedule = stream.schedule
+    if schedule.kind == "poisson":
+        return True
+    robots = len(view.peers) + 1
+    rates = [view.settings.allowance * c.measure.limit / c.window / robots for c in limits if c.measure.unit == "B"]
+    rate = max(LEAST_ALLOWANCE, min(rates, default=0.0))
+    return SPREADS * schedule.jitter > delay and schedule.period * rate > SPARE * LEAST_DIGEST
