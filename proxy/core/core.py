@@ -68,6 +68,8 @@ class Core:
         self._tickets = 0
         self._allocated_at = now - ALLOCATION_PACE
         self._urgent = False
+        self._told = 0
+        """Messages put on the air that we told of."""
         self._state = State(settings.robot, settings.zid, "", "")
         self._state_at = self._restated = now - STATE_PACE
         self._restate_at = now
@@ -297,7 +299,7 @@ class Core:
             echoes=self.pacer.echoes(now, self.view.echoes()),
             state=self._state.number,
         )
-        self._urgent = False
+        self._urgent, self._told = False, digest.messages
         self.pacer.sent(now, len(pack_digest(digest)), self._copies())
         return SendDigest(digest)
 
@@ -356,7 +358,9 @@ class Core:
 
     def _digest_due(self, now: float) -> float:
         news = self.pacer.has_news(list(self.view.own()))
-        return self.pacer.due(now, urgent=self._urgent, news=news)
+        # Where all plan for all, every message that was sent leaves the others less.
+        sent = self.settings.coordination == "overhear" and self.view.messages != self._told
+        return self.pacer.due(now, urgent=self._urgent or sent, news=news)
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)

@@ -20,8 +20,12 @@ QUESTION = 75
 """What asking for a state takes, the head of the answer included [B]."""
 MOST_STREAMS = 32
 """News of at most this many streams in one digest."""
-MOST_ECHOES = 4
+MOST_ECHOES = 8
 """Peers echoed in one digest."""
+ECHO = 23
+"""What an echo takes [B]..."""
+ECHOING = 0.25
+"""... and the part of the allowance that echoes may take in the long run."""
 MOST_GRANTS = 16
 """Grants in one digest; changed ones come first, and are repeated twice."""
 REFRESH = 10.0
@@ -42,6 +46,7 @@ class DigestPacer:
         self._updated = now
         self._cost = 150.0
         self._last = now - SLOW
+        self._echoing = 0.0
         self._echoed: dict[str, float] = {}
         self._granted: dict[tuple[str, int], tuple[int, int]] = {}
         """The total last told of each grant, and how often it was."""
@@ -55,8 +60,7 @@ class DigestPacer:
     def due(self, now: float, *, urgent: bool, news: bool) -> float:
         """When the next digest may go out, in our clock [s]; now or earlier means at once."""
         self._fill(now)
-        overdue = now >= self._last + SLOW
-        needed = self._cost if urgent or overdue else 2.0 * self._cost
+        needed = self._cost if urgent else 2.0 * self._cost
         rate = self._rate if self._debt <= 0.0 else self._rate / 2.0
         affordable = now + max(0.0, needed - self._tokens) / rate
         return affordable if urgent or news else max(affordable, self._last + SLOW)
@@ -96,7 +100,10 @@ class DigestPacer:
         known = {echo.peer: echo for echo in echoes}
         self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
         due = [peer for peer in known if now >= self._echoed.get(peer, now - SLOW) + SLOW]
-        chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:MOST_ECHOES]
+        self._fill(now)
+        most = min(MOST_ECHOES, int(self._echoing / (ECHO * max(1, len(known)))))
+        chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:most]
+        self._echoing -= ECHO * len(known) * len(chosen)
         self._echoed.update(dict.fromkeys(chosen, now))
         return tuple(known[peer] for peer in chosen)
 
@@ -135,9 +142,10 @@ class DigestPacer:
         """What came in since then; as much as is owed, up to a half, is paid."""
         came = max(0.0, now - self._updated) * self._rate
         self._updated = max(now, self._updated)
+        most = max(3.0 * self._cost, self._rate)
+        self._echoing = min(most, self._echoing + ECHOING * came)
         paid = min(max(0.0, self._debt), came / 2.0)
-        depth = max(3.0 * self._cost, self._rate)
-        room = max(0.0, depth - self._tokens)
+        room = max(0.0, most - self._tokens)
         self._tokens += min(room, came - paid)
         # What the digests do not need is saved.
         self._debt = max(self._debt - paid - max(0.0, came - paid - room), -SAVED * self._rate)
