@@ -353,7 +353,7 @@ class SharedView:
         if len(self._streams) > self.settings.streams:
             own, new = self.settings.robot, _owner(stream.robot)
             owners = [owner for owner, owned in self._owned.items() if owner != new or len(owned) > 1]
-            most = max(owners, key=lambda owner: (len(self._owned[owner]), owner != own, owner))
+            most = max(owners, key=lambda owner: (len(self._owned[owner]), owner == new, owner != own))
             self._forget(next(s for s in self._owned[most].values() if s is not stream))
             self.evicted += 1
 
