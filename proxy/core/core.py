@@ -208,7 +208,7 @@ class Core:
     @_on.register
     def _(self, event: ev.PeerGone) -> list[Command]:
         peer = self.view.peers.get(tag(event.zid))
-        if peer is None:
+        if peer is None or peer.zid != event.zid:
             return []
         robot = peer.robot
         self.view.gone(event.zid)
