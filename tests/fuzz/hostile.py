@@ -99,4 +99,3 @@ class Besieged:
         self.check()
         assert self.core.counts.queued == len(self.open)
         assert self.core.status(self.now)["counts"]["conserved"]
-

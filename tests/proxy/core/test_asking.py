@@ -1,5 +1,7 @@
 """Whom to ask for a state."""
 
+from itertools import pairwise
+
 from proxy.core.asking import FIRST, LONGEST, PACE, Asking
 
 
@@ -17,7 +19,7 @@ def test_each_is_asked_in_turn_and_again_more_and_more_slowly():
         now = max(now, asking.next_at())
     assert asked[:4] == [(0.0, "a"), (PACE, "b"), (FIRST, "a"), (PACE + FIRST, "b")]
     times = [now for now, tag in asked if tag == "a"]
-    assert max(after - before for before, after in zip(times, times[1:], strict=False)) == LONGEST
+    assert max(after - before for before, after in pairwise(times)) == LONGEST
     assert asking.asked == len(asked)
 
 

@@ -584,7 +584,7 @@ def test_features_and_scale_are_used_as_they_are_told(make_talk):
     assert stream.newest.features["red"] == single(0.123456789)
 
 
-def test_news_that_nobody_wants_is_not_urgent(make_talk, make_specs):
+def test_news_that_nobody_wants_is_not_urgent(make_talk):
     """It waits for the next digest."""
     talk = make_talk()
     talk.tell(ev.PeerAppeared(0.0, "op", "z-op"))
