@@ -1,7 +1,7 @@
 """Whatever is said on Sendworthy's keys, the core goes on: nothing raises, nothing grows, honest robots stay known."""
 
 import msgpack
-from hypothesis import given, settings
+from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
@@ -110,9 +110,7 @@ class Siege(RuleBasedStateMachine):
         robot = robot if other is None else other
         rest = ["enforce", "s", 10**13, "broadcast x", subscriptions, origins]
         fields = [3, zid, number, since, streams, *rest]
-        self.hear(
-            zid, robot, fields, lambda data, robot, _: unpack_state(data, robot), ev.StateHeard, "state:malformed"
-        )
+        self.hear(zid, robot, fields, unpack=lambda data, robot, _: unpack_state(data, robot), make=ev.StateHeard)
 
     @rule(key=KEYS, origin=st.one_of(st.none(), ZIDS), stamp=st.one_of(st.none(), st.floats(0, 1e10)), size=COUNTS)
     def a_sample_is_heard(self, key, origin, stamp, size):
@@ -157,7 +155,7 @@ class Siege(RuleBasedStateMachine):
 
 
 TestSiege = Siege.TestCase
-TestSiege.settings = settings(max_examples=25, stateful_step_count=25, deadline=None)
+TestSiege.settings = settings(max_examples=settings().max_examples // 4, stateful_step_count=25, deadline=None)
 
 
 def test_without_specs_nothing_is_kept_of_strangers():
@@ -168,11 +166,10 @@ def test_without_specs_nothing_is_kept_of_strangers():
     assert list(core.core.view.streams()) == []
 
 
-@given(st.integers(300, 600))
-def test_a_flood_of_robots_leaves_the_honest_one(count):
+def test_a_flood_of_robots_leaves_the_honest_one():
     """Tokens, origins and digests of thousands."""
     core = Besieged(SPECS)
-    for number in range(count):
+    for number in range(600):
         zid = f"b{number:011x}"
         core.act(ev.PeerAppeared(core.now, "evil", zid))
         core.act(ev.SampleHeard(core.now, f"robot/{number}/camera", 10, f"plain{number}", None, None))
