@@ -85,7 +85,11 @@ def test_who_leaves_is_out_of_the_plan_at_once(make_specs):
         assert {key for _, key, _ in known(mesh, zid)["streams"]} == set(map(key_of, left))
 
 
-@settings(max_examples=settings().max_examples // 25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=settings().max_examples // 25,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
 @given(seed=st.integers(0, 1000), loss=st.sampled_from((0.0, 0.2, 0.5)), clones=st.sampled_from((1, 2, 3)))
 def test_after_a_partition_all_views_agree(make_specs, seed, loss, clones):
     """Two and two part, go on, and meet again; digests, states, questions and answers get lost; names may be shared."""
