@@ -147,7 +147,7 @@ def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -
         messages=_count(f[4]),
         bytes=_count(f[5]),
         streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 7, 7 + 32)),
-        grants=tuple(Grant(_tag(g[0]), _count(g[1], 64), _count(g[2])) for g in _records(grants, 3)),
+        grants=tuple(Grant(_tag(g[0]), _count(g[1], 64), _count(g[2], MAX_SAMPLES)) for g in _records(grants, 3)),
         echoes=_echoes(sent, echoes, own, ours),
         capacity=tuple(_amount(part, 1.0) for part in capacity),
     )

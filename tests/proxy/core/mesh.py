@@ -11,7 +11,7 @@ from proxy.core.fixed import ticks
 from proxy.core.settings import CoreSettings
 from proxy.core.wire import tag
 
-STEP = 0.05
+STEP = 0.1
 """All cores are woken this often, and what is sent arrives one step later [s]."""
 
 

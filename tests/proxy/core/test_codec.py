@@ -62,7 +62,7 @@ digests = st.builds(
     messages=count,
     bytes=count,
     streams=st.lists(stream_digests(), max_size=2).map(tuple),
-    grants=st.lists(st.builds(Grant, tag, st.integers(0, 64), count), max_size=2).map(tuple),
+    grants=st.lists(st.builds(Grant, tag, st.integers(0, 64), samples), max_size=2).map(tuple),
     echoes=st.lists(st.builds(Echo, st.just("own"), time, time, samples, amount, amount), max_size=1).map(tuple),
     state=count,
     capacity=st.lists(part, max_size=2).map(tuple),
