@@ -58,9 +58,10 @@ test-system: setup
 transparency: setup
 	WRITE_TRANSPARENCY=1 ONLY=tests/transparency tests/system/run
 
-# The long run: every property with thousands of examples, and a long flight of the demo.
+# The long run: every property with thousands of examples, ten minutes of fuzzing, and a long flight of the demo.
 qualify: setup
 	$(BIN)/python -m pytest -m "not system" --hypothesis-profile=qualify tests/planner tests/fuzz tests/proxy/core tests/utility_specs
+	tests/fuzz/run 600
 	$(BIN)/sendworthy demo --seconds 120 --json build/qualify-demo.json --picture build/qualify-demo.png
 
 # Locks the dependencies of all platforms with their hashes; needs uv on the PATH.

@@ -32,6 +32,7 @@ from proxy.core.shares import Shares
 from proxy.core.stating import WALL_STEP, differs, shortened, state_of, update_of
 from proxy.core.strangers import Strangers
 from proxy.core.stream import Generated, Stream
+from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.wall import WallClocks
 from proxy.core.warnings import namesake_warning, transport_warnings
@@ -92,6 +93,8 @@ class Core:
         self._echoed_at: dict[str, float] = {}
         self._told_epoch = 0
         """Epochs are told at once, and paid for later."""
+        self._told_messages = 0
+        """Messages put on the air that we told of."""
         self._state = State(settings.robot, settings.zid, "", "")
         self._state_at = self._restated = now - STATE_PACE
         self._restate_at = now
@@ -249,7 +252,7 @@ class Core:
     @_on.register
     def _(self, event: ev.PeerGone) -> list[Command]:
         peer = self.view.peers.get(tag(event.zid))
-        if peer is None:
+        if peer is None or peer.zid != event.zid:
             return []
         robot = peer.robot
         self.view.gone(event.zid)
@@ -371,7 +374,7 @@ class Core:
             capacity=self.channel.capacity.telling(now),
         )
         self.channel.capacity.told(digest)
-        self._told_epoch = self.shares.epoch
+        self._told_epoch, self._told_messages = self.shares.epoch, digest.messages
         self.view.sent_digest(now)
         self.pacer.sent(now, len(pack_digest(digest)), 1 if to else self._copies())
         self._urgent = bool(self.pacer.addressee(self.shares.grants(now)))
@@ -476,9 +479,12 @@ class Core:
         if sharing and self.shares.leads and not to and now < self._told_all_at + ALL_PACE:
             return self._told_all_at + ALL_PACE
         news = self.pacer.has_news(own) or self.channel.capacity.speak(now)
-        due = self.pacer.due(now, urgent=self._urgent, news=news, copies=1 if to else max(1, self._copies()))
+        # Where all plan for all, and nobody overhears what is sent, every message leaves the others less.
+        sent = not sharing and not is_broadcast(self.settings.transport) and self.view.messages != self._told_messages
+        urgent = self._urgent or sent
+        due = self.pacer.due(now, urgent=urgent, news=news, copies=1 if to else max(1, self._copies()))
         # What could be urgent later is not spent on news that nobody waits for.
-        return due if self._urgent or not to else max(due, self._told_at + NEWS_PACE)
+        return due if urgent or not to else max(due, self._told_at + NEWS_PACE)
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)

@@ -20,7 +20,7 @@ QUESTION = 75
 """What asking for a state takes, the head of the answer included [B]."""
 MOST_STREAMS = 32
 """News of at most this many streams in one digest."""
-MOST_ECHOES = 4
+MOST_ECHOES = 8
 """Peers echoed in one digest."""
 MOST_GRANTS = 48
 """Grants in one digest."""
@@ -28,6 +28,10 @@ TOLD = 1
 """So often each grant is told."""
 DEBT = 2.0
 """So many digests new streams may be told ahead of the allowance."""
+ECHO = 23
+"""What an echo takes [B]..."""
+ECHOING = 0.25
+"""... and the part of the allowance that echoes may take in the long run."""
 REFRESH = 10.0
 """What was told of a stream is told again after this time: it may have been lost [s]."""
 MOST_REFRESHED = 2
@@ -48,6 +52,7 @@ class DigestPacer:
         self._depth = 150.0
         """What the dearest of the recent digests cost, all copies together [B]."""
         self._last = now - SLOW
+        self._echoing = 0.0
         self._echoed: dict[str, float] = {}
         self._granted: dict[Grant, int] = {}
         """How often each grant that still holds was told."""
@@ -77,8 +82,7 @@ class DigestPacer:
         cost = self._size * copies
         self._depth = max(self._depth, cost)
         self._fill(now)
-        overdue = now >= self._last + SLOW
-        needed = cost if urgent or overdue else 2.0 * cost
+        needed = cost if urgent else 2.0 * cost
         rate = self._rate if self._debt <= 0.0 else self._rate / 2.0
         affordable = now + max(0.0, needed - self._tokens) / rate
         return affordable if urgent or news else max(affordable, self._last + SLOW)
@@ -120,7 +124,10 @@ class DigestPacer:
         known = {echo.peer: echo for echo in echoes}
         self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
         due = [peer for peer in known if now >= self._echoed.get(peer, now - SLOW) + SLOW]
-        chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:MOST_ECHOES]
+        self._fill(now)
+        most = min(MOST_ECHOES, int(self._echoing / (ECHO * max(1, len(known)))))
+        chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:most]
+        self._echoing -= ECHO * len(known) * len(chosen)
         self._echoed.update(dict.fromkeys(chosen, now))
         return tuple(known[peer] for peer in chosen)
 
@@ -162,9 +169,10 @@ class DigestPacer:
         """What came in since then; as much as is owed, up to a half, is paid."""
         came = max(0.0, now - self._updated) * self._rate
         self._updated = max(now, self._updated)
+        most = max(3.0 * self._depth, self._rate)
+        self._echoing = min(most, self._echoing + ECHOING * came)
         paid = min(max(0.0, self._debt), came / 2.0)
-        depth = max(3.0 * self._depth, self._rate)
-        room = max(0.0, depth - self._tokens)
+        room = max(0.0, most - self._tokens)
         self._tokens += min(room, came - paid)
         # What the digests do not need is saved.
         self._debt = max(self._debt - paid - max(0.0, came - paid - room), -SAVED * self._rate)

@@ -16,10 +16,16 @@ MOST_KEYS = 8192
 @lru_cache(maxsize=65_536)
 def intersects(expression: str, key: str) -> bool:
     """Whether a subscription's key expression matches the key; an invalid one matches nothing."""
+    one, other = _parsed(expression), _parsed(key)
+    return one is not None and other is not None and bool(one.intersects(other))
+
+
+@lru_cache(maxsize=16_384)
+def _parsed(text: str) -> zenoh.KeyExpr | None:
     try:
-        return bool(zenoh.KeyExpr(expression).intersects(zenoh.KeyExpr(key)))
+        return zenoh.KeyExpr(text)
     except zenoh.ZError:
-        return False
+        return None
 
 
 class Interest:
@@ -28,10 +34,10 @@ class Interest:
     def __init__(self) -> None:
         self._of: dict[str, frozenset[str]] = {}
         self._by: dict[str, set[str]] = {}
-        self._wanting: dict[str, tuple[str, ...]] = {}
+        self._wanting: dict[tuple[str, str], tuple[str, ...]] = {}
 
-    def set(self, tag: str, expressions: Iterable[str]) -> bool:
-        """The apps of a robot now subscribe to these key expressions, and no others; False when that is no news."""
+    def set(self, tag: str, expressions: Iterable[str]) -> None:
+        """The apps of a robot now subscribe to these key expressions, and no others."""
         before, after = self._of.pop(tag, frozenset()), frozenset(expressions)
         if after:
             self._of[tag] = after
@@ -42,21 +48,20 @@ class Interest:
         for expression in after - before:
             self._by.setdefault(expression, set()).add(tag)
         self._renew(before ^ after)
-        return before != after
 
-    def wanting(self, key: str) -> tuple[str, ...]:
-        """Return the tags of the robots whose apps subscribe to the key, in order."""
-        found = self._wanting.get(key)
+    def wanting(self, key: str, publisher: str = "") -> tuple[str, ...]:
+        """Return the tags of the robots whose apps subscribe to the key, in order, without that of its publisher."""
+        found = self._wanting.get((key, publisher))
         if found is None:
             if len(self._wanting) >= MOST_KEYS:
                 self._wanting.clear()
             tags: set[str] = set().union(*(by for expression, by in self._by.items() if intersects(expression, key)))
-            found = self._wanting[key] = tuple(sorted(tags))
+            found = self._wanting[key, publisher] = tuple(sorted(tags - {publisher}))
         return found
 
     def _renew(self, changed: frozenset[str]) -> None:
         """Forget the answers that changed expressions have a part in; all of them where that is less work."""
         if len(changed) > 8:
             self._wanting.clear()
-        for key in [key for key in self._wanting if any(intersects(expression, key) for expression in changed)]:
-            del self._wanting[key]
+        for place in [at for at in self._wanting if any(intersects(expression, at[0]) for expression in changed)]:
+            del self._wanting[place]

@@ -60,7 +60,7 @@ class SharedView:
         """The same by owner, the one not heard of for longest first; all plain nodes are one owner."""
         self._matching: dict[str, None] = {}
         self._interest = Interest()
-        self._wanting: dict[tuple[str, str], tuple[str, ...]] = {}
+        self._tags = self.tags()
         self._robots: dict[str, str] = {}
         """Robots by the origins they claim."""
         self._broadcasting: set[str] = set()
@@ -73,7 +73,7 @@ class SharedView:
     def set_interest(self, keys: tuple[str, ...]) -> None:
         """The apps of this robot now subscribe to these key expressions."""
         self.interest = keys
-        self._note_interest(tag(self.settings.zid), keys)
+        self._interest.set(tag(self.settings.zid), keys)
 
     def set_matching(self, key: str, *, matching: bool) -> None:
         """Whether anybody on the mesh wants one of our keys; it holds for the stream whenever there is one."""
@@ -136,10 +136,8 @@ class SharedView:
 
     def wanting(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
-        place = (stream.robot, stream.key)
-        if place not in self._wanting:
-            self._wanting[place] = self._find_wanting(stream)
-        return self._wanting[place] or ("",) * stream.matching
+        names = self._interest.wanting(stream.key, self._tags.get(stream.robot, ""))
+        return names or ("",) * stream.matching
 
     def receivers(self, stream: Stream) -> int:
         """How many robots want the stream."""
@@ -287,7 +285,7 @@ class SharedView:
         peer.take_state(now, whole)
         self._note_broadcasting()
         if peer.subscriptions != subscriptions:
-            self._note_interest(tag(peer.zid), peer.subscriptions)
+            self._interest.set(tag(peer.zid), peer.subscriptions)
         if peer.origins != origins:
             self._note_origins()
         for key, told in peer.told.items():
@@ -323,7 +321,7 @@ class SharedView:
         peer = self.peers.pop(tag(zid), None)
         if peer is None:
             return
-        self._note_interest(tag(zid), ())
+        self._interest.set(tag(zid), ())
         for other in self.peers.values():
             other.hears.pop(tag(zid), None)
         for stream in self.streams():
@@ -375,25 +373,12 @@ class SharedView:
         elif echo.peer in self.peers and (line := latency_of(echo)) is not None:
             peer.hears[echo.peer] = line
 
-    def _find_wanting(self, stream: Stream) -> tuple[str, ...]:
-        """Return the robots whose apps subscribe to the stream, this robot included, by their tags."""
-        wanting = self._interest.wanting(stream.key)
-        return tuple(name for name in wanting if self._name_of(name) != stream.robot)
-
-    def _name_of(self, name: str) -> str:
-        """The robot of a tag."""
-        peer = self.peers.get(name)
-        return self.settings.robot if peer is None else peer.robot
-
-    def _note_interest(self, name: str, keys: tuple[str, ...]) -> None:
-        if self._interest.set(name, keys):
-            self._wanting.clear()
-
     def _note_origins(self) -> None:
         """Who claims an origin first has it, unless it is a robot's own id; no plain node has its streams any more."""
         ids = {peer.zid: peer.robot for peer in self.peers.values()}
         claimed = {origin: peer.robot for peer in reversed(self.peers.values()) for origin in peer.origins}
         self._robots = claimed | ids
+        self._tags = self.tags()
         for stream in list(self._owned.get(PLAIN, {}).values()):
             robot = self._robots.get(stream.robot.removeprefix(PLAIN))
             if robot is not None:
@@ -433,7 +418,7 @@ class SharedView:
         if len(self._streams) > self.settings.streams:
             own, new = self.settings.robot, _owner(stream.robot)
             owners = [owner for owner, owned in self._owned.items() if owner != new or len(owned) > 1]
-            most = max(owners, key=lambda owner: (len(self._owned[owner]), owner != own, owner))
+            most = max(owners, key=lambda owner: (len(self._owned[owner]), owner == new, owner != own))
             self._forget(next(s for s in self._owned[most].values() if s is not stream))
             self.evicted += 1
 
@@ -443,7 +428,6 @@ class SharedView:
         del self._owned[owner][stream.robot, stream.key]
         if not self._owned[owner]:
             del self._owned[owner]
-        self._wanting.pop((stream.robot, stream.key), None)
 
     def _note_broadcasting(self) -> None:
         transports = {peer.robot: peer.transport for peer in self.peers.values()}

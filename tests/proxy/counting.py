@@ -1,19 +1,21 @@
-"""A relay between two Zenoh nodes that counts what it carries."""
+"""A relay between two Zenoh nodes that counts what it carries, and can be cut."""
 
 import socket
 import threading
+from contextlib import suppress
 
 from tests.ports import free_port
 
 
 class Counting:
-    """Passes one TCP connection on to `endpoint`; `carried` are the bytes that came back from there."""
+    """Passes TCP connections on to `endpoint`, unless it is `cut`; `carried` are the bytes that came from there."""
 
-    def __init__(self, endpoint):
+    def __init__(self, endpoint, *, cut=False):
         self._target = int(endpoint.rsplit(":", 1)[1])
         port = free_port()
         self.endpoint = f"tcp/127.0.0.1:{port}"
         self.carried = 0
+        self._cut = cut
         self._server = socket.create_server(("127.0.0.1", port))
         self._ends = []
 
@@ -22,22 +24,45 @@ class Counting:
         return self
 
     def __exit__(self, *_):
-        for end in (self._server, *self._ends):
-            end.close()
+        self.cut()
+        with suppress(OSError):
+            self._server.shutdown(socket.SHUT_RDWR)
+        self._server.close()
+
+    def cut(self):
+        """Carry nothing from now on."""
+        self._cut = True
+        ends, self._ends = self._ends, []
+        for end in ends:
+            _close(end)
+
+    def mend(self):
+        """Carry again."""
+        self._cut = False
 
     def _accept(self):
-        near, _ = self._server.accept()
-        far = socket.create_connection(("127.0.0.1", self._target))
-        self._ends += [near, far]
-        threading.Thread(target=self._pump, args=(near, far, False), daemon=True).start()
-        threading.Thread(target=self._pump, args=(far, near, True), daemon=True).start()
+        while True:
+            try:
+                near, _ = self._server.accept()
+            except OSError:
+                return
+            if self._cut:
+                near.close()
+                continue
+            far = socket.create_connection(("127.0.0.1", self._target))
+            self._ends += [near, far]
+            threading.Thread(target=self._pump, args=(near, far, False), daemon=True).start()
+            threading.Thread(target=self._pump, args=(far, near, True), daemon=True).start()
 
     def _pump(self, source, sink, counted):
-        try:
+        with suppress(OSError):
             while data := source.recv(65536):
                 self.carried += len(data) * counted
                 sink.sendall(data)
-        except OSError:
-            return
-        finally:
-            sink.close()
+        _close(sink)
+
+
+def _close(end):
+    with suppress(OSError):
+        end.shutdown(socket.SHUT_RDWR)
+    end.close()

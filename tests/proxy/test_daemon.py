@@ -403,12 +403,12 @@ def test_a_forged_digest_on_the_group_is_not_even_malformed(stack, specs):
     heard = Heard(robot.node(), "**")
     wait_until(lambda: robot.status()["daemon"]["subscriptions"] == ["**"], what="the subscription")
     for prefix in ("", f"{PREFIX}/"):
-        forger.put(f"{prefix}{keys.digest('r2')}", "forged")
-        forger.put(f"{prefix}{keys.state('r2')}", "forged")
+        forger.put(f"{prefix}{keys.digest('r2', 'z2')}", "forged")
+        forger.put(f"{prefix}{keys.state('r2', 'z2')}", "forged")
     wait_until(lambda: forger.put(f"{PREFIX}/mark", "mark") or heard.samples, what="an ordinary sample")
     assert robot.status()["malformed"] == 0
     insider = closing(stack, plain_session("peer", connect=(robot.mesh,)))
-    wait_until(lambda: insider.put(keys.digest("r2"), "forged") or robot.status()["malformed"], what="its effect")
+    wait_until(lambda: insider.put(keys.digest("r2", "z2"), "forged") or robot.status()["malformed"], what="its effect")
 
 
 def test_the_status_says_what_was_denied_and_what_bypassed(stack, specs):

@@ -10,7 +10,7 @@ from proxy.core.commands import Notice, SendState
 from proxy.core.core import Core
 from proxy.core.events import PeerAppeared, TimePassed
 from proxy.core.settings import CoreSettings
-from proxy.loop import Loop
+from proxy.loop import MOST, Loop
 from tests.waiting import wait_until
 from utility_specs import Specs
 
@@ -86,6 +86,19 @@ def test_what_cannot_be_handled_is_counted_and_the_loop_goes_on(loop, executed, 
     wait_until(lambda: texts(executed), what="the event after it")
     assert loop.faults == 1
     assert "broken" in caplog.text
+
+
+def test_what_may_be_left_out_is_when_the_loop_is_behind(executed):
+    """Samples of apps always wait their turn; what others say, and say again, is refused and counted."""
+    loop = Loop(Core(CoreSettings("r1", "z1"), Specs.empty(), 0.0), executed.append)
+    offered = [loop.offer(TimePassed(0.0)) for _ in range(MOST + 3)]
+    assert (sum(offered), loop.refused) == (MOST, 3)
+    loop.post(PeerAppeared(clock.monotonic(), "r2", "z2"))
+    assert loop.waiting == MOST + 1
+    loop.start()
+    wait_until(lambda: texts(executed), what="the event that must not be lost")
+    assert loop.offer(TimePassed(0.0))
+    loop.close(5.0)
 
 
 def test_closing_handles_what_waits(executed):

@@ -169,6 +169,12 @@ def test_the_status_of_a_new_core_is_short():
     [
         ({"counts": {"conserved": False}}, "the counts do not add up: please report this"),
         ({"malformed": 3}, "3 malformed messages on Sendworthy's keys were ignored"),
+        (
+            {"malformed": 3, "refused": {"digest:old": 1, "state:forged": 2}},
+            "3 malformed messages on Sendworthy's keys were ignored (1 digest:old, 2 state:forged)",
+        ),
+        ({"untold": 7}, "7 streams, subscriptions or origins are too many to tell the others"),
+        ({"daemon": {"refused": 9}}, "9 messages of other robots came faster than they could be taken in"),
         ({"evicted": 2}, "2 streams or robots were forgotten: there are too many"),
         ({"daemon": {"faults": 1}}, "internal errors: 1, see the log"),
         ({"warnings": ["the disk is full"]}, "the disk is full"),

@@ -67,6 +67,7 @@ class Robot:
             relayed=False,
             submit=self._submit,
             post=self.events.append,
+            offer=self.events.append,
         )
         stack.callback(self.bridge.close)
         self.bridge.open()

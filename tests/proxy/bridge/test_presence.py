@@ -131,8 +131,9 @@ def test_a_digest_takes_few_bytes_whatever_the_name(stack):
     first.presence.open()
     with Counting(first.endpoint) as counting:
         second = Voiced(stack, "r2", (counting.endpoint,))
-        second.presence.open()
         raw = Heard(second.mesh, keys.ALL_DIGESTS)
+        second.presence.open()
+        wait_until(lambda: first.of(PeerAppeared), what="the second")
         first.presence.send_digest(first.digest())
         wait_until(lambda: raw.samples, what="the first digest")
         sizes = []

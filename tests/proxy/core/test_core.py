@@ -6,7 +6,18 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from proxy.core import events as ev
-from proxy.core.commands import Decide, Drop, Forward, Notice, SendDigest, SendState, SetPace
+from proxy.core.commands import (
+    AskState,
+    Decide,
+    Drop,
+    Forward,
+    NoteInterest,
+    Notice,
+    SendDigest,
+    SendState,
+    SetPace,
+)
+from proxy.core.fixed import rounded, single
 from proxy.core.mode import Mode
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 from tests.proxy.core.streams import periodic, poisson
@@ -244,11 +255,11 @@ def test_a_digest_tells_of_every_sample_also_of_dropped_ones(make_talk):
 def test_a_digest_goes_out_at_least_every_second(make_talk):
     """The core asks to be woken for it."""
     talk = make_talk()
-    talk.tell(ev.TimePassed(0.5))
+    talk.tell(ev.TimePassed(2.5))
     before = len(talk.all(SendDigest))
-    wake = talk.core.wake_at(0.5)
-    assert 0.5 <= wake <= 1.5
-    talk.tell(ev.TimePassed(1.6))
+    wake = talk.core.wake_at(2.5)
+    assert 2.5 <= wake <= 3.5
+    talk.tell(ev.TimePassed(3.6))
     assert len(talk.all(SendDigest)) == before + 1
 
 
@@ -480,3 +491,178 @@ def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs, coordinati
     talk.tell(ev.SpecsChanged(22.0, make_specs()))
     assert "adaptive" not in talk.core.status(22.0)["budget"][0]
     assert talk.all(SendDigest)[-1].digest.capacity == ()
+
+
+def told_by(talk, now=1.0, number=1, **rest):
+    """A digest of robot op that speaks of a state."""
+    digest = {"robot": "op", "tag": "z-op", "sent": now, "epoch": 0, "messages": 0, "bytes": 0, "state": number}
+    return talk.tell(ev.DigestHeard(now, Digest(**digest | rest)))
+
+
+def test_a_newcomer_is_asked_for_its_state_until_it_tells(make_talk):
+    """Again and again, more and more slowly, and not any more when it is gone."""
+    talk = make_talk()
+    assert AskState("op", "z-op") in talk.tell(ev.PeerAppeared(0.0, "op", "z-op"))
+    for step in range(1, 40):
+        talk.tell(ev.TimePassed(0.1 * step))
+    assert len(talk.all(AskState)) == 4
+    talk.tell(ev.StateHeard(4.0, State("op", "z-op", "enforce", "", number=1)))
+    talk.tell(ev.TimePassed(60.0))
+    assert len(talk.all(AskState)) == 4
+    talk.tell(ev.PeerAppeared(61.0, "r9", "z-r9"))
+    talk.tell(ev.PeerGone(61.1, "r9", "z-r9"))
+    talk.tell(ev.TimePassed(120.0))
+    assert len(talk.all(AskState)) == 5
+    assert talk.core.status(120.0)["asked"] == 5
+
+
+def test_a_lost_state_is_asked_for(make_talk):
+    """Digests name the state in force; an update of one that we lack is not taken in, the whole one is."""
+    talk = make_talk()
+    talk.want(0.0)
+    asked = len(talk.all(AskState))
+    told_by(talk, 1.0, number=0)
+    talk.tell(ev.StateHeard(1.0, State("op", "z-op", "enforce", "", (), ("a/*",), number=3)))
+    told_by(talk, 1.1, number=3)
+    assert len(talk.all(AskState)) == asked
+    told_by(talk, 1.2, number=5)
+    assert len(talk.all(AskState)) == asked + 1
+    update = State("op", "z-op", "", "", (StreamState(1, "b", "x", 1.0),), number=5, since=4)
+    talk.tell(ev.StateHeard(1.3, update))
+    assert talk.core.view.peers["z-op"].number == 3
+    talk.tell(ev.StateHeard(1.4, State("op", "z-op", "enforce", "", (), ("b/*",), number=5)))
+    assert talk.core.view.peers["z-op"].subscriptions == ("b/*",)
+    talk.tell(ev.TimePassed(60.0))
+    assert len(talk.all(AskState)) == asked + 1
+
+
+def test_an_old_state_changes_nothing_unless_digests_speak_of_it(make_talk):
+    """Replays are refused; who spoke in another's name with a large number does not silence it."""
+    talk = make_talk()
+    talk.want(0.0)
+    state = State("op", "z-op", "enforce", "", (), ("a/*",), number=7)
+    talk.tell(ev.StateHeard(1.0, state))
+    talk.tell(ev.StateHeard(1.1, State("op", "z-op", "enforce", "", (), ("b/*",), number=6)))
+    assert talk.core.view.peers["z-op"].subscriptions == ("a/*",)
+    assert talk.core.status(1.1)["refused"] == {"state:old": 1}
+    told_by(talk, 1.2, number=6)
+    talk.tell(ev.StateHeard(1.3, State("op", "z-op", "enforce", "", (), ("b/*",), number=6)))
+    assert talk.core.view.peers["z-op"].subscriptions == ("b/*",)
+
+
+def test_what_a_robot_subscribes_to_is_passed_on_once(make_talk):
+    """To whoever counts the copies; nothing any more when it left."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.want(0.5)
+    assert talk.all(NoteInterest) == [NoteInterest("z-op", ("robot/*/camera",))]
+    talk.tell(ev.PeerGone(1.0, "op", "z-op"))
+    assert talk.all(NoteInterest)[-1] == NoteInterest("z-op", ())
+
+
+def test_updates_of_the_state_name_what_is_new(make_talk):
+    """A first state is whole; a new stream is an update of it; a subscription is told with all the rest."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.publish(1.0)
+    talk.publish(2.0, key="robot/x/camera")
+    talk.tell(ev.InterestChanged(3.0, ("k",)))
+    states = talk.all(SendState)
+    assert [sent.state.number for sent in states] == list(range(1, len(states) + 1))
+    assert states[0].update is None
+    added = next(sent for sent in states if len(sent.state.streams) == 2)
+    assert [stream.key for stream in added.update.streams] == ["robot/x/camera"]
+    assert added.update.since == added.state.number - 1
+    assert (states[-1].update, states[-1].state.subscriptions) == (None, ("k",))
+    talk.tell(ev.TimePassed(5.0))
+    assert talk.all(SendDigest)[-1].digest.state == states[-1].state.number
+
+
+def test_who_asks_for_the_state_is_told_everything_in_the_next_digest(make_talk):
+    """Also what others were told long ago."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.publish(1.0)
+    talk.tell(ev.TimePassed(3.0))
+    assert talk.all(SendDigest)[-1].digest.streams == ()
+    talk.tell(ev.StateAsked(3.1))
+    talk.tell(ev.TimePassed(6.0))
+    streams = [stream for sent in talk.all(SendDigest) if sent.digest.sent > 3.0 for stream in sent.digest.streams]
+    assert [stream.id for stream in streams] == [1]
+
+
+def test_digests_that_overtake_a_presence_are_not_lost(make_talk):
+    """They count when their robot is introduced; nobody can speak for us."""
+    talk = make_talk()
+    news = (StreamDigest(7, 3, 1, 0.9, 0.8, 10, 2.0),)
+    talk.tell(ev.DigestHeard(1.0, Digest("r2", "z-r2", 1.0, 0, 0, 0, news)))
+    talk.tell(ev.DigestHeard(1.0, Digest("r1", "z-r1", 1.0, 0, 0, 0, news)))
+    assert talk.core.status(1.0)["refused"] == {"digest:forged": 1}
+    talk.tell(ev.PeerAppeared(1.1, "r2", "z-r2"))
+    state = State("r2", "z-r2", "enforce", "", (StreamState(7, "robot/r2/camera", "camera", 0.5),))
+    talk.tell(ev.StateHeard(1.2, state))
+    assert talk.core.view.known("r2", "robot/r2/camera").generated == 3
+
+
+def test_a_state_of_nobody_changes_nothing(make_talk):
+    """It is asked for when its robot is there."""
+    talk = make_talk()
+    assert only(talk.tell(ev.StateHeard(0.0, State("r2", "z-r2", "", ""))), Notice) == []
+
+
+def test_two_robots_of_one_name_are_said_loudly(make_talk):
+    """An error in the log and a warning in the status, while it lasts."""
+    talk = make_talk()
+    talk.tell(ev.PeerAppeared(0.0, "r1", "abcdef"))
+    (error,) = [notice.text for notice in talk.all(Notice) if notice.level == "error"]
+    assert "are called 'r1'" in error
+    assert "'r1-abcd' here" in error
+    assert talk.core.status(1.0)["warnings"] == [error]
+    assert talk.core.status(1.0)["peers"][0]["robot"] == "r1-abcd"
+    talk.tell(ev.PeerGone(2.0, "r1", "abcdef"))
+    assert talk.core.status(2.0)["warnings"] == []
+
+
+def test_a_robot_that_starts_anew_is_heard_again(make_talk):
+    """Its digests count after a silence, though their time is before that of the last one."""
+    talk = make_talk()
+    talk.want(0.0)
+    told_by(talk, 1.0, sent=5000.0)
+    told_by(talk, 2.0, sent=3.0)
+    assert talk.core.status(2.0)["refused"] == {"digest:old": 1}
+    told_by(talk, 12.0, sent=13.0)
+    assert talk.core.view.peers["z-op"].digest.sent == 13.0
+
+
+def test_features_and_scale_are_used_as_they_are_told(make_talk):
+    """Equal views give equal plans: the sender rounds what the wire would."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.publish(1.0, red=0.123456789)
+    talk.tell(ev.TimePassed(3.0))
+    (stream,) = talk.core.view.own()
+    told = next(s for sent in talk.all(SendDigest) for s in sent.digest.streams)
+    assert told.scale == stream.newest.scale == rounded(stream.newest.scale)
+    assert stream.newest.features["red"] == single(0.123456789)
+
+
+def test_news_that_nobody_wants_is_not_urgent(make_talk):
+    """It waits for the next digest."""
+    talk = make_talk()
+    talk.tell(ev.PeerAppeared(0.0, "op", "z-op"))
+    talk.tell(ev.TimePassed(1.0))
+    talk.publish(1.1, red=0.1)
+    assert not talk.core._urgent
+    talk.want(1.2)
+    talk.publish(1.3, red=0.9)
+    assert talk.core._urgent or talk.all(SendDigest)[-1].digest.sent == 1.3
+
+
+def test_what_is_too_much_to_tell_is_said(make_talk):
+    """Once, and counted in the status."""
+    talk = make_talk()
+    talk.tell(ev.InterestChanged(1.0, tuple(f"k{n}" for n in range(1100))))
+    talk.tell(ev.ModeChanged(2.0, Mode.SHADOW))
+    warnings = [notice.text for notice in talk.all(Notice) if notice.level == "warning"]
+    assert warnings == ["76 streams, subscriptions or origins are too many to tell the others"]
+    assert talk.core.status(2.0)["untold"] == 76

@@ -323,3 +323,155 @@ def test_a_stream_that_is_silent_for_long_by_its_own_measure_competes_no_more(vi
     assert not view.competes(102.2, stream)
     view.gone("z-r2")
     assert list(view.streams()) == []
+
+
+def test_robots_of_one_name_are_told_apart(view):
+    """Three clones and one of our own name: each has its streams, tags and claims; the plain name is inherited."""
+    for zid in ("aaaa1", "aaaa2", "bbbb1"):
+        assert view.add_peer(0.0, "r2", zid)
+        view.heard_state(0.0, State("r2", zid, "", "", (StreamState(7, CAMERA, "camera", 0.5),), ("robot/**",)))
+    view.add_peer(0.0, "r1", "cccc1")
+    assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-aaaa", "r2-bbbb", "r1-cccc"]
+    assert [peer.name for peer in view.namesakes()] == ["r2", "r2", "r1"]
+    for number, zid in enumerate(("aaaa1", "aaaa2", "bbbb1"), 1):
+        view.heard_digest(1.0, Digest("r2", zid, 1.0, 0, 0, 0, (StreamDigest(7, number, 0, 1.0, 0.0, 10, 1.0),)))
+    assert {s.robot: s.generated for s in view.streams()} == {"r2": 1, "r2-aaaa": 2, "r2-bbbb": 3}
+    assert view.tags() == {"r1": "z-r1", "r2": "aaaa1", "r2-aaaa": "aaaa2", "r2-bbbb": "bbbb1", "r1-cccc": "cccc1"}
+    assert view.wanting(view.known("r2", CAMERA)) == ("aaaa2", "bbbb1")
+    view.gone("aaaa1")
+    assert {s.robot: s.generated for s in view.streams()} == {"r2": 2, "r2-bbbb": 3}
+    assert view.wanting(view.known("r2", CAMERA)) == ("bbbb1",)
+
+
+def test_names_with_the_same_beginning_of_their_ids_differ(view):
+    """As much of the id as it takes."""
+    for zid in ("aaaa1111", "aaaa2222", "aaaa2333"):
+        view.add_peer(0.0, "r2", zid)
+    assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-aaaa", "r2-aaaa2"]
+
+
+def test_peers_are_bounded(view, monkeypatch):
+    """Of a flood of tokens those that say nothing leave first; who speaks stays."""
+    monkeypatch.setattr("proxy.core.view.MOST_PEERS", 3)
+    meet(view)
+    for number in range(10):
+        assert view.add_peer(0.0, "x", f"x{number}")
+    assert list(view.peers) == ["z-r2", "x8", "x9"]
+    assert view.evicted == 8
+    for zid in ("x8", "x9"):
+        view.heard_state(0.0, State("x", zid, "", ""))
+    assert not view.add_peer(0.0, "y", "y1")
+    assert view.evicted == 9
+
+
+def test_who_has_most_streams_loses_one(make_specs):
+    """A robot, or all plain nodes together, cannot push out others' streams or our own."""
+    view = SharedView(CoreSettings("r1", "z-r1", streams=6), make_specs())
+    for robot in ("r1", "r2"):
+        for key in ("a", "b"):
+            view.stream(0.0, robot, f"robot/{key}/camera")
+    for number in range(20):
+        view.stream(1.0, f"?{number}" if number % 2 else "r9", f"robot/{number}/camera")
+    robots = [stream.robot for stream in view.streams()]
+    assert (robots.count("r1"), robots.count("r2")) == (2, 2)
+    assert sum(robot.startswith("?") for robot in robots) == 1
+    assert view.evicted == 18
+
+
+def test_a_single_stream_of_each_owner_is_full_too(make_specs):
+    """The newcomer stays; another owner's leaves."""
+    view = SharedView(CoreSettings("r1", "z-r1", streams=2), make_specs())
+    for robot in ("r1", "r2", "r3"):
+        view.stream(0.0, robot, CAMERA)
+    assert {stream.robot for stream in view.streams()} == {"r1", "r3"}
+
+
+def test_plain_nodes_that_fall_silent_are_forgotten(view):
+    """After a minute, or a few periods."""
+    view.heard_sample(SampleHeard(1.0, CAMERA, 100, "feed", None, None))
+    view.sweep(30.0)
+    assert len(list(view.streams())) == 1
+    view.sweep(35.0)
+    view.sweep(62.0)
+    assert list(view.streams()) == []
+
+
+def test_an_origin_claimed_later_moves_its_streams_to_the_robot(view):
+    """What was overheard of them stays known; what the robot has already is not taken twice."""
+    for now in (1.0, 1.5, 2.0):
+        view.heard_sample(SampleHeard(now, CAMERA, 100, "feed", None, None))
+        view.heard_sample(SampleHeard(now, CAMERA, 100, "other", None, None))
+    meet(view, origins=("feed",))
+    assert {stream.robot for stream in view.streams()} == {"r2", "?other"}
+    moved = view.known("r2", CAMERA)
+    assert (moved.generated, moved.sent.t_sent, moved.schedule.period) == (0, 2.0, pytest.approx(0.5))
+    meet(view, origins=("feed", "other"))
+    assert [stream.robot for stream in view.streams()] == ["r2"]
+    view.heard_digest(3.0, digest(3.0, StreamDigest(7, 1, 1, 3.0, 3.0, 10, 1.0)))
+    assert moved.generated == 1
+
+
+def test_an_origin_that_becomes_ours_is_no_plain_node(view):
+    """Its samples enter our app side now."""
+    view.heard_sample(SampleHeard(1.0, CAMERA, 100, "feed", None, None))
+    view.heard_sample(SampleHeard(1.0, CAMERA, 100, "other", None, None))
+    assert view.claim("feed")
+    assert [stream.robot for stream in view.streams()] == ["?other"]
+
+
+def test_nobody_takes_over_an_origin(view):
+    """Whoever claims first has it; a robot's own id and ours are never another's."""
+    meet(view, origins=("app-2",))
+    view.add_peer(1.0, "r3", "z-r3")
+    view.heard_state(1.0, State("r3", "z-r3", "", "", origins=("app-2", "z-r1", "z-r2", "app-3")))
+    robots = [view.robot_of(origin) for origin in ("app-2", "z-r1", "z-r2", "app-3")]
+    assert robots == ["r2", "r1", "r2", "r3"]
+    view.gone("z-r2")
+    assert view.robot_of("app-2") == "r3"
+
+
+def test_matching_outlives_its_stream(view, make_specs):
+    """Zenoh says it once: neither a swap of specs nor an eviction may lose it, nor may it come too early."""
+    key = "robot/r1/camera"
+    view.set_matching(key, matching=True)
+    assert view.receivers(view.stream(0.0, "r1", key)) == 1
+    view.set_specs(make_specs(text='[[information_type]]\nname="x"\nkeys=["x"]\nutility={kind="video"}\n'))
+    view.set_specs(make_specs())
+    assert view.receivers(view.stream(0.0, "r1", key)) == 1
+    view.set_matching(key, matching=False)
+    assert view.receivers(view.stream(0.0, "r1", key)) == 0
+
+
+def test_what_matches_is_bounded(view, monkeypatch):
+    """The oldest is forgotten, and counted."""
+    monkeypatch.setattr("proxy.core.view.MOST_MATCHING", 2)
+    for number in range(3):
+        view.set_matching(f"robot/{number}/camera", matching=True)
+    assert view.evicted == 1
+    assert [view.stream(0.0, "r1", f"robot/{n}/camera").matching for n in range(3)] == [False, True, True]
+
+
+def test_an_update_changes_only_the_streams_it_names(view):
+    """One of another state than ours is not taken in."""
+    meet(view, number=4, subscriptions=("robot/**",))
+    update = State("r2", "z-r2", "", "", (StreamState(9, "robot/r2b/camera", "camera", 0.25),), number=5, since=4)
+    assert view.heard_state(1.0, update)
+    peer = view.peers["z-r2"]
+    assert (peer.number, peer.keys[7], peer.keys[9], peer.subscriptions) == (
+        5,
+        CAMERA,
+        "robot/r2b/camera",
+        ("robot/**",),
+    )
+    assert not view.heard_state(1.0, State("r2", "z-r2", "", "", (), number=9, since=8))
+    crowd = tuple(StreamState(100 + n, f"k{n}", "camera", 0.5) for n in range(4096))
+    assert not view.heard_state(1.0, State("r2", "z-r2", "", "", crowd, number=6, since=5))
+    assert peer.number == 5
+
+
+def test_news_without_a_key_is_bounded(view):
+    """Numbers that no state explains."""
+    view.add_peer(0.0, "r2", "z-r2")
+    news = tuple(StreamDigest(n, 1, 0, 1.0, 0.0, 10, 1.0) for n in range(1030))
+    view.heard_digest(1.0, digest(1.0, *news))
+    assert (len(view.peers["z-r2"].pending), view.peers["z-r2"].evicted) == (1024, 6)

@@ -1,0 +1,69 @@
+"""What a robot may say of itself."""
+
+import pytest
+
+from proxy.core.peer import Peer
+from proxy.core.plausible import PATIENCE, objection, objection_to_state
+from proxy.core.stream import Generated, Stream
+from proxy.core.wire import Digest, State, StreamDigest
+
+
+@pytest.fixture
+def peer():
+    """Robot r2, whose last digest was sent at 50 and came at 100."""
+    made = Peer("r2", "z2", 0.0, name="r2")
+    made.digest, made.digest_received = Digest("r2", "z2", 50.0, 0, 10, 1000, state=3), 100.0
+    return made
+
+
+@pytest.fixture
+def stream():
+    made = Stream(1, "r2", "a", None, touched=100.0)
+    made.note_generated(5, Generated(99.0, 10, 1.0))
+    return made
+
+
+def news(generated=6, t_generated=50.5, t_forwarded=0.0):
+    return StreamDigest(1, generated, 0, t_generated, t_forwarded, 10, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "wrong"),
+    [
+        ({}, ""),
+        ({"robot": "r3"}, "digest:forged"),
+        ({"sent": 50.0}, "digest:old"),
+        ({"sent": 20.0}, "digest:old"),
+        ({"sent": 3600.0}, "digest:time"),
+        ({"streams": (news(t_generated=52.5),)}, "digest:time"),
+        ({"streams": (news(t_forwarded=7200.0),)}, "digest:time"),
+        ({"streams": (news(),)}, ""),
+        ({"streams": (news(2**40),)}, "digest:counts"),
+        ({"messages": 9}, "digest:counts"),
+        ({"messages": 2**50}, "digest:counts"),
+        ({"bytes": 2**50}, "digest:counts"),
+    ],
+)
+def test_a_digest_must_fit_the_one_before(peer, stream, changes, wrong):
+    """Its sender, its time, and all that it counts."""
+    digest = Digest(**{"robot": "r2", "tag": "z2", "sent": 51.0, "epoch": 0, "messages": 11, "bytes": 2000} | changes)
+    assert objection(101.0, peer, digest, lambda _: stream) == wrong
+
+
+def test_what_was_said_falsely_gives_way(peer):
+    """After a time without any digest that fits, the next one counts, whatever its time is."""
+    digest = Digest("r2", "z2", 7.0, 0, 0, 0)
+    assert objection(101.0, peer, digest, lambda _: None) == "digest:old"
+    assert objection(100.1 + PATIENCE, peer, digest, lambda _: None) == ""
+
+
+def test_a_state_must_be_the_robots_own_and_new(peer):
+    """An older one counts where the robot's digests speak of it."""
+    peer.state = State("r2", "z2", "", "", number=9)
+
+    def wrong(**changes):
+        return objection_to_state(peer, State(**{"robot": "r2", "zid": "z2", "mode": "", "specs": ""} | changes))
+
+    assert wrong(number=10) == wrong(number=3) == wrong() == ""
+    assert wrong(number=8) == "state:old"
+    assert wrong(number=10, robot="r3") == wrong(number=10, zid="z2f") == "state:forged"
