@@ -93,6 +93,11 @@ class MeshConfig(Section):
         return self.mode == "client"
 
     @property
+    def secured(self) -> bool:
+        """Whether robots know by TLS who speaks, at least on some links."""
+        return any(endpoint.startswith(("tls/", "quic/")) for endpoint in (*self.listens, *self.connect))
+
+    @property
     def listens(self) -> tuple[str, ...]:
         """Where other robots connect in this mode."""
         return () if self.relayed else self.listen

@@ -138,7 +138,14 @@ class Daemon:
             post=loop.post,
             offer=loop.offer,
         )
-        self._presence = Presence(sides.mesh, robot, self._bridge.lanes[0], loop.post, loop.offer)
+        self._presence = Presence(
+            sides.mesh,
+            robot,
+            self._bridge.lanes[0],
+            loop.post,
+            loop.offer,
+            sides.air if isinstance(sides.air, Broadcast) and core.settings.digests_on_air else None,
+        )
         for part in (self._worker, self._extractor, loop):
             part.start()
             opening.callback(part.close, _PATIENCE)
@@ -236,6 +243,8 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         transport=transport.broadcast(mesh.group) if mesh.transport == "broadcast" else transport.UNICAST,
         allowance=mesh.allowance,
         relayed=mesh.relayed,
+        # Where TLS says who speaks on the mesh, what anybody can broadcast is not believed.
+        digests_on_air=mesh.transport == "broadcast" and not mesh.secured,
         wall_offset=clock.wall_offset(),
     )
 

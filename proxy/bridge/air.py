@@ -22,7 +22,8 @@ import zenoh
 from proxy import clock
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.keys import INGRESS, on_air
+from proxy.bridge.keys import ALL_DIGESTS, ANNOUNCED, INGRESS, on_air
+from proxy.bridge.keys import PREFIX as OWN
 from proxy.bridge.radio import interface_of
 from proxy.bridge.sessions import AT_ONCE, reason_of, zenoh_session
 from proxy.errors import SessionError
@@ -74,6 +75,7 @@ class Broadcast:
         self._mesh = mesh
         self._others = others
         self._hear: Hear = lambda _key, _sample: None
+        self._attend: Hear | None = None
         self._subscribers: list[Declaration] = []
         self._reopened = 0
         self._session = self._opened()
@@ -104,6 +106,15 @@ class Broadcast:
         """Call `hear` with every sample of an app on another robot from now on."""
         self._hear = hear
 
+    def attend(self, hear: Hear) -> None:
+        """Call `hear` with every digest that another robot broadcasts from now on."""
+        self._attend = hear
+        self._subscribers.append(self._subscribed(self._session, ALL_DIGESTS))
+
+    def announce(self, key: str, payload: bytes) -> None:
+        """Broadcast a digest."""
+        self._session.put(f"{PREFIX}/{key}", payload, **ANNOUNCED)
+
     def close(self) -> None:
         """Leave the group."""
         self._stop.set()
@@ -130,19 +141,24 @@ class Broadcast:
         return session
 
     def _subscribe(self, session: zenoh.Session) -> None:
+        # These leave out Sendworthy's own keys, of which at most digests are believed here.
+        attended = () if self._attend is None else (ALL_DIGESTS,)
+        self._subscribers = [self._subscribed(session, key) for key in (*INGRESS, *attended)]
+
+    def _subscribed(self, session: zenoh.Session, key: str) -> Declaration:
         handler = zenoh.handlers.Callback(self._take, indirect=False)
-        remote, prefix = zenoh.Locality.REMOTE, pattern(secrets.randbits(2 * len(PREFIX)))
-        self._subscribers = [
-            # These leave out Sendworthy's own keys: those are believed on the mesh only.
-            session.declare_subscriber(f"{prefix}/{key}", handler, allowed_origin=remote)
-            for key in INGRESS
-        ]
+        prefix = pattern(secrets.randbits(2 * len(PREFIX)))
+        return session.declare_subscriber(f"{prefix}/{key}", handler, allowed_origin=zenoh.Locality.REMOTE)
 
     def _take(self, sample: zenoh.Sample) -> None:
         attach()
         prefix, _, key = str(sample.key_expr).partition("/")
-        if prefix == PREFIX:
+        if prefix != PREFIX:
+            return
+        if not key.startswith(f"{OWN}/"):
             self._hear(key, sample)
+        elif self._attend is not None:
+            self._attend(key, sample)
 
     def _run(self) -> None:
         """Look whether anybody is heard; a dead session hears nobody."""

@@ -1,5 +1,8 @@
 """Key expressions: which cross, and those of Sendworthy itself."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import zenoh
 
 PREFIX = "@sendworthy"
@@ -12,6 +15,14 @@ INGRESS = ("*/**", "**/@adv/*/**", "@ros2_lv/*/**")
 """The same on the app side, in words that no app uses: so our own subscriptions are told from an app's `**`."""
 
 _ON_AIR = tuple(map(zenoh.KeyExpr, INGRESS))
+
+ANNOUNCED: Mapping[str, Any] = {
+    "priority": zenoh.Priority.INTERACTIVE_HIGH,
+    "congestion_control": zenoh.CongestionControl.DROP,
+    "express": True,
+    "allowed_destination": zenoh.Locality.REMOTE,
+}
+"""How daemons publish what they tell each other."""
 
 ALL_DIGESTS = f"{PREFIX}/*/digest/*"
 ALL_STATES = f"{PREFIX}/*/state/*"

@@ -10,6 +10,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys
+from proxy.bridge.air import Broadcast
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.lane import Lane
 from proxy.bridge.tokens import Tokens
@@ -57,11 +58,14 @@ class Presence:
     """What this daemon tells the others beside the data, and what it hears from them.
 
     `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread. `offer` gets what
-    may be left out when the loop is behind.
+    may be left out when the loop is behind. With `air` digests that concern all are broadcast.
     """
 
-    def __init__(self, mesh: zenoh.Session, robot: str, lane: Lane, post: Post, offer: Offer) -> None:
+    def __init__(
+        self, mesh: zenoh.Session, robot: str, lane: Lane, post: Post, offer: Offer, air: Broadcast | None = None
+    ) -> None:
         self._mesh = mesh
+        self._air = air
         self._robot = robot
         self._zid = str(mesh.zid())
         self._tag = tag(self._zid)
@@ -81,6 +85,8 @@ class Presence:
         remote = zenoh.Locality.REMOTE
         direct = partial(zenoh.handlers.Callback, indirect=False)
         mesh, robot = self._mesh, self._robot
+        if self._air is not None:
+            self._air.attend(self._hear_told)
         self._declared = [
             mesh.declare_subscriber(keys.ALL_DIGESTS, direct(self._hear_digest), allowed_origin=remote),
             mesh.declare_subscriber(
@@ -104,6 +110,9 @@ class Presence:
     def send_digest(self, digest: Digest, to: str = "") -> None:
         """Publish our digest, or send it only to the robot with the tag `to`."""
         self._sent.append(ticks(digest.sent))
+        if self._air is not None and not to:
+            self._put(keys.digest(self._robot, self._tag), pack_digest(digest), self._air.announce)
+            return
         key = keys.digest_to(to, self._robot, self._tag) if to else keys.digest(self._robot, self._tag)
         if to and to not in self._addressed:
             self._addressed.add(to)
@@ -120,16 +129,12 @@ class Presence:
         """Ask the robot with this name and tag for its state: it was published before we were linked, or got lost."""
         self._lane.offer(partial(self._fetch, robot, name))
 
-    def _put(self, key: str, payload: bytes) -> None:
+    def _put(self, key: str, payload: bytes, announce: Callable[[str, bytes], None] | None = None) -> None:
         try:
-            self._mesh.put(
-                key,
-                payload,
-                priority=zenoh.Priority.INTERACTIVE_HIGH,
-                congestion_control=zenoh.CongestionControl.DROP,
-                express=True,
-                allowed_destination=zenoh.Locality.REMOTE,
-            )
+            if announce is None:
+                self._mesh.put(key, payload, **keys.ANNOUNCED)
+            else:
+                announce(key, payload)
         except zenoh.ZError as error:
             log.error("cannot publish on %s: %s", key, error)
 
@@ -144,10 +149,13 @@ class Presence:
         self._offer(StateAsked(now))
 
     def _hear_digest(self, sample: zenoh.Sample) -> None:
+        self._hear_told(str(sample.key_expr), sample)
+
+    def _hear_told(self, key: str, sample: zenoh.Sample) -> None:
         if len(sample.payload) > MAX_DIGEST:
             self._offer(MalformedHeard(clock.monotonic(), "", "digest:malformed"))
         else:
-            self._offer(partial(self._digest, clock.monotonic(), sample))
+            self._offer(partial(self._digest, clock.monotonic(), key, sample))
 
     def _hear_state(self, sample: zenoh.Sample) -> None:
         """States are large: few may wait. One that is not taken in is asked for."""
@@ -158,8 +166,7 @@ class Presence:
         elif not self._offer(partial(self._learn, clock.monotonic(), sample)):
             self._waiting.release()
 
-    def _digest(self, now: float, sample: zenoh.Sample) -> Event | None:
-        key = str(sample.key_expr)
+    def _digest(self, now: float, key: str, sample: zenoh.Sample) -> Event | None:
         robot, name = keys.robot_of(key), keys.zid_of(key)
         try:
             digest = unpack_digest(bytes(sample.payload), robot, name, self._tag, self._sent)

@@ -18,7 +18,7 @@ from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Drop, NoteInterest, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
-from proxy.core.digests import QUESTION, DigestPacer
+from proxy.core.digests import ON_AIR, QUESTION, DigestPacer
 from proxy.core.fixed import feature, rounded
 from proxy.core.gate import Gate
 from proxy.core.inbox import SUPERSEDED, Waiting
@@ -376,7 +376,7 @@ class Core:
         self.channel.capacity.told(digest)
         self._told_epoch, self._told_messages = self.shares.epoch, digest.messages
         self.view.sent_digest(now)
-        self.pacer.sent(now, len(pack_digest(digest)), 1 if to else self._copies())
+        self.pacer.sent(now, self._size_of(digest), 1 if to else self._digest_copies())
         self._urgent = bool(self.pacer.addressee(self.shares.grants(now)))
         return SendDigest(digest, to)
 
@@ -414,8 +414,16 @@ class Core:
     def _state_due(self, now: float) -> float:
         return max(self._state_at + STATE_PACE, self.pacer.state_due(now))
 
+    def _size_of(self, digest: Digest) -> int:
+        """The size of a digest [B]; on the air its key has no number to stand for it."""
+        return len(pack_digest(digest)) + (ON_AIR + len(self.settings.robot) if self.settings.digests_on_air else 0)
+
+    def _digest_copies(self) -> int:
+        """How often a digest for all is transmitted."""
+        return 1 if self.settings.digests_on_air and self.view.peers else self._copies()
+
     def _copies(self) -> int:
-        """How often a digest or a state is transmitted."""
+        """How often a state is transmitted."""
         return len(self.view.peers) + (self.settings.relayed and bool(self.view.peers))
 
     def _hear(self, now: float, digest: Digest) -> list[Command]:
@@ -482,7 +490,7 @@ class Core:
         # Where all plan for all, and nobody overhears what is sent, every message leaves the others less.
         sent = not sharing and not is_broadcast(self.settings.transport) and self.view.messages != self._told_messages
         urgent = self._urgent or sent
-        due = self.pacer.due(now, urgent=urgent, news=news, copies=1 if to else max(1, self._copies()))
+        due = self.pacer.due(now, urgent=urgent, news=news, copies=1 if to else max(1, self._digest_copies()))
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or not to else max(due, self._told_at + NEWS_PACE)
 

@@ -16,6 +16,8 @@ SLOW = 1.0
 """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
 OVERHEAD = 15
 """What Zenoh adds to a digest: the length of the batch, its frame, and the number for the key [B]."""
+ON_AIR = 60
+"""What the key takes besides the robot's name where digests are broadcast [B]."""
 QUESTION = 75
 """What asking for a state takes, the head of the answer included [B]."""
 MOST_STREAMS = 32

@@ -26,7 +26,7 @@ class Conditions:
     `limit` counts messages per `WINDOW` of 25 that are generated. With `digests_inside` it is what messages and digests
     may use together, else what is left to messages. `latency` and `jitter` are seconds, `loss`, `duplication` and
     `reordering` probabilities; `ways` are those of single pairs. `rate` is that of the medium [B/s]; as it is, no queue
-    shows. `rates` are times [s] and rates. With `digests_on_air` a digest is broadcast as samples are.
+    shows. `rates` are times [s] and rates. With `digests_on_air` a digest is broadcast where samples are.
     """
 
     coordination: Coordination = "shares"
@@ -42,7 +42,7 @@ class Conditions:
     iterations: int = 300
     allowance: float = 0.02
     digests_inside: bool = False
-    digests_on_air: bool = False
+    digests_on_air: bool = True
     rate: float = 1e6
     rates: tuple[tuple[float, float], ...] = ()
     clocks: Mapping[str, Clock] = field(default_factory=dict)

@@ -36,10 +36,10 @@ def team(flown: Mission, how: Conditions, seed: int) -> Team:
             coordination=how.coordination,
             transport=UNICAST if how.unicast else broadcast(GROUP),
             allowance=how.allowance,
+            digests_on_air=how.digests_on_air and not how.unicast,
         ),
         search=SearchSettings(search="best"),
         happenings=how.happenings,
-        digests_on_air=how.digests_on_air,
     )
 
 

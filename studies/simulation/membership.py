@@ -93,11 +93,10 @@ class Membership:
                     self._agenda.at(noticed, partial(self._meet, one, other))
 
     def _meet(self, one: Member, other: Member, t: float) -> None:
-        """`one` notices `other`, and asks for its state."""
+        """`one` notices `other`."""
         if (one, other) not in self._known:
             return
         self._feed(one, t, ev.PeerAppeared(one.now(t), other.robot, other.zid))
-        self.ask(one, other.robot, t)
 
     def ask(self, one: Member, robot: str, t: float) -> None:
         """`one` asks a robot for its state, which arrives later if the robot is there."""
@@ -109,6 +108,7 @@ class Membership:
         if self._together(one, other) and other.state is not None:
             told = partial(self._answer, one, other.state)
             self._agenda.at(self._medium.reliable(t, other.robot, one.robot), told)
+            self._feed(other, t, ev.StateAsked(other.now(t)))
 
     def _answer(self, one: Member, state: State, t: float) -> None:
         self._feed(one, t, ev.StateHeard(one.now(t), state))

@@ -7,8 +7,9 @@ from functools import partial
 from planner import Plan, SearchSettings, start
 from proxy.core import events as ev
 from proxy.core.codec import pack_digest, pack_state
-from proxy.core.commands import Command, Decide, Drop, Forward, SendDigest, SendState
+from proxy.core.commands import AskState, Command, Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.core import Core
+from proxy.core.digests import ON_AIR
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import is_broadcast
 from proxy.core.view import intersects
@@ -24,7 +25,7 @@ from utility_specs import Specs
 
 __all__ = ["Delivery", "Frame", "Team"]
 
-DIGEST_OVERHEAD = 24
+DIGEST_OVERHEAD = 15
 """Bytes around a digest on the wire."""
 
 
@@ -32,8 +33,7 @@ DIGEST_OVERHEAD = 24
 class Team:
     """Robots by name, each with its subscriptions; `clocks` by robot, or how far each is off [s].
 
-    `happenings` are told in the order of their times. With `digests_on_air` digests are broadcast where samples are.
-    What was sent is in `deliveries`, by receiver, and in `on_air`.
+    `happenings` are told in the order of their times. What was sent is in `deliveries`, by receiver, and in `on_air`.
     """
 
     specs: Specs
@@ -46,7 +46,6 @@ class Team:
     settings: CoreSettings = field(default_factory=lambda: CoreSettings("", ""))
     search: SearchSettings = field(default_factory=SearchSettings)
     happenings: Sequence[Happening] = ()
-    digests_on_air: bool = False
     deliveries: list[Delivery] = field(default_factory=list)
     on_air: list[OnAir] = field(default_factory=list)
     digest_bytes: int = 0
@@ -125,8 +124,10 @@ class Team:
                 del member.frames[sample]
             case SendDigest(digest, to):
                 self._tell(member, t, digest, to)
-            case SendState(state):
-                self._publish_state(member, t, state)
+            case SendState(state, update):
+                self._publish_state(member, t, state, update)
+            case AskState(robot):
+                self.membership.ask(member, robot, t)
 
     def _decided(self, member: Member, ticket: int, plan: Plan, t: float) -> None:
         self._feed(member, t, ev.DecisionReady(member.now(t), ticket, plan))
@@ -139,7 +140,8 @@ class Team:
         size = len(pack_digest(digest)) + DIGEST_OVERHEAD
         others = {other.robot: other for other in self.membership.linked(member) if to in ("", tag(other.zid))}
         send, copies = self.medium.unicast, len(others)
-        if self._broadcast and self.digests_on_air:
+        if self.settings.digests_on_air and not to:
+            size += ON_AIR + len(member.robot)
             send, copies = self.medium.broadcast, 1
         self.digest_bytes += size * copies
         self.on_air.append(OnAir(t, member.robot, size * copies, digest=True))
@@ -147,14 +149,15 @@ class Team:
             for arrival in arrivals:
                 self.agenda.at(arrival, partial(self._hear_digest, others[robot], digest))
 
-    def _publish_state(self, member: Member, t: float, state: State) -> None:
-        """Send a state reliably to all who are linked, and answer queries with it from now on."""
+    def _publish_state(self, member: Member, t: float, state: State, update: State | None) -> None:
+        """Answer queries with a state from now on, and send it, or an update, reliably to all who are linked."""
         member.state = state
         others = self.membership.linked(member)
-        self.on_air.append(OnAir(t, member.robot, len(pack_state(state)) * len(others)))
+        told = state if update is None else update
+        self.on_air.append(OnAir(t, member.robot, len(pack_state(told)) * len(others)))
         for other in others:
             arrival = self.medium.reliable(t, member.robot, other.robot)
-            self.agenda.at(arrival, partial(self._hear_state, other, state))
+            self.agenda.at(arrival, partial(self._hear_state, other, told))
 
     def _hear_digest(self, member: Member, digest: Digest, t: float) -> None:
         self._feed(member, t, ev.DigestHeard(member.now(t), digest))
