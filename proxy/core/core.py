@@ -47,6 +47,8 @@ ALL_PACE = 30.0
 """Where one robot leads, all are told what concerns only some this often [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
+STRAGGLER_PACE = 0.3
+"""Those who do not say that they follow are told of who leads this often [s]."""
 ECHO_PACE = 5.0
 """Digests that concern one robot echo its own this often [s]."""
 MOST_AT_ONCE = 8
@@ -338,6 +340,11 @@ class Core:
         self._urgent = bool(self.pacer.addressee(self.shares.grants(now)))
         return SendDigest(digest, to)
 
+    def _straggler(self, now: float) -> str:
+        """Who has to be told again who leads: each in its turn."""
+        late = self.shares.stragglers if now >= self._told_at + STRAGGLER_PACE else []
+        return late[int(now / STRAGGLER_PACE) % len(late)] if late else ""
+
     def _addressee(self, now: float) -> str:
         """In `shares`, news concern who leads, and what is lent whom it is lent to; nobody: all are told.
 
@@ -349,7 +356,7 @@ class Core:
         if shares.leads:
             if self._told_epoch != shares.epoch:
                 return ""
-            to = self.pacer.addressee(shares.grants(now))
+            to = self.pacer.addressee(shares.grants(now)) or self._straggler(now)
             return to if to in peers else ""
         return shares.leader if shares.leader in peers and now < self._told_all_at + ALL_PACE else ""
 
@@ -433,7 +440,8 @@ class Core:
         to = self._addressee(now)
         sharing = self.settings.coordination == "shares" and bool(self.view.peers)
         if sharing and self.shares.leads and not to and now < self._told_all_at + ALL_PACE:
-            return self._told_all_at + ALL_PACE
+            retold = self._told_at + STRAGGLER_PACE if self.shares.stragglers else math.inf
+            return max(now, min(retold, self._told_all_at + ALL_PACE))
         news = self.pacer.has_news(own)
         due = self.pacer.due(now, urgent=self._urgent, news=news, copies=1 if to else max(1, self._copies()))
         # What could be urgent later is not spent on news that nobody waits for.

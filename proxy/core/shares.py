@@ -80,6 +80,11 @@ class Shares:
         """Whether it is we who lend."""
         return self.leader == self.own
 
+    @property
+    def stragglers(self) -> list[str]:
+        """Robots that are not known to be in our epoch."""
+        return [m for m in sorted(self._members - {self.own}) if self._epochs.get(m) != self.epoch]
+
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
         self._members = frozenset(members) | {self.own}
@@ -97,9 +102,12 @@ class Shares:
         ceilings = self._ceilings()
         self._limits = limits
         if ceilings != self._ceilings():
+            alone = self.leads and not self.lent(now) and len(self._members) == 1
             self._follow("")
             if self.epoch:
                 self._seek(now, again=True)
+            if alone:
+                self._ready_at = now
 
     def set_factor(self, k: int, factor: float) -> None:
         """Of constraint `k` this part is in force: what everybody holds of it shrinks alike, from 0 to 1."""

@@ -191,7 +191,7 @@ def test_the_status_explains_the_last_decision_and_counts_what_bound(make_aggreg
     decisions = talk.core.status(1.2)["decisions"]
     last = decisions.pop("last")
     assert (last["age"], last["key"], last["reason"]) == (1.0, "robot/r1/camera", "dropped:planner")
-    assert last["prices"] == {"throughput": 0.0, "throughput (held)": 1.0}
+    assert last["prices"] == {"throughput": 0.0}
     assert decisions == {
         "made": 1,
         "iterations": 7,
