@@ -214,8 +214,6 @@ class Core:
             return []
         name = tag(event.zid)
         self._membership(event.now)
-        if self.shares.leads:
-            self._told_epoch = 0
         self.pacer.forget()
         self.asking.want(event.now, name)
         for heard, digest in self.strangers.introduce(name):
@@ -436,7 +434,7 @@ class Core:
             if self._told_epoch != self.shares.epoch:
                 return now
         if self.view.peers and self.pacer.unknown(own) and self.pacer.solvent:
-            return now
+            return max(now, self._told_at + STRAGGLER_PACE)
         to = self._addressee(now)
         sharing = self.settings.coordination == "shares" and bool(self.view.peers)
         if sharing and self.shares.leads and not to and now < self._told_all_at + ALL_PACE:
