@@ -50,6 +50,8 @@ ALL_PACE = 30.0
 """Where one robot leads, all are told what concerns only some this often [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
+STRAGGLER_PACE = 0.3
+"""Those who do not say that they follow are told of who leads this often [s]."""
 ECHO_PACE = 5.0
 """Digests that concern one robot echo its own this often [s]."""
 MOST_AT_ONCE = 8
@@ -237,8 +239,6 @@ class Core:
             return []
         name = tag(event.zid)
         self._membership(event.now)
-        if self.shares.leads:
-            self._told_epoch = 0
         self.pacer.forget()
         self.asking.want(event.now, name)
         robot = self.view.peers[name].robot
@@ -380,6 +380,11 @@ class Core:
         self._urgent = bool(self.pacer.addressee(self.shares.grants(now)))
         return SendDigest(digest, to)
 
+    def _straggler(self, now: float) -> str:
+        """Who has to be told again who leads: each in its turn."""
+        late = self.shares.stragglers if now >= self._told_at + STRAGGLER_PACE else []
+        return late[int(now / STRAGGLER_PACE) % len(late)] if late else ""
+
     def _addressee(self, now: float) -> str:
         """In `shares`, news concern who leads, and what is lent whom it is lent to; nobody: all are told.
 
@@ -391,7 +396,7 @@ class Core:
         if shares.leads:
             if self._told_epoch != shares.epoch:
                 return ""
-            to = self.pacer.addressee(shares.grants(now))
+            to = self.pacer.addressee(shares.grants(now)) or self._straggler(now)
             return to if to in peers else ""
         return shares.leader if shares.leader in peers and now < self._told_all_at + ALL_PACE else ""
 
@@ -481,11 +486,12 @@ class Core:
             if self._told_epoch != self.shares.epoch:
                 return now
         if self.view.peers and self.pacer.unknown(own) and self.pacer.solvent:
-            return now
+            return max(now, self._told_at + STRAGGLER_PACE)
         to = self._addressee(now)
         sharing = self.settings.coordination == "shares" and bool(self.view.peers)
         if sharing and self.shares.leads and not to and now < self._told_all_at + ALL_PACE:
-            return self._told_all_at + ALL_PACE
+            retold = self._told_at + STRAGGLER_PACE if self.shares.stragglers else math.inf
+            return max(now, min(retold, self._told_all_at + ALL_PACE))
         news = self.pacer.has_news(own) or self.channel.capacity.speak(now)
         # Where all plan for all, and nobody overhears what is sent, every message leaves the others less.
         sent = not sharing and not is_broadcast(self.settings.transport) and self.view.messages != self._told_messages

@@ -56,6 +56,8 @@ class DigestPacer:
         self._last = now - SLOW
         self._echoing = 0.0
         self._echoed: dict[str, float] = {}
+        self._ever: set[str] = set()
+        """Own keys that were told of at all."""
         self._granted: dict[Grant, int] = {}
         """How often each grant that still holds was told."""
         self._told: dict[str, tuple[float, StreamDigest]] = {}
@@ -77,7 +79,7 @@ class DigestPacer:
 
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
-        return any(s.last is not None and s.key not in self._told for s in streams)
+        return any(s.last is not None and s.key not in self._ever for s in streams)
 
     def due(self, now: float, *, urgent: bool, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once."""
@@ -119,6 +121,7 @@ class DigestPacer:
         old.sort(key=lambda entry: self._told[entry[0].key][0])
         chosen = (news + [entry for entry in old if entry not in news][:MOST_REFRESHED])[:MOST_STREAMS]
         self._told.update({s.key: (now, d) for s, d in chosen})
+        self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)
 
     def echoes(self, now: float, echoes: Iterable[Echo]) -> tuple[Echo, ...]:

@@ -5,13 +5,14 @@ times of the leader's clock. The leader counts it as gone from the first of them
 when what was sent last has left every window; it never lends what it lent, nor what its own sends still use. A robot
 uses only what it was told, and takes the times narrower by what it may be wrong about the leader's clock. So what all
 use never exceeds the limit, however late digests are and however many are lost: a grant that nobody hears is wasted,
-and one that ends needs no message. A constraint that is not shared, such as a robot's own energy, everybody holds whole.
+and one that ends needs no message. What is not shared, such as a robot's own energy, everybody holds whole.
 
 Who leads is agreed on by *epochs*, which only grow: a term, and a hash of the leader and the limits. A robot enters
 the greatest epoch it hears of whose leader it knows, and forgets what it held before. A new leader lends once
 all robots it knows have said that they are in its epoch, and what they sent before has left the windows. The leader
-stays until it is gone; then the robot with the least tag leads, in the next term. A newcomer has a part of the floor until it enters
-its first epoch. A robot not heard keeps what it was lent; nobody else was lent that.
+stays until it is gone; then the robot with the least tag leads, in the next term. A newcomer has a part of the floor
+until it enters its first epoch. A robot not heard keeps what it was lent; nobody else was lent that. Two teams that
+meet have two leaders until they hear each other, and for one window more.
 """
 
 from collections import deque
@@ -79,6 +80,11 @@ class Shares:
         """Whether it is we who lend."""
         return self.leader == self.own
 
+    @property
+    def stragglers(self) -> list[str]:
+        """Robots that are not known to be in our epoch."""
+        return [m for m in sorted(self._members - {self.own}) if self._epochs.get(m) != self.epoch]
+
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
         self._members = frozenset(members) | {self.own}
@@ -96,9 +102,12 @@ class Shares:
         ceilings = self._ceilings()
         self._limits = limits
         if ceilings != self._ceilings():
+            alone = self.leads and not self.lent(now) and len(self._members) == 1
             self._follow("")
             if self.epoch:
                 self._seek(now, again=True)
+            if alone:
+                self._ready_at = now
 
     def set_factor(self, k: int, factor: float) -> None:
         """Of constraint `k` this part is in force: what everybody holds of it shrinks alike, from 0 to 1."""
@@ -209,8 +218,9 @@ class Shares:
         return tuple(self._sent)
 
     def lend(self, now: float, peer: str, earliest: float, latest: float, use: tuple[float, ...]) -> Lent | None:
-        """Let `peer` send `use` (of the shared limits) until `latest`, from as early on as it can be, not before
-        `earliest`; None when it cannot be.
+        """Let `peer` send `use`, of the shared limits, until `latest`; None when so much is not left.
+
+        It may from as early on as can be, but not before `earliest` [s].
         """
         if not self.leads or not self.confirmed(now) or peer not in self._members - {self.own}:
             return None
@@ -332,9 +342,8 @@ class Shares:
         if (self.leader in self._members and not again) or now < self._settled_at or self.own != min(self._members):
             return
         others = self._members - {self.own}
-        led = any(
-            self._leader_of(self._epochs.get(o, 0)) in others for o in others if self._epochs.get(o, 0) >= self.epoch
-        )
+        heard = [self._epochs.get(other, 0) for other in others]
+        led = any(self._leader_of(epoch) in others for epoch in heard if epoch >= self.epoch)
         if not led and (all(other in self._epochs for other in others) or not any(self._epochs.values())):
             self._propose(now, max([self.epoch, *self._epochs.values()]))
 
@@ -343,9 +352,8 @@ class Shares:
         term = min((before >> 32) + 1, TERMS)
         self._enter(term << 32 | self._hash(self.own), self.own)
         self._awaited = set(self._members - {self.own})
-        self._ready_at = now + (
-            max(self._windows(), default=0.0) + EDGE if term > 1 or len(self._members) > NEWCOMERS else 0.0
-        )
+        quiet = term == 1 and len(self._members) <= NEWCOMERS
+        self._ready_at = now if quiet else now + max(self._windows(), default=0.0) + EDGE
 
     def _confirm(self, now: float, peer: str, epoch: int) -> None:
         """As leader, note whether a robot follows us; one that followed another leader still has sends of then."""

@@ -79,7 +79,7 @@ class Talk:
         )
         return self.samples, self.tell(event)
 
-    def want(self, now, robot="op", zid="z-op", keys=("robot/*/camera",)):
+    def want(self, now, robot="op", zid="zz-op", keys=("robot/*/camera",)):
         """Another robot is there and subscribes to the cameras."""
         self.tell(ev.PeerAppeared(now, robot, zid))
         self.tell(ev.StateHeard(now, State(robot, zid, "enforce", "", (), keys)))

@@ -158,7 +158,7 @@ def test_in_pass_nothing_is_decided(make_talk):
         (None, {}, "passed:unwanted"),
         ("want", {"key": "other/key"}, "passed:no-spec"),
         ("want", {"delete": True}, "passed:delete"),
-        ("want", {"origin": "z-op"}, "passed:relayed"),
+        ("want", {"origin": "zz-op"}, "passed:relayed"),
     ],
 )
 def test_what_needs_no_decision_passes_with_its_reason(make_talk, prepare, publish, reason):
@@ -304,11 +304,11 @@ def test_a_robot_that_leaves_is_out_of_the_plan(make_talk):
     talk.tell(ev.DigestHeard(0.1, Digest("r2", "z-r2", 0.1, 0, 0, 0, (StreamDigest(7, 1, 1, 0.1, 0.1, 9, 1.0),))))
     assert len(list(talk.core.view.streams())) == 1
     talk.tell(ev.PeerGone(1.0, "r2", "z-r2"))
-    talk.tell(ev.PeerGone(1.0, "op", "z-op"))
+    talk.tell(ev.PeerGone(1.0, "op", "zz-op"))
     assert list(talk.core.view.streams()) == []
     _, commands = talk.publish(1.1)
     assert isinstance(only(commands)[0], Forward)
-    assert talk.tell(ev.PeerGone(1.2, "op", "z-op")) == []
+    assert talk.tell(ev.PeerGone(1.2, "op", "zz-op")) == []
 
 
 def test_malformed_talk_is_counted_and_changes_nothing(make_talk):
@@ -349,7 +349,7 @@ def test_no_constraint_of_any_kind_is_ever_broken(make_talk, make_specs, coordin
     specs = make_specs(text=ALL_KINDS)
     talk = make_talk(specs, coordination=coordination, settle=0.0, floor=0.0)
     talk.want(0.0)
-    talk.tell(ev.DigestHeard(0.01, Digest("op", "z-op", 0.01, talk.core.shares.epoch, 0, 0)))
+    talk.tell(ev.DigestHeard(0.01, Digest("op", "zz-op", 0.01, talk.core.shares.epoch, 0, 0)))
     now, sizes, sent = 0.1, {}, []
     for gap, size in published:
         now += gap / 1000

@@ -1,0 +1,31 @@
+"""As leader, what others should send is planned, and lent to them ahead of time."""
+
+from proxy.core.commands import SendDigest
+from studies.simulation.flights import Conditions, draw, fly, scenario
+from studies.simulation.scores import use
+
+
+def flown(**conditions):
+    how = Conditions(limit=2, seconds=10.0, loss=0.05, **conditions)
+    mission = draw(scenario("mixed"), 0, how)
+    return how, fly(mission, how, 0)
+
+
+def test_a_team_that_shares_uses_most_of_a_small_limit_and_never_exceeds_it():
+    """Two messages per 2.5 s among ten robots: whole messages are lent to those who are planned to send."""
+    how, team = flown()
+    told = use(team, how)
+    assert told.exceeding == 0.0
+    assert told.messages >= 0.5
+    leaders = [core for core in team.cores.values() if core.shares.leads]
+    assert len(leaders) == 1
+    assert leaders[0].layout.lent > 5
+    assert leaders[0].layout.due_at > 1000.0
+
+
+def test_in_a_team_without_a_channel_nobody_plans(make_talk):
+    """A robot alone holds everything itself."""
+    talk = make_talk(settle=0.0)
+    talk.publish(0.1)
+    assert not talk.core.layout.pending
+    assert not [command for command in talk.said if isinstance(command, SendDigest) and command.to]
