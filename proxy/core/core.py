@@ -18,7 +18,7 @@ from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Drop, NoteInterest, Notice, SendDigest, SendState
 from proxy.core.counts import DROPPED, Counts
-from proxy.core.digests import ON_AIR, QUESTION, DigestPacer
+from proxy.core.digests import ON_AIR, QUESTION, SLOW, DigestPacer
 from proxy.core.fixed import feature, rounded
 from proxy.core.gate import Gate
 from proxy.core.inbox import SUPERSEDED, Waiting
@@ -46,8 +46,10 @@ LEADERS_PART = 0.35
 """Of what all robots may tell each other, this part is for the one that leads."""
 AHEAD = 0.15
 """Others are lent what they need so much before they need it [s]."""
+ALL_PART = 0.3
+"""Where one robot leads, this part of the allowance is for telling all what concerns only some..."""
 ALL_PACE = 30.0
-"""Where one robot leads, all are told what concerns only some this often [s]."""
+"""... and they are told at least this often [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
 STRAGGLER_PACE = 0.3
@@ -380,6 +382,10 @@ class Core:
         self._urgent = bool(self.pacer.addressee(self.shares.grants(now)))
         return SendDigest(digest, to)
 
+    def _all_pace(self) -> float:
+        """How often all are told what concerns only some [s]."""
+        return min(ALL_PACE, max(SLOW, self._digest_copies() * self.pacer.interval / ALL_PART))
+
     def _straggler(self, now: float) -> str:
         """Who has to be told again who leads: each in its turn."""
         late = self.shares.stragglers if now >= self._told_at + STRAGGLER_PACE else []
@@ -398,7 +404,7 @@ class Core:
                 return ""
             to = self.pacer.addressee(shares.grants(now)) or self._straggler(now)
             return to if to in peers else ""
-        return shares.leader if shares.leader in peers and now < self._told_all_at + ALL_PACE else ""
+        return shares.leader if shares.leader in peers and now < self._told_all_at + self._all_pace() else ""
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
@@ -489,9 +495,10 @@ class Core:
             return max(now, self._told_at + STRAGGLER_PACE)
         to = self._addressee(now)
         sharing = self.settings.coordination == "shares" and bool(self.view.peers)
-        if sharing and self.shares.leads and not to and now < self._told_all_at + ALL_PACE:
+        all_due = self._told_all_at + self._all_pace()
+        if sharing and self.shares.leads and not to and now < all_due:
             retold = self._told_at + STRAGGLER_PACE if self.shares.stragglers else math.inf
-            return max(now, min(retold, self._told_all_at + ALL_PACE))
+            return max(now, min(retold, all_due))
         news = self.pacer.has_news(own) or self.channel.capacity.speak(now)
         # Where all plan for all, and nobody overhears what is sent, every message leaves the others less.
         sent = not sharing and not is_broadcast(self.settings.transport) and self.view.messages != self._told_messages
