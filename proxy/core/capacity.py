@@ -5,6 +5,10 @@ estimates what the channel bears and tells it in its digests. In force is the le
 included; but of those whom our samples go to, and of the rest, the word of a single one does not count where there are
 several: it may be far away. So all come to nearly the same limit, and who decreases first decreases for all: the others
 wait for the effect.
+
+Where one robot leads and lends, the others hear of it alone. What it has in force holds for all: that it tells, and how
+much all use together. The others tell it what they see themselves, and take no silence for bad news: who hears nothing
+is lent nothing.
 """
 
 from collections.abc import Collection, Iterable, Sequence
@@ -50,13 +54,14 @@ class Seen:
     """What the view knows of the use of the channel: samples `dropped` so far by anybody, whom our samples go to.
 
     `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
-    of every adaptive limit's ceiling that one sample of each stream takes together.
+    of every adaptive limit's ceiling that one sample of each stream takes together, `leader` who lends, if anybody does.
     """
 
     dropped: int
     receivers: Collection[str]
     longest: float
     each: tuple[float, ...]
+    leader: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +100,7 @@ class Capacity:
         self._pressed_until = now
         self._queue: Queue | None = None
         self._why = "nobody is there"
+        self._leader = ""
 
     def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
         """The constraints in force are now these; estimates of limits of the same name stay."""
@@ -148,17 +154,17 @@ class Capacity:
 
     def look(self, now: float, seen: Seen) -> None:
         """Grow or decrease the estimates by what is seen now."""
-        self._looked_at = now
+        self._looked_at, self._leader = now, seen.leader
         self._note_drops(now, seen.dropped)
         bearable = BEARABLE + min(seen.longest, LONGEST)
         recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
         settled = max((recent, *(estimate.settled_at for estimate in self._estimates)))
         self._queue = self._worst(now, seen.receivers, recent, bearable)
         new = self._worst(now, seen.receivers, settled, bearable)
-        used = self._used = self._load.parts(now, self._limits)
+        used = self._used = self._use(now)
         if not self._ways:
             self._why = "nobody is there"
-        elif self._hearing.silent(now):
+        elif not self._follows and self._hearing.silent(now):
             self._why = "silence"
             self._fade(now)
         elif new is not None and new.delay > bearable:
@@ -187,11 +193,6 @@ class Capacity:
         """Of every adaptive limit, the part of its ceiling that is in force."""
         return tuple(self._force)
 
-    @property
-    def delayed(self) -> bool:
-        """Whether something waits on its way: who sent it should hear of it soon."""
-        return self._why in ("delay", "draining", "some delay")
-
     def wake_at(self, now: float) -> list[float]:
         """When limits change by themselves [s]."""
         return [t for estimate in self._estimates if (t := estimate.drained_at) > now]
@@ -203,14 +204,19 @@ class Capacity:
 
     def news(self, now: float) -> bool:
         """Whether the others should hear at once what we would tell them."""
-        told = self.telling(now)
-        if len(told) != len(self._last_told):
-            return bool(told)
-        pairs = zip(told, self._last_told, strict=True)
+        told = self.telling(now)[: len(self._estimates)]
+        if len(told) > len(self._last_told):
+            return True
+        pairs = zip(told, self._last_told, strict=False)
         return any(new < FELL * old or new > ROSE * old for new, old in pairs)
 
     def telling(self, now: float) -> tuple[float, ...]:
-        """What a digest says: of every adaptive limit, the part that the channel bears by our evidence."""
+        """What a digest says: of every adaptive limit, the part that the channel bears by our evidence.
+
+        Who leads says what it has in force, by the evidence of all, and of every limit the part that is used by all.
+        """
+        if self._leader == self._own:
+            return (*self._force, *(min(used, 1.0) for used in self._used))
         return tuple(estimate.told(now) for estimate in self._estimates)
 
     def told(self, digest: Digest) -> None:
@@ -244,7 +250,11 @@ class Capacity:
     def _worst(self, now: float, receivers: Collection[str], since: float, bearable: float) -> Queue | None:
         """The longest that stands before what comes here, or before what we send to those whom it matters to."""
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
-        groups = [[ways.here for ways in self._ways.values()], [w.there for w in outward], [w.link for w in outward]]
+        links = [ways.link for ways in outward]
+        inward = list(self._ways.values())
+        if self._follows:
+            outward = inward = [self._ways[self._leader]]
+        groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
         found = [queue(now, ways, since, bearable / 2.0) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
 
@@ -283,8 +293,10 @@ class Capacity:
         self._free_at = now
         pressed = now < self._pressed_until
         for k, (force, estimate) in enumerate(zip(self._force, self._estimates, strict=True)):
-            if used[k] >= (HALF_USED if pressed else USED) * force or (pressed and seen.each[k] > force):
-                estimate.grow(now, elapsed, AHEAD * force, self._others(now, k))
+            others = self._others(now, k)
+            follows = self._follows and others > estimate.part
+            if follows or used[k] >= (HALF_USED if pressed else USED) * force or (pressed and seen.each[k] > force):
+                estimate.grow(now, elapsed, AHEAD * force, others)
             else:
                 self._why = "not used"
 
@@ -292,8 +304,7 @@ class Capacity:
         """The least that any other robot tells; nothing when none does, or when only we see what is lost by load."""
         if self._arrivals.blamed(now):
             return 0.0
-        words = (told[k] for t, told in self._told.values() if t >= now - FRESH and len(told) > k)
-        return min(words, default=0.0)
+        return min((told[k] for _, told in self._words(now, k)), default=0.0)
 
     def _combine(self, now: float, receivers: Collection[str]) -> None:
         """Put in force what all tell together."""
@@ -309,7 +320,23 @@ class Capacity:
         """What those tell who receive what we send, or the others: the least but one, where there are several."""
         words = sorted(
             min(max(told[k], self._limits[k].least), 1.0)
-            for peer, (t, told) in self._told.items()
-            if (peer in receivers) is inside and t >= now - FRESH and len(told) > k
+            for peer, told in self._words(now, k)
+            if (peer in receivers) is inside
         )
         return words[min(1, len(words) - 1)] if words else 1.0
+
+    @property
+    def _follows(self) -> bool:
+        """Whether another robot lends, whom we have heard."""
+        return self._leader != self._own and self._leader in self._told
+
+    def _words(self, now: float, k: int) -> list[tuple[str, tuple[float, ...]]]:
+        """Who tells of a limit, and what: who lends, where we follow, however long ago that was."""
+        heard = {self._leader: (now, self._told[self._leader][1])} if self._follows else self._told
+        return [(peer, told) for peer, (t, told) in heard.items() if t >= now - FRESH and len(told) > k]
+
+    def _use(self, now: float) -> tuple[float, ...]:
+        """What part of every adaptive limit is used by all, as far as we know or as who lends tells."""
+        count = len(self._limits)
+        told = self._told[self._leader][1] if self._follows else ()
+        return told[count : 2 * count] if len(told) >= 2 * count else self._load.parts(now, self._limits)

@@ -14,6 +14,7 @@ from typing import Any
 
 from proxy.core import events as ev
 from proxy.core.asking import Asking
+from proxy.core.capacity import BEAT
 from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Drop, NoteInterest, Notice, SendDigest, SendState
@@ -391,6 +392,11 @@ class Core:
         late = self.shares.stragglers if now >= self._told_at + STRAGGLER_PACE else []
         return late[int(now / STRAGGLER_PACE) % len(late)] if late else ""
 
+    def _next_to_time(self, now: float) -> str:
+        """While an adaptive limit is used, all are told something in turn: how long it takes tells of the channel."""
+        names = sorted(self.view.peers) if self.channel.capacity.speak(now) else []
+        return names[int(now / BEAT) % len(names)] if names else ""
+
     def _addressee(self, now: float) -> str:
         """In `shares`, news concern who leads, and what is lent whom it is lent to; nobody: all are told.
 
@@ -402,7 +408,7 @@ class Core:
         if shares.leads:
             if self._told_epoch != shares.epoch:
                 return ""
-            to = self.pacer.addressee(shares.grants(now)) or self._straggler(now)
+            to = self.pacer.addressee(shares.grants(now)) or self._straggler(now) or self._next_to_time(now)
             return to if to in peers else ""
         return shares.leader if shares.leader in peers and now < self._told_all_at + self._all_pace() else ""
 
@@ -479,7 +485,8 @@ class Core:
         if not to:
             return self.view.echoes()
         known = self.view.peers[to].offset.known
-        if known and self._told_at - self._echoed_at.get(to, -math.inf) < ECHO_PACE:
+        pace = SLOW if self.channel.capacity.factors else ECHO_PACE
+        if known and self._told_at - self._echoed_at.get(to, -math.inf) < pace:
             return ()
         self._echoed_at[to] = self._told_at
         return tuple(echo for echo in self.view.echoes() if echo.peer == to)
@@ -499,13 +506,14 @@ class Core:
         if sharing and self.shares.leads and not to and now < all_due:
             retold = self._told_at + STRAGGLER_PACE if self.shares.stragglers else math.inf
             return max(now, min(retold, all_due))
-        news = self.pacer.has_news(own) or self.channel.capacity.speak(now)
+        speak = self.channel.capacity.speak(now)
+        news = speak or self.pacer.has_news(own)
         # Where all plan for all, and nobody overhears what is sent, every message leaves the others less.
         sent = not sharing and not is_broadcast(self.settings.transport) and self.view.messages != self._told_messages
         urgent = self._urgent or sent
         due = self.pacer.due(now, urgent=urgent, news=news, copies=1 if to else max(1, self._digest_copies()))
         # What could be urgent later is not spent on news that nobody waits for.
-        return due if urgent or not to else max(due, self._told_at + NEWS_PACE)
+        return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)

@@ -110,7 +110,10 @@ class Shares:
                 self._ready_at = now
 
     def set_factor(self, k: int, factor: float) -> None:
-        """Of constraint `k` this part is in force: what everybody holds of it shrinks alike, from 0 to 1."""
+        """Of constraint `k` this part is in force, from 0 to 1: who leads lends no more, and nobody uses more.
+
+        What is lent already stays lent: grants are for whole messages, and soon over.
+        """
         self._factors[k] = min(1.0, max(0.0, factor))
 
     def heard(
@@ -153,17 +156,14 @@ class Shares:
         """What we may use of constraint `k` within the window that ends now [its units]."""
         limit = self._limits[k]
         if not limit.shared:
-            return limit.limit * self._factors[k]
+            return self._in_force(k)
         if not self.epoch and not self.confirmed(now):
             return self._floor / NEWCOMERS * limit.limit
-        if not self.leads:
-            return self._factors[k] * sum(lent.at(now, k, limit.window) for lent in self._lent)
-        return self._factors[k] * (self.whole(k) - self._gone(now, k)) if self.confirmed(now) else 0.0
+        return self._share(now, k) if not self.leads or self.confirmed(now) else 0.0
 
     def whole(self, k: int) -> float:
         """What all robots together may come to hold of constraint `k` [its units]."""
-        limit = self._limits[k]
-        return (1.0 - self._floor) * limit.limit if limit.shared else limit.limit
+        return (1.0 - self._floor if self._limits[k].shared else 1.0) * self._in_force(k)
 
     def used(self, now: float, k: int) -> float:
         """What our sends of the window that ends now use of constraint `k`."""
@@ -186,7 +186,7 @@ class Shares:
         """Whether what a message takes that is sent at a time to come would be of what is lent to us already."""
         begun = [lent for lent in self._lent if lent.begins <= now]
         return all(
-            amount <= self._factors[k] * sum(lent.amounts[k] for lent in begun if t <= lent.ends)
+            amount <= sum(lent.amounts[k] for lent in begun if t <= lent.ends)
             for k, amount in enumerate(use)
             if self._limits[k].shared
         )
@@ -261,9 +261,16 @@ class Shares:
         limit = self._limits[k]
         if not limit.shared or not self.epoch or (self.leads and not self.confirmed(now)):
             return self.held(now, k)
-        if not self.leads:
-            return self._factors[k] * sum(lent.at(t, k, limit.window) for lent in self._lent)
-        return self._factors[k] * (self.whole(k) - self._gone(t, k))
+        return self._share(t, k)
+
+    def _share(self, t: float, k: int) -> float:
+        """What is ours at a time of a shared constraint: what is left of it, or what is lent to us."""
+        if self.leads:
+            return max(0.0, self.whole(k) - self._gone(t, k))
+        return min(sum(lent.at(t, k, self._limits[k].window) for lent in self._lent), self._in_force(k))
+
+    def _in_force(self, k: int) -> float:
+        return self._factors[k] * self._limits[k].limit
 
     def _used_at(self, t: float, k: int) -> float:
         since = t - self._limits[k].window
@@ -318,7 +325,7 @@ class Shares:
     def _fits(self, t: float, now: float, k: int, amount: float) -> bool:
         """Eq. 5 against what we hold; a message larger than anybody could hold has a window stretched for it."""
         limit = self._limits[k]
-        if amount <= (HOLDABLE if limit.shared else 1.0) * limit.limit:
+        if amount <= (HOLDABLE if limit.shared else 1.0) * self._in_force(k):
             return amount <= self._free(t, now, k)
         since = t - self._stretched(k, amount)
         alone = self.confirmed(now) or not limit.shared
@@ -335,7 +342,7 @@ class Shares:
         """The window in which a message may be alone, if all robots send such messages [s]; at least the window."""
         limit = self._limits[k]
         users = len(self._members) if limit.shared else 1
-        return limit.window * max(1.0, amount * users / limit.limit)
+        return limit.window * max(1.0, amount * users / max(self._in_force(k), 1e-9))
 
     def _seek(self, now: float, *, again: bool = False) -> None:
         """Lead, if nobody does whom we know of and it falls to us: to the least tag of those who are there."""

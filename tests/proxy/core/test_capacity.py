@@ -197,4 +197,3 @@ def test_who_uses_the_channel_speaks_often():
     assert channel.capacity.speak(channel.now + 0.3)
     channel.use = 0.1
     assert not channel.run(5.0).capacity.speak(channel.now + 0.3)
-    assert not channel.capacity.delayed

@@ -128,16 +128,20 @@ def test_a_grant_heard_twice_counts_once():
     assert shares["b"].held(0.5, 0) == pytest.approx(300.0)
 
 
-def test_a_factor_shrinks_what_everybody_holds():
-    """Limits that move are a part of a fixed ceiling, which each robot applies itself; no epoch is needed."""
+def test_of_a_limit_that_moved_who_leads_lends_no_more_than_is_in_force():
+    """What is lent stays lent, as whole messages need it, but nobody uses more than it takes to be in force itself."""
     shares = team("ab")
     agree(shares, 0.1)
-    shares["a"].lend(0.1, "b", 0.2, 1.0, (400.0,))
-    tell(shares, "a", "b", 0.1)
     epoch = shares["a"].epoch
     for share in shares.values():
         share.set_factor(0, 0.5)
-    assert [s.held(0.5, 0) for s in shares.values()] == pytest.approx([295.0, 200.0])
+    assert shares["a"].lend(0.1, "b", 0.2, 1.0, (500.0,)) is None
+    assert shares["a"].lend(0.1, "b", 0.2, 1.0, (400.0,))
+    tell(shares, "a", "b", 0.1)
+    assert [s.held(0.5, 0) for s in shares.values()] == pytest.approx([95.0, 400.0])
+    for share in shares.values():
+        share.set_factor(0, 0.2)
+    assert [s.held(0.5, 0) for s in shares.values()] == pytest.approx([0.0, 200.0])
     assert shares["a"].epoch == epoch
     shares["b"].set_factor(0, 7.0)
     assert shares["b"].held(0.5, 0) == pytest.approx(400.0)

@@ -1,7 +1,6 @@
 """Adaptive limits on a simulated channel that nobody told the robots about."""
 
 from collections import Counter
-from dataclasses import dataclass
 
 import pytest
 
@@ -26,18 +25,6 @@ RATE = 250_000.0
 SIZE = 10_000
 
 
-@dataclass(slots=True)
-class Halved(Medium):
-    """A medium that carries half from `since` on."""
-
-    since: float = 1e9
-
-    def offer(self, now, size, rng):
-        if now >= self.since:
-            self.rate = RATE / 2.0
-        return Medium.offer(self, now, size, rng)
-
-
 @pytest.fixture
 def fly(tmp_path):
     """Let robots send more than the channel carries to an operator; return the team and what arrived."""
@@ -53,7 +40,7 @@ def fly(tmp_path):
             for k in range(int(seconds * rate))
             for i in range(robots)
         ]
-        team = Team(specs, interests, Halved(RATE, **medium), search=SearchSettings(search="best"), iterations=10)
+        team = Team(specs, interests, Medium(RATE, **medium), search=SearchSettings(search="best"), iterations=10)
         sent = team.run(sorted(frames, key=lambda frame: frame.t_gen), seconds)
         return team, [delivery for delivery in sent if delivery.t_rcv]
 
@@ -62,7 +49,7 @@ def fly(tmp_path):
 
 def test_a_channel_is_used_shared_fairly_and_noticed_when_it_is_halved(fly):
     """Random loss does not matter. After the change samples arrive as soon as before within seconds."""
-    team, arrived = fly(2, 24.0, loss=0.05, since=16.0)
+    team, arrived = fly(2, 24.0, loss=0.05, rates=((16.0, RATE / 2.0),))
     late = [d for d in arrived if 10.0 <= d.t_rcv < 16.0]
     assert len(late) * SIZE / 6.0 >= 0.7 * 0.95 * RATE
     counts = Counter(d.frame.robot for d in late)
