@@ -144,7 +144,7 @@ class Daemon:
             self._bridge.lanes[0],
             loop.post,
             loop.offer,
-            sides.air if isinstance(sides.air, Broadcast) and core.settings.digests_on_air else None,
+            air=sides.air if isinstance(sides.air, Broadcast) and core.settings.digests_on_air else None,
         )
         for part in (self._worker, self._extractor, loop):
             part.start()

@@ -62,7 +62,7 @@ class Presence:
     """
 
     def __init__(
-        self, mesh: zenoh.Session, robot: str, lane: Lane, post: Post, offer: Offer, air: Broadcast | None = None
+        self, mesh: zenoh.Session, robot: str, lane: Lane, post: Post, offer: Offer, *, air: Broadcast | None = None
     ) -> None:
         self._mesh = mesh
         self._air = air

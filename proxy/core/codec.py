@@ -75,9 +75,10 @@ def pack_state(state: State) -> bytes:
     fields: list[Any] = [
         *(VERSION, _packed_id(state.zid), state.number, state.since),
         [_stream_state_fields(stream) for stream in state.streams],
+        ticks(state.wall_offset),
     ]
     if not state.since:
-        fields += [state.mode, state.specs, ticks(state.wall_offset), state.transport]
+        fields += [state.mode, state.specs, state.transport]
         fields += [list(state.subscriptions), [_packed_id(origin) for origin in state.origins]]
     packed = _pack(fields)
     return min(packed, zlib.compress(packed, 9), key=len)
@@ -85,7 +86,7 @@ def pack_state(state: State) -> bytes:
 
 def unpack_state(data: bytes, robot: str) -> State:
     """Return the state in `data` of `robot`; raise `MalformedWireError` when it is none."""
-    return _state(_fields(_inflated(data), MAX_BYTES, 5), robot)
+    return _state(_fields(_inflated(data), MAX_BYTES, 6), robot)
 
 
 def _stream_fields(sent: int, s: StreamDigest) -> list[Any]:
@@ -115,11 +116,11 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
 def _grant_fields(sent: int, g: Grant) -> list[Any]:
     """Times in milliseconds: the begin from when the digest is sent, the end from the begin."""
     begins, ends = round(g.begins * 1e3), round(g.ends * 1e3)
-    return [_packed_tag(g.peer), begins - sent // 1000, ends - begins, *g.parts]
+    return [_packed_tag(g.peer), begins - sent // 10, ends - begins, *g.parts]
 
 
 def _grant(sent: int, f: list[Any]) -> Grant:
-    begins = sent // 1000 + _whole(f[1])
+    begins = sent // 10 + _whole(f[1])
     ends = begins + _count(f[2], MAX_LENT)
     return Grant(_tag(f[0]), begins / 1e3, ends / 1e3, tuple(_count(part, PARTS) for part in f[3:]))
 
@@ -130,23 +131,27 @@ def _echo_fields(sent: int, e: Echo) -> tuple[Any, ...]:
 
 
 def _echoes(sent: int, f: list[Any], own: str, ours: Iterable[int]) -> tuple[Echo, ...]:
-    """Of the time that is echoed only the last digits travel: one of those at which we did send must have them."""
-    records = _records(f, 6)
-    mine = [(_count(r[1], _WRAP), r) for r in records if _tag(r[0]) == own]
-    if not mine:
-        return ()
-    ours = tuple(ours)
-    return tuple(_echo(sent, own, found[0], r) for low, r in mine if len(found := _ending(ours, low)) == 1)
+    """Of the time that is echoed only the last digits travel: one of those at which we did send must have them.
+
+    Echoes of others tell how their samples arrive; when they sent is not known here.
+    """
+    ours, echoes = tuple(ours), []
+    for record in _records(f, 6):
+        peer, low = _tag(record[0]), _count(record[1], _WRAP)
+        times = _ending(ours, low) if peer == own else [0]
+        if len(times) == 1:
+            echoes.append(_echo(sent, peer, times[0], record))
+    return tuple(echoes)
 
 
 def _ending(times: Iterable[int], low: int) -> list[int]:
     return [t for t in times if t % _WRAP == low]
 
 
-def _echo(sent: int, own: str, echoed: int, r: tuple[Any, ...]) -> Echo:
+def _echo(sent: int, peer: str, echoed: int, r: tuple[Any, ...]) -> Echo:
     received = seconds(sent - _whole(r[2]))
     latency, per_byte = _amount(r[4], MAX_LATENCY), _amount(r[5], MAX_LATENCY)
-    return Echo(own, seconds(echoed), received, _count(r[3], MAX_SAMPLES), latency, per_byte)
+    return Echo(peer, seconds(echoed), received, _count(r[3], MAX_SAMPLES), latency, per_byte)
 
 
 def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -> Digest:
@@ -173,17 +178,17 @@ def _state(f: list[Any], robot: str) -> State:
     if len({stream.id for stream in streams}) < len(streams):
         raise MalformedWireError("two streams of one number")
     if since:
-        return State(robot, zid, "", "", streams, number=number, since=since)
+        return State(robot, zid, "", "", streams, (), seconds(_whole(f[5])), number=number, since=since)
     if len(f) < 11:
         raise MalformedWireError(f"{len(f)} fields where 11 are due")
     return State(
         robot=robot,
         zid=zid,
-        mode=_name(f[5]),
-        specs=_name(f[6]),
+        mode=_name(f[6]),
+        specs=_name(f[7]),
         streams=streams,
         subscriptions=tuple(_name(key) for key in _at_most(f[9], MOST_SUBSCRIPTIONS)),
-        wall_offset=seconds(_whole(f[7])),
+        wall_offset=seconds(_whole(f[5])),
         origins=tuple(_id(origin) for origin in _at_most(f[10], MOST_ORIGINS)),
         transport=_name(f[8]),
         number=number,

@@ -122,7 +122,7 @@ class Peer:
         streams = {stream.id: stream for stream in self.state.streams} | {stream.id: stream for stream in state.streams}
         if len(streams) > MOST_TOLD:
             return None
-        return replace(self.state, streams=tuple(streams.values()), number=state.number)
+        return replace(self.state, streams=tuple(streams.values()), wall_offset=state.wall_offset, number=state.number)
 
     @property
     def latency_in(self) -> Latency | None:

@@ -15,8 +15,8 @@ class CoreSettings:
     all digests together may use (at least 100 B/s per robot), `floor` the part of a limit that a newcomer may use
     before all others know of it, `inbox` the samples that may wait for a decision, `backlog` those of one stream where
     each sample counts, `transport` how samples travel (`proxy.core.transport`), `relayed` says that robots meet at a
-    router: a sample goes on the air to it, and then once to each robot that wants it. `digests_on_air` says that digests
-    are broadcast, as samples are.
+    router: a sample goes on the air to it, and then once to each robot that wants it.
+    `digests_on_air` says that digests are broadcast, as samples are.
     """
 
     robot: str

@@ -48,14 +48,21 @@ def shortened(state: State) -> tuple[State, int]:
 
 def differs(told: State, state: State) -> bool:
     """Whether a state is news."""
-    return bool(_news(told, state)) or _differs_apart_from_streams(told, state) or _lost(told, state)
+    stepped = abs(state.wall_offset - told.wall_offset) > WALL_STEP
+    return (
+        stepped
+        or bool(_news(told, state))
+        or _apart_from_streams(told) != _apart_from_streams(state)
+        or _lost(told, state)
+    )
 
 
 def update_of(told: State, state: State) -> State | None:
-    """Return what is news of a state; None when that is not of its streams alone, and all of it must be told."""
-    if told.number == 0 or _differs_apart_from_streams(told, state) or _lost(told, state):
+    """Return what is news of a state, if that is of its streams and its clock alone; None: all of it must be told."""
+    if told.number == 0 or _apart_from_streams(told) != _apart_from_streams(state) or _lost(told, state):
         return None
-    return State(state.robot, state.zid, "", "", _news(told, state), number=state.number, since=told.number)
+    news = _news(told, state)
+    return State(state.robot, state.zid, "", "", news, (), state.wall_offset, number=state.number, since=told.number)
 
 
 def _news(told: State, state: State) -> tuple[StreamState, ...]:
@@ -75,11 +82,6 @@ def _moved(told: StreamState, stream: StreamState) -> bool:
 def _lost(told: State, state: State) -> bool:
     """Whether streams are gone."""
     return not {stream.id for stream in told.streams} <= {stream.id for stream in state.streams}
-
-
-def _differs_apart_from_streams(told: State, state: State) -> bool:
-    stepped = abs(state.wall_offset - told.wall_offset) > WALL_STEP
-    return stepped or _apart_from_streams(told) != _apart_from_streams(state)
 
 
 def _apart_from_streams(state: State) -> Iterable[object]:

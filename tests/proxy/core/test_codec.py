@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from proxy.core.codec import (
     MAX_BYTES,
     MAX_DIGEST,
+    MAX_LENT,
     MAX_PERIOD,
     MAX_SAMPLES,
     MAX_SIZE,
@@ -21,7 +22,7 @@ from proxy.core.codec import (
 )
 from proxy.core.errors import MalformedWireError
 from proxy.core.fixed import rounded, single, ticks
-from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState
+from proxy.core.wire import PARTS, Digest, Echo, Grant, State, StreamDigest, StreamState
 
 time = st.integers(0, 10**13).map(lambda ticks_: ticks_ / 1e4)
 count = st.integers(0, 2**53)
@@ -53,6 +54,14 @@ def stream_digests(draw):
     )
 
 
+@st.composite
+def grants(draw):
+    """Whole milliseconds, within what a grant may last."""
+    begins = draw(st.integers(0, 10**9))
+    parts = draw(st.lists(st.integers(0, PARTS), min_size=1, max_size=3))
+    return Grant(draw(tag), begins / 1e3, (begins + draw(st.integers(0, MAX_LENT))) / 1e3, tuple(parts))
+
+
 digests = st.builds(
     Digest,
     robot=st.just("r1"),
@@ -62,7 +71,7 @@ digests = st.builds(
     messages=count,
     bytes=count,
     streams=st.lists(stream_digests(), max_size=2).map(tuple),
-    grants=st.lists(st.builds(Grant, tag, st.integers(0, 64), samples), max_size=2).map(tuple),
+    grants=st.lists(grants(), max_size=2).map(tuple),
     echoes=st.lists(st.builds(Echo, st.just("own"), time, time, samples, amount, amount), max_size=1).map(tuple),
     state=count,
     capacity=st.lists(part, max_size=2).map(tuple),
@@ -95,9 +104,9 @@ def test_a_digest_survives_the_wire(digest):
 
 @given(states)
 def test_a_state_survives_the_wire(state):
-    """What was packed comes back; of an update its streams and numbers alone."""
+    """What was packed comes back; of an update its streams, its clock and its numbers alone."""
     assert unpack_state(pack_state(state), "r1") == state
-    update = State("r1", state.zid, "", "", state.streams, number=state.number, since=1)
+    update = State("r1", state.zid, "", "", state.streams, (), state.wall_offset, number=state.number, since=1)
     assert unpack_state(pack_state(dataclasses.replace(state, since=1)), "r1") == update
 
 
@@ -105,9 +114,10 @@ def test_echoes_are_those_of_our_digests():
     """Only the last digits of a time travel: what we did not send, or sent twice with them, is no echo."""
     echoes = (Echo("own", 77.0, 5.0, 1, 0.0), Echo("other", 77.0, 5.0, 1, 0.0))
     data = pack_digest(Digest("r1", "a1b2c3d4", 6.0, 0, 0, 0, (), (), echoes))
-    assert heard(data, [ticks(77.0), ticks(78.0)]).echoes == echoes[:1]
-    assert heard(data, [ticks(78.0)]).echoes == ()
-    assert heard(data, [ticks(77.0), ticks(77.0 + 6.5536)]).echoes == ()
+    of_another = dataclasses.replace(echoes[1], sent=0.0)
+    assert heard(data, [ticks(77.0), ticks(78.0)]).echoes == (echoes[0], of_another)
+    assert heard(data, [ticks(78.0)]).echoes == (of_another,)
+    assert heard(data, [ticks(77.0), ticks(77.0 + 6.5536)]).echoes == (of_another,)
 
 
 def test_a_period_longer_than_a_day_is_told_as_a_day():
@@ -202,7 +212,7 @@ def test_absurd_digests_are_refused(fields):
         heard(msgpack.packb(fields))
 
 
-WHOLE = [3, b"ab", 1, 0, [], "enforce", "s", 0, "unicast", [], []]
+WHOLE = [3, b"ab", 1, 0, [], 0, "enforce", "s", "unicast", [], []]
 
 
 @pytest.mark.parametrize(
@@ -247,7 +257,7 @@ def test_a_state_that_is_none_is_refused(data, message):
 def test_digests_are_small():
     """Hours after their robots started."""
     streams = tuple(StreamDigest(n, 4000, 3000, 12345.6, 12344.5, 35_000, 3.3) for n in range(1, 6))
-    grants = tuple(Grant(f"b1b2c3d{n}", 0, 35_000 + n) for n in range(3))
+    grants = tuple(Grant(f"b1b2c3d{n}", 12345.8 + n, 12346.0 + n, (35_000,)) for n in range(3))
     echoes = tuple(Echo(f"b1b2c3d{n}", 5432.1, 12345.4, 5000, 0.0123, 8e-6) for n in range(9))
     base = Digest("robot-17", "a1b2c3d4", 12345.6789, 2**32 - 1, 10_000, 10**9, state=7)
 
@@ -256,5 +266,5 @@ def test_digests_are_small():
 
     assert length() == 21
     assert length(streams=streams[:1]) == 42
-    assert length(grants=grants[:1]) == 32
+    assert length(grants=grants[:1]) == 35
     assert length(streams=streams, grants=grants, echoes=echoes) <= 350

@@ -476,8 +476,8 @@ def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs, coordinati
         ours = (talk.all(SendDigest) or [None])[-1]
         echoes = () if ours is None else (Echo("z-r1", ours.digest.sent, 9.0 + now, 0, 0.0),)
         epoch = talk.core.shares.epoch
-        talk.tell(ev.DigestHeard(now + 0.01, Digest("op", "z-op", 9.0 + now, epoch, 0, 0, (), (), echoes)))
-        talk.tell(ev.LinksGauged(now + 0.02, (("z-op", 0.001), ("nobody", 0.0))))
+        talk.tell(ev.DigestHeard(now + 0.01, Digest("op", "zz-op", 9.0 + now, epoch, 0, 0, (), (), echoes)))
+        talk.tell(ev.LinksGauged(now + 0.02, (("zz-op", 0.001), ("nobody", 0.0))))
     (budget,) = talk.core.status(20.0)["budget"]
     adaptive = budget["adaptive"]
     assert adaptive["in_force"] > 0.3
@@ -487,7 +487,7 @@ def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs, coordinati
     assert talk.all(SetPace)[0].rate == pytest.approx(25_000.0)
     assert talk.all(SetPace)[-1].rate == pytest.approx(adaptive["in_force"] * 100_000.0)
     assert talk.all(SendDigest)[-1].digest.capacity == pytest.approx((adaptive["told"],), rel=0.2)
-    talk.tell(ev.PeerGone(21.0, "op", "z-op"))
+    talk.tell(ev.PeerGone(21.0, "op", "zz-op"))
     talk.tell(ev.SpecsChanged(22.0, make_specs()))
     assert "adaptive" not in talk.core.status(22.0)["budget"][0]
     assert talk.all(SendDigest)[-1].digest.capacity == ()
@@ -495,18 +495,18 @@ def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs, coordinati
 
 def told_by(talk, now=1.0, number=1, **rest):
     """A digest of robot op that speaks of a state."""
-    digest = {"robot": "op", "tag": "z-op", "sent": now, "epoch": 0, "messages": 0, "bytes": 0, "state": number}
+    digest = {"robot": "op", "tag": "zz-op", "sent": now, "epoch": 0, "messages": 0, "bytes": 0, "state": number}
     return talk.tell(ev.DigestHeard(now, Digest(**digest | rest)))
 
 
 def test_a_newcomer_is_asked_for_its_state_until_it_tells(make_talk):
     """Again and again, more and more slowly, and not any more when it is gone."""
     talk = make_talk()
-    assert AskState("op", "z-op") in talk.tell(ev.PeerAppeared(0.0, "op", "z-op"))
+    assert AskState("op", "zz-op") in talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     for step in range(1, 40):
         talk.tell(ev.TimePassed(0.1 * step))
     assert len(talk.all(AskState)) == 4
-    talk.tell(ev.StateHeard(4.0, State("op", "z-op", "enforce", "", number=1)))
+    talk.tell(ev.StateHeard(4.0, State("op", "zz-op", "enforce", "", number=1)))
     talk.tell(ev.TimePassed(60.0))
     assert len(talk.all(AskState)) == 4
     talk.tell(ev.PeerAppeared(61.0, "r9", "z-r9"))
@@ -522,16 +522,16 @@ def test_a_lost_state_is_asked_for(make_talk):
     talk.want(0.0)
     asked = len(talk.all(AskState))
     told_by(talk, 1.0, number=0)
-    talk.tell(ev.StateHeard(1.0, State("op", "z-op", "enforce", "", (), ("a/*",), number=3)))
+    talk.tell(ev.StateHeard(1.0, State("op", "zz-op", "enforce", "", (), ("a/*",), number=3)))
     told_by(talk, 1.1, number=3)
     assert len(talk.all(AskState)) == asked
     told_by(talk, 1.2, number=5)
     assert len(talk.all(AskState)) == asked + 1
-    update = State("op", "z-op", "", "", (StreamState(1, "b", "x", 1.0),), number=5, since=4)
+    update = State("op", "zz-op", "", "", (StreamState(1, "b", "x", 1.0),), number=5, since=4)
     talk.tell(ev.StateHeard(1.3, update))
-    assert talk.core.view.peers["z-op"].number == 3
-    talk.tell(ev.StateHeard(1.4, State("op", "z-op", "enforce", "", (), ("b/*",), number=5)))
-    assert talk.core.view.peers["z-op"].subscriptions == ("b/*",)
+    assert talk.core.view.peers["zz-op"].number == 3
+    talk.tell(ev.StateHeard(1.4, State("op", "zz-op", "enforce", "", (), ("b/*",), number=5)))
+    assert talk.core.view.peers["zz-op"].subscriptions == ("b/*",)
     talk.tell(ev.TimePassed(60.0))
     assert len(talk.all(AskState)) == asked + 1
 
@@ -540,14 +540,14 @@ def test_an_old_state_changes_nothing_unless_digests_speak_of_it(make_talk):
     """Replays are refused; who spoke in another's name with a large number does not silence it."""
     talk = make_talk()
     talk.want(0.0)
-    state = State("op", "z-op", "enforce", "", (), ("a/*",), number=7)
+    state = State("op", "zz-op", "enforce", "", (), ("a/*",), number=7)
     talk.tell(ev.StateHeard(1.0, state))
-    talk.tell(ev.StateHeard(1.1, State("op", "z-op", "enforce", "", (), ("b/*",), number=6)))
-    assert talk.core.view.peers["z-op"].subscriptions == ("a/*",)
+    talk.tell(ev.StateHeard(1.1, State("op", "zz-op", "enforce", "", (), ("b/*",), number=6)))
+    assert talk.core.view.peers["zz-op"].subscriptions == ("a/*",)
     assert talk.core.status(1.1)["refused"] == {"state:old": 1}
     told_by(talk, 1.2, number=6)
-    talk.tell(ev.StateHeard(1.3, State("op", "z-op", "enforce", "", (), ("b/*",), number=6)))
-    assert talk.core.view.peers["z-op"].subscriptions == ("b/*",)
+    talk.tell(ev.StateHeard(1.3, State("op", "zz-op", "enforce", "", (), ("b/*",), number=6)))
+    assert talk.core.view.peers["zz-op"].subscriptions == ("b/*",)
 
 
 def test_what_a_robot_subscribes_to_is_passed_on_once(make_talk):
@@ -555,9 +555,9 @@ def test_what_a_robot_subscribes_to_is_passed_on_once(make_talk):
     talk = make_talk()
     talk.want(0.0)
     talk.want(0.5)
-    assert talk.all(NoteInterest) == [NoteInterest("z-op", ("robot/*/camera",))]
-    talk.tell(ev.PeerGone(1.0, "op", "z-op"))
-    assert talk.all(NoteInterest)[-1] == NoteInterest("z-op", ())
+    assert talk.all(NoteInterest) == [NoteInterest("zz-op", ("robot/*/camera",))]
+    talk.tell(ev.PeerGone(1.0, "op", "zz-op"))
+    assert talk.all(NoteInterest)[-1] == NoteInterest("zz-op", ())
 
 
 def test_updates_of_the_state_name_what_is_new(make_talk):
@@ -631,7 +631,7 @@ def test_a_robot_that_starts_anew_is_heard_again(make_talk):
     told_by(talk, 2.0, sent=3.0)
     assert talk.core.status(2.0)["refused"] == {"digest:old": 1}
     told_by(talk, 12.0, sent=13.0)
-    assert talk.core.view.peers["z-op"].digest.sent == 13.0
+    assert talk.core.view.peers["zz-op"].digest.sent == 13.0
 
 
 def test_features_and_scale_are_used_as_they_are_told(make_talk):
@@ -649,7 +649,7 @@ def test_features_and_scale_are_used_as_they_are_told(make_talk):
 def test_news_that_nobody_wants_is_not_urgent(make_talk):
     """It waits for the next digest."""
     talk = make_talk()
-    talk.tell(ev.PeerAppeared(0.0, "op", "z-op"))
+    talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     talk.tell(ev.TimePassed(1.0))
     talk.publish(1.1, red=0.1)
     assert not talk.core._urgent

@@ -37,7 +37,7 @@ def test_a_robot_with_urgent_news_stays_within_its_rate():
     pacer, now, spent, copies = DigestPacer(0.0), 0.0, 0, 4
     pacer.set_rate(1000.0)
     while now < 10.0:
-        now = max(now + 0.001, pacer.due(now, urgent=True, news=True))
+        now = max(now + 0.001, pacer.due(now, urgent=True, news=True, copies=copies))
         pacer.sent(now, SIZE, copies)
         spent += max(SIZE + OVERHEAD, LEAST_DIGEST) * copies
     assert 8_000 <= spent <= 11_500
@@ -50,7 +50,7 @@ def test_in_the_long_run_everything_is_within_the_rate(sent):
     pacer.set_rate(500.0)
     for kind, size in sent:
         if kind == "digest":
-            now = max(now, pacer.due(now, urgent=True, news=True))
+            now = max(now, pacer.due(now, urgent=True, news=True, copies=2))
             pacer.sent(now, size, 2)
         elif kind == "state":
             now = max(now, pacer.state_due(now))
@@ -72,7 +72,7 @@ def test_digests_go_on_while_a_state_is_paid_for():
     assert before > 20.0
     for number in range(1, 11):
         pacer.sent(float(number), SIZE, 4)
-    assert pacer.due(10.0, urgent=True, news=True) <= 11.0
+    assert pacer.due(10.0, urgent=True, news=True, copies=4) <= 11.0
     assert pacer.state_due(10.0) <= before
 
 
@@ -82,7 +82,8 @@ def test_ordinary_news_leaves_room_for_urgent_news():
     pacer.set_rate(1000.0)
     for _ in range(8):
         pacer.sent(0.0, SIZE, 4)
-    assert pacer.due(0.0, urgent=True, news=True) < pacer.due(0.0, urgent=False, news=True)
+    urgent, ordinary = (pacer.due(0.0, urgent=urgent, news=True, copies=4) for urgent in (True, False))
+    assert urgent < ordinary
 
 
 def test_without_news_a_digest_goes_out_slowly():
@@ -90,7 +91,7 @@ def test_without_news_a_digest_goes_out_slowly():
     pacer = DigestPacer(0.0)
     pacer.set_rate(1e6)
     pacer.sent(5.0, SIZE, 1)
-    assert pacer.due(5.1, urgent=False, news=False) == pytest.approx(5.0 + SLOW)
+    assert pacer.due(5.1, urgent=False, news=False, copies=1) == pytest.approx(5.0 + SLOW)
 
 
 def test_only_changed_streams_are_told():
@@ -166,17 +167,19 @@ def test_of_many_peers_a_few_are_echoed_in_turn():
     assert all(abs(told.count(e.peer) - len(told) / 4) <= 1 for e in peers[:4])
 
 
-def test_changed_grants_come_first_and_all_in_turn():
-    """A change is told three times, for digests get lost; then all that was granted is repeated one by one."""
+def test_grants_are_told_to_whom_they_concern_the_first_ones_first():
+    """Each once, for one that gets lost is lent to nobody else; a digest for all tells those of all."""
     pacer = DigestPacer(0.0)
-    grants = [Grant(f"p{number:02}", 0, 10) for number in range(3)]
-    assert [pacer.grants(grants) for _ in range(3)] == [tuple(grants)] * 3
-    assert {pacer.grants(grants)[0].peer for _ in range(3)} == {"p00", "p01", "p02"}
-    changed = [*grants[:2], Grant("p02", 0, 11)]
-    assert [pacer.grants(changed) for _ in range(3)] == [(changed[2],)] * 3
-    assert pacer.grants([]) == ()
-    many = [Grant(f"p{number:02}", 0, 10) for number in range(40)]
-    assert len(pacer.grants(many)) == MOST_GRANTS
+    early, late = Grant("a", 1.0, 2.0, (10,)), Grant("b", 1.5, 2.0, (10,))
+    assert pacer.addressee([late, early]) == "a"
+    assert pacer.grants("b") == (late,)
+    assert pacer.addressee([late, early]) == "a"
+    assert pacer.grants("") == (early,)
+    assert pacer.addressee([late, early]) == ""
+    assert pacer.grants("") == ()
+    many = [Grant(f"p{number:02}", 0.0, float(number), (10,)) for number in range(60)]
+    assert pacer.addressee(many) == "p00"
+    assert len(pacer.grants("")) == MOST_GRANTS
 
 
 def test_features_are_told_where_others_need_them(make_specs):

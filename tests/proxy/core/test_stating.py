@@ -22,7 +22,7 @@ def test_streams_are_told_with_what_is_typical_of_them(make_specs):
     for count, size in ((1, 1000), (2, 2000)):
         stream.note_generated(count, Generated(0.5 * count, size, 1.0))
     (told,) = state_of(view, Mode.ENFORCE).streams
-    assert told == StreamState(1, "robot/r1/camera", "camera", 0.5, size=1100)
+    assert told == StreamState(1, "robot/r1/camera", "camera", 0.5, size=1100, schedule="periodic")
 
 
 @pytest.mark.parametrize(

@@ -398,7 +398,7 @@ def test_plain_nodes_that_fall_silent_are_forgotten(view):
 
 def test_an_origin_claimed_later_moves_its_streams_to_the_robot(view):
     """What was overheard of them stays known; what the robot has already is not taken twice."""
-    for now in (1.0, 1.5, 2.0):
+    for now in (0.0, 0.5, 1.0, 1.5, 2.0):
         view.heard_sample(SampleHeard(now, CAMERA, 100, "feed", None, None))
         view.heard_sample(SampleHeard(now, CAMERA, 100, "other", None, None))
     meet(view, origins=("feed",))
