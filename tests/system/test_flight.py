@@ -13,9 +13,11 @@ LIMIT = 800_000
 SECONDS = 12.0
 
 
-@pytest.mark.parametrize("transport", ["unicast", "broadcast"])
-@pytest.mark.parametrize("loss", [0, 10])
-def test_a_flight_is_worth_most_of_what_it_could_be(team, loss, transport):
+@pytest.mark.parametrize(
+    ("transport", "loss", "least"),
+    [("unicast", 0, 0.9), ("broadcast", 0, 0.9), ("unicast", 10, 0.8), ("broadcast", 10, 0.68)],
+)
+def test_a_flight_is_worth_most_of_what_it_could_be(team, transport, loss, least):
     """Whoever decides alone, on links that lose packets, the operator gets most of what the best plan gives."""
     robots = team("abcd", limit="800 kbit/s", mesh=f'transport = "{transport}"')
     operator = robots[-1]
@@ -33,4 +35,4 @@ def test_a_flight_is_worth_most_of_what_it_could_be(team, loss, transport):
         speaker.stop()
     share = utility_share(CAMERAS.values(), [s for s in heard.heard() if s["heard"] >= begun], limit=LIMIT, window=0.5)
     print(f"{transport}, {loss} % of packets lost: {share:.1%} of the offline optimum")
-    assert share >= 0.5
+    assert share >= least

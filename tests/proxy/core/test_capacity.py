@@ -25,6 +25,8 @@ class Channel:
         self.arriving = 1.0
         self.use = 1.0
         self.hears_us = True
+        self.leader = ""
+        self.tells_use = ()
 
     def run(self, seconds):
         """Let the time pass; the channel is used by as much of the limit in force as `use` says."""
@@ -39,13 +41,13 @@ class Channel:
                 if wait is not None:
                     self._speak(peer, wait, self.now - 0.001 * number, digest)
             if self.capacity.due(self.now):
-                self.capacity.look(self.now, Seen(self.dropped, self.receivers, 0.0, (0.01,)))
+                self.capacity.look(self.now, Seen(self.dropped, self.receivers, 0.0, (0.01,), self.leader))
         return self
 
     def _speak(self, peer, wait, now, ours):
         samples = round(self.sent / 1000 * self.arriving)
         echoes = (Echo("us", ours.sent, ours.sent + 500.0 + wait, samples, 0.0),) if self.hears_us else ()
-        told = Digest(peer, peer, now + 77.0 - wait, 0, 0, 0, echoes=echoes, capacity=(self.tells[peer],))
+        told = Digest(peer, peer, now + 77.0 - wait, 0, 0, 0, echoes=echoes, capacity=(self.tells[peer], *self.tells_use))
         self.capacity.heard(now, told)
 
     @property
@@ -197,3 +199,52 @@ def test_who_uses_the_channel_speaks_often():
     assert channel.capacity.speak(channel.now + 0.3)
     channel.use = 0.1
     assert not channel.run(5.0).capacity.speak(channel.now + 0.3)
+
+
+def test_who_follows_a_leader_takes_its_word_for_the_use_by_all_and_for_the_limit():
+    """Our own use is but a part of it, others are not asked, and a follower grows to what the leader has in force."""
+    channel = Channel(peers=("op", "a", "b"))
+    channel.leader, channel.use, channel.tells_use = "op", 0.1, (0.05,)
+    channel.tells |= {"op": 0.2, "a": 0.1, "b": 0.1}
+    assert channel.run(10.0).factor == pytest.approx(0.2)
+    assert channel.capacity.telling(channel.now) == (INITIAL,)
+    channel.tells_use = (0.19,)
+    channel.tells["op"] = 0.6
+    assert channel.run(5.0).factor == pytest.approx(0.6)
+    assert channel.why in ("free", "not used")
+
+
+def test_a_leader_that_says_nothing_is_no_bad_news():
+    """It has nothing to lend. One who does not lead, nor is led, minds."""
+    channel = Channel().run(20.0)
+    channel.leader = "op"
+    channel.run(1.0).waits["op"] = None
+    assert channel.run(30.0).factor == 1.0
+    assert channel.why != "silence"
+    channel.leader = ""
+    assert channel.run(10.0).factor < 0.5
+    assert channel.why == "silence"
+
+
+def test_a_follower_sees_a_queue_before_its_leader_alone():
+    """What others say to it is seldom and old: they do not tell."""
+    channel = Channel(peers=("op", "a", "b"))
+    channel.leader, channel.tells_use = "op", (1.0,)
+    channel.run(20.0).waits |= {"a": None, "b": None}
+    for wait in (0.05, 0.1, 0.15, 0.2):
+        channel.waits["op"] = wait
+        channel.run(0.1)
+    assert channel.factor <= 0.7
+
+
+def test_who_leads_tells_what_is_in_force_and_how_much_is_used():
+    """What two others tell it is in force, so that is what it tells; what it finds itself is kept."""
+    channel = Channel(peers=("a", "b"), receivers=())
+    channel.leader = "us"
+    channel.run(20.0).tells |= {"a": 0.4, "b": 0.4}
+    force, used = channel.run(3.0).capacity.telling(channel.now)
+    assert force == channel.factor == pytest.approx(0.4)
+    assert used == pytest.approx(0.4, rel=0.1)
+    channel.tells |= {"a": 1.0, "b": 1.0}
+    assert channel.run(0.1).factor == 1.0
+    assert channel.capacity.news(channel.now)
