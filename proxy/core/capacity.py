@@ -54,7 +54,7 @@ class Seen:
     """What the view knows of the use of the channel: samples `dropped` so far by anybody, whom our samples go to.
 
     `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
-    of every adaptive limit's ceiling that one sample of each stream takes together, `leader` who lends, if there is one.
+    of every adaptive limit's ceiling that one sample of each stream takes together, `leader` who lends, if any.
     """
 
     dropped: int

@@ -47,7 +47,8 @@ class Channel:
     def _speak(self, peer, wait, now, ours):
         samples = round(self.sent / 1000 * self.arriving)
         echoes = (Echo("us", ours.sent, ours.sent + 500.0 + wait, samples, 0.0),) if self.hears_us else ()
-        told = Digest(peer, peer, now + 77.0 - wait, 0, 0, 0, echoes=echoes, capacity=(self.tells[peer], *self.tells_use))
+        capacity = self.tells[peer], *self.tells_use
+        told = Digest(peer, peer, now + 77.0 - wait, 0, 0, 0, echoes=echoes, capacity=capacity)
         self.capacity.heard(now, told)
 
     @property
