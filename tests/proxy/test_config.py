@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from proxy.config import Config, settings
+from proxy.config import Config, MeshConfig, settings
 from proxy.core.mode import Mode
 
 

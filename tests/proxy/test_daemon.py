@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 from contextlib import ExitStack
+from functools import partial
 
 import pytest
 import zenoh
@@ -408,7 +409,8 @@ def test_a_forged_state_on_the_group_is_not_even_malformed(stack, specs):
     wait_until(lambda: forger.put(f"{PREFIX}/mark", "mark") or heard.samples, what="an ordinary sample")
     assert robot.status()["refused"] == {"digest:malformed": 1}
     insider = closing(stack, plain_session("peer", connect=(robot.mesh,)))
-    wait_until(lambda: insider.put(keys.digest("r2", "z2"), "forged") or robot.status()["malformed"] > 1, what="its effect")
+    speak = partial(insider.put, keys.digest("r2", "z2"), "forged")
+    wait_until(lambda: speak() or robot.status()["malformed"] > 1, what="its effect")
 
 
 def test_the_status_says_what_was_denied_and_what_bypassed(stack, specs):
