@@ -392,7 +392,10 @@ class SharedView:
         heir = Stream(stream.id, robot, stream.key, stream.information_type, touched=stream.touched)
         heir.last, heir.sent, heir.interval, heir.recent = stream.last, stream.sent, stream.interval, stream.recent
         heir.reached = stream.reached
+        heir.cover(stream.information_type)
         heir.schedule.assume(stream.schedule.period)
+        if stream.last is not None:
+            heir.schedule.observe(None, stream.last.t_gen)
         self._admit(heir)
 
     def _free_name(self, robot: str, zid: str) -> str:

@@ -30,7 +30,7 @@ class Errors:
 
 @dataclass(slots=True)
 class Probe:
-    """Asks every robot, one period before a sample is generated, when it expects it."""
+    """Asks robots, one period before a sample is generated, when they expect it: its own, and those that plan for it."""
 
     own: Errors = field(default_factory=Errors)
     others: Errors = field(default_factory=Errors)
@@ -49,12 +49,20 @@ class Probe:
 
     def _ask(self, team: Team, frame: Frame, period: float, t: float) -> None:
         for member in team.members.values():
+            if member.robot != frame.robot and not _plans(member):
+                continue
             errors = self.own if member.robot == frame.robot else self.others
             times = _expected(member, frame, t, t + REACH * period)
             if times:
                 errors.each.append(min(abs(each - frame.t_gen) for each in times) / period)
             else:
                 errors.none += 1
+
+
+def _plans(member: Member) -> bool:
+    """Whether a robot plans for the others: where limits are shared only who leads does."""
+    core = member.core
+    return core.settings.coordination == "overhear" or core.shares.leads
 
 
 def _expected(member: Member, frame: Frame, t: float, until: float) -> list[float]:

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from proxy.config import Config, settings
+from proxy.config import Config, MeshConfig, settings
 from proxy.core.mode import Mode
 
 
@@ -91,3 +91,17 @@ def test_settings_tell_what_a_flag_may_hold():
         "log.level",
     }
     assert {key for key, setting in found.items() if setting.takes_table} == {"app.zenoh", "mesh.zenoh"}
+
+
+@pytest.mark.parametrize(
+    ("mesh", "secured"),
+    [
+        ({}, False),
+        ({"listen": ("tls/0.0.0.0:7500",)}, True),
+        ({"connect": ("quic/10.0.0.2:7500",)}, True),
+        ({"connect": ("tcp/10.0.0.2:7500",)}, False),
+    ],
+)
+def test_tls_on_the_mesh_is_known_by_its_endpoints(mesh, secured):
+    """Where robots know who speaks, nobody is believed on the air."""
+    assert MeshConfig(**mesh).secured is secured

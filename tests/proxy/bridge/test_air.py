@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.bridge import air as air_module
+from proxy.bridge import keys
 from proxy.bridge.air import PREFIX, Broadcast, broadcast_options, pattern
 from proxy.bridge.sessions import zenoh_session
 from proxy.core.events import SampleHeard
@@ -34,6 +35,27 @@ def team(stack, tmp_path, group):
     made = robots.team(stack, tmp_path, transport="broadcast", group=group, interface=LOOPBACK)
     wait_until(lambda: all(robot.air.describe()["heard"] == 2 for robot in made), what="all on the group")
     return made
+
+
+def test_digests_are_heard_where_somebody_attends_to_them(stack, group):
+    """Of Sendworthy's own keys nothing else is, nor are digests taken for samples."""
+    made, heard = opened(stack, group)
+    other, told = opened(stack, group)[0], []
+    wait_until(lambda: made.describe()["heard"] == 1, what="the other one")
+    made.attend(lambda key, sample: told.append((key, sample.payload.to_string())))
+    key = keys.digest("r2", "a1b2c3d4")
+
+    def say():
+        other.announce(keys.state("r2", "a1b2c3d4"), b"state")
+        other.announce(key, b"digest")
+        return told
+
+    wait_until(say, what="a digest")
+    assert set(told) == {(key, "digest")}
+    assert heard == []
+    made._reopen()
+    told.clear()
+    wait_until(say, what="a digest after the session was opened anew")
 
 
 def opened(stack, group, *, others=False):
