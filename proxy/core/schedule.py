@@ -52,6 +52,8 @@ class Schedule:
         self._pattern: Pattern | None = None
         self._patience: float | None = None
         """Once it is known, and as long as the pattern holds."""
+        self._next = math.inf
+        """When the next sample is about due, known as long as the patience is [s]."""
         self._told = ("", 0.0)
         self._longest = 0.0
         self._pause = 0.0
@@ -91,10 +93,11 @@ class Schedule:
     @property
     def patience(self) -> float:
         """The stream is over when it is silent for longer than this [s]."""
-        pattern = self._recognised()
         if self._patience is None:
-            known = pattern and max(self._silence(pattern.pause), PERIODS * pattern.period)
-            self._patience = known or STALE
+            pattern = self._recognised()
+            period = pattern.period if pattern else math.inf
+            self._patience = max(self._silence(pattern.pause), PERIODS * period) if pattern else STALE
+            self._next = self._past[-1][1] + period if self._past else math.inf
         return self._patience
 
     def over(self, now: float) -> bool:
@@ -150,6 +153,12 @@ class Schedule:
         if pattern is None or most <= 0 or until <= after:
             return []
         return pattern.expect(Span(after if now is None else now, after, until, most))
+
+    def due(self, now: float) -> float:
+        """About when the next sample comes [s], at the cost of a look; never, while no period is known."""
+        if self._patience is None:
+            self._patience = self.patience
+        return max(now, self._next)
 
     def _goes_back(self, count: int | None, t_gen: float) -> bool:
         """Forget what stands in the way of a sample that comes before the last one; return whether it is to count.

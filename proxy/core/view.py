@@ -184,6 +184,11 @@ class SharedView:
         """Whether more of the stream is worth anything to somebody, and more is to be expected."""
         return stream.last is not None and self._active(now, stream) and bool(self.gaining(stream))
 
+    def competing(self, now: float) -> list[tuple[Stream, int]]:
+        """All streams that compete, and to how many robots more of each is worth anything."""
+        streams = [s for s in self._streams.values() if s.last is not None and self._active(now, s)]
+        return [(s, gaining) for s in streams if (gaining := len(self.gaining(s)))]
+
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
         return {peer.robot: name for name, peer in self.peers.items()} | {self.settings.robot: tag(self.settings.zid)}
