@@ -340,7 +340,10 @@ def test_of_too_many_streams_the_best_and_the_next_ones_have_places(make_specs):
     view.set_interest(("robot/**",))
     for number in range(8):
         period = 0.25 + 0.01 * number
-        add_stream(view, f"x{number}", period=period, scale=1.0 + 5.0 * (number >= 6), until=5.0 + 8 * period)
+        stream = view.stream(9.9, f"x{number}", f"robot/x{number}/camera")
+        for count in range(8):
+            t_gen = 9.9 + (count - 7) * period
+            stream.note_generated(count + 1, Generated(t_gen, 1000, 6.0 if number >= 6 else 1.0))
     assert chosen(view, union()) == {0.31, 0.32, 0.25, 0.26}
     promise = Promise(10.0, 10.1, 1000, 1.0, {})
     limits = replace(union(), promised={("x0", "robot/x0/camera"): [promise]})
