@@ -469,9 +469,8 @@ class Core:
             if digest.streams:
                 self.layout.hurry()
             grants = digest.grants if peer.offset.known else ()
-            self.shares.heard(
-                now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.uncertainty(now)
-            )
+            uncertainty = peer.offset.uncertainty(now) if grants else 0.0
+            self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
             self.channel.capacity.heard(now, digest)
             self._look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))

@@ -60,6 +60,8 @@ class DigestPacer:
         """Own keys that were told of at all."""
         self._granted: dict[Grant, int] = {}
         """How often each grant that still holds was told."""
+        self._offered: tuple[Grant, ...] = ()
+        """The grants that still hold."""
         self._told: dict[str, tuple[float, StreamDigest]] = {}
         """What was last told of each own stream, by its key, and when."""
         self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
@@ -81,7 +83,7 @@ class DigestPacer:
 
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
-        return any(s.last is not None and s.key not in self._ever for s in streams)
+        return any(s.key not in self._ever and s.last is not None for s in streams)
 
     def due(self, now: float, *, urgent: bool, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once."""
@@ -141,7 +143,10 @@ class DigestPacer:
 
     def addressee(self, grants: Iterable[Grant]) -> str:
         """Who is to be told of a grant next: of the one that begins first; nobody when all are told."""
-        self._granted = {grant: self._granted.get(grant, 0) for grant in grants}
+        offered = tuple(grants)
+        if offered != self._offered:
+            self._granted = {grant: self._granted.get(grant, 0) for grant in offered}
+            self._offered = offered
         untold = [grant for grant, times in self._granted.items() if times < TOLD]
         return min(untold, key=lambda grant: (grant.begins, grant.peer)).peer if untold else ""
 
@@ -172,6 +177,7 @@ class DigestPacer:
         """Somebody new is there: everything is news again."""
         self._told.clear()
         self._granted.clear()
+        self._offered = ()
 
     def _digest(self, stream: Stream) -> StreamDigest | None:
         """Return what there is to tell of a stream; it is made when the stream has changed."""
