@@ -104,17 +104,20 @@ class Core:
         self._state_at = self._restated = now - STATE_PACE
         self._restate_at = now
         """When to look whether our state is news."""
+        self._next_digest = -math.inf
+        """When the next digest is due, as things are since the last event [s]."""
+        self._taking_in = type(self).__dict__["_on"].dispatcher.dispatch
         self._adopt_limits(now)
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order."""
-        commands = [*self._on(event), *self._advance(event.now)]
+        commands: list[Command] = [*self._taking_in(type(event))(self, event), *self._advance(event.now)]
         self._forget_dropped(commands)
         return commands
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
-        digest_due = now + 1.0 if self.layout.pending else self._digest_due(now)
+        digest_due = now + 1.0 if self.layout.pending else self._next_digest
         times = [digest_due, self.gate.wakes_at, self.layout.due_at, self.asking.next_at(), now + 1.0]
         times += self.channel.capacity.wake_at(now)
         if self._restate_at < float("inf"):
@@ -329,11 +332,18 @@ class Core:
             self.pacer.owe(now, QUESTION, 1)
             commands.append(AskState(self.view.peers[name].name, name))
         self.view.sweep(now)
-        for _ in range(MOST_AT_ONCE):
-            if self.layout.pending or now < self._digest_due(now):
-                break
-            commands.append(self._send_digest(now))
+        if not self.layout.pending:
+            self._tell(now, commands)
         return commands
+
+    def _tell(self, now: float, commands: list[Command]) -> None:
+        """Send the digests that are due, and see when the next one is."""
+        for _ in range(MOST_AT_ONCE):
+            self._next_digest = self._digest_due(now)
+            if now < self._next_digest:
+                return
+            commands.append(self._send_digest(now))
+        self._next_digest = self._digest_due(now)
 
     def _lay_out(self, now: float, commands: list[Command]) -> None:
         """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
@@ -465,9 +475,8 @@ class Core:
             if digest.streams:
                 self.layout.hurry()
             grants = digest.grants if peer.offset.known else ()
-            self.shares.heard(
-                now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.uncertainty(now)
-            )
+            uncertainty = peer.offset.uncertainty(now) if grants else 0.0
+            self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
             self.channel.capacity.heard(now, digest)
             self._look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))

@@ -95,7 +95,7 @@ class Gate:
         first = self._first.pop(sample, None)
         if first is not None:
             stream, names = first
-            stream.reached.difference_update(names)
+            stream.miss(names)
 
     def _decided(self, now: float, plan: Plan | None, error: str) -> list[Command]:
         pending, self.pending = self.pending, None

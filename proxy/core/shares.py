@@ -83,7 +83,7 @@ class Shares:
     @property
     def stragglers(self) -> list[str]:
         """Robots that are not known to be in our epoch."""
-        return [m for m in sorted(self._members - {self.own}) if self._epochs.get(m) != self.epoch]
+        return sorted(m for m in self._members if m != self.own and self._epochs.get(m) != self.epoch)
 
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
