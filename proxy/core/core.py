@@ -112,7 +112,9 @@ class Core:
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
         digest_due = now + 1.0 if self.layout.pending else self._digest_due(now)
-        times = [digest_due, self.gate.wakes_at, self.layout.due_at, self.asking.next_at(), now + 1.0]
+        times = [digest_due, self.gate.wakes_at, self.asking.next_at(), now + 1.0]
+        if self.settings.coordination == "shares":
+            times.append(self.layout.due_at)
         times += self.channel.capacity.wake_at(now)
         if self._restate_at < float("inf"):
             times.append(max(self._restate_at, self._state_due(now)))
