@@ -495,8 +495,8 @@ class Core:
             retold = self._told_at + STRAGGLER_PACE if self.shares.stragglers else math.inf
             return max(now, min(retold, self._told_all_at + ALL_PACE))
         news = self.pacer.has_news(own) or self.channel.capacity.speak(now)
-        # Where all plan for all, and nobody overhears what is sent, every message leaves the others less.
-        sent = not sharing and not is_broadcast(self.settings.transport) and self.view.messages != self._told_messages
+        # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
+        sent = not sharing and self.view.messages != self._told_messages
         urgent = self._urgent or sent
         due = self.pacer.due(now, urgent=urgent, news=news, copies=1 if to else max(1, self._digest_copies()))
         # What could be urgent later is not spent on news that nobody waits for.
