@@ -32,7 +32,6 @@ from proxy.core.shares import Shares
 from proxy.core.stating import WALL_STEP, differs, shortened, state_of, update_of
 from proxy.core.strangers import Strangers
 from proxy.core.stream import Generated, Stream
-from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.wall import WallClocks
 from proxy.core.warnings import namesake_warning, transport_warnings
@@ -498,7 +497,8 @@ class Core:
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self.view.messages != self._told_messages
         urgent = self._urgent or sent
-        due = self.pacer.due(now, urgent=urgent, news=news, copies=1 if to else max(1, self._digest_copies()))
+        copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
+        due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or not to else max(due, self._told_at + NEWS_PACE)
 
