@@ -33,7 +33,6 @@ from proxy.core.shares import Shares
 from proxy.core.stating import WALL_STEP, differs, shortened, state_of, update_of
 from proxy.core.strangers import Strangers
 from proxy.core.stream import Generated, Stream
-from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.wall import WallClocks
 from proxy.core.warnings import namesake_warning, transport_warnings
@@ -118,7 +117,9 @@ class Core:
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
         digest_due = now + 1.0 if self.layout.pending else self._next_digest
-        times = [digest_due, self.gate.wakes_at, self.layout.due_at, self.asking.next_at(), now + 1.0]
+        times = [digest_due, self.gate.wakes_at, self.asking.next_at(), now + 1.0]
+        if self.settings.coordination == "shares":
+            times.append(self.layout.due_at)
         times += self.channel.capacity.wake_at(now)
         if self._restate_at < float("inf"):
             times.append(max(self._restate_at, self._state_due(now)))
@@ -517,10 +518,11 @@ class Core:
             return max(now, min(retold, all_due))
         speak = self.channel.capacity.speak(now)
         news = speak or self.pacer.has_news(own)
-        # Where all plan for all, and nobody overhears what is sent, every message leaves the others less.
-        sent = not sharing and not is_broadcast(self.settings.transport) and self.view.messages != self._told_messages
+        # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
+        sent = not sharing and self.view.messages != self._told_messages
         urgent = self._urgent or sent
-        due = self.pacer.due(now, urgent=urgent, news=news, copies=1 if to else max(1, self._digest_copies()))
+        copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
+        due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
 

@@ -85,12 +85,15 @@ class DigestPacer:
         """Whether there is a stream that was never told of."""
         return any(s.key not in self._ever and s.last is not None for s in streams)
 
-    def due(self, now: float, *, urgent: bool, news: bool, copies: int) -> float:
-        """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once."""
+    def due(self, now: float, *, urgent: bool, news: bool, copies: int, spare: int = 1) -> float:
+        """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
+
+        Where it is not urgent, `spare` urgent ones could still follow it, two at most.
+        """
         cost = self._size * copies
         self._depth = max(self._depth, cost)
         self._fill(now)
-        needed = cost if urgent else 2.0 * cost
+        needed = cost if urgent else (1.0 + spare) * cost
         rate = self._rate if self._debt <= 0.0 else self._rate / 2.0
         affordable = now + max(0.0, needed - self._tokens) / rate
         return affordable if urgent or news else max(affordable, self._last + SLOW)

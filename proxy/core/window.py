@@ -37,7 +37,7 @@ LEAD = 0.02
 ASKED = 0.25
 """A robot waits so long for us to lend what a message takes [s]."""
 OVERHEARD = 0.05
-"""What was sent we have overheard so much later at most, besides the latency [s]."""
+"""What was sent we have overheard so much later at most, besides the latency and the stream's jitter [s]."""
 MOST_OF_OWN = 3
 """So many waiting samples, and so many forecasts, of a stream with an aggregation of the operator's.
 
@@ -230,7 +230,9 @@ class WindowBuilder:
             promised = limits.promised.get((stream.robot, stream.key), ())
             return max([now + c.audience.latency + LEAD, *(p.t_gen + half for p in promised[-1:])])
         heard = max(stream.schedule.last or now, stream.sent.t_gen + half if stream.sent else 0.0)
-        known = now - c.audience.latency - OVERHEARD if view.overhears(stream) else now - longest
+        known = (
+            now - c.audience.latency - OVERHEARD - stream.schedule.jitter if view.overhears(stream) else now - longest
+        )
         return max(heard, known)
 
     def _problem(
