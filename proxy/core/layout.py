@@ -7,6 +7,7 @@ robots are lent what these take, around the time at which they are expected. The
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from planner import Plan
 from proxy.core.asks import ANSWERED, SPREADS, asks
@@ -25,6 +26,8 @@ LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 MARGIN = 1.01
 """Messages may be larger by so much than the last one of the stream."""
+LEARNING = 0.2
+"""So much counts the last message of a stream for how far off they are."""
 REMEMBERED = 16
 """So many promises of a stream are looked back on."""
 DOUBT = 3.0
@@ -40,6 +43,7 @@ class Layout:
         self._gate = gate
         self._windows = windows
         self._promised: dict[tuple[str, str], list[Promise]] = {}
+        self._off: dict[tuple[str, str], _Off] = {}
         self._asked_at = -math.inf
         self._ticket: int | None = None
         self._ahead: Ahead = {}
@@ -114,13 +118,47 @@ class Layout:
 
     def _slack(self, expected: Expected) -> float:
         peer = next(p for p in self._view.peers.values() if p.robot == expected.stream.robot)
-        return LEAST_SLACK + SPREADS * spread(expected.stream) + peer.offset.latency
+        off = self._off.get((expected.stream.robot, expected.stream.key))
+        deviation = max(spread(expected.stream), 0.0 if off is None else off.deviation)
+        return LEAST_SLACK + SPREADS * deviation + peer.offset.latency
+
+    def _look_back(self) -> None:
+        """How far off what was expected came, as far as we are told."""
+        for place, promises in self._promised.items():
+            stream = self._view.known(*place)
+            if stream is not None and stream.last is not None:
+                self._off.setdefault(place, _Off()).note(stream.newest.t_gen, promises, 0.5 * stream.schedule.period)
+        if len(self._off) > self._view.settings.streams:
+            self._off = {place: off for place, off in self._off.items() if place in self._promised}
 
     def _forget(self, now: float) -> None:
+        self._look_back()
         for place, promises in list(self._promised.items()):
             promises[:] = [p for p in promises[-REMEMBERED:] if p.ends >= now - DOUBT]
             if not promises:
                 del self._promised[place]
+
+
+@dataclass(slots=True)
+class _Off:
+    """By how much the messages of a stream came off when they were expected: mean of the squares [s²]."""
+
+    square: float = 0.0
+    looked_at: float = -math.inf
+
+    @property
+    def deviation(self) -> float:
+        """In standard deviations [s]."""
+        return math.sqrt(self.square)
+
+    def note(self, t_gen: float, promises: Iterable[Promise], most: float) -> None:
+        """A message was generated then; one more than `most` off was not the one expected [s]."""
+        if t_gen <= self.looked_at:
+            return
+        self.looked_at = t_gen
+        off = min((abs(t_gen - p.t_gen) for p in promises), default=math.inf)
+        if off < most:
+            self.square += LEARNING * (off * off - self.square)
 
 
 def spread(stream: Stream) -> float:
