@@ -31,6 +31,8 @@ EDGE = 1e-3
 """What one robot lends, the next one may use so much later [s]: windows are closed, and times are rounded."""
 MOST_GRANTS = 1024
 """Grants that can be alive at the same time."""
+STAYS = 2.5
+"""What is lent for so long at once is lent for more than one message [s]."""
 TERMS = 1 << 20
 """Terms are counted up to here."""
 
@@ -43,6 +45,11 @@ class Lent:
     begins: float
     ends: float
     amounts: tuple[float, ...]
+
+    @property
+    def stays(self) -> bool:
+        """Whether it is a slot, which is lengthened as a rule before it ends."""
+        return self.ends - self.begins >= STAYS
 
     def at(self, t: float, k: int, window: float) -> float:
         """What of constraint `k` belongs to the robot at a time, for sends within the window that ends then."""
@@ -194,7 +201,7 @@ class Shares:
             )
         begun = [lent for lent in self._lent if lent.begins <= now]
         return all(
-            amount <= self._factors[k] * sum(lent.amounts[k] for lent in begun if t <= lent.ends)
+            amount <= self._factors[k] * sum(lent.amounts[k] for lent in begun if t <= lent.ends or lent.stays)
             for k, amount in enumerate(use)
             if self._limits[k].shared
         )
