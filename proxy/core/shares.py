@@ -206,6 +206,10 @@ class Shares:
             if self._limits[k].shared
         )
 
+    def stays(self, now: float) -> bool:
+        """Whether what we hold is ours for longer than the next message: slots, or where we lead what is left."""
+        return self.leads or any(lent.stays for lent in self._lent if lent.begins <= now <= lent.ends)
+
     def opens(self, now: float, use: tuple[float, ...], until: float) -> float | None:
         """When a message with this use may be sent by what we know, in (now, until]; None when it may not."""
         times = {lent.begins for lent in self._lent if not self.leads}
