@@ -141,7 +141,9 @@ class Gate:
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
         held = [Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)]
-        return Limits(self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now))
+        return Limits(
+            self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now)
+        )
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""

@@ -263,7 +263,7 @@ class Shares:
 
         There is one of these times of begin and amounts, so the robot knows which of what it was lent is meant.
         """
-        if lent not in self._lent:
+        if not self.leads or not self.confirmed(now) or lent not in self._lent:
             return None
         longer = replace(lent, ends=_rounded(latest))
         self._lent.remove(lent)
