@@ -354,7 +354,9 @@ class Core:
         self._set_rate()
         if now >= self.pacer.due(now, urgent=True, news=True, copies=1):
             self._tickets += 1
+            before = self.layout.lent
             commands += self.layout.ask(now, self._tickets, self.gate.inbox)
+            self._urgent |= self.layout.lent > before
 
     def _set_rate(self) -> None:
         """A part of what all may tell each other is for who plans for all; the others have news."""

@@ -264,7 +264,7 @@ class WindowBuilder:
             traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.audience.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
-            goes_on=limits.holds is None,
+            goes_on=limits.stays,
         )
         return problem, places
 

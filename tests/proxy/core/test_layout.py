@@ -1,8 +1,10 @@
 """As leader, what others should send is planned, and lent to them ahead of time."""
 
 from proxy.core.commands import SendDigest
-from studies.simulation.flights import Conditions, draw, fly, scenario
-from studies.simulation.scores import use
+from studies.simulation.conditions import Conditions
+from studies.simulation.flights import fly
+from studies.simulation.missions import draw, scenario
+from studies.simulation.usage import usage
 
 
 def flown(**conditions):
