@@ -16,7 +16,7 @@ def flown(**conditions):
 def test_a_team_that_shares_uses_most_of_a_small_limit_and_never_exceeds_it():
     """Two messages per 2.5 s among ten robots: whole messages are lent to those who are planned to send."""
     how, team = flown()
-    told = use(team, how)
+    told = usage(team, how)
     assert told.exceeding == 0.0
     assert told.messages >= 0.5
     leaders = [core for core in team.cores.values() if core.shares.leads]
