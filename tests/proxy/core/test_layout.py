@@ -10,13 +10,13 @@ from studies.simulation.usage import usage
 def flown(**conditions):
     how = Conditions(limit=2, seconds=10.0, loss=0.05, **conditions)
     mission = draw(scenario("mixed"), 0, how)
-    return how, fly(mission, how, 0)
+    team = fly(mission, how, 0)
+    return usage(mission, team, how), team
 
 
 def test_a_team_that_shares_uses_most_of_a_small_limit_and_never_exceeds_it():
     """Two messages per 2.5 s among ten robots: whole messages are lent to those who are planned to send."""
-    how, team = flown()
-    told = usage(team, how)
+    told, team = flown()
     assert told.exceeding == 0.0
     assert told.messages >= 0.5
     leaders = [core for core in team.cores.values() if core.shares.leads]
