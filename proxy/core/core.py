@@ -33,7 +33,6 @@ from proxy.core.shares import Shares
 from proxy.core.stating import WALL_STEP, differs, shortened, state_of, update_of
 from proxy.core.strangers import Strangers
 from proxy.core.stream import Generated, Stream
-from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.wall import WallClocks
 from proxy.core.warnings import namesake_warning, transport_warnings
@@ -104,18 +103,23 @@ class Core:
         self._state_at = self._restated = now - STATE_PACE
         self._restate_at = now
         """When to look whether our state is news."""
+        self._next_digest = -math.inf
+        """When the next digest is due, as things are since the last event [s]."""
+        self._taking_in = type(self).__dict__["_on"].dispatcher.dispatch
         self._adopt_limits(now)
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order."""
-        commands = [*self._on(event), *self._advance(event.now)]
+        commands: list[Command] = [*self._taking_in(type(event))(self, event), *self._advance(event.now)]
         self._forget_dropped(commands)
         return commands
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
-        digest_due = now + 1.0 if self.layout.pending else self._digest_due(now)
-        times = [digest_due, self.gate.wakes_at, self.layout.due_at, self.asking.next_at(), now + 1.0]
+        digest_due = now + 1.0 if self.layout.pending else self._next_digest
+        times = [digest_due, self.gate.wakes_at, self.asking.next_at(), now + 1.0]
+        if self.settings.coordination == "shares":
+            times.append(self.layout.due_at)
         times += self.channel.capacity.wake_at(now)
         if self._restate_at < float("inf"):
             times.append(max(self._restate_at, self._state_due(now)))
@@ -329,11 +333,18 @@ class Core:
             self.pacer.owe(now, QUESTION, 1)
             commands.append(AskState(self.view.peers[name].name, name))
         self.view.sweep(now)
-        for _ in range(MOST_AT_ONCE):
-            if self.layout.pending or now < self._digest_due(now):
-                break
-            commands.append(self._send_digest(now))
+        if not self.layout.pending:
+            self._tell(now, commands)
         return commands
+
+    def _tell(self, now: float, commands: list[Command]) -> None:
+        """Send the digests that are due, and see when the next one is."""
+        for _ in range(MOST_AT_ONCE):
+            self._next_digest = self._digest_due(now)
+            if now < self._next_digest:
+                return
+            commands.append(self._send_digest(now))
+        self._next_digest = self._digest_due(now)
 
     def _lay_out(self, now: float, commands: list[Command]) -> None:
         """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
@@ -343,7 +354,9 @@ class Core:
         self._set_rate()
         if now >= self.pacer.due(now, urgent=True, news=True, copies=1):
             self._tickets += 1
+            before = self.layout.lent
             commands += self.layout.ask(now, self._tickets, self.gate.inbox)
+            self._urgent |= self.layout.lent > before
 
     def _set_rate(self) -> None:
         """A part of what all may tell each other is for who plans for all; the others have news."""
@@ -465,9 +478,8 @@ class Core:
             if digest.streams:
                 self.layout.hurry()
             grants = digest.grants if peer.offset.known else ()
-            self.shares.heard(
-                now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=peer.offset.uncertainty(now)
-            )
+            uncertainty = peer.offset.uncertainty(now) if grants else 0.0
+            self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
             self.channel.capacity.heard(now, digest)
             self._look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
@@ -508,10 +520,11 @@ class Core:
             return max(now, min(retold, all_due))
         speak = self.channel.capacity.speak(now)
         news = speak or self.pacer.has_news(own)
-        # Where all plan for all, and nobody overhears what is sent, every message leaves the others less.
-        sent = not sharing and not is_broadcast(self.settings.transport) and self.view.messages != self._told_messages
+        # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
+        sent = not sharing and self.view.messages != self._told_messages
         urgent = self._urgent or sent
-        due = self.pacer.due(now, urgent=urgent, news=news, copies=1 if to else max(1, self._digest_copies()))
+        copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
+        due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
 

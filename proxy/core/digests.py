@@ -60,8 +60,12 @@ class DigestPacer:
         """Own keys that were told of at all."""
         self._granted: dict[Grant, int] = {}
         """How often each grant that still holds was told."""
+        self._offered: tuple[Grant, ...] = ()
+        """The grants that still hold."""
         self._told: dict[str, tuple[float, StreamDigest]] = {}
         """What was last told of each own stream, by its key, and when."""
+        self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
+        """What there is to tell of each stream, by its key, since so many changes of it."""
 
     def set_rate(self, rate: float) -> None:
         """The allowance of this robot is now `rate` [B/s], all copies together."""
@@ -79,14 +83,17 @@ class DigestPacer:
 
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
-        return any(s.last is not None and s.key not in self._ever for s in streams)
+        return any(s.key not in self._ever and s.last is not None for s in streams)
 
-    def due(self, now: float, *, urgent: bool, news: bool, copies: int) -> float:
-        """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once."""
+    def due(self, now: float, *, urgent: bool, news: bool, copies: int, spare: int = 1) -> float:
+        """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
+
+        Where it is not urgent, `spare` urgent ones could still follow it, two at most.
+        """
         cost = self._size * copies
         self._depth = max(self._depth, cost)
         self._fill(now)
-        needed = cost if urgent else 2.0 * cost
+        needed = cost if urgent else (1.0 + spare) * cost
         rate = self._rate if self._debt <= 0.0 else self._rate / 2.0
         affordable = now + max(0.0, needed - self._tokens) / rate
         return affordable if urgent or news else max(affordable, self._last + SLOW)
@@ -114,7 +121,8 @@ class DigestPacer:
         """News of own streams since they were last told of, the most changed first, and some that may be lost."""
         known = {s.key for s in streams}
         self._told = {key: told for key, told in self._told.items() if key in known}
-        current = [(s, d) for s in streams if (d := _of(s)) is not None]
+        self._digests = {key: digest for key, digest in self._digests.items() if key in known}
+        current = [(s, d) for s in streams if (d := self._digest(s)) is not None]
         news = [(s, d) for s, d in current if s.key not in self._told or self._told[s.key][1] != d]
         news.sort(key=lambda entry: -self._weight(*entry))
         old = [(s, d) for s, d in current if s.key in self._told and now >= self._told[s.key][0] + REFRESH]
@@ -138,7 +146,10 @@ class DigestPacer:
 
     def addressee(self, grants: Iterable[Grant]) -> str:
         """Who is to be told of a grant next: of the one that begins first; nobody when all are told."""
-        self._granted = {grant: self._granted.get(grant, 0) for grant in grants}
+        offered = tuple(grants)
+        if offered != self._offered:
+            self._granted = {grant: self._granted.get(grant, 0) for grant in offered}
+            self._offered = offered
         untold = [grant for grant, times in self._granted.items() if times < TOLD]
         return min(untold, key=lambda grant: (grant.begins, grant.peer)).peer if untold else ""
 
@@ -151,7 +162,11 @@ class DigestPacer:
 
     def has_news(self, streams: list[Stream]) -> bool:
         """Whether any stream changed since it was last told of."""
-        return any(s.key not in self._told or self._told[s.key][1] != _of(s) for s in streams if s.last is not None)
+        for stream in streams:
+            digest, told = self._digest(stream), self._told.get(stream.key)
+            if digest is not None and (told is None or (told[1] is not digest and told[1] != digest)):
+                return True
+        return False
 
     def value_changed(self, stream: Stream) -> bool:
         """Whether the stream's value changed enough since it was last told of to alter others' plans."""
@@ -165,6 +180,17 @@ class DigestPacer:
         """Somebody new is there: everything is news again."""
         self._told.clear()
         self._granted.clear()
+        self._offered = ()
+
+    def _digest(self, stream: Stream) -> StreamDigest | None:
+        """Return what there is to tell of a stream; it is made when the stream has changed."""
+        known = self._digests.get(stream.key)
+        if known is not None and known[0] is stream and known[1] == stream.changes:
+            return known[2]
+        digest = _of(stream)
+        if digest is not None:
+            self._digests[stream.key] = stream, stream.changes, digest
+        return digest
 
     def _weight(self, stream: Stream, digest: StreamDigest) -> float:
         told = self._told.get(stream.key)
@@ -172,8 +198,10 @@ class DigestPacer:
 
     def _fill(self, now: float) -> None:
         """What came in since then; as much as is owed, up to a half, is paid."""
-        came = max(0.0, now - self._updated) * self._rate
-        self._updated = max(now, self._updated)
+        if now <= self._updated:
+            return
+        came = (now - self._updated) * self._rate
+        self._updated = now
         most = max(3.0 * self._depth, self._rate)
         self._echoing = min(most, self._echoing + ECHOING * came)
         paid = min(max(0.0, self._debt), came / 2.0)

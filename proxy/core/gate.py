@@ -59,6 +59,8 @@ class Gate:
         self._deletions = Deletions()
         self.promised: Promises | None = None
         """What we let others send, where it is we who lend."""
+        self.standing = False
+        """Whether we lend slots that stay, so that what we hold is ours as it is for others."""
         self.wakes_at = math.inf
         """When a sample that waits for room can be taken up [s]."""
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
@@ -95,7 +97,7 @@ class Gate:
         first = self._first.pop(sample, None)
         if first is not None:
             stream, names = first
-            stream.reached.difference_update(names)
+            stream.miss(names)
 
     def _decided(self, now: float, plan: Plan | None, error: str) -> list[Command]:
         pending, self.pending = self.pending, None
@@ -132,14 +134,16 @@ class Gate:
         shares = self._shares
         if not self._sharing:
             return Limits(self.limits, (), shares.sent(), self._others(now))
-        if shares.leads:
+        if shares.leads and not self.standing:
             play = [PLAY if limit.shared else 0.0 for limit in self.limits]
             union = tuple(
                 replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
         held = [Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)]
-        return Limits(self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now))
+        return Limits(
+            self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now)
+        )
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""

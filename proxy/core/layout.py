@@ -7,6 +7,7 @@ robots are lent what these take, around the time at which they are expected. The
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from planner import Plan
 from proxy.core.asks import ANSWERED, SPREADS, asks
@@ -14,7 +15,8 @@ from proxy.core.commands import Decide
 from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Promise, use_of
-from proxy.core.shares import Shares
+from proxy.core.shares import Lent, Shares
+from proxy.core.slots import MARGIN, STANDING, Demand, Place, allot, demands
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 from proxy.core.window import Ahead, Expected, WindowBuilder
@@ -23,8 +25,16 @@ PACE = 0.1
 """It is planned this often at most [s]."""
 LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
-MARGIN = 1.01
-"""Messages may be larger by so much than the last one of the stream."""
+LOOK = 1.0
+"""A slot is lengthened so long before the robot would have none [s]..."""
+RENEWED = 2.0
+"""... by so much more [s]."""
+LONGEST = 600.0
+"""No slot lasts longer; then another one is lent [s]."""
+LARGER = 1.5
+"""A slot may be larger than what it is for by this factor."""
+LEARNING = 0.2
+"""So much counts the last message of a stream for how far off they are."""
 REMEMBERED = 16
 """So many promises of a stream are looked back on."""
 DOUBT = 3.0
@@ -40,6 +50,8 @@ class Layout:
         self._gate = gate
         self._windows = windows
         self._promised: dict[tuple[str, str], list[Promise]] = {}
+        self._off: dict[tuple[str, str], _Off] = {}
+        self._slots: dict[Place, list[Lent]] = {}
         self._asked_at = -math.inf
         self._ticket: int | None = None
         self._ahead: Ahead = {}
@@ -48,13 +60,20 @@ class Layout:
     def ask(self, now: float, ticket: int, waiting: Iterable[Waiting]) -> list[Decide]:
         """Have it planned what others should send, if it is time to."""
         if not self._shares.leads or len(self._shares.members) < 2 or not self._gate.limits:
-            self._gate.promised, self._ticket = None, None
+            self._gate.promised, self._ticket, self._gate.standing = None, None, False
             self._promised.clear()
+            self._slots.clear()
             return []
         if now < self._asked_at + PACE or not self._shares.confirmed(now):
             return []
         self._asked_at = now
         self._forget(now)
+        self._gate.standing = self._vague(now)
+        if self._gate.standing:
+            self._gate.promised, self._ticket = None, None
+            self._promised.clear()
+            self._stand(now)
+            return []
         found = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
         if found is None or not found[1]:
             return []
@@ -89,6 +108,44 @@ class Layout:
         """There is news: plan anew at once."""
         self._asked_at = -math.inf
 
+    def _vague(self, now: float) -> bool:
+        """Whether robots may be so wrong about our clock that slots are better than grants for single messages."""
+        window = max((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
+        offsets = (peer.offset for peer in self._view.peers.values() if peer.offset.known)
+        return max((offset.uncertainty(now) for offset in offsets), default=0.0) > STANDING * window
+
+    def _stand(self, now: float) -> None:
+        """Lend slots, and lengthen those that are to stay."""
+        shares, own = self._shares, self._view.settings.robot
+        shared = tuple(limit for limit in self._gate.limits if limit.shared)
+        tags = {peer.robot: name for name, peer in self._view.peers.items() if peer.offset.known}
+        wanted = [d for d in demands(now, self._view, shared) if d.place[0] == own or d.place[0] in tags]
+        alive = set(shares.lent(now))
+        self._slots = {
+            place: left for place, slots in self._slots.items() if (left := [s for s in slots if s in alive])
+        }
+        held = {place: len(slots) for place, slots in self._slots.items()}
+        counts = allot(wanted, [shares.whole(k) for k in range(len(shared))], held)
+        for demand in wanted:
+            if demand.place[0] != own:
+                self._fill(now, demand, counts[demand.place], tags[demand.place[0]])
+
+    def _fill(self, now: float, demand: Demand, count: int, peer: str) -> None:
+        """Let a stream of `peer` have so many slots, and for those that last too short more time."""
+        slots, offset = self._slots.setdefault(demand.place, []), self._view.peers[peer].offset
+        heard = now + offset.latency + offset.uncertainty(now) + LOOK
+        fitting = [s for s in slots if _fits(demand.use, s.amounts) and s.ends - s.begins < LONGEST]
+        for slot in fitting[:count]:
+            if slot.ends < heard and (longer := self._shares.lengthen(now, slot, heard + RENEWED)) is not None:
+                slots[slots.index(slot)] = longer
+                self.lent += 1
+        for _ in range(count - len(fitting)):
+            lent = self._shares.lend(now, peer, now, heard + RENEWED, demand.use)
+            if lent is None:
+                break
+            slots.append(lent)
+            self.lent += 1
+
     def _asks(self, stream: Stream) -> bool:
         peer = next((peer for peer in self._view.peers.values() if peer.robot == stream.robot), None)
         return peer is not None and asks(self._view, stream, peer, self._gate.limits)
@@ -114,13 +171,52 @@ class Layout:
 
     def _slack(self, expected: Expected) -> float:
         peer = next(p for p in self._view.peers.values() if p.robot == expected.stream.robot)
-        return LEAST_SLACK + SPREADS * spread(expected.stream) + peer.offset.latency
+        off = self._off.get((expected.stream.robot, expected.stream.key))
+        deviation = max(spread(expected.stream), 0.0 if off is None else off.deviation)
+        return LEAST_SLACK + SPREADS * deviation + peer.offset.latency
+
+    def _look_back(self) -> None:
+        """How far off what was expected came, as far as we are told."""
+        for place, promises in self._promised.items():
+            stream = self._view.known(*place)
+            if stream is not None and stream.last is not None:
+                self._off.setdefault(place, _Off()).note(stream.newest.t_gen, promises, 0.5 * stream.schedule.period)
+        if len(self._off) > self._view.settings.streams:
+            self._off = {place: off for place, off in self._off.items() if place in self._promised}
 
     def _forget(self, now: float) -> None:
+        self._look_back()
         for place, promises in list(self._promised.items()):
             promises[:] = [p for p in promises[-REMEMBERED:] if p.ends >= now - DOUBT]
             if not promises:
                 del self._promised[place]
+
+
+@dataclass(slots=True)
+class _Off:
+    """By how much the messages of a stream came off when they were expected: mean of the squares [s²]."""
+
+    square: float = 0.0
+    looked_at: float = -math.inf
+
+    @property
+    def deviation(self) -> float:
+        """In standard deviations [s]."""
+        return math.sqrt(self.square)
+
+    def note(self, t_gen: float, promises: Iterable[Promise], most: float) -> None:
+        """A message was generated then; one more than `most` off was not the one expected [s]."""
+        if t_gen <= self.looked_at:
+            return
+        self.looked_at = t_gen
+        off = min((abs(t_gen - p.t_gen) for p in promises), default=math.inf)
+        if off < most:
+            self.square += LEARNING * (off * off - self.square)
+
+
+def _fits(use: tuple[float, ...], amounts: tuple[float, ...]) -> bool:
+    """Whether a slot has room for a message and a margin, and for not much more."""
+    return all(amount * MARGIN >= need >= amount / LARGER for need, amount in zip(use, amounts, strict=True))
 
 
 def spread(stream: Stream) -> float:

@@ -62,6 +62,8 @@ class Limits:
     others: tuple[tuple[float, tuple[float, ...]], ...] = ()
     promised: Promises | None = None
     holds: Callable[[float, tuple[float, ...]], bool] | None = None
+    stays: bool = True
+    """Whether what we hold is for longer than the next message."""
 
 
 def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Limit, ...]:

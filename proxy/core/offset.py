@@ -34,6 +34,8 @@ class ClockOffset:
         self._most: _Bound | None = None
         self._least: _Bound | None = None
         self._last: _Bound | None = None
+        self._offset: float | None = 0.0
+        """The estimate; None when it is to be worked out anew."""
         self.jumps = 0
         """How often a clock stood still or jumped, as one does while its robot sleeps."""
 
@@ -61,12 +63,9 @@ class ClockOffset:
     @property
     def offset(self) -> float:
         """Our clock minus the peer's [s] at the last digest; without echoes, as if the way here took no time."""
-        if self._last is None or self._most is None:
-            return 0.0
-        most = self._most.offset + self._most.widened(self._last.at)
-        if self._least is None:
-            return most
-        return (most + self._least.offset - self._least.widened(self._last.at)) / 2.0
+        if self._offset is None:
+            self._offset = self._estimated()
+        return self._offset
 
     def uncertainty(self, now: float) -> float:
         """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than `DRIFT`; else infinite."""
@@ -85,6 +84,14 @@ class ClockOffset:
         """The time on our clock when the peer's shows `theirs`."""
         return theirs + self.offset
 
+    def _estimated(self) -> float:
+        if self._last is None or self._most is None:
+            return 0.0
+        most = self._most.offset + self._most.widened(self._last.at)
+        if self._least is None:
+            return most
+        return (most + self._least.offset - self._least.widened(self._last.at)) / 2.0
+
     def _width(self, now: float) -> float:
         """The distance between the bounds at `now` [s]; negative when they contradict each other."""
         if self._most is None or self._least is None:
@@ -93,6 +100,7 @@ class ClockOffset:
 
     def _agree(self) -> None:
         """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
+        self._offset = None
         if self._last is None or self._width(self._last.at) >= -RESOLUTION:
             return
         self.jumps += 1

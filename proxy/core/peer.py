@@ -139,18 +139,15 @@ class Peer:
         """The part of the samples sent to us that does not reach us; None while unknown."""
         return self._in.share
 
-    def latency_to(self, size: float) -> float | None:
-        """Time from sending to receipt of one of our samples [s], else that of digests; None while unknown."""
-        if self.latency_out is not None:
-            return self.latency_out.of(size)
-        return self.offset.latency if self.offset.known else None
+    @property
+    def line_out(self) -> Latency | None:
+        """What our samples take to the peer, else digests; None while unknown."""
+        return self.latency_out or (Latency(self.offset.latency) if self.offset.known else None)
 
-    def latency_from(self, size: float) -> float | None:
-        """Time from sending to receipt of a sample of the peer [s]; None while unknown."""
-        line = self.latency_in
-        if line is not None:
-            return line.of(size)
-        return self.offset.latency if self.offset.known else None
+    @property
+    def line_in(self) -> Latency | None:
+        """What samples of the peer take to us, else digests there and back; None while unknown."""
+        return self.latency_in or (Latency(self.offset.latency) if self.offset.known else None)
 
     def take_state(self, now: float, state: State) -> None:
         """The peer's state replaces what it said before."""

@@ -29,10 +29,13 @@ def objection(now: float, peer: Peer, digest: Digest, known: Callable[[StreamDig
     """Return what is wrong with a peer's digest, or nothing; `known` finds the stream that news is of."""
     if digest.robot != peer.name:
         return "digest:forged"
-    if any(max(s.t_generated, s.t_forwarded) > digest.sent + AHEAD for s in digest.streams):
-        return "digest:time"
-    if any(_leaps(now, news, known(news)) for news in digest.streams):
-        return "digest:counts"
+    latest = digest.sent + AHEAD
+    for news in digest.streams:
+        if news.t_generated > latest or news.t_forwarded > latest:
+            return "digest:time"
+    for news in digest.streams:
+        if _leaps(now, news, known(news)):
+            return "digest:counts"
     if peer.digest is None or now - peer.digest_received > PATIENCE:
         return ""
     return _does_not_follow(peer.digest, now - peer.digest_received, digest)

@@ -50,6 +50,10 @@ class Schedule:
         self._past: deque[Numbered] = deque(maxlen=MEMORY)
         self._first: Numbered | None = None
         self._pattern: Pattern | None = None
+        self._patience: float | None = None
+        """Once it is known, and as long as the pattern holds."""
+        self._next = math.inf
+        """When the next sample is about due, known as long as the patience is [s]."""
         self._told = ("", 0.0)
         self._longest = 0.0
         self._pause = 0.0
@@ -89,17 +93,22 @@ class Schedule:
     @property
     def patience(self) -> float:
         """The stream is over when it is silent for longer than this [s]."""
-        pattern = self._recognised()
-        return STALE if pattern is None else max(self._silence(pattern.pause), PERIODS * pattern.period)
+        if self._patience is None:
+            pattern = self._recognised()
+            period = pattern.period if pattern else math.inf
+            self._patience = max(self._silence(pattern.pause), PERIODS * period) if pattern else STALE
+            self._next = self._past[-1][1] + period if self._past else math.inf
+        return self._patience
 
     def over(self, now: float) -> bool:
         """Whether no more samples are to be expected, as the stream is silent for too long by its own measure."""
-        return self.last is None or now - self.last >= self.patience
+        patience = self.patience if self._patience is None else self._patience
+        return not self._past or now - self._past[-1][1] >= patience
 
     def obey(self, rule: ScheduleRule | None, failed: Callable[[], None]) -> None:
         """Go by a rule of a spec, or by what is seen; `failed` is called when a function of the rule fails."""
         if rule != self._rule:
-            self._rule, self._pattern = rule, None
+            self._rule, self._pattern, self._patience = rule, None, None
         self._failed = failed
 
     def observe(self, count: int | None, t_gen: float) -> None:
@@ -128,14 +137,14 @@ class Schedule:
             self._longest = max(gap, FADE * self._longest)
         self._first = self._first or (number, t_gen)
         self._past.append((number, t_gen))
-        self._pattern, self._back = None, 0
+        self._pattern, self._patience, self._back = None, None, 0
         self._seen += 1
 
     def assume(self, period: float, kind: str = "") -> None:
         """Use what the stream's robot tells: it sees every sample, we perhaps a few."""
         if (kind, period) == self._told or not (math.isfinite(period) and period > 0.0):
             return
-        self._told, self._pattern = (kind, period), None
+        self._told, self._pattern, self._patience = (kind, period), None, None
         self._tracker.tell(period)
 
     def forecast(self, after: float, until: float, most: int, now: float | None = None) -> list[float]:
@@ -144,6 +153,12 @@ class Schedule:
         if pattern is None or most <= 0 or until <= after:
             return []
         return pattern.expect(Span(after if now is None else now, after, until, most))
+
+    def due(self, now: float) -> float:
+        """About when the next sample comes [s], at the cost of a look; never, while no period is known."""
+        if self._patience is None:
+            self._patience = self.patience
+        return max(now, self._next)
 
     def _goes_back(self, count: int | None, t_gen: float) -> bool:
         """Forget what stands in the way of a sample that comes before the last one; return whether it is to count.

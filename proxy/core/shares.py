@@ -17,7 +17,7 @@ meet have two leaders until they hear each other, and for one window more.
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from zlib import crc32
 
 from proxy.core.limits import Limit
@@ -31,6 +31,8 @@ EDGE = 1e-3
 """What one robot lends, the next one may use so much later [s]: windows are closed, and times are rounded."""
 MOST_GRANTS = 1024
 """Grants that can be alive at the same time."""
+STAYS = 2.5
+"""What is lent for so long at once is lent for more than one message [s]."""
 TERMS = 1 << 20
 """Terms are counted up to here."""
 
@@ -43,6 +45,11 @@ class Lent:
     begins: float
     ends: float
     amounts: tuple[float, ...]
+
+    @property
+    def stays(self) -> bool:
+        """Whether it is a slot, which is lengthened as a rule before it ends."""
+        return self.ends - self.begins >= STAYS
 
     def at(self, t: float, k: int, window: float) -> float:
         """What of constraint `k` belongs to the robot at a time, for sends within the window that ends then."""
@@ -67,6 +74,8 @@ class Shares:
         self._lent: list[Lent] = []
         self._told: dict[Grant, float] = {}
         """Grants that we made, or heard of: these are remembered for as long as they could come again."""
+        self._borrowed: dict[tuple[float, tuple[int, ...]], Lent] = {}
+        """What we were lent, by the begin on the clock of who lent it, and the amounts."""
         self._factors = [1.0] * len(limits)
         self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
 
@@ -83,7 +92,7 @@ class Shares:
     @property
     def stragglers(self) -> list[str]:
         """Robots that are not known to be in our epoch."""
-        return [m for m in sorted(self._members - {self.own}) if self._epochs.get(m) != self.epoch]
+        return sorted(m for m in self._members if m != self.own and self._epochs.get(m) != self.epoch)
 
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
@@ -184,12 +193,22 @@ class Shares:
 
     def holds(self, now: float, t: float, use: tuple[float, ...]) -> bool:
         """Whether what a message takes that is sent at a time to come would be of what is lent to us already."""
+        if self.leads:
+            return all(
+                amount <= self._factors[k] * (self.whole(k) - self._gone(t, k))
+                for k, amount in enumerate(use)
+                if self._limits[k].shared
+            )
         begun = [lent for lent in self._lent if lent.begins <= now]
         return all(
-            amount <= sum(lent.amounts[k] for lent in begun if t <= lent.ends)
+            amount <= sum(lent.amounts[k] for lent in begun if t <= lent.ends or lent.stays)
             for k, amount in enumerate(use)
             if self._limits[k].shared
         )
+
+    def stays(self, now: float) -> bool:
+        """Whether what we hold is ours for longer than the next message: slots, or where we lead what is left."""
+        return self.leads or any(lent.stays for lent in self._lent if lent.begins <= now <= lent.ends)
 
     def opens(self, now: float, use: tuple[float, ...], until: float) -> float | None:
         """When a message with this use may be sent by what we know, in (now, until]; None when it may not."""
@@ -227,12 +246,35 @@ class Shares:
         parts = tuple(self._parts(k, amount) for k, amount in enumerate(use))
         amounts = tuple(self._amount(k, part) for k, part in enumerate(parts))
         ends = _rounded(latest)
-        for begins in self._chances(max(now, earliest), ends):
+        taken = {e.begins for e in self._lent if e.robot == peer}
+        for chance in self._chances(max(now, earliest), ends):
+            begins = chance
+            while begins in taken:
+                begins = _rounded(begins + 1.5 * EDGE)
             if len(self._lent) < MOST_GRANTS and self._lendable(begins, ends, amounts):
                 lent = Lent(peer, begins, ends, amounts)
                 self._lent.append(lent)
                 self._told[Grant(peer, begins, ends, parts)] = ends
                 return lent
+        return None
+
+    def lengthen(self, now: float, lent: Lent, latest: float) -> Lent | None:
+        """Let a robot use until `latest` what it was lent for less; None when that is not left.
+
+        There is one of these times of begin and amounts, so the robot knows which of what it was lent is meant.
+        """
+        if not self.leads or not self.confirmed(now) or lent not in self._lent:
+            return None
+        longer = replace(lent, ends=_rounded(latest))
+        self._lent.remove(lent)
+        if longer.ends > lent.ends and self._lendable(max(lent.begins, _rounded(now)), longer.ends, lent.amounts):
+            self._lent.append(longer)
+            limits = (limit.measure.limit for limit in self._limits)
+            parts = tuple(round(amount * PARTS / limit) for amount, limit in zip(lent.amounts, limits, strict=False))
+            self._told = {g: e for g, e in self._told.items() if (g.peer, g.begins) != (lent.robot, lent.begins)}
+            self._told[Grant(lent.robot, lent.begins, longer.ends, parts)] = longer.ends
+            return longer
+        self._lent.append(lent)
         return None
 
     def lent(self, now: float) -> tuple[Lent, ...]:
@@ -311,9 +353,14 @@ class Shares:
         begins, ends = ours(grant.begins) + uncertainty, ours(grant.ends) - uncertainty
         if begins <= ends and ends >= now and len(self._lent) < MOST_GRANTS:
             self._told[grant] = ends
-            self._lent.append(
-                Lent(self.own, begins, ends, tuple(self._amount(k, part) for k, part in enumerate(grant.parts)))
-            )
+            amounts = tuple(self._amount(k, part) for k, part in enumerate(grant.parts))
+            place = grant.begins, grant.parts
+            self._borrowed = {known: lent for known, lent in self._borrowed.items() if lent in self._lent}
+            if (shorter := self._borrowed.get(place)) is not None:
+                begins, ends = min(begins, shorter.begins), max(ends, shorter.ends)
+                self._lent.remove(shorter)
+            self._borrowed[place] = Lent(self.own, begins, ends, amounts)
+            self._lent.append(self._borrowed[place])
 
     def _parts(self, k: int, amount: float) -> int:
         """An amount in parts of the ceiling, which all robots agree on."""
@@ -377,7 +424,7 @@ class Shares:
 
     def _follow(self, leader: str) -> None:
         self.leader = leader
-        self._lent, self._told, self._awaited = [], {}, set()
+        self._lent, self._told, self._borrowed, self._awaited = [], {}, {}, set()
 
     def _leader_of(self, epoch: int) -> str:
         """Who of those we know leads an epoch under the limits as we know them; empty when nobody does."""

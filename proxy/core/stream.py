@@ -2,7 +2,7 @@
 
 from bisect import bisect_left
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from proxy.core.features import Outlook
@@ -61,13 +61,17 @@ class Stream:
     """Mean size of the samples generated, the recent ones counting more [B]."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
+    changes: int = 0
+    """How often anything was noted of the stream, or it was covered anew."""
     _outlook: Outlook | None = None
     _steady: bool = True
     _expected: dict[int, Generated] = field(default_factory=dict)
+    _sent_to: tuple[str, ...] = ()
     _reach: list[float] = field(default_factory=list)
 
     def cover(self, information_type: InformationType) -> None:
         """This type covers the stream from now on: its schedule and its forecast of features hold."""
+        self.changes += 1
         failures, before = information_type.failures, self.information_type
         self.information_type = information_type
         self.schedule.obey(information_type.schedule, lambda: failures.note("schedule"))
@@ -87,6 +91,7 @@ class Stream:
         if count <= self.generated:
             return
         self.generated = count
+        self.changes += 1
         self.schedule.observe(count if numbered else None, last.t_gen)
         self.last = last
         self.mean_size += (last.size - self.mean_size) * (0.1 if self.mean_size else 1.0)
@@ -105,6 +110,7 @@ class Stream:
             return []
         noted: list[Sent] = []
         self.forwarded = count
+        self.changes += 1
         if self.sent is not None and sent.t_sent > self.sent.t_sent:
             gap = (sent.t_sent - self.sent.t_sent) / (missed + 1)
             self.interval = gap if self.interval == 0.0 else 0.8 * self.interval + 0.2 * gap
@@ -116,6 +122,17 @@ class Stream:
         self.recent.extend(noted)
         self.sent = sent
         return noted
+
+    def reach(self, names: tuple[str, ...]) -> None:
+        """Those robots were sent a sample; mostly they are the same as those before."""
+        if names is not self._sent_to:
+            self.reached.update(names)
+            self._sent_to = names
+
+    def miss(self, names: Iterable[str]) -> None:
+        """Those robots were not sent a sample after all."""
+        self.reached.difference_update(names)
+        self._sent_to = ()
 
     def expected(self, t_gen: float) -> Generated:
         """What the sample generated at `t_gen` [s] will be like; its own `t_gen` tells of when that was known."""

@@ -153,7 +153,7 @@ class SharedView:
     def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
         """The `count`-th sample sent of a stream was this one."""
         noted = stream.note_sent(count, sent)
-        stream.reached.update(self.wanting(stream))
+        stream.reach(self.wanting(stream))
         if stream.robot != self.settings.robot:
             copies = self.copies(stream)
             self.sends.extend((each.t_sent, each.size, copies) for each in noted)
@@ -184,6 +184,11 @@ class SharedView:
         """Whether more of the stream is worth anything to somebody, and more is to be expected."""
         return stream.last is not None and self._active(now, stream) and bool(self.gaining(stream))
 
+    def competing(self, now: float) -> list[tuple[Stream, int]]:
+        """All streams that compete, and to how many robots more of each is worth anything."""
+        streams = [s for s in self._streams.values() if s.last is not None and self._active(now, s)]
+        return [(s, gaining) for s in streams if (gaining := len(self.gaining(s)))]
+
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
         return {peer.robot: name for name, peer in self.peers.items()} | {self.settings.robot: tag(self.settings.zid)}
@@ -194,7 +199,7 @@ class SharedView:
 
     def peer_called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
-        return next((peer for peer in reversed(self.peers.values()) if peer.robot == robot), None)
+        return self.peers.get(self._tags.get(robot, ""))
 
     def robot_of(self, origin: str | None) -> str:
         """The robot whose app side an origin entered; an unknown origin is a provisional plain node."""
@@ -325,7 +330,7 @@ class SharedView:
         for other in self.peers.values():
             other.hears.pop(tag(zid), None)
         for stream in self.streams():
-            stream.reached.discard(tag(zid))
+            stream.miss((tag(zid),))
         for stream in list(self._owned.get(peer.robot, {}).values()):
             self._forget(stream)
         self._told_at.pop(peer.robot, None)

@@ -23,8 +23,11 @@ class WallClocks:
         return [notice for peer in peers for notice in self._compared(peer, now)]
 
     def _compared(self, peer: Peer, now: float) -> list[Command]:
-        ahead, uncertainty = wall_ahead(self._view, peer), peer.offset.uncertainty(now)
-        if ahead is None or uncertainty > TOGETHER:
+        ahead = wall_ahead(self._view, peer)
+        if ahead is None or (peer.apart is None and abs(ahead) <= APART):
+            return []
+        uncertainty = peer.offset.uncertainty(now)
+        if uncertainty > TOGETHER:
             return []
         was, wrong = peer.apart is not None, abs(ahead) - uncertainty > (TOGETHER if peer.apart else APART)
         peer.apart = ahead if wrong else None

@@ -5,57 +5,57 @@ Our own we measure or are told; those between two others are told by the one tha
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from planner import Receiver
+from proxy.core.latency import Latency
 from proxy.core.receivers import Way, grouped
 from proxy.core.stream import Stream
 from proxy.core.wire import tag
 
 if TYPE_CHECKING:
-    from proxy.core.peer import Peer
     from proxy.core.view import SharedView
 
 REFRESH = 0.2
 """What ways are like is looked at anew this often [s]."""
+MANY = 10
+"""Robots that are no large team."""
 MOST_LOSS = 0.95
 """A robot that gets less than the rest of our samples is not given up: it may get better."""
 
 
-def ways(view: SharedView, stream: Stream, size: float) -> list[Way]:
-    """Return the ways of a sample of `size` [B] to each of those that gain by a stream."""
+def ways(view: SharedView, stream: Stream, size: float, lost: float | None = None) -> list[Way]:
+    """Return the ways of a sample of `size` [B] to those that gain by a stream; `lost` is the mean loss, if known.
+
+    Those of which nothing is known are one way, with the sum of their shares.
+    """
     gaining = view.gaining(stream)
     if not gaining:
         return []
-    mean = Way(latency(view, stream.robot, size), 1.0 - mean_loss(view))
-    sender = None if stream.robot == view.settings.robot else view.peer_called(stream.robot)
-    ours = tag(view.settings.zid)
-    return [
-        _known_from_us(view.peers.get(name), size).filled(mean)
-        if stream.robot == view.settings.robot
-        else _known_from(sender, None if name == ours else view.peers.get(name), size).filled(mean)
-        for name in gaining
+    share = 1.0 - (mean_loss(view) if lost is None else lost)
+    known = _known_from_us(view) if stream.robot == view.settings.robot else _known_from(view, stream.robot)
+    found = [known[name] for name in gaining if name in known]
+    mean = _mean(line for line, _ in known.values() if line is not None).of(size)
+    ways = [
+        Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(MOST_LOSS, loss))
+        for line, loss in found
     ]
+    unknown = len(gaining) - len(found)
+    return [*ways, Way(mean, unknown * share)] if unknown else ways
 
 
 def latency(view: SharedView, robot: str, size: float) -> float:
     """Return the mean time from sending to receipt of a robot's samples of `size` [s]; 0.0 when nothing is known."""
-    if robot == view.settings.robot:
-        known = [took for peer in view.peers.values() if (took := peer.latency_to(size)) is not None]
-    else:
-        sender = view.peer_called(robot)
-        if sender is None:
-            return 0.0
-        told = [peer.hears.get(tag(sender.zid)) for peer in view.peers.values()]
-        all_ways = [sender.latency_from(size), *(None if line is None else line.of(size) for line in told)]
-        known = [took for took in all_ways if took is not None]
-    return sum(known) / len(known) if known else 0.0
+    return line(view, robot).of(size)
 
 
-def per_byte(view: SharedView, robot: str) -> float:
-    """Return what every byte of a robot's samples adds to their latency [s/B], in the mean."""
-    return latency(view, robot, 1.0) - latency(view, robot, 0.0)
+def line(view: SharedView, robot: str) -> Latency:
+    """Return what a robot's samples take, in the mean of its ways; nothing when nothing is known."""
+    known = _known_from_us(view) if robot == view.settings.robot else _known_from(view, robot)
+    return _mean(line for line, _ in known.values() if line is not None)
 
 
 def mean_loss(view: SharedView) -> float:
@@ -65,35 +65,29 @@ def mean_loss(view: SharedView) -> float:
     return min(MOST_LOSS, sum(known) / len(known)) if known else 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class _Known:
-    """What is known of a way: time [s] and loss; None while it is not."""
-
-    took: float | None
-    lost: float | None
-
-    def filled(self, mean: Way) -> Way:
-        """Return the way, as `mean` where nothing better is known."""
-        share = mean.share if self.lost is None else 1.0 - min(MOST_LOSS, self.lost)
-        return Way(mean.latency if self.took is None else self.took, share)
+_Known = Mapping[str, tuple[Latency | None, float | None]]
+"""What is known of ways, by the tags of the receivers: time and loss; None where it is not."""
 
 
-_UNKNOWN = _Known(None, None)
+def _known_from_us(view: SharedView) -> _Known:
+    return {name: (peer.line_out, peer.loss_out) for name, peer in view.peers.items()}
 
 
-def _known_from_us(receiver: Peer | None, size: float) -> _Known:
-    """Return what is known of the way of our samples to a robot; to a plain node there is None."""
-    return _UNKNOWN if receiver is None else _Known(receiver.latency_to(size), receiver.loss_out)
-
-
-def _known_from(sender: Peer | None, receiver: Peer | None, size: float) -> _Known:
-    """Return what is known of the way of another robot's samples, to us where the receiver is None."""
+def _known_from(view: SharedView, robot: str) -> _Known:
+    """Return what is known of the ways of another robot's samples."""
+    sender = view.peer_called(robot)
     if sender is None:
-        return _UNKNOWN
-    if receiver is None:
-        return _Known(sender.latency_from(size), sender.loss_in)
-    line = receiver.hears.get(tag(sender.zid))
-    return _UNKNOWN if line is None else _Known(line.of(size), None)
+        return {}
+    its = tag(sender.zid)
+    known = {name: (line, None) for name, peer in view.peers.items() if (line := peer.hears.get(its)) is not None}
+    return {**known, tag(view.settings.zid): (sender.line_in, sender.loss_in)}
+
+
+def _mean(lines: Iterable[Latency]) -> Latency:
+    known = list(lines)
+    if not known:
+        return Latency(0.0)
+    return Latency(sum(each.fixed for each in known) / len(known), sum(each.per_byte for each in known) / len(known))
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,27 +123,36 @@ class Audience:
 
 
 class Audiences:
-    """The audience of each stream, looked at anew when somebody joins or leaves it, and every `REFRESH`."""
+    """The audience of each stream, looked at anew when somebody joins or leaves it, and every `REFRESH`.
+
+    In large teams that is more work, and done more rarely: every `REFRESH` for every `MANY` robots.
+    """
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
         self._known: dict[tuple[str, str], tuple[float, tuple[str, ...], Audience]] = {}
+        self._lost, self._lost_at = 0.0, -math.inf
 
     def of(self, now: float, stream: Stream) -> Audience:
         """Return those that gain by a stream as they are now."""
         gaining, place = self._view.gaining(stream), (stream.robot, stream.key)
         known = self._known.get(place)
-        if known is not None and now < known[0] and gaining == known[1]:
+        if known is not None and now < known[0] and (gaining is known[1] or gaining == known[1]):
             return known[2]
         if len(self._known) > self._view.settings.streams:
             self._known.clear()
-        audience = _audience(self._view, stream)
-        self._known[place] = now + REFRESH, gaining, audience
+        audience = _audience(self._view, stream, self._loss(now))
+        self._known[place] = now + REFRESH * max(1.0, len(self._view.peers) / MANY), gaining, audience
         return audience
 
+    def _loss(self, now: float) -> float:
+        """The mean loss, looked at anew when time passed."""
+        if now != self._lost_at:
+            self._lost, self._lost_at = mean_loss(self._view), now
+        return self._lost
 
-def _audience(view: SharedView, stream: Stream) -> Audience:
-    size = stream.newest.size
-    mean = Way(latency(view, stream.robot, size))
-    first, receivers = grouped(ways(view, stream, size) or [mean])
-    return Audience(size, first, per_byte(view, stream.robot), receivers)
+
+def _audience(view: SharedView, stream: Stream, lost: float) -> Audience:
+    size, mean = stream.newest.size, line(view, stream.robot)
+    first, receivers = grouped(ways(view, stream, size, lost) or [Way(mean.of(size))])
+    return Audience(size, first, mean.per_byte, receivers)

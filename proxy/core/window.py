@@ -1,7 +1,9 @@
 """The planning window: which messages a decision looks at, and what they would use.
 
 It ends at the earlier of `horizon` messages and `horizon_time`, but not before now + 2·max(T) and not before one
-forecast message of every stream; if that is too many, low-value streams are thinned, not time. Only streams that
+forecast message of every stream; if that is too many, low-value streams are thinned, not time. Where more streams
+compete than a window has messages, some have none in it: half of the places are for the streams worth most per byte on
+the air, half for those that generate next, so that what is imminent competes with what is valuable. Only streams that
 somebody wants compete, and where robots hold shares only our own, because then no other stream can gain by what we
 leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
 or the last few where the stream does not go by the most recent one. Everything sent within a constraint window is
@@ -12,7 +14,9 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from heapq import nsmallest
 from itertools import chain, islice
+from operator import itemgetter
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
@@ -33,7 +37,7 @@ LEAD = 0.02
 ASKED = 0.25
 """A robot waits so long for us to lend what a message takes [s]."""
 OVERHEARD = 0.05
-"""What was sent we have overheard so much later at most, besides the latency [s]."""
+"""What was sent we have overheard so much later at most, besides the latency and the stream's jitter [s]."""
 MOST_OF_OWN = 3
 """So many waiting samples, and so many forecasts, of a stream with an aggregation of the operator's.
 
@@ -119,7 +123,7 @@ class WindowBuilder:
     def _build(
         self, now: float, current: Waiting | None, waiting: Iterable[Waiting], limits: Limits
     ) -> tuple[Problem, dict[int, _Open]] | None:
-        candidates = self._candidates(now, "" if current is None else current.key, only_own=bool(limits.held))
+        candidates = self._candidates(now, "" if current is None else current.key, limits)
         end = self._forecast(now, candidates, limits)
         for candidate in candidates:
             candidate.times = _bounded(candidate, [t for t in candidate.times if t <= end])
@@ -162,21 +166,36 @@ class WindowBuilder:
             return None
         return Expected(m.of.stream, m.of.copies, Promise(m.t_gen, m.t_gen, m.size, m.scale, m.features))
 
-    def _candidates(self, now: float, deciding: str, *, only_own: bool) -> list[_Candidate]:
+    def _candidates(self, now: float, deciding: str, limits: Limits) -> list[_Candidate]:
         """Streams that compete, by robot and key; that of the current message always does."""
         view, own = self._view, self._view.settings.robot
-        competing = sorted(
-            (
-                s
-                for s in view.streams()
-                if (s.robot == own and s.key == deciding)
-                or ((s.robot == own or not only_own) and view.competes(now, s))
-            ),
-            key=lambda s: (s.robot, s.key),
-        )
+        if limits.held:
+            competing = [s for s in view.own() if s.key == deciding or view.competes(now, s)]
+        else:
+            competing = self._chosen(now, view.competing(now), limits.promised or {})
+            current = view.known(own, deciding)
+            competing += [current] if current is not None and not any(s is current for s in competing) else []
+        competing.sort(key=lambda s: (s.robot, s.key))
         return [
             _Candidate(s, place, view.copies(s), view.audiences.of(now, s), []) for place, s in enumerate(competing)
         ]
+
+    def _chosen(self, now: float, competing: list[tuple[Stream, int]], promised: Promises) -> list[Stream]:
+        """Of too many streams return those that the window has places for.
+
+        What a stream is worth, and when it generates next, is only estimated: a look at each has to do.
+        """
+        horizon, copies = self._view.settings.horizon, self._view.copies
+        if len(competing) <= horizon:
+            return [stream for stream, _ in competing]
+        rated = [
+            (-last.scale * gaining / max(last.size * copies(s), 1), _due(now, s, promised), s.robot, s.key, s)
+            for s, gaining in competing
+            for last in (s.newest,)
+        ]
+        rated.sort(key=itemgetter(0, 1, 2, 3))
+        best, rest = rated[: horizon // 2], rated[horizon // 2 :]
+        return [entry[-1] for entry in (*best, *nsmallest(horizon - len(best), rest, key=itemgetter(1, 2, 3)))]
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -185,12 +204,21 @@ class WindowBuilder:
         """
         settings = self._view.settings
         longest = max(c.window for c in limits.union)
-        for c in candidates:
-            after = self._since(now, c, limits, longest)
-            c.times = c.stream.schedule.forecast(after, now + settings.horizon_time, settings.horizon, now)
-        ordered = sorted(t for c in candidates for t in c.times)
-        end = ordered[settings.horizon - 1] if len(ordered) >= settings.horizon else now + settings.horizon_time
-        return max([end, now + 2.0 * longest, *(c.times[0] for c in candidates if c.times)])
+        since = [self._since(now, c, limits, longest) for c in candidates]
+        until, most = now + settings.horizon_time, -(-settings.horizon // max(1, len(candidates)))
+
+        def end() -> float:
+            ordered = sorted([t for c in candidates for t in c.times])
+            full = ordered[settings.horizon - 1] if len(ordered) >= settings.horizon else until
+            return max([full, now + 2.0 * longest, *(c.times[0] for c in candidates if c.times)])
+
+        for c, after in zip(candidates, since, strict=True):
+            c.times = c.stream.schedule.forecast(after, until, most, now)
+        latest = min(until, end() + LEAST_LIFE)  # few times of each stream tell that it ends no later
+        for c, after in zip(candidates, since, strict=True):
+            if len(c.times) == most < settings.horizon and c.times[-1] < latest:
+                c.times = c.stream.schedule.forecast(after, latest, settings.horizon, now)
+        return end()
 
     def _since(self, now: float, c: _Candidate, limits: Limits, longest: float) -> float:
         """Return when the first message of a stream was or will be generated whose fate is open."""
@@ -202,7 +230,9 @@ class WindowBuilder:
             promised = limits.promised.get((stream.robot, stream.key), ())
             return max([now + c.audience.latency + LEAD, *(p.t_gen + half for p in promised[-1:])])
         heard = max(stream.schedule.last or now, stream.sent.t_gen + half if stream.sent else 0.0)
-        known = now - c.audience.latency - OVERHEARD if view.overhears(stream) else now - longest
+        known = (
+            now - c.audience.latency - OVERHEARD - stream.schedule.jitter if view.overhears(stream) else now - longest
+        )
         return max(heard, known)
 
     def _problem(
@@ -234,7 +264,7 @@ class WindowBuilder:
             traffic=self._traffic(now, limits),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.audience.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
-            goes_on=limits.holds is None,
+            goes_on=limits.stays,
         )
         return problem, places
 
@@ -244,6 +274,12 @@ class WindowBuilder:
         traffic = [Traffic(t, use) for t, use in limits.others if t >= now - longest]
         traffic += [Traffic(t, (*use, *use[: len(limits.held)])) for t, use in limits.sent]
         return tuple(sorted(traffic, key=lambda sent: sent.t_sent))
+
+
+def _due(now: float, stream: Stream, promised: Promises) -> float:
+    """About when a stream generates next what is not promised yet [s]."""
+    known = promised.get((stream.robot, stream.key))
+    return max(stream.schedule.due(now), known[-1].t_gen + stream.schedule.period if known else now)
 
 
 def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:

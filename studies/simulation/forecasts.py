@@ -30,7 +30,7 @@ class Errors:
 
 @dataclass(slots=True)
 class Probe:
-    """Asks robots, one period before a sample is generated, when they expect it: its own, and those that plan for it."""
+    """Asks its robot, and those that plan for it, when they expect a sample: one period before it is generated."""
 
     own: Errors = field(default_factory=Errors)
     others: Errors = field(default_factory=Errors)

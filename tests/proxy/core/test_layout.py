@@ -1,8 +1,10 @@
 """As leader, what others should send is planned, and lent to them ahead of time."""
 
 from proxy.core.commands import SendDigest
-from studies.simulation.flights import Conditions, draw, fly, scenario
-from studies.simulation.scores import use
+from studies.simulation.conditions import Conditions
+from studies.simulation.flights import fly
+from studies.simulation.missions import draw, scenario
+from studies.simulation.usage import usage
 
 
 def flown(**conditions):
@@ -14,7 +16,7 @@ def flown(**conditions):
 def test_a_team_that_shares_uses_most_of_a_small_limit_and_never_exceeds_it():
     """Two messages per 2.5 s among ten robots: whole messages are lent to those who are planned to send."""
     how, team = flown()
-    told = use(team, how)
+    told = usage(team, how)
     assert told.exceeding == 0.0
     assert told.messages >= 0.5
     leaders = [core for core in team.cores.values() if core.shares.leads]

@@ -45,13 +45,13 @@ def test_samples_tell_what_they_take_by_their_size(peer):
         hear(peer, at + 0.5, 0.3, size=10_100)
     assert peer.latency_in.fixed == pytest.approx(0.098, abs=1e-3)
     assert peer.latency_in.per_byte == pytest.approx(0.2 / 10_000, rel=0.01)
-    assert peer.latency_from(5_100) == pytest.approx(0.2, abs=1e-3)
+    assert peer.line_in.of(5_100) == pytest.approx(0.2, abs=1e-3)
 
 
 def test_digests_tell_as_long_as_there_are_no_samples(peer):
     """First the quickest round trip, then what they take."""
     assert peer.latency_in is None
-    assert peer.latency_from(1000) == peer.latency_to(1000) == pytest.approx(0.01, abs=1e-3)
+    assert peer.line_in.of(1000) == peer.line_out.of(1000) == pytest.approx(0.01, abs=1e-3)
     for at in (2.0, 3.0):
         hear_digest(peer, at)
     assert peer.latency_in.fixed == pytest.approx(0.01, abs=1e-3)
@@ -68,7 +68,7 @@ def test_before_the_first_echo_nothing_is_known():
         peer.heard_digest(at + 0.01, Digest("r2", "z-r2", at - 100.0, 0, 0, 0))
         peer.time_digest(at + 0.01, 150)
         hear(peer, at + 0.5, 0.1)
-    assert peer.latency_in is peer.latency_from(1.0) is peer.latency_to(1.0) is None
+    assert peer.latency_in is peer.line_in is peer.line_out is None
     assert (peer.samples, peer.implausible) == (5, 0)
 
 
@@ -108,8 +108,8 @@ def test_a_step_of_its_wall_clock_is_looked_at_anew_when_told(peer, error):
         hear(peer, 13.1 + 0.1 * at, 0.1 + 0.1 * at, size=10_000, error=error)
     peer.take_state(14.0, state(1000.0 + error))
     assert peer.implausible == (7 if error > 0.0 else 0)
-    assert peer.latency_from(100) == pytest.approx(0.1, abs=1e-3)
-    assert peer.latency_from(10_000) == pytest.approx(0.4, abs=1e-3)
+    assert peer.line_in.of(100) == pytest.approx(0.1, abs=1e-3)
+    assert peer.line_in.of(10_000) == pytest.approx(0.4, abs=1e-3)
 
 
 def test_timestamps_that_stand_still_say_nothing(peer):
@@ -128,7 +128,7 @@ def test_loss_to_it_is_what_had_not_arrived_when_it_heard_our_digest(peer):
         peer.sent += 7  # these are not in the digest
         peer.heard_echo(at + 0.02, Echo("z-r1", at, at - 99.99, received, 0.2, 1e-6))
     assert peer.loss_out == pytest.approx(0.1)
-    assert peer.latency_to(1000) == pytest.approx(0.201)
+    assert peer.line_out.of(1000) == pytest.approx(0.201)
     assert peer.latency_out == Latency(0.2, 1e-6)
     assert peer.received_of_ours == 54
     peer.heard_echo(13.0, Echo("z-r1", 12.5, -87.4, 60, 0.2))

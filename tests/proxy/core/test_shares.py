@@ -364,3 +364,114 @@ def test_the_union_holds_under_loss_delay_reordering_and_wrong_clocks(seed, robo
         flight.hear()
         flight.act(name)
         assert flight.worst() <= LIMIT.limit + 1e-6
+
+
+class Churn(Mission):
+    """The same, and robots join, leave, crash, and part from each other for good; each notices that later."""
+
+    def __init__(self, rng, robots, loss):
+        self.group, self.notices = {}, []
+        super().__init__(rng, robots, loss)
+
+    def together(self, name):
+        return {other for other in self.shares if self.group[other] == self.group[name]}
+
+    def join(self, name):
+        self.group.setdefault(name, 0)
+        self.clocks.setdefault(name, self.rng.uniform(-50.0, 50.0))
+        self.shares[name] = Shares(name, (LIMIT,), floor=0.01, settled_at=self.clock(name) + 1.0)
+        for other in self.together(name):
+            self.notices.append((self.now + 0.3 * self.rng.random(), other))
+
+    def go(self, name, noticed):
+        del self.shares[name]
+        self.names.remove(name)
+        self.notices += [(self.now + noticed, other) for other in self.shares]
+
+    def part(self):
+        for name in self.names:
+            self.group[name] = 2 * self.group[name] + self.rng.randint(0, 1)
+        self.notices += [(self.now + 2.0 + 0.3 * self.rng.random(), name) for name in self.names]
+
+    def notice(self):
+        due = [name for t, name in self.notices if t <= self.now]
+        self.notices = [notice for notice in self.notices if notice[0] > self.now]
+        for name in set(due) & set(self.shares):
+            share, there = self.shares[name], self.together(name)
+            for gone in share.members - there:
+                share.forget(gone)
+            share.set_members(self.clock(name), there)
+
+    def deliver(self):
+        self.mail = [m for m in self.mail if m[1] in self.shares and self.group[m[1]] == self.group[m[2]]]
+        self.hear()
+
+    def happen(self, number):
+        """Robots are few, so what happens is seldom enough for a robot to be known when the next one comes."""
+        match self.rng.randrange(300):
+            case 0 if number < 8:
+                self.names.append(f"n{number:03}")
+                self.join(self.names[-1])
+            case 1 | 2 if len(self.names) > 1:
+                self.go(self.rng.choice(self.names), self.rng.choice([0.0, 2.0]))
+            case 3:
+                self.part()
+
+    def act(self, name):
+        super().act(name)
+        if self.sends and len(self.sends[-1]) == 2:
+            self.sends[-1] = (*self.sends[-1], name)
+
+    def worst(self):
+        recent = [(amount, self.group[name]) for t, amount, name in self.sends if t >= self.now - LIMIT.window]
+        return max((sum(a for a, g in recent if g == group) for group in {g for _, g in recent}), default=0.0)
+
+    def lengthen(self, name):
+        for lent in self.shares[name].lent(self.clock(name))[-2:]:
+            self.shares[name].lengthen(self.clock(name), lent, lent.ends + self.rng.random())
+
+
+@hypothesis_settings(deadline=None, max_examples=30)
+@given(st.integers(0, 10**6), st.integers(2, 5), st.floats(0.0, 0.4))
+def test_robots_that_hear_each_other_never_exceed_whoever_comes_goes_and_parts(seed, robots, loss):
+    """Joins, leaves, crashes noticed late and partitions: what the robots of one part send keeps Eq. 5."""
+    flight = Churn(random.Random(seed), robots, loss)
+    for number in range(700):
+        flight.now += flight.rng.random() * 0.05
+        flight.happen(number)
+        flight.notice()
+        name = flight.rng.choice(flight.names)
+        if flight.rng.random() < 0.3:
+            flight.speak(name)
+        flight.deliver()
+        flight.lengthen(name)
+        flight.act(name)
+        assert flight.worst() <= LIMIT.limit + 1e-6
+
+
+def test_a_slot_is_lengthened_and_stays_one():
+    """Its robot has it once, however often it is told; what is lent to others by then stops it."""
+    shares = team("abc")
+    agree(shares, 0.1)
+    slot = shares["a"].lend(0.1, "b", 0.1, 3.0, (300.0,))
+    tell(shares, "a", "b", 0.2)
+    longer = shares["a"].lengthen(1.0, slot, 5.0)
+    assert (longer.begins, longer.ends) == (slot.begins, 5.0)
+    assert shares["a"].lengthen(1.0, slot, 6.0) is None
+    tell(shares, "a", "b", 1.1)
+    assert [shares["b"].held(t, 0) for t in (1.0, 4.9, 6.1)] == pytest.approx([300.0, 300.0, 0.0], abs=0.1)
+    assert shares["b"].stays(1.1)
+    assert shares["b"].holds(1.1, 30.0, (300.0,))
+    assert shares["a"].lend(1.2, "c", 6.1, 6.5, (800.0,)) is not None
+    assert shares["a"].lengthen(1.2, longer, 6.5) is None
+    assert longer in shares["a"].lent(1.2)
+
+
+def test_slots_for_one_robot_are_told_apart():
+    """Two of the same amount, lent at the same time, begin at other times."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    slots = [shares["a"].lend(0.1, "b", 0.1, 3.0, (300.0,)) for _ in range(3)]
+    assert len({slot.begins for slot in slots}) == 3
+    tell(shares, "a", "b", 0.2)
+    assert shares["b"].held(0.3, 0) == pytest.approx(900.0)

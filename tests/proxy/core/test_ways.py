@@ -8,7 +8,7 @@ from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated
 from proxy.core.transport import broadcast
 from proxy.core.view import SharedView
-from proxy.core.ways import REFRESH, latency, mean_loss, per_byte, ways
+from proxy.core.ways import MANY, REFRESH, latency, line, mean_loss, ways
 from proxy.core.wire import Digest, Echo, State
 
 GROUP = broadcast("224.0.0.226:7449")
@@ -48,7 +48,7 @@ def test_our_own_ways_are_what_the_receivers_tell(view):
     view.peers["z-r3"].offset.echoed(1.0, 1.05)
     assert [way.latency for way in ways(view, own, 100)] == pytest.approx([0.25, 0.05, 0.15])
     assert latency(view, "r1", 100) == view.latency("r1", 100) == pytest.approx(0.15)
-    assert per_byte(view, "r1") == pytest.approx(0.5e-3)
+    assert line(view, "r1").per_byte == pytest.approx(0.5e-3)
 
 
 def test_ways_of_others_are_what_their_receivers_tell(view):
@@ -74,16 +74,16 @@ def test_loss_is_of_each_way_and_the_mean_where_unknown(view):
     lose(view.peers["z-r3"], 100, 0)
     assert mean_loss(view) == pytest.approx(0.6)
     assert [way.share for way in ways(view, own, 100)] == pytest.approx([0.8, 0.05, 0.4])
-    assert [way.share for way in ways(view, other, 100)] == pytest.approx([0.4, 0.4, 0.4])
+    assert [way.share for way in ways(view, other, 100)] == pytest.approx([0.4, 0.8])
     view.peers["z-r2"]._in.read(0, 0)
     view.peers["z-r2"]._in.read(100, 90)
-    assert ways(view, other, 100)[0].share == pytest.approx(0.9)
+    assert next(way.share for way in ways(view, other, 100)) == pytest.approx(0.9)
 
 
 def test_a_plain_node_gets_things_like_the_others(view):
     """Nothing is known of it but that it is there."""
     camera = view.stream(0.0, "?plain", "robot/x/camera")
-    assert [way.latency for way in ways(view, camera, 100)] == [0.0] * 4
+    assert ways(view, camera, 100) == [Way(0.0, 4.0)]
 
 
 def test_an_audience_is_looked_at_anew_when_somebody_joins_or_after_a_while(view):
@@ -104,6 +104,18 @@ def test_an_audience_is_looked_at_anew_when_somebody_joins_or_after_a_while(view
         view.gone(f"z-{robot}")
     assert ways(view, own, 100) == []
     assert view.audiences.of(1.0 + REFRESH, own).share == 1.0
+
+
+def test_in_a_large_team_audiences_are_looked_at_anew_more_rarely(view):
+    """There each is more work, and there are more of them."""
+    for number in range(2 * MANY - 3):
+        meet(view, f"x{number}")
+    own = view.stream(0.0, "r1", "robot/r1/camera")
+    own.note_generated(1, Generated(0.0, 1000, 1.0))
+    audience = view.audiences.of(1.0, own)
+    view.peers["z-r2"].latency_out = Latency(0.4)
+    assert view.audiences.of(1.0 + 1.9 * REFRESH, own) is audience
+    assert view.audiences.of(1.0 + 2.1 * REFRESH, own).slowest == pytest.approx(0.4)
 
 
 def test_audiences_are_bounded(make_specs):

@@ -13,7 +13,7 @@ from planner.measures import Energy, Messages, Throughput
 from planner.tables import tabulate
 from proxy.core.inbox import Waiting
 from proxy.core.latency import Latency
-from proxy.core.limits import Limit, Limits, allowance_of, limits_of, use_of
+from proxy.core.limits import Limit, Limits, Promise, allowance_of, limits_of, use_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
 from proxy.core.view import SharedView
@@ -318,13 +318,48 @@ def test_streams_of_low_value_are_thinned_not_time(make_specs):
 
 
 def test_one_forecast_of_every_stream_is_kept(make_specs):
-    """Even with a horizon of one message."""
-    view = make_view(make_specs(), horizon=1)
+    """Of as many as the window has places for."""
+    view = make_view(make_specs(), horizon=3)
     view.set_interest(("robot/**",))
     for robot in ("r1", "r2", "r3"):
         add_stream(view, robot)
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
     assert {m.stream for m in problem.messages if not m.sent} == {0, 1, 2}
+
+
+def chosen(view, limits):
+    """Return the periods of the streams in the window: each has one of its own."""
+    problem, expected = WindowBuilder(view, 0.0).ahead(10.0, (), limits)
+    assert len(problem.streams) == len({e.stream.key for e in expected.values()})
+    return {round(e.stream.schedule.period, 3) for e in expected.values()}
+
+
+def test_of_too_many_streams_the_best_and_the_next_ones_have_places(make_specs):
+    """Half of the places each; what is promised already is not what generates next."""
+    view = make_view(make_specs(), horizon=4)
+    view.set_interest(("robot/**",))
+    for number in range(8):
+        period = 0.25 + 0.01 * number
+        stream = view.stream(9.9, f"x{number}", f"robot/x{number}/camera")
+        for count in range(8):
+            t_gen = 9.9 + (count - 7) * period
+            stream.note_generated(count + 1, Generated(t_gen, 1000, 6.0 if number >= 6 else 1.0))
+    assert chosen(view, union()) == {0.31, 0.32, 0.25, 0.26}
+    promise = Promise(10.0, 10.1, 1000, 1.0, {})
+    limits = replace(union(), promised={("x0", "robot/x0/camera"): [promise]})
+    assert chosen(view, limits) == {0.31, 0.32, 0.26, 0.27}
+
+
+def test_the_stream_that_is_decided_always_has_a_place(make_specs):
+    """However little it is worth, and however late it generates."""
+    view = make_view(make_specs(), horizon=4)
+    view.set_interest(("robot/**",))
+    for number in range(8):
+        add_stream(view, f"x{number}", scale=2.0)
+    add_stream(view, "r1", period=2.0)
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    assert len(problem.streams) == 5
+    assert problem.messages[problem.current].scale == 1.0
 
 
 def test_digests_are_always_counted_against_the_limit(make_specs):

@@ -212,8 +212,8 @@ def test_latencies_are_right_by_size_on_both_ends(request, flown):
         overheard = third.core.view.peers[f"z-{receiver.robot}"].hears[f"z-{sender.robot}"]
         for size in SIZES[1:3]:
             truth = taken(flight, sender, receiver, size)
-            assert peer.latency_from(size) == pytest.approx(truth, abs=0.015)
-            assert told.latency_to(size) == pytest.approx(truth, abs=0.015)
+            assert peer.line_in.of(size) == pytest.approx(truth, abs=0.015)
+            assert told.line_out.of(size) == pytest.approx(truth, abs=0.015)
             assert overheard.of(size) == pytest.approx(truth, abs=0.015)
 
 

@@ -1,0 +1,89 @@
+"""Slots: what robots hold for long, where nobody knows their clocks well enough to lend for single messages.
+
+A slot has room for one message of a stream in every window, and is lengthened for as long as its stream should have it.
+So what a robot may be wrong about the clock of who lends is lost once, not with every message. Who should have one:
+the next one goes where it gains most for what it takes, as long as there is room; that is exact where slots are small.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner import Aggregation
+from planner.utility.base import Floats
+from proxy.core.limits import Limit, use_of
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+
+STANDING = 0.1
+"""Slots are lent where a robot may be wrong about our clock by this part of the longest window."""
+STAYS = 1.2
+"""Who has a slot keeps it unless somebody else would gain so much more."""
+LASTING = 60.0
+"""Messages of which more than the most recent one counts are worth what they are for so long [s]."""
+MOST_SLOTS = 256
+"""Slots at the same time."""
+MARGIN = 1.01
+"""Messages may be larger by so much than the last one of the stream."""
+
+Place = tuple[str, str]
+"""A stream, by robot and key."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """What a stream would gain by its first slot, its second, and so on [utility/s]; `use` is that of each."""
+
+    place: Place
+    use: tuple[float, ...]
+    gains: tuple[float, ...]
+
+
+def demands(now: float, view: SharedView, limits: Sequence[Limit]) -> list[Demand]:
+    """Return what all streams that compete would gain, by robot and key; `limits` are those that robots share."""
+    competing = (stream for stream in view.streams() if view.competes(now, stream))
+    return [_demand(now, view, stream, limits) for stream in sorted(competing, key=lambda s: (s.robot, s.key))]
+
+
+def allot(wanted: Sequence[Demand], room: Sequence[float], held: Mapping[Place, int]) -> dict[Place, int]:
+    """Return how many slots each stream should have that now has those `held`, so that all fit into the `room`."""
+    left, slots = list(room), dict.fromkeys((demand.place for demand in wanted), 0)
+    for _ in range(MOST_SLOTS):
+        best, most = None, 0.0
+        for demand in wanted:
+            count = slots[demand.place]
+            part = max((use / whole for use, whole in zip(demand.use, room, strict=True)), default=0.0)
+            if count == len(demand.gains) or not part or any(u > r for u, r in zip(demand.use, left, strict=True)):
+                continue
+            stays = STAYS if count < held.get(demand.place, 0) else 1.0
+            if stays * demand.gains[count] / part > most:
+                best, most = demand, stays * demand.gains[count] / part
+        if best is None:
+            break
+        slots[best.place] += 1
+        left = [r - u for r, u in zip(left, best.use, strict=True)]
+    return slots
+
+
+def _demand(now: float, view: SharedView, stream: Stream, limits: Sequence[Limit]) -> Demand:
+    window = max((limit.window for limit in limits), default=0.0)
+    period = max(stream.schedule.period, 1e-3)
+    most = min(MOST_SLOTS, math.floor(window / period + 1e-9) + 1)
+    rounds = math.ceil(window / period - 1e-9) * period
+    intervals = [period if n == most else rounds / n for n in range(1, most + 1)]
+    worth = _worth(now, view, stream, np.array(intervals))
+    use = use_of(stream.newest.size, view.copies(stream), tuple(limits))
+    gains = tuple(np.diff(worth, prepend=0.0).tolist())
+    return Demand((stream.robot, stream.key), tuple(MARGIN * amount for amount in use), gains)
+
+
+def _worth(now: float, view: SharedView, stream: Stream, intervals: Floats) -> Floats:
+    """What a stream is worth per second when it sends at these intervals [utility]."""
+    audience, last = view.audiences.of(now, stream), stream.newest
+    utility = stream.information_type.utility_of(last.features)
+    recent = stream.information_type.aggregation is Aggregation.MOST_RECENT
+    begin = np.full(len(intervals), audience.mean)
+    end = begin + (intervals if recent else LASTING)
+    return last.scale * audience.share * utility.integral(begin, end) / intervals
