@@ -14,7 +14,7 @@ STEEPEST = 0.1
 PROBING = 0.5
 """The same until the first decrease, after silence, and up to what the others know to be borne."""
 QUIET = 5.0
-"""When nothing stood in the way for so long, it grows twice as fast [s]."""
+"""When nothing stood in the way for so long, it grows twice as fast, or as fast as others know to be borne [s]."""
 LESS, LEAST_CUT, DEEPEST_CUT, AGAIN = 0.95, 0.9, 0.5, 0.7
 """A decrease: to so much of what came through; at least and at most to so much; to so much when the last one failed."""
 DRAIN, LEFT = 0.5, 0.35
@@ -61,12 +61,13 @@ class Estimate:
     def grow(self, now: float, elapsed: float, most: float, others: float) -> None:
         """It was used and nothing stood in the way for `elapsed` [s]; it grows to `most` at most.
 
-        It grows fast as long as all the `others` say that the channel bears more.
+        It grows fast as long as all the `others` say that the channel bears more, unless a decrease says otherwise.
         """
-        if self._probing or self.part < others:
+        calm = now >= self._cut_at + QUIET
+        if self._probing or (calm and self.part < others):
             step = PROBING * self.part
         else:
-            step = min(STEP * (2.0 if now >= self._cut_at + QUIET else 1.0), STEEPEST * self.part)
+            step = min(STEP * (2.0 if calm else 1.0), STEEPEST * self.part)
         self.part = max(self.part, min(self.part + step * elapsed, most, 1.0))
 
     def cut(self, now: float, used: float, share: float, delay: float) -> None:

@@ -110,3 +110,12 @@ def test_a_queue_that_still_stands_drains_longer():
     estimate.linger(20.3, 0.5)
     assert estimate.part == pytest.approx(0.7 * before)
     assert estimate.told(20.4) == pytest.approx(0.35 * estimate.part)
+
+
+def test_what_others_know_is_older_than_a_decrease():
+    """Until nothing stood in the way for long, it grows no faster for what the others say."""
+    estimate = settled(0.3)
+    estimate.grow(2.0, 1.0, 1.0, 1.0)
+    assert estimate.part == pytest.approx(0.32)
+    estimate.grow(8.0, 1.0, 1.0, 1.0)
+    assert estimate.part == pytest.approx(0.48)
