@@ -20,7 +20,9 @@ from proxy.core.view import SharedView
 from proxy.core.window import Ahead, Expected, WindowBuilder
 
 PACE = 0.1
-"""It is planned this often at most [s]."""
+"""It is planned this often [s]..."""
+HURRY = 1e-4
+"""... or when there is news, but not sooner than so long for every robot after the last time [s]."""
 LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 MARGIN = 1.01
@@ -41,6 +43,7 @@ class Layout:
         self._windows = windows
         self._promised: dict[tuple[str, str], list[Promise]] = {}
         self._asked_at = -math.inf
+        self._hurried = False
         self._ticket: int | None = None
         self._ahead: Ahead = {}
         self.lent = 0
@@ -51,9 +54,9 @@ class Layout:
             self._gate.promised, self._ticket = None, None
             self._promised.clear()
             return []
-        if now < self._asked_at + PACE or not self._shares.confirmed(now):
+        if now < self._asked_at + self._pace or not self._shares.confirmed(now):
             return []
-        self._asked_at = now
+        self._asked_at, self._hurried = now, False
         self._forget(now)
         found = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
         if found is None or not found[1]:
@@ -65,7 +68,7 @@ class Layout:
     @property
     def due_at(self) -> float:
         """When it is time to plan again [s]."""
-        return self._asked_at + PACE if self._shares.leads and len(self._shares.members) > 1 else math.inf
+        return self._asked_at + self._pace if self._shares.leads and len(self._shares.members) > 1 else math.inf
 
     @property
     def pending(self) -> bool:
@@ -86,8 +89,12 @@ class Layout:
         return sum(self._promise(now, expected) for expected in due) > 0
 
     def hurry(self) -> None:
-        """There is news: plan anew at once."""
-        self._asked_at = -math.inf
+        """There is news: plan anew at once, or as soon as a large team leaves time for it."""
+        self._hurried = True
+
+    @property
+    def _pace(self) -> float:
+        return min(PACE, HURRY * len(self._shares.members)) if self._hurried else PACE
 
     def _asks(self, stream: Stream) -> bool:
         peer = next((peer for peer in self._view.peers.values() if peer.robot == stream.robot), None)
