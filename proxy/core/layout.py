@@ -22,7 +22,9 @@ from proxy.core.view import SharedView
 from proxy.core.window import Ahead, Expected, WindowBuilder
 
 PACE = 0.1
-"""It is planned this often at most [s]."""
+"""It is planned this often [s]..."""
+HURRY = 1e-4
+"""... or when there is news, but not sooner than so long for every robot after the last time [s]."""
 LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 LOOK = 1.0
@@ -53,6 +55,7 @@ class Layout:
         self._off: dict[tuple[str, str], _Off] = {}
         self._slots: dict[Place, list[Lent]] = {}
         self._asked_at = -math.inf
+        self._hurried = False
         self._ticket: int | None = None
         self._ahead: Ahead = {}
         self.lent = 0
@@ -64,9 +67,9 @@ class Layout:
             self._promised.clear()
             self._slots.clear()
             return []
-        if now < self._asked_at + PACE or not self._shares.confirmed(now):
+        if now < self._asked_at + self._pace or not self._shares.confirmed(now):
             return []
-        self._asked_at = now
+        self._asked_at, self._hurried = now, False
         self._forget(now)
         self._gate.standing = self._vague(now)
         if self._gate.standing:
@@ -84,7 +87,7 @@ class Layout:
     @property
     def due_at(self) -> float:
         """When it is time to plan again [s]."""
-        return self._asked_at + PACE if self._shares.leads and len(self._shares.members) > 1 else math.inf
+        return self._asked_at + self._pace if self._shares.leads and len(self._shares.members) > 1 else math.inf
 
     @property
     def pending(self) -> bool:
@@ -105,8 +108,12 @@ class Layout:
         return sum(self._promise(now, expected) for expected in due) > 0
 
     def hurry(self) -> None:
-        """There is news: plan anew at once."""
-        self._asked_at = -math.inf
+        """There is news: plan anew at once, or as soon as a large team leaves time for it."""
+        self._hurried = True
+
+    @property
+    def _pace(self) -> float:
+        return min(PACE, HURRY * len(self._shares.members)) if self._hurried else PACE
 
     def _vague(self, now: float) -> bool:
         """Whether robots may be so wrong about our clock that slots are better than grants for single messages."""

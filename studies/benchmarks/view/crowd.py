@@ -1,30 +1,35 @@
 """What one core costs in a crowd: time of a view update and of a decision, and memory."""
 
 import tracemalloc
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
-from statistics import median
-from time import perf_counter
+from statistics import fmean, median
+from time import thread_time
 
-from planner import SearchSettings, start
+from planner import Plan, SearchSettings, start
 from proxy.core import events as ev
 from proxy.core.commands import Decide, Forward
 from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
-from proxy.core.transport import broadcast
+from proxy.core.transport import UNICAST, broadcast
 from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
 from studies.benchmarks.memory import MEGABYTE
 from studies.benchmarks.report import Table
+from studies.simulation.conditions import Coordination
 from studies.simulation.missions import specs_of
 
 STREAMS = 5
 """Of each robot, at 1 Hz."""
-ROUNDS = 20
-"""Digests heard of every robot before anything is measured, a second apart."""
+ROUNDS = 12
+"""Seconds that everybody publishes before anything is measured: then all schedules are known well."""
 SIZE = 2_048
+EACH = 8
+"""The limit for each robot [kB/s]."""
 SPEC = """
 [[constraint]]
 kind = "throughput"
-limit = "100 kB/s"
+limit = "%d kB/s"
 window = 0.5
 
 [[information_type]]
@@ -33,143 +38,166 @@ keys = ["**"]
 aggregation = "most_recent"
 utility = { kind = "linear", slope = 0.5 }
 """
-TRANSPORT = broadcast("224.0.0.226:7449")
-KINDS = ("sample heard [µs]", "digest heard [µs]", "time passed [µs]", "problem [ms]", "search [ms]", "memory [MB]")
+TRANSPORTS = {"overhear": broadcast("224.0.0.226:7449"), "shares": UNICAST}
+KINDS = (
+    "sample heard [µs]",
+    "digest heard [µs]",
+    "time passed [µs]",
+    "problem [ms]",
+    "search [ms]",
+    "memory [MB]",
+)
+HEARD, TOLD, PASSED, PROBLEM, SEARCH = range(5)
 
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Medians of what a core takes to hear a sample, a digest of all streams, and that time passed [s].
+    """What a core takes, in processor time [s], and its memory [B].
 
-    Then to take in an own sample and build its problem, and to search that [s]; and its memory [B].
+    Means to hear a sample, a digest of one stream, and that time passed, each until it is known when to wake up; none
+    of what always leads to a problem. Medians to build a problem, with what leads to it, and to search that.
     """
 
-    sample: float
-    digest: float
-    passed: float
+    sample: float | None
+    digest: float | None
+    passed: float | None
     problem: float
     search: float
     memory: float
 
     def cells(self) -> tuple[str, ...]:
         """Return a cell for each of KINDS."""
-        micro = (f"{1e6 * seconds:.0f}" for seconds in (self.sample, self.digest, self.passed))
+        events = (self.sample, self.digest, self.passed)
+        micro = ("with the problem" if seconds is None else f"{1e6 * seconds:.0f}" for seconds in events)
         milli = (f"{1e3 * seconds:.2f}" for seconds in (self.problem, self.search))
         return *micro, *milli, f"{self.memory / MEGABYTE:.1f}"
 
 
 class Crowd:
-    """The core of one robot of many, who all want everything and broadcast one in five samples of each stream."""
+    """The core of one robot of many; in `shares` it leads. All want everything, and send every other sample."""
 
-    def __init__(self, robots: int) -> None:
+    def __init__(self, robots: int, coordination: Coordination) -> None:
         self.robots = [f"robot{i}" for i in range(robots)]
-        settings = CoreSettings("robot0", _zid("robot0"), coordination="overhear", transport=TRANSPORT)
+        self.transport = TRANSPORTS[coordination]
+        settings = CoreSettings("robot0", _zid("robot0"), coordination=coordination, transport=self.transport)
         self.now = 1000.0
-        self.core = Core(settings, specs_of(SPEC), self.now)
+        self.core = Core(settings, specs_of(SPEC % (EACH * robots)), self.now)
         self.core.handle(ev.InterestChanged(self.now, ("**",)))
         for robot in self.robots[1:]:
             self.core.handle(ev.PeerAppeared(self.now, robot, _zid(robot)))
-            self.core.handle(ev.StateHeard(self.now, _state(robot)))
+            self.core.handle(ev.StateHeard(self.now, self._state(robot)))
+        self.took: dict[int, list[float]] = defaultdict(list)
+        """Processor times by what they were taken for [s]."""
         self._numbers = 0
         self._rounds = 0
         for _ in range(ROUNDS):
             self.round()
+        self.took.clear()
 
-    def round(self) -> list[float]:
-        """Let a second pass in which everybody tells its news; return what each digest took [s]."""
-        self.now, self._rounds = self.now + 1.0, self._rounds + 1
-        return [self._time(self._digest(robot, i)) for i, robot in enumerate(self.robots[1:])]
+    def round(self) -> None:
+        """Let a second pass in which all publish a sample of each stream, one after the other."""
+        self._rounds += 1
+        begin, turns = self.now, [(stream, robot) for stream in range(STREAMS) for robot in self.robots]
+        for place, (stream, robot) in enumerate(turns):
+            self.now = begin + place / len(turns)
+            if robot == "robot0":
+                self._publish(stream)
+                continue
+            if (self._rounds + stream) % 2:
+                key = f"{robot}/{stream}"
+                self._handle(HEARD, ev.SampleHeard(self.now, key, SIZE, _zid(robot), self.now - 0.02, None))
+            self._handle(TOLD, self._digest(robot, stream))
+            self._handle(PASSED, ev.TimePassed(self.now))
+        self.now = begin + 1.0
 
-    def hear(self) -> list[float]:
-        """Hear a sample of each stream; return what each took [s]."""
-        return [
-            self._time(ev.SampleHeard(self.now, f"{robot}/{stream}", SIZE, _zid(robot), self.now, None))
-            for robot in self.robots[1:]
-            for stream in range(STREAMS)
-        ]
-
-    def pass_time(self, times: int) -> list[float]:
-        """Let time pass so often; return what each took [s]."""
-        return [self._time(ev.TimePassed(self.now)) for _ in range(times)]
-
-    def decide(self) -> tuple[float, float]:
-        """Publish a sample, and decide it; return what building the problem and searching it took [s]."""
+    def _publish(self, stream: int) -> None:
         self._numbers += 1
-        self.now += 1.0
-        event = ev.SamplePublished(self.now, self._numbers, "robot0/0", SIZE, self.now, None, 5, {})
-        begin = perf_counter()
-        decide = next((c for c in self.core.handle(event) if isinstance(c, Decide)), None)
-        built = perf_counter() - begin
-        if decide is None:
-            raise RuntimeError("the core had nothing to decide: its limits are too tight for the benchmark")
-        begin = perf_counter()
+        key = f"robot0/{stream}"
+        self._handle(PASSED, ev.SamplePublished(self.now, self._numbers, key, SIZE, self.now, None, 5, {}), other=True)
+
+    def _handle(self, kind: int, event: ev.Event, *, other: bool = False) -> None:
+        """Take in an event, and decide what there is to decide; what is `other` is measured where it needs a plan."""
+        begin = thread_time()
+        commands = self.core.handle(event)
+        self.core.wake_at(self.now)
+        took = thread_time() - begin
+        decides = [command for command in commands if isinstance(command, Decide)]
+        if decides or not other:
+            self.took[PROBLEM if decides else kind].append(took)
+        for command in commands:
+            if isinstance(command, Decide):
+                answer = ev.DecisionReady(self.now, command.ticket, self._search(command))
+                self._handle(PASSED, answer, other=True)
+            elif isinstance(command, Forward):
+                self.core.handle(ev.SampleHanded(self.now, command.sample))
+
+    def _search(self, decide: Decide) -> Plan:
+        begin = thread_time()
         search = start(decide.problem, SearchSettings(search="best"), decide.seed)
         search.run(decide.iterations)
         plan = search.plan()
-        searched = perf_counter() - begin
-        for command in self.core.handle(ev.DecisionReady(self.now, decide.ticket, plan)):
-            if isinstance(command, Forward):
-                self.core.handle(ev.SampleHanded(self.now, command.sample))
-        return built, searched
+        self.took[SEARCH].append(thread_time() - begin)
+        return plan
 
-    def _time(self, event: ev.Event) -> float:
-        begin = perf_counter()
-        self.core.handle(event)
-        return perf_counter() - begin
+    def _digest(self, robot: str, stream: int) -> ev.DigestHeard:
+        sent, count = self.now - 0.02, self._rounds
+        forwarded = (count + stream % 2) // 2
+        last = sent - 0.001 - (count + stream + 1) % 2
+        news = StreamDigest(stream, count, forwarded, sent - 0.001, last if forwarded else 0.0, SIZE, 1.0)
+        epoch = self.core.shares.epoch
+        return ev.DigestHeard(self.now, Digest(robot, tag(_zid(robot)), sent, epoch, 0, 0, (news,), state=1))
 
-    def _digest(self, robot: str, number: int) -> ev.DigestHeard:
-        sent = self.now - 0.02
-        streams = tuple(
-            StreamDigest(
-                i, self._rounds, self._rounds // 5, at, at - self._rounds % 5 if self._rounds >= 5 else 0.0, SIZE, 1.0
-            )
-            for i in range(STREAMS)
-            for at in (sent - (0.17 * number + 0.2 * i) % 1.0,)
-        )
-        return ev.DigestHeard(self.now, Digest(robot, tag(_zid(robot)), sent, 0, 0, 0, streams))
+    def _state(self, robot: str) -> State:
+        streams = tuple(StreamState(i, f"{robot}/{i}", "any", 1.0) for i in range(STREAMS))
+        specs = self.core.view.specs.generation
+        return State(robot, _zid(robot), "enforce", specs, streams, ("**",), transport=self.transport, number=1)
 
 
 def measure_crowd(*, quick: bool) -> Table:
     """Measure a team of ten and a crowd of a hundred side by side; `quick`: of three and six."""
-    sizes = (3, 6) if quick else (10, 100)
-    costs = [_cost(robots, 3 if quick else 20) for robots in sizes]
-    rows = [(f"{robots} robots", *cost.cells()) for robots, cost in zip(sizes, costs, strict=True)]
+    coordinations: tuple[Coordination, ...] = ("overhear", "shares")
+    rows = [
+        (f"{robots} robots, {coordination}", *_cost(robots, coordination, 1 if quick else 3).cells())
+        for coordination in coordinations
+        for robots in ((3, 6) if quick else (10, 100))
+    ]
     return Table(
         f"One core in a crowd, {STREAMS} streams of each robot",
         ("team", *KINDS),
         tuple(rows),
-        "Medians. A sample of another robot, and a digest with news of all its streams, until the core has nothing more"
-        " to do; an own sample until its problem is there, horizon 60; its search, best mode, 300 iterations, tables"
-        " included; what the core holds in memory. Coordination overhear, broadcast.",
+        "Processor time. Means: a sample of another robot, a digest with news of one stream, and that time passed, each"
+        " until the core has nothing more to do and it is known when to wake it. Medians: an event until a problem is"
+        " there, horizon 60; its search, best mode, 300 iterations, tables included. What the core holds in memory."
+        " Overhear in broadcast, shares in unicast, and there the one that leads, which plans for all.",
     )
 
 
-def _cost(robots: int, times: int) -> Cost:
+def _cost(robots: int, coordination: Coordination, rounds: int) -> Cost:
     tracemalloc.start()
-    held = Crowd(robots)
+    held = Crowd(robots, coordination)
     memory, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     del held
-    crowd = Crowd(robots)
-    digests = [took for _ in range(times) for took in crowd.round()]
-    samples = [took for _ in range(times) for took in crowd.hear()]
-    passed = crowd.pass_time(10 * times)
-    decided = [crowd.decide() for _ in range(times)]
+    crowd = Crowd(robots, coordination)
+    for _ in range(rounds):
+        crowd.round()
+    took = crowd.took
+    if not took[PROBLEM]:
+        raise RuntimeError("the core had nothing to decide: its limits are too tight for the benchmark")
     return Cost(
-        sample=median(samples),
-        digest=median(digests),
-        passed=median(passed),
-        problem=median(built for built, _ in decided),
-        search=median(searched for _, searched in decided),
+        sample=_mean(took[HEARD]),
+        digest=_mean(took[TOLD]),
+        passed=_mean(took[PASSED]),
+        problem=median(took[PROBLEM]),
+        search=median(took[SEARCH]),
         memory=memory,
     )
+
+
+def _mean(times: Sequence[float]) -> float | None:
+    return fmean(times) if times else None
 
 
 def _zid(robot: str) -> str:
     number = int(robot.removeprefix("robot"))
     return f"{number:08x}"
-
-
-def _state(robot: str) -> State:
-    streams = tuple(StreamState(i, f"{robot}/{i}", "any", 1.0) for i in range(STREAMS))
-    return State(robot, _zid(robot), "enforce", "", streams, ("**",), 0.0, (), TRANSPORT)

@@ -46,9 +46,9 @@ def test_limits_that_follow_the_medium_are_measured_beside_right_ones(monkeypatc
 
 
 def test_a_crowd_is_measured_beside_a_team(tables):
-    """The same figures of both."""
+    """The same figures of both, in either coordination."""
     assert tables[3].columns[1:] == KINDS
-    assert len(tables[3].rows) == 2
+    assert len(tables[3].rows) == 4
 
 
 def test_all_arrangements_fly_the_same_missions():
