@@ -254,11 +254,9 @@ class SharedView:
         scale = stream.information_type.scale(features) if features else stream.last.scale
         t_sent = max(t_gen, on_air)
         self.note_sent(stream, stream.forwarded + 1, Sent(t_gen, t_sent, event.size, scale, features))
-        period = stream.schedule.period
-        if period > 0.0 and t_gen > stream.last.t_gen + SAME:
-            number = stream.generated + max(1, round((t_gen - stream.last.t_gen) / period))
-            generated = Generated(t_gen, event.size, scale, features or stream.last.features)
-            stream.note_generated(number, generated, numbered=True)
+        # Its number only the digest tells that follows: a wrong one would spoil the schedule, and hide the right one.
+        if t_gen > stream.last.t_gen:
+            stream.last = Generated(t_gen, event.size, scale, features or stream.last.features)
 
     def heard_digest(self, now: float, digest: Digest) -> bool:
         """A peer's digest arrived; False when it is unknown, old or our own."""

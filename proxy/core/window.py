@@ -230,10 +230,15 @@ class WindowBuilder:
             promised = limits.promised.get((stream.robot, stream.key), ())
             return max([now + c.audience.latency + LEAD, *(p.t_gen + half for p in promised[-1:])])
         heard = max(stream.schedule.last or now, stream.sent.t_gen + half if stream.sent else 0.0)
-        known = (
-            now - c.audience.latency - OVERHEARD - stream.schedule.jitter if view.overhears(stream) else now - longest
-        )
-        return max(heard, known)
+        if not view.overhears(stream):
+            return max(heard, now - longest)
+        return max(heard, now - self._way_here(c) - OVERHEARD - stream.schedule.jitter)
+
+    def _way_here(self, c: _Candidate) -> float:
+        """What samples of another robot take to us [s]: others may be told of sooner."""
+        sender = self._view.peer_called(c.stream.robot)
+        known = None if sender is None else sender.latency_from(c.stream.newest.size)
+        return c.audience.latency if sender is None or known is None else max(known, sender.offset.latency)
 
     def _problem(
         self, now: float, candidates: list[_Candidate], opened: list[_Open], limits: Limits

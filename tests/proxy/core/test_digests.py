@@ -86,6 +86,18 @@ def test_ordinary_news_leaves_room_for_urgent_news():
     assert urgent < ordinary
 
 
+@given(st.integers(0, 2), st.integers(LEAST_DIGEST, 500))
+def test_after_ordinary_news_as_many_urgent_ones_can_follow_as_are_spared(spare, size):
+    """They need not wait for the allowance."""
+    pacer = DigestPacer(0.0)
+    pacer.set_rate(100.0)
+    pacer.sent(0.0, size, 1)
+    now = pacer.due(0.0, urgent=False, news=True, copies=1, spare=spare) + 1e-6
+    for _ in range(1 + spare):
+        assert pacer.due(now, urgent=True, news=True, copies=1) <= now
+        pacer.sent(now, size, 1)
+
+
 def test_without_news_a_digest_goes_out_slowly():
     """Once a second, so that clocks and counts stay known."""
     pacer = DigestPacer(0.0)

@@ -269,6 +269,27 @@ def test_a_broadcast_sample_is_one_copy_for_all(make_specs):
     assert view.copies(view.stream(1.0, "r3", "robot/r3/camera")) == 2
 
 
+def test_an_overheard_sample_counts_as_sent_and_leaves_its_number_to_the_digest(make_specs):
+    """A number guessed too high would hide the right one; that the sample was sent is known at once, and once only."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 1.0),)))
+    name = next(iter(view.peers))
+
+    def news(now, generated, forwarded):
+        told = StreamDigest(1, generated, forwarded, now - 0.01, now - 0.01, 100, 1.0)
+        view.heard_digest(now, Digest("r2", name, now - 0.01, 0, 0, 0, (told,)))
+
+    news(1.0, 1, 1)
+    news(2.0, 2, 2)
+    view.heard_sample(SampleHeard(5.6, CAMERA, 100, "z-r2", None, None))
+    stream = view.known("r2", CAMERA)
+    assert (stream.generated, stream.forwarded) == (2, 3)
+    news(5.61, 5, 3)
+    assert (stream.generated, stream.forwarded) == (5, 3)
+    assert len(view.sent_since(5.0)) == 1
+
+
 PYTHON = """
 [[information_type]]
 name = "camera"

@@ -16,8 +16,9 @@ from proxy.core.latency import Latency
 from proxy.core.limits import Limit, Limits, Promise, allowance_of, limits_of, use_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
+from proxy.core.transport import broadcast
 from proxy.core.view import SharedView
-from proxy.core.window import MOST_OF_BEST, MOST_OF_OWN, WindowBuilder
+from proxy.core.window import MOST_OF_BEST, MOST_OF_OWN, OVERHEARD, WindowBuilder
 from proxy.core.wire import Echo, State
 from utility_specs import ConstraintSpec, Specs
 
@@ -105,6 +106,25 @@ def test_others_messages_of_unknown_fate_are_decisions(crowd):
     problem = WindowBuilder(crowd, 0.0).build(10.8, sample(10.8), (), union())
     past = [(m.stream, m.t_gen) for m in problem.messages if m.t_gen < 10.8]
     assert past == [(1, pytest.approx(10.5)), (2, pytest.approx(10.5))]
+
+
+def test_who_overhears_takes_what_was_not_heard_in_time_for_not_sent(make_specs):
+    """In time is the latency, its margin, and what the stream is late by now and then."""
+    group = broadcast("224.0.0.226:7449")
+    view = make_view(make_specs(), transport=group)
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (), ("robot/**",), transport=group))
+    add_stream(view, "r1")
+    other = add_stream(view, "r2")
+    view.set_interest(("robot/**",))
+    late = OVERHEARD + other.schedule.jitter
+
+    def past(now):
+        problem = WindowBuilder(view, 0.0).build(now, sample(now), (), union())
+        return [m.t_gen for m in problem.messages if m.t_gen < now]
+
+    assert past(10.5 + 0.9 * late) == [pytest.approx(10.5)]
+    assert past(10.5 + 1.1 * late) == []
 
 
 def test_a_python_utility_sees_the_features_of_each_sample(make_specs):

@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 
 from planner import SearchSettings
+from proxy.core.events import TimePassed
 from proxy.core.settings import CoreSettings
+from studies.simulation.conditions import Conditions
+from studies.simulation.flights import fly
 from studies.simulation.medium import Medium
+from studies.simulation.missions import draw, scenario
 from studies.simulation.team import Frame, Team
 from utility_specs import load_specs
 
@@ -114,6 +118,20 @@ def test_in_overhear_robots_plan_for_the_union(specs):
     deliveries = flight.run(scene(), 14.0)
     sent = sum(d.frame.size for d in deliveries if 3.0 <= d.t_sent <= 13.0)
     assert 0.3 * 0.9 * RATE * 10.0 <= sent <= 1.05 * 0.9 * RATE * 10.0
+
+
+def test_where_robots_broadcast_a_digest_follows_what_was_sent():
+    """Most of the time at once, as far as the allowance goes: whoever lost the sample has it from there."""
+    how = Conditions(coordination="overhear", transport="broadcast", limit=2, seconds=10.0)
+    flight = fly(draw(scenario("most"), 0, how), how, 0)
+    digests = [(air.robot, air.t) for air in flight.on_air if air.digest]
+    sends = [air for air in flight.on_air if air.frame is not None and 5.0 <= air.t < 19.0]
+    told = [any(robot == air.robot and 0.0 <= t - air.t < 0.1 for robot, t in digests) for air in sends]
+    assert sum(told) >= 0.7 * len(told) > 0
+    for member in flight.members.values():
+        now = member.now(20.0)
+        member.core.handle(TimePassed(now))
+        assert member.core.wake_at(now) > now
 
 
 def test_robots_share_constraints_of_all_kinds_at_once(tmp_path):
