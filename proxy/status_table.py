@@ -29,12 +29,13 @@ def table(status: Status) -> str:
 
 
 def _headline(status: Status) -> str:
+    leader = status.get("leader")
     return "   ".join(
         (
             f"robot {status.get('robot', UNKNOWN)}",
             f"mode {status.get('mode', UNKNOWN)}",
             f"specs {status.get('specs', UNKNOWN)}",
-            f"coordination {status.get('coordination', UNKNOWN)}",
+            f"coordination {status.get('coordination', UNKNOWN)}" + f" (led by {leader})" * bool(leader),
             f"transport {status.get('transport', UNKNOWN)}",
             f"up {duration(status.get('uptime'))}",
         )

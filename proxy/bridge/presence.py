@@ -24,6 +24,8 @@ log = logging.getLogger(__name__)
 
 NAME_WAIT = 0.15
 """How long a starting daemon listens for another one of its name [s]."""
+ADDRESSED = 256
+"""Robots that have a number for digests to them alone."""
 ECHOED = 64
 """Of so many of our digests an echo is understood."""
 STATES = 64
@@ -77,8 +79,8 @@ class Presence:
         self._waiting = threading.BoundedSemaphore(STATES)
         self._tokens = Tokens(self._zid, post)
         self._declared: list[Declaration] = []
-        self._addressed: set[str] = set()
-        """To whom digests were sent alone: such keys are declared, so that a number travels instead."""
+        self._addressed: dict[str, Declaration] = {}
+        """To whom digests were sent alone, the last one last: such keys are declared, so that a number travels."""
 
     def open(self) -> None:
         """Say that we are here, and listen."""
@@ -105,6 +107,8 @@ class Presence:
         for declared in self._declared:
             declared.undeclare()
         self._declared = []
+        for addressed in self._addressed.values():
+            addressed.undeclare()
         self._addressed.clear()
 
     def send_digest(self, digest: Digest, to: str = "") -> None:
@@ -114,11 +118,19 @@ class Presence:
             self._put(keys.digest(self._robot, self._tag), pack_digest(digest), self._air.announce)
             return
         key = keys.digest_to(to, self._robot, self._tag) if to else keys.digest(self._robot, self._tag)
-        if to and to not in self._addressed:
-            self._addressed.add(to)
-            numbered = zenoh.handlers.Callback(_ignore, indirect=False)
-            self._declared.append(self._mesh.declare_queryable(key, numbered, allowed_origin=zenoh.Locality.REMOTE))
+        if to:
+            self._number(to, key)
         self._put(key, pack_digest(digest))
+
+    def _number(self, to: str, key: str) -> None:
+        """Declare the key of digests to this robot; that of whom none was sent to for longest gives way."""
+        declared = self._addressed.pop(to, None)
+        if declared is None:
+            numbered = zenoh.handlers.Callback(_ignore, indirect=False)
+            declared = self._mesh.declare_queryable(key, numbered, allowed_origin=zenoh.Locality.REMOTE)
+        self._addressed[to] = declared
+        if len(self._addressed) > ADDRESSED:
+            self._addressed.pop(next(iter(self._addressed))).undeclare()
 
     def send_state(self, state: State, update: State | None = None) -> None:
         """Answer with our state from now on, and publish it, or instead of it the update."""

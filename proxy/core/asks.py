@@ -14,8 +14,8 @@ ANSWERED = 0.06
 """Who asks hears the answer so much later at most, besides the latency there and back [s]."""
 SPREADS = 2.0
 """A message may be so many standard deviations of its generation time off."""
-SPARE = 2.0
-"""Asking may take this part of the allowance."""
+SPARE = 4.0
+"""So many digests could be paid for in the time in which one is to be sent: the others go to who leads, and to news."""
 
 
 def asks(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...]) -> bool:
@@ -27,9 +27,8 @@ def asks(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...
     if delay > PATIENCE:
         return False
     schedule = stream.schedule
-    if schedule.kind == "poisson":
-        return True
     robots = len(view.peers) + 1
     rates = [view.settings.allowance * c.measure.limit / c.window / robots for c in limits if c.measure.unit == "B"]
     rate = max(LEAST_ALLOWANCE, min(rates, default=0.0))
-    return SPREADS * schedule.jitter > delay and schedule.period * rate > SPARE * LEAST_DIGEST
+    unforeseen = schedule.kind == "poisson" or SPREADS * schedule.jitter > delay
+    return unforeseen and schedule.period * rate > SPARE * LEAST_DIGEST

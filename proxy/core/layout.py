@@ -117,7 +117,7 @@ class Layout:
 
     def _vague(self, now: float) -> bool:
         """Whether robots may be so wrong about our clock that slots are better than grants for single messages."""
-        window = max((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
+        window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
         offsets = (peer.offset for peer in self._view.peers.values() if peer.offset.known)
         return max((offset.uncertainty(now) for offset in offsets), default=0.0) > STANDING * window
 

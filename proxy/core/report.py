@@ -22,6 +22,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "mode": core.gate.mode.value,
         "specs": core.view.specs.generation,
         "coordination": core.settings.coordination,
+        "leader": _leader(core),
         "transport": core.settings.transport,
         "uptime": now - core.started,
         "counts": _counts(core),
@@ -41,6 +42,14 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "untold": core.untold,
         "asked": core.asking.asked,
     }
+
+
+def _leader(core: Core) -> str | None:
+    """Who lends to all where robots share; nobody as long as they do not agree."""
+    if core.settings.coordination != "shares":
+        return None
+    peer = core.view.peers.get(core.shares.leader)
+    return core.settings.robot if core.shares.leads else None if peer is None else peer.robot
 
 
 def _counts(core: Core) -> dict[str, Any]:

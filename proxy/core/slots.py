@@ -18,7 +18,7 @@ from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
 STANDING = 0.1
-"""Slots are lent where a robot may be wrong about our clock by this part of the longest window."""
+"""Slots are lent where a robot may be wrong about our clock by this part of the shortest window."""
 STAYS = 1.2
 """Who has a slot keeps it unless somebody else would gain so much more."""
 LASTING = 60.0

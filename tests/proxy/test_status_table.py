@@ -12,6 +12,7 @@ STATUS = {
     "mode": "enforce",
     "specs": "50b2553b9f23",
     "coordination": "shares",
+    "leader": "r2",
     "transport": "unicast",
     "uptime": 200.0,
     "counts": {
@@ -94,7 +95,7 @@ STATUS = {
 }
 
 TABLE = """\
-robot r1   mode enforce   specs 50b2553b9f23   coordination shares   transport unicast   up 3 min 20 s
+robot r1   mode enforce   specs 50b2553b9f23   coordination shares (led by r2)   transport unicast   up 3 min 20 s
 
 samples  120 in = 70 forwarded + 49 dropped + 1 queued
   passed:no-spec   60

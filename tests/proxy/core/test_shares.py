@@ -389,7 +389,7 @@ class Churn(Mission):
         self.notices += [(self.now + noticed, other) for other in self.shares]
 
     def part(self):
-        for name in self.names:
+        for name in self.group:
             self.group[name] = 2 * self.group[name] + self.rng.randint(0, 1)
         self.notices += [(self.now + 2.0 + 0.3 * self.rng.random(), name) for name in self.names]
 

@@ -1,0 +1,44 @@
+"""Slots: what robots hold for long goes where it gains most."""
+
+import pytest
+
+from proxy.core.slots import STAYS, Demand, allot, demands
+
+ONE, OTHER = ("r1", "a"), ("r2", "b")
+
+
+def test_slots_go_where_they_gain_most():
+    """The second one of a stream gains less than the first one; each takes as much as it says."""
+    wanted = [Demand(ONE, (1.0,), (9.0, 4.0, 1.0)), Demand(OTHER, (1.0,), (5.0, 3.0))]
+    assert allot(wanted, (3.5,), {}) == {ONE: 2, OTHER: 1}
+    assert allot(wanted, (9.0,), {}) == {ONE: 3, OTHER: 2}
+    assert allot(wanted, (0.5,), {}) == {ONE: 0, OTHER: 0}
+
+
+def test_what_a_slot_gains_counts_for_what_it_takes():
+    """Of the constraint that it takes most of."""
+    wanted = [Demand(ONE, (4.0, 0.0), (9.0,)), Demand(OTHER, (1.0, 1.0), (5.0,))]
+    assert allot(wanted, (4.0, 8.0), {}) == {ONE: 0, OTHER: 1}
+
+
+@pytest.mark.parametrize(("gain", "holder"), [(1.05, ONE), (1.05 * STAYS, OTHER)])
+def test_who_has_a_slot_keeps_it_unless_another_one_gains_much_more(gain, holder):
+    """Every move costs a window."""
+    wanted = [Demand(ONE, (1.0,), (1.0,)), Demand(OTHER, (1.0,), (gain,))]
+    counts = allot(wanted, (1.0,), {ONE: 1})
+    assert counts[holder] == 1
+    assert sum(counts.values()) == 1
+
+
+def test_a_stream_that_sends_more_often_gains_by_every_slot_less(make_talk):
+    """As many as let it send everything, and what nobody wants none."""
+    talk = make_talk(settle=0.0)
+    for number in range(6):
+        talk.publish(0.1 + 0.4 * number)
+    shared = tuple(limit for limit in talk.core.gate.limits if limit.shared)
+    assert demands(3.0, talk.core.view, shared) == []
+    talk.want(2.9)
+    (demand,) = demands(3.0, talk.core.view, shared)
+    assert list(demand.gains) == sorted(demand.gains, reverse=True)
+    assert min(demand.gains) > 0.0
+    assert len(demand.gains) == int(max(limit.window for limit in shared) / 0.4) + 1
