@@ -237,8 +237,10 @@ class WindowBuilder:
     def _way_here(self, c: _Candidate) -> float:
         """What samples of another robot take to us [s]: others may be told of sooner."""
         sender = self._view.peer_called(c.stream.robot)
-        known = None if sender is None else sender.latency_from(c.stream.newest.size)
-        return c.audience.latency if sender is None or known is None else max(known, sender.offset.latency)
+        line = None if sender is None else sender.line_in
+        if sender is None or line is None:
+            return c.audience.latency
+        return max(line.of(c.stream.newest.size), sender.offset.latency)
 
     def _problem(
         self, now: float, candidates: list[_Candidate], opened: list[_Open], limits: Limits
