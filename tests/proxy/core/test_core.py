@@ -494,6 +494,7 @@ def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs, coordinati
     talk.tell(ev.PeerGone(21.0, "op", "zz-op"))
     talk.tell(ev.SpecsChanged(22.0, make_specs()))
     assert "adaptive" not in talk.core.status(22.0)["budget"][0]
+    talk.tell(ev.TimePassed(24.0))
     assert talk.all(SendDigest)[-1].digest.capacity == ()
 
 
