@@ -376,3 +376,15 @@ def test_whatever_is_seen_forecasts_are_in_order_and_bounded(events, most, ahead
         assert math.isfinite(schedule.period)
         assert schedule.period >= 0.0
         assert schedule.jitter >= 0.0
+
+
+def test_when_a_sample_is_about_due_is_known_at_a_look():
+    """One that is late is due now; without a period none is."""
+    schedule = Schedule()
+    assert schedule.due(0.0) == math.inf
+    for count in range(1, 9):
+        schedule.observe(count, 0.5 * count)
+    assert schedule.due(4.1) == pytest.approx(4.5)
+    assert schedule.due(4.8) == 4.8
+    schedule.observe(9, 4.5)
+    assert schedule.due(4.8) == pytest.approx(5.0)

@@ -496,3 +496,14 @@ def test_news_without_a_key_is_bounded(view):
     news = tuple(StreamDigest(n, 1, 0, 1.0, 0.0, 10, 1.0) for n in range(1030))
     view.heard_digest(1.0, digest(1.0, *news))
     assert (len(view.peers["z-r2"].pending), view.peers["z-r2"].evicted) == (1024, 6)
+
+
+def test_who_was_not_reached_after_all_is_reached_by_the_next_sample(view):
+    """Though the same robots want it."""
+    stream = view.stream(0.0, "r1", CAMERA)
+    names = ("z-r2", "z-r3")
+    stream.reach(names)
+    stream.miss(("z-r2",))
+    assert stream.reached == {"z-r3"}
+    stream.reach(names)
+    assert stream.reached == set(names)
