@@ -6,6 +6,7 @@ import pytest
 
 from proxy.core import events as ev
 from proxy.core.commands import SetPace
+from proxy.core.limits import limits_of
 from tests.proxy.core.talk import SPEC
 
 ADAPTIVE = SPEC.replace('limit = "{limit}"', 'limit = "adaptive"\nceiling = "{limit}"').format(
@@ -21,7 +22,7 @@ def test_fixed_limits_are_in_force_as_they_are(make_talk, make_specs):
     assert not channel.look(1.0)
     assert channel.follow() is None
     assert channel.part == 1.0
-    assert talk.core.gate.limits[0].limit == pytest.approx(10_000.0)
+    assert talk.core.gate.limits == limits_of(talk.core.view.specs, 0.0, 2)
 
 
 def test_an_adaptive_limit_begins_with_a_part_of_its_ceiling(make_talk, make_specs):
@@ -31,7 +32,8 @@ def test_an_adaptive_limit_begins_with_a_part_of_its_ceiling(make_talk, make_spe
     (factor,) = talk.core.channel.capacity.factors
     (limit,) = talk.core.gate.limits
     assert 0.0 < factor < 1.0
-    assert limit.limit == pytest.approx(factor * 100_000.0)
+    (ceiling,) = limits_of(talk.core.view.specs, 0.0, 2)
+    assert limit.limit == pytest.approx(factor * ceiling.limit)
     assert talk.core.channel.part == pytest.approx(math.sqrt(factor))
     assert talk.all(SetPace)[-1].rate == pytest.approx(factor * 100_000.0)
 

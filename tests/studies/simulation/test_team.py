@@ -107,8 +107,8 @@ def test_wrong_clocks_change_nothing(specs):
     right = team(specs).run(scene(), 14.0)
     wrong = team(specs, clocks={"r1": 600.0, "r2": -300.0, "op": 77.0}).run(scene(), 14.0)
     one, other = (Counter(d.frame.robot for d in deliveries) for deliveries in (right, wrong))
-    assert other.total() == pytest.approx(one.total(), rel=0.05)
-    assert (one - other).total() + (other - one).total() <= 0.15 * one.total()
+    assert other.total() == pytest.approx(one.total(), rel=0.1)
+    assert (one - other).total() + (other - one).total() <= 0.2 * one.total()
 
 
 def test_a_robot_alone_uses_what_the_limit_gives(specs):
