@@ -28,8 +28,8 @@ _SINCE_SENT, _UNACKED, _RTT, _NOT_SENT, _LEAST_RTT, _RATE = (
 trip [us], bytes that wait, the least time of a round trip [us], and what came through at last [B/s]."""
 _TCP_INFO = 168
 """So much of it is needed [B]."""
-LATELY = 500
-"""A link that sent nothing for so long says nothing of the channel [ms]."""
+LATELY = 300
+"""A link that sent nothing for so long says nothing of the channel [ms]; it says that it is alive every 500 ms."""
 DENSE = 4
 """With fewer segments on their way a round trip is longer than the way: receivers wait before they acknowledge."""
 USABLE = 0.5

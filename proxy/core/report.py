@@ -39,8 +39,8 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "malformed": core.refused.total(),
         "refused": dict(sorted(core.refused.items())),
         "evicted": core.view.evicted + core.strangers.forgotten + sum(p.evicted for p in core.view.peers.values()),
-        "untold": core.untold,
-        "asked": core.asking.asked,
+        "untold": core.telling.untold,
+        "asked": core.telling.asking.asked,
     }
 
 

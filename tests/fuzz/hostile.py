@@ -82,7 +82,7 @@ class Besieged:
         assert all(len(peer.pending) <= PENDING for peer in view.peers.values())
         assert len(core.strangers._heard) <= MOST
         assert all(len(kept) <= MOST_EACH for kept in core.strangers._heard.values())
-        assert set(core.asking._open) <= set(view.peers)
+        assert set(core.telling.asking._open) <= set(view.peers)
         assert core.shares.members == frozenset(view.peers) | {"00000000"}
         assert core.wake_at(self.now) >= self.now
         honest = view.peers[HONEST[:8]]

@@ -658,10 +658,10 @@ def test_news_that_nobody_wants_is_not_urgent(make_talk):
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     talk.tell(ev.TimePassed(1.0))
     talk.publish(1.1, red=0.1)
-    assert not talk.core._urgent
+    assert not talk.core.telling.urgent
     talk.want(1.2)
     talk.publish(1.3, red=0.9)
-    assert talk.core._urgent or talk.all(SendDigest)[-1].digest.sent == 1.3
+    assert talk.core.telling.urgent or talk.all(SendDigest)[-1].digest.sent == 1.3
 
 
 def test_what_is_too_much_to_tell_is_said(make_talk):

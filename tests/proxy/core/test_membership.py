@@ -51,7 +51,7 @@ def assert_agreed(mesh, group):
     for zid in group:
         core = mesh.cores[zid]
         assert core.shares.confirmed(mesh.now)
-        assert all(peer.number == mesh.cores[peer.zid]._state.number for peer in core.view.peers.values())
+        assert all(peer.number == mesh.cores[peer.zid].telling.state.number for peer in core.view.peers.values())
 
 
 def test_newcomers_are_in_everybodys_plan_within_one_state(make_specs):

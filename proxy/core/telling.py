@@ -1,0 +1,253 @@
+"""What this robot tells the others, and when: states, questions for theirs, digests; all within the allowance.
+
+Digests concern all where all plan for all. Where one robot leads, news concern it alone, and a grant whom it is for.
+"""
+
+import math
+from dataclasses import replace
+
+from proxy.core.asking import Asking
+from proxy.core.capacity import BEAT
+from proxy.core.channel import Channel
+from proxy.core.codec import pack_digest, pack_state
+from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
+from proxy.core.digests import ON_AIR, QUESTION, SLOW, DigestPacer
+from proxy.core.gate import Gate
+from proxy.core.limits import allowance_of
+from proxy.core.shares import Shares
+from proxy.core.stating import differs, shortened, state_of, update_of
+from proxy.core.view import SharedView
+from proxy.core.wire import Digest, Echo, State
+
+LEADERS_PART = 0.35
+"""Of what all robots may tell each other, this part is for the one that leads."""
+AHEAD = 0.15
+"""Others are lent what they need so much before they need it [s]."""
+ALL_PART = 0.3
+"""Where one robot leads, this part of the allowance is for telling all what concerns only some..."""
+ALL_PACE = 30.0
+"""... and they are told at least this often [s]."""
+NEWS_PACE = 1.0
+"""Who leads hears news that are not urgent this often [s]."""
+STRAGGLER_PACE = 0.3
+"""Those who do not say that they follow are told of who leads this often [s]."""
+ECHO_PACE = 5.0
+"""Digests that concern one robot echo its own this often [s]."""
+MOST_AT_ONCE = 8
+"""Digests that go out at the same time."""
+HELLO = 0.5
+"""So long after it settled a robot waits with its first digest for somebody to lead [s]."""
+STATE_PACE = 0.2
+"""States follow each other at least this far apart [s]."""
+RESTATE = 1.0
+"""While samples come, our state is looked at this often: whether the periods are still right [s]."""
+
+
+class Telling:
+    """One robot's part of the conversation. `urgent`: something changed enough to alter others' plans."""
+
+    def __init__(self, now: float, view: SharedView, shares: Shares, gate: Gate, channel: Channel) -> None:
+        self._view = view
+        self._shares = shares
+        self._gate = gate
+        self._channel = channel
+        self.pacer = DigestPacer(now)
+        self.asking = Asking(now)
+        self.urgent = False
+        self.untold = 0
+        """Streams, subscriptions and origins that did not fit into our state."""
+        self.state = State(view.settings.robot, view.settings.zid, "", "")
+        """The one that was told last; number 0: none."""
+        self._settled_at = now + view.settings.settle
+        self._told_all_at = self._told_at = now
+        self._echoed_at: dict[str, float] = {}
+        self._told_epoch = 0
+        """Epochs are told at once, and paid for later."""
+        self._told_messages = 0
+        """Messages put on the air that we told of."""
+        self._state_at = self._restated = now - STATE_PACE
+        self._restate_at = now
+        """When to look whether our state is news."""
+        self._next_digest = -math.inf
+        """When the next digest is due, as things are since the last event [s]."""
+
+    def next_at(self, now: float, *, digests: bool) -> float:
+        """When something is due at the latest, as far as that is known; digests wait for a plan that is being made."""
+        times = [self._next_digest if digests else now + 1.0, self.asking.next_at()]
+        if self._restate_at < math.inf:
+            times.append(max(self._restate_at, self._state_due(now)))
+        return min(times)
+
+    def restate(self, now: float, *, soon: bool = True) -> None:
+        """Our state may be news; look at once, or when it is time to."""
+        self._restate_at = min(self._restate_at, now if soon else self._restated + RESTATE)
+
+    def answered(self, now: float) -> None:
+        """Somebody asked for our state and got it: all the rest is told by the next digest."""
+        self.pacer.owe(now, len(pack_state(self.state)), 1)
+        self.pacer.forget()
+
+    def due(self, now: float, *, digests: bool) -> list[Command]:
+        """Tell what is due now."""
+        commands: list[Command] = []
+        if now >= self._restate_at and now >= self._state_due(now):
+            commands += self._send_state(now)
+        if (name := self.asking.due(now)) is not None:
+            self.pacer.owe(now, QUESTION, 1)
+            commands.append(AskState(self._view.peers[name].name, name))
+        if digests:
+            self._tell(now, commands)
+        return commands
+
+    def look_for_state(self, now: float, name: str) -> None:
+        """Ask a robot for its state if its digests speak of another one than we have."""
+        peer = self._view.peers[name]
+        if peer.state is None or (peer.digest is not None and peer.digest.state not in (0, peer.number)):
+            self.asking.want(now, name)
+        else:
+            self.asking.done(name)
+
+    def set_rate(self) -> None:
+        """A part of what all may tell each other is for who plans for all; the others have news."""
+        robots, part = len(self._view.peers) + 1, 1.0
+        if self._view.settings.coordination == "shares" and self._shares.leader and robots > 1:
+            part = LEADERS_PART * robots if self._shares.leads else 1.0 - LEADERS_PART
+        allowance = self._view.settings.allowance * self._channel.part
+        self.pacer.set_rate(part * allowance_of(self._view.specs, allowance, robots))
+
+    def speaks_again(self) -> float:
+        """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
+        latency = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
+        return self.pacer.interval + latency + AHEAD
+
+    def _send_state(self, now: float) -> list[Command]:
+        """Publish what is new of our state, or all of it, or nothing."""
+        self._restate_at, self._restated = float("inf"), now
+        state, left = shortened(state_of(self._view, self._gate.mode))
+        if self.state.number and not differs(self.state, state):
+            return []
+        state = replace(state, number=self.state.number + 1)
+        update = update_of(self.state, state)
+        told: list[Command] = []
+        if left > self.untold:
+            told.append(Notice("warning", f"{left} streams, subscriptions or origins are too many to tell the others"))
+        self.untold = left
+        self.state, self._state_at = state, now
+        self.pacer.owe(now, len(pack_state(update or state)), self._copies())
+        return [*told, SendState(state, update)]
+
+    def _state_due(self, now: float) -> float:
+        return max(self._state_at + STATE_PACE, self.pacer.state_due(now))
+
+    def _tell(self, now: float, commands: list[Command]) -> None:
+        """Send the digests that are due, and see when the next one is."""
+        for _ in range(MOST_AT_ONCE):
+            self._next_digest = self._digest_due(now)
+            if now < self._next_digest:
+                return
+            commands.append(self._send_digest(now))
+        self._next_digest = self._digest_due(now)
+
+    def _digest_due(self, now: float) -> float:
+        own = list(self._view.own())
+        if self._view.settings.coordination == "shares" and self._view.peers:
+            if not self._shares.epoch and now < self._settled_at + HELLO:
+                return self._settled_at + HELLO
+            if self._told_epoch != self._shares.epoch:
+                return now
+        if self._view.peers and self.pacer.unknown(own) and self.pacer.solvent:
+            return max(now, self._told_at + STRAGGLER_PACE)
+        to = self._addressee(now)
+        sharing = self._view.settings.coordination == "shares" and bool(self._view.peers)
+        all_due = self._told_all_at + self._all_pace()
+        if sharing and self._shares.leads and not to and now < all_due:
+            retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
+            return max(now, min(retold, all_due))
+        speak = self._channel.capacity.speak(now)
+        news = speak or self.pacer.has_news(own)
+        # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
+        sent = not sharing and self._view.messages != self._told_messages
+        urgent = self.urgent or sent
+        copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
+        due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
+        # What could be urgent later is not spent on news that nobody waits for.
+        return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
+
+    def _send_digest(self, now: float) -> Command:
+        to = self._addressee(now)
+        self._told_at = now
+        if not to:
+            self._told_all_at = now
+        digest = Digest(
+            robot=self._view.settings.robot,
+            tag=self._shares.own,
+            sent=now,
+            epoch=self._shares.epoch,
+            messages=self._view.messages,
+            bytes=self._view.bytes,
+            streams=self.pacer.changed(now, list(self._view.own())),
+            grants=self.pacer.grants(to),
+            echoes=self.pacer.echoes(now, self._echoes(to)),
+            state=self.state.number,
+            capacity=self._channel.capacity.telling(now),
+        )
+        self._channel.capacity.told(digest)
+        self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
+        self._view.sent_digest(now)
+        self.pacer.sent(now, self._size_of(digest), 1 if to else self._digest_copies())
+        self.urgent = bool(self.pacer.addressee(self._shares.grants(now)))
+        return SendDigest(digest, to)
+
+    def _addressee(self, now: float) -> str:
+        """In `shares`, news concern who leads, and what is lent whom it is lent to; nobody: all are told.
+
+        All are told of an epoch, and now and then of the rest.
+        """
+        shares, peers = self._shares, self._view.peers
+        if self._view.settings.coordination != "shares" or not peers:
+            return ""
+        if shares.leads:
+            if self._told_epoch != shares.epoch:
+                return ""
+            to = self.pacer.addressee(shares.grants(now)) or self._straggler(now) or self._next_to_time(now)
+            return to if to in peers else ""
+        return shares.leader if shares.leader in peers and now < self._told_all_at + self._all_pace() else ""
+
+    def _straggler(self, now: float) -> str:
+        """Who has to be told again who leads: each in its turn."""
+        late = self._shares.stragglers if now >= self._told_at + STRAGGLER_PACE else []
+        return late[int(now / STRAGGLER_PACE) % len(late)] if late else ""
+
+    def _next_to_time(self, now: float) -> str:
+        """While an adaptive limit is used, all are told something in turn: how long it takes tells of the channel."""
+        names = sorted(self._view.peers) if self._channel.capacity.speak(now) else []
+        return names[int(now / BEAT) % len(names)] if names else ""
+
+    def _echoes(self, to: str) -> tuple[Echo, ...]:
+        """What a digest echoes: of whom it is sent to alone, or of all."""
+        if not to:
+            return self._view.echoes()
+        known = self._view.peers[to].offset.known
+        pace = SLOW if self._channel.capacity.factors else ECHO_PACE
+        if known and self._told_at - self._echoed_at.get(to, -math.inf) < pace:
+            return ()
+        self._echoed_at[to] = self._told_at
+        return tuple(echo for echo in self._view.echoes() if echo.peer == to)
+
+    def _all_pace(self) -> float:
+        """How often all are told what concerns only some [s]."""
+        return min(ALL_PACE, max(SLOW, self._digest_copies() * self.pacer.interval / ALL_PART))
+
+    def _size_of(self, digest: Digest) -> int:
+        """The size of a digest [B]; on the air its key has no number to stand for it."""
+        return len(pack_digest(digest)) + (
+            ON_AIR + len(self._view.settings.robot) if self._view.settings.digests_on_air else 0
+        )
+
+    def _digest_copies(self) -> int:
+        """How often a digest for all is transmitted."""
+        return 1 if self._view.settings.digests_on_air and self._view.peers else self._copies()
+
+    def _copies(self) -> int:
+        """How often a state is transmitted."""
+        return len(self._view.peers) + (self._view.settings.relayed and bool(self._view.peers))
