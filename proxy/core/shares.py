@@ -194,11 +194,7 @@ class Shares:
     def holds(self, now: float, t: float, use: tuple[float, ...]) -> bool:
         """Whether what a message takes that is sent at a time to come would be of what is lent to us already."""
         if self.leads:
-            return all(
-                amount <= self._factors[k] * (self.whole(k) - self._gone(t, k))
-                for k, amount in enumerate(use)
-                if self._limits[k].shared
-            )
+            return all(amount <= self._share(t, k) for k, amount in enumerate(use) if self._limits[k].shared)
         begun = [lent for lent in self._lent if lent.begins <= now]
         return all(
             amount <= sum(lent.amounts[k] for lent in begun if t <= lent.ends or lent.stays)
