@@ -3,9 +3,8 @@
 import math
 import struct
 
-TICK = 1e-4
-"""Times travel as multiples of this [s]."""
 _PER_SECOND = 10_000
+"""Times travel as whole ticks, of which a second has so many."""
 _SMALL = 128
 """Whole numbers below this travel as they are, in one byte."""
 _BITS = 1024

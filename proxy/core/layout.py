@@ -15,11 +15,13 @@ from proxy.core.commands import Decide
 from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Promise, use_of
+from proxy.core.peer import Peer
 from proxy.core.shares import Lent, Shares
 from proxy.core.slots import MARGIN, STANDING, Demand, Place, allot, demands
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 from proxy.core.window import Ahead, Expected, WindowBuilder
+from proxy.core.wire import tag
 
 PACE = 0.1
 """It is planned this often [s]..."""
@@ -154,20 +156,20 @@ class Layout:
             self.lent += 1
 
     def _asks(self, stream: Stream) -> bool:
-        peer = next((peer for peer in self._view.peers.values() if peer.robot == stream.robot), None)
+        peer = self._view.peer_called(stream.robot)
         return peer is not None and asks(self._view, stream, peer, self._gate.limits)
 
     def _promise(self, now: float, expected: Expected) -> bool:
         stream, message = expected.stream, expected.message
-        peer = next((name for name, peer in self._view.peers.items() if peer.robot == stream.robot), None)
+        peer = self._view.peer_called(stream.robot)
         if peer is None:
             return False
         shared = tuple(limit for limit in self._gate.limits if limit.shared)
         use = tuple(MARGIN * amount for amount in use_of(message.size, expected.copies, shared))
-        slack, center = self._slack(expected), message.t_gen
+        slack, center = self._slack(stream, peer), message.t_gen
         if center <= now:
-            center, slack = now, 2.0 * self._view.peers[peer].offset.latency + ANSWERED
-        lent = self._shares.lend(now, peer, center - slack, center + slack, use)
+            center, slack = now, 2.0 * peer.offset.latency + ANSWERED
+        lent = self._shares.lend(now, tag(peer.zid), center - slack, center + slack, use)
         if lent is None:
             return False
         promise = Promise(message.t_gen, lent.ends, message.size, message.scale, message.features)
@@ -176,10 +178,9 @@ class Layout:
         self.lent += 1
         return True
 
-    def _slack(self, expected: Expected) -> float:
-        peer = next(p for p in self._view.peers.values() if p.robot == expected.stream.robot)
-        off = self._off.get((expected.stream.robot, expected.stream.key))
-        deviation = max(spread(expected.stream), 0.0 if off is None else off.deviation)
+    def _slack(self, stream: Stream, peer: Peer) -> float:
+        off = self._off.get((stream.robot, stream.key))
+        deviation = max(spread(stream), 0.0 if off is None else off.deviation)
         return LEAST_SLACK + SPREADS * deviation + peer.offset.latency
 
     def _look_back(self) -> None:

@@ -174,10 +174,10 @@ class Shares:
         """What all robots together may come to hold of constraint `k` [its units]."""
         return (1.0 - self._floor if self._limits[k].shared else 1.0) * self._in_force(k)
 
-    def used(self, now: float, k: int) -> float:
-        """What our sends of the window that ends now use of constraint `k`."""
-        since = now - self._limits[k].window
-        return sum(use[k] for t, use in self._sent if t >= since)
+    def used(self, t: float, k: int) -> float:
+        """What our sends of the window that ends at a time use of constraint `k`."""
+        since = t - self._limits[k].window
+        return sum(use[k] for sent, use in self._sent if sent >= since)
 
     def free(self, now: float, k: int) -> float:
         """What we may still send now of constraint `k`: it has to fit what we hold for a whole window."""
@@ -292,7 +292,7 @@ class Shares:
         edges = {lent.begins - EDGE if self.leads else lent.ends + window + 1e-9 for lent in self._lent}
         times = [t, *(edge for edge in edges if t < edge <= t + window)]
         own = self._limits[k].shared
-        return min(self._held_at(at, now, k) - self._used_at(at, k) for at in (times if own else [t]))
+        return min(self._held_at(at, now, k) - self.used(at, k) for at in (times if own else [t]))
 
     def _held_at(self, t: float, now: float, k: int) -> float:
         """What we hold at a time to come, by what we know now."""
@@ -309,10 +309,6 @@ class Shares:
 
     def _in_force(self, k: int) -> float:
         return self._factors[k] * self._limits[k].limit
-
-    def _used_at(self, t: float, k: int) -> float:
-        since = t - self._limits[k].window
-        return sum(use[k] for sent, use in self._sent if sent >= since)
 
     def _gone(self, t: float, k: int) -> float:
         """What of constraint `k` others may use at a time."""
@@ -335,7 +331,7 @@ class Shares:
             last = ends + self._limits[k].window + EDGE
             first = begins - EDGE
             times = [first, *(e.begins - EDGE for e in self._lent if first < e.begins - EDGE <= last)]
-            if any(self._gone(t, k) + self._used_at(t, k) + amount > self.whole(k) * (1 + 1e-9) for t in times):
+            if any(self._gone(t, k) + self.used(t, k) + amount > self.whole(k) * (1 + 1e-9) for t in times):
                 return False
         return True
 

@@ -122,7 +122,7 @@ class Telling:
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
-        self._restate_at, self._restated = float("inf"), now
+        self._restate_at, self._restated = math.inf, now
         state, left = shortened(state_of(self._view, self._gate.mode))
         if self.state.number and not differs(self.state, state):
             return []

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 
 from planner import Aggregation
 from proxy.core.events import SampleHeard
-from proxy.core.interest import Interest, intersects
+from proxy.core.interest import Interest
 from proxy.core.latency import Latency
 from proxy.core.peer import Peer, latency_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
 from proxy.core.transport import is_broadcast
-from proxy.core.ways import Audiences, latency
+from proxy.core.ways import Audiences
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 from utility_specs import Specs
 
@@ -23,18 +23,18 @@ DIGEST = 150
 """A digest is about so large on the way [B]."""
 LEAST_LATENCY = 1e-6
 """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
-STALE = 10.0
-"""Samples that seem to be older than this tell no latency [s]."""
+SWEEP = 10.0
+"""It is looked for plain nodes that fell silent this often [s]."""
 SILENT = 60.0
-"""Streams of a plain node are forgotten after this long, or so many times `STALE`'s periods [s]."""
+"""Streams of a plain node are forgotten after this long [s]..."""
+PERIODS = 5.0
+"""... and so many of their periods."""
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
 MOST_MATCHING = 4096
 """Own keys of which it is known that somebody on the mesh wants them."""
 PLAIN = "?"
 """Plain nodes are named by this and their origin."""
-
-__all__ = ["MOST_PEERS", "PLAIN", "STALE", "SharedView", "intersects"]
 
 
 class SharedView:
@@ -182,20 +182,15 @@ class SharedView:
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected."""
-        return stream.last is not None and self._active(now, stream) and bool(self.gaining(stream))
+        return self._gaining_more(now, stream) > 0
 
     def competing(self, now: float) -> list[tuple[Stream, int]]:
         """All streams that compete, and to how many robots more of each is worth anything."""
-        streams = [s for s in self._streams.values() if s.last is not None and self._active(now, s)]
-        return [(s, gaining) for s in streams if (gaining := len(self.gaining(s)))]
+        return [(s, gaining) for s in self._streams.values() if (gaining := self._gaining_more(now, s))]
 
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
         return {peer.robot: name for name, peer in self.peers.items()} | {self.settings.robot: tag(self.settings.zid)}
-
-    def latency(self, robot: str, size: float = 0.0) -> float:
-        """Mean time from sending to receipt of a robot's samples of `size` [s]; 0.0 when nothing is known."""
-        return latency(self, robot, size)
 
     def peer_called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
@@ -340,11 +335,11 @@ class SharedView:
 
     def sweep(self, now: float) -> None:
         """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
-        if now < self._swept + STALE:
+        if now < self._swept + SWEEP:
             return
         self._swept = now
         for stream in list(self._owned.get(PLAIN, {}).values()):
-            if now - stream.touched > max(SILENT, 5.0 * stream.schedule.period):
+            if now - stream.touched > max(SILENT, PERIODS * stream.schedule.period):
                 self._forget(stream)
 
     def echoes(self) -> tuple[Echo, ...]:
@@ -460,9 +455,14 @@ class SharedView:
             t_sent = peer.offset.ours(news.t_forwarded)
             self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
 
-    def _active(self, now: float, stream: Stream) -> bool:
-        """Whether more samples are to be expected of the stream; how long it is silent only its robot's news tells."""
-        return not stream.schedule.over(self._told_at.get(stream.robot, now))
+    def _gaining_more(self, now: float, stream: Stream) -> int:
+        """To how many robots more of a stream is worth anything; none when no more is to be expected.
+
+        How long it is silent only its robot's news tells.
+        """
+        if stream.last is None or stream.schedule.over(self._told_at.get(stream.robot, now)):
+            return 0
+        return len(self.gaining(stream))
 
 
 def _owner(robot: str) -> str:

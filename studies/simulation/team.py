@@ -10,9 +10,9 @@ from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.core import Core
 from proxy.core.digests import ON_AIR
+from proxy.core.interest import intersects
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import is_broadcast
-from proxy.core.view import intersects
 from proxy.core.wire import Digest, State, tag
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Happening, joining

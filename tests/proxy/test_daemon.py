@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import threading
-from contextlib import ExitStack
 from functools import partial
 
 import pytest
@@ -79,12 +78,6 @@ class Robot:
     def status(self):
         (answer,) = answers(self.operator, keys.status(self.name))
         return json.loads(answer)
-
-
-@pytest.fixture
-def stack():
-    with ExitStack() as opened:
-        yield opened
 
 
 @pytest.fixture

@@ -1,9 +1,7 @@
 """Daemons in installations that have Zenoh routers already, on real sessions; routers are processes of their own."""
 
 import json
-from contextlib import ExitStack
 
-import pytest
 import zenoh
 
 from proxy.bridge import keys
@@ -16,12 +14,6 @@ from tests.waiting import wait_until
 from utility_specs import Specs
 
 QUICK = {"period_init_ms": 50, "period_max_ms": 50}
-
-
-@pytest.fixture
-def stack():
-    with ExitStack() as opened:
-        yield opened
 
 
 class Robot:

@@ -1,7 +1,5 @@
 """Whole daemons that part and meet again, on real sessions over loopback."""
 
-from contextlib import ExitStack
-
 import pytest
 
 from tests.proxy.counting import Counting
@@ -9,12 +7,6 @@ from tests.proxy.nodes import Heard
 from tests.proxy.test_daemon import SPECS, Robot
 from tests.waiting import wait_until
 from utility_specs import load_specs
-
-
-@pytest.fixture
-def stack():
-    with ExitStack() as opened:
-        yield opened
 
 
 @pytest.fixture

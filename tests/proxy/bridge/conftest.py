@@ -1,14 +1,6 @@
-from contextlib import ExitStack
-
 import pytest
 
 from tests.proxy.bridge import robots
-
-
-@pytest.fixture
-def stack():
-    with ExitStack() as opened:
-        yield opened
 
 
 @pytest.fixture
