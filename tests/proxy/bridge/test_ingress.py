@@ -27,10 +27,9 @@ def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     for i in range(5):
         publisher.put("covered/a", str(i), congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: len(local.samples) == 5, what="local delivery")
-    wait_until(lambda: pair[0].posted(SamplesPassed), what="the count")
+    wait_until(lambda: sum(event.count for event in pair[0].posted(SamplesPassed)) == 2, what="the counts")
     assert len(pair[0].asked) == pair[0].bridge.describe()["held"] == 3
-    (dropped,) = pair[0].posted(SamplesPassed)
-    assert (dropped.reason, dropped.count) == ("dropped:overflow", 2)
+    assert {event.reason for event in pair[0].posted(SamplesPassed)} == {"dropped:overflow"}
 
 
 @pytest.mark.usefixtures("wanted")
