@@ -36,7 +36,8 @@ def _summary(file: LoadedFile) -> list[str]:
 
 
 def _type_line(each: InformationType) -> str:
-    worth = f"{_kind(each.utility)}, {_combined(each.aggregation)}, scale {each.weight:g} × ({each.expression.text})"
+    scale = f"scale {each.weight.text.removesuffix('.0')} × ({each.expression.text})"
+    worth = f"{_kind(each.utility)}, {_combined(each.aggregation)}, {scale}"
     return f'  information_type "{each.name}": {", ".join(each.keys)} ({worth})'
 
 

@@ -12,7 +12,10 @@ from utility_specs.errors import ExpressionError
 from utility_specs.expressions import CONSTANTS, DEEPEST, FUNCTIONS, LONGEST, Expression
 
 FEATURES = ("red", "size")
-ALLOWED = "write numbers, features, + - * / % **, comparisons, and, or, not, if … else, " + ", ".join(FUNCTIONS)
+ALLOWED = (
+    "write numbers, features, captured chunks, constants, + - * / % **, comparisons, and, or, not, if … else, "
+    + ", ".join(FUNCTIONS)
+)
 
 
 def refusal(text: str, features=FEATURES) -> str:
@@ -72,13 +75,20 @@ def test_an_expression_knows_the_features_it_uses():
         ("sqrt()", "sqrt takes 1 argument, not 0"),
         ("clamp(1, 2)", "clamp takes 3 arguments, not 2"),
         ("min", "min is a function: write min(…)"),
-        ("1 / 0", "has no value: float division by zero"),
+        ("1 / 0", '"1 / 0" divides by zero'),
+        ("red / (1 - 1)", '"red / (1 - 1)" divides by zero'),
+        ("red % sqrt(0)", '"red % sqrt(0)" divides by zero'),
+        ("'red'", '"red" is text; text can only be compared, with a captured chunk'),
+        ("max('a', 1)", '"a" is text; text can only be compared, with a captured chunk'),
+        ("red == 'high'", '"red" is a number, not text; text can only be compared with a captured chunk'),
+        ("redd == 'high'", 'unknown feature "redd" (did you mean "red"?)'),
+        ("'a' < 'b'", "\"'a' < 'b'\" orders text; text can only be compared by == and !="),
         ("(-1) ** 0.5", "has no value: math domain error"),
         ("9 ** 9 ** 9", "has no value: math range error"),
         ("1e999", "has no finite value: inf"),
         ("red.real", f'"red.real" is not arithmetic; {ALLOWED}'),
         ("red[0]", f'"red[0]" is not arithmetic; {ALLOWED}'),
-        ("'a' * 9", f"\"'a'\" is not arithmetic; {ALLOWED}"),
+        ("'a' * 9", '"a" is text; text can only be compared, with a captured chunk'),
         ("True", f'"True" is not arithmetic; {ALLOWED}'),
         ("1j", f'"1j" is not arithmetic; {ALLOWED}'),
         ("~1", f'"~1" is not arithmetic; {ALLOWED}'),

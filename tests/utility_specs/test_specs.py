@@ -15,6 +15,7 @@ from utility_specs import InformationType, Specs
 from utility_specs.expressions import Expression
 from utility_specs.features import Size
 from utility_specs.forecast import FeatureForecast
+from utility_specs.key_formats import KeyFormat
 from utility_specs.specs import MATCHES_KEPT, UTILITIES_KEPT
 
 
@@ -62,9 +63,9 @@ class Broken:
 def information_type(name="t", keys=("t/**",), weight=1.0, scale="1", **features) -> InformationType:
     return InformationType(
         name=name,
-        keys=keys,
+        formats=tuple(map(KeyFormat.parse, keys)),
         aggregation=Aggregation.MOST_RECENT,
-        weight=weight,
+        weight=Expression.compile(str(weight)),
         utility=Video(),
         expression=Expression.compile(scale, features),
         features=tuple(features.items()),
