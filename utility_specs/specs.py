@@ -120,6 +120,11 @@ class InformationType:
         return tuple(each.expression for each in self.formats)
 
     @property
+    def planned(self) -> bool:
+        """Whether its samples are decided on at all; what is not covers its keys, but is traffic like any other."""
+        return not self.bypass and self.mode != "pass"
+
+    @property
     def markovian(self) -> bool:
         """Whether only the sample received last counts (§3.2.2), so that a newer one supersedes all before it."""
         return self.aggregation is Aggregation.MOST_RECENT
@@ -135,7 +140,7 @@ class InformationType:
         Features that are not given take their defaults. What is below 0 means: worth nothing. What has no finite
         value is taken as 1 and counted as a failure.
         """
-        values = {**self._completed(features), **self.captured}
+        values = {**self.completed(features), **self.captured}
         weight = self._factor("weight", self.weight, values)
         scale = weight * self._factor("scale", self.expression, values)
         if math.isfinite(scale):
@@ -159,14 +164,14 @@ class InformationType:
         if not isinstance(self.utility, Custom):
             return self.utility
         numbers = {name: value for name, value in self.captured.items() if isinstance(value, float)}
-        utility: MessageUtility = self._tabulated(tuple((self._completed(features) | numbers).items()))
+        utility: MessageUtility = self._tabulated(tuple((self.completed(features) | numbers).items()))
         return utility
 
     def told(self, features: Mapping[str, float]) -> tuple[float, ...]:
         """Return what other robots need of a sample's features to value it: all for a `python` utility, else none."""
         if not isinstance(self.utility, Custom):
             return ()
-        return tuple(self._completed(features).values())
+        return tuple(self.completed(features).values())
 
     def heard(self, values: Sequence[float]) -> dict[str, float]:
         """Return the features that another robot told so; none where its type has other features."""
@@ -181,7 +186,8 @@ class InformationType:
             self.failures.note("utility")
             return self.utility
 
-    def _completed(self, features: Mapping[str, float]) -> dict[str, float]:
+    def completed(self, features: Mapping[str, float]) -> dict[str, float]:
+        """Return all features, those that are not given by default."""
         return {name: features.get(name, feature.default) for name, feature in self.features}
 
     def extract(self, key: str, payload: AnyPayload) -> dict[str, float]:
@@ -213,6 +219,11 @@ class Specs:
     floor: float = FLOOR
     """Part of every limit that traffic without a spec leaves to what types cover."""
     _matching: Any = field(init=False, repr=False, compare=False)
+
+    @property
+    def modes(self) -> frozenset[TypeMode | None]:
+        """The modes that types have of their own; None for those that have none."""
+        return frozenset(each.mode for each in self.types)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_matching", lru_cache(MATCHES_KEPT)(_matcher(self.types)))

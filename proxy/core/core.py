@@ -8,6 +8,7 @@ The same events and settings give the same commands, whoever drives: the daemon,
 
 import math
 from collections import Counter
+from dataclasses import replace
 from functools import singledispatchmethod
 from typing import Any
 
@@ -35,9 +36,6 @@ from proxy.core.warnings import namesake_warning, transport_warnings
 from proxy.core.window import WindowBuilder
 from proxy.core.wire import Digest, StreamDigest, tag
 from utility_specs import Specs
-
-COVERED_FLOOR = 0.1
-"""Part of what we hold that traffic without a spec leaves to covered streams."""
 
 
 class Core:
@@ -106,12 +104,15 @@ class Core:
         # A stream that is there may have another period by and by; a new one is news.
         known = stream is None or stream.generated
         self.telling.restate(event.now, soon=not known)
-        if stream is None or event.delete:
+        deletes = event.delete and (stream is None or stream.information_type.deletes == "bypass")
+        if stream is None or deletes:
             self._uncovered(event.now, 1, event.size)
         if stream is None:
-            return [self.gate.pass_on(event.sample, "passed:no-spec")]
-        if event.delete:
+            return [self.gate.pass_on(event.sample, self._unplanned(event.key))]
+        if deletes:
             return self.gate.delete(event.key, event.sample)
+        if event.delete:
+            event = replace(event, features=stream.information_type.completed({}))
         features = {name: feature(value) for name, value in event.features.items()}
         scale = rounded(stream.information_type.scale(features))
         stream.note_generated(
@@ -119,7 +120,7 @@ class Core:
         )
         self.telling.urgent |= self.telling.pacer.value_changed(stream) and self.view.receivers(stream) > 0
         # In shadow all go, so none gives way to a newer one.
-        markovian = stream.information_type.markovian and self.gate.mode is not Mode.SHADOW
+        markovian = stream.information_type.markovian and self.gate.mode_of(stream) is not Mode.SHADOW
         waiting = Waiting(
             event.sample, event.key, event.size, event.t_gen, scale, event.priority, markovian, features=features
         )
@@ -342,8 +343,15 @@ class Core:
             if isinstance(command, Drop):
                 self._keys.pop(command.sample, None)
 
+    def _unplanned(self, key: str) -> str:
+        """Why nobody decides on the samples of a key."""
+        covering = self.view.specs.match(key)
+        if covering is None:
+            return "passed:no-spec"
+        return "passed:bypass" if covering.bypass else "passed:mode"
+
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""
         each = use_of(-(-size // count), 1, self.gate.limits)
-        self.shares.use_at_most(now, tuple(count * use for use in each), 1.0 - COVERED_FLOOR)
+        self.shares.use_at_most(now, tuple(count * use for use in each), 1.0 - self.view.specs.floor)
         self.view.aired(count, size)

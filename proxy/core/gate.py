@@ -13,7 +13,7 @@ from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
 from proxy.core.inbox import Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
-from proxy.core.mode import Mode
+from proxy.core.mode import Mode, in_force
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Sent, Stream
@@ -24,10 +24,6 @@ LEAST_HELD = 1e-6
 """A constraint cannot be zero; this is as good."""
 PLAY = 0.005
 """What one robot lends comes back so much later than it was to be sent, at least [s]."""
-URGENT_PRIORITY = 4
-"""Zenoh priorities up to this one (`DATA_HIGH`) may use all that is free when the planner fails."""
-FALLBACK_PART = 0.5
-"""What the others may use of it then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +61,10 @@ class Gate:
         """When a sample that waits for room can be taken up [s]."""
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
+
+    def mode_of(self, stream: Stream | None) -> Mode:
+        """What is done with decisions on a stream."""
+        return self.mode if stream is None else in_force(self.mode, stream.information_type.mode)
 
     def put(self, waiting: Waiting) -> list[Command]:
         """Queue a sample for its decision; it may evict another one."""
@@ -181,14 +181,14 @@ class Gate:
 
     def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
         """The static rule for when the planner fails: priority, and a part of what is free."""
-        use = self._use(now, pending.sample)
-        doubled = tuple(amount / FALLBACK_PART for amount in use)
-        urgent = pending.sample.priority <= URGENT_PRIORITY
+        rule, use = self._view.specs.fallback, self._use(now, pending.sample)
+        more = tuple(amount / rule.part for amount in use)
+        urgent = pending.sample.priority <= rule.urgent
         commands: list[Command] = []
         if error != self._complaint:
             commands.append(Notice("error", f"the planner failed, a static rule decides: {error}"))
         self._complaint = error
-        lacking = self.lacking(now, use if urgent else doubled)
+        lacking = self.lacking(now, use if urgent else more)
         if not lacking:
             return [*commands, self._send(now, pending.sample, use, "passed:fallback")]
         return [*commands, self._refuse(now, pending.sample, "dropped:fallback", lacking)]
@@ -207,10 +207,14 @@ class Gate:
     def _refuse(self, now: float, sample: Waiting, reason: str, lacking: tuple[str, ...] = ()) -> Command:
         """Drop what was decided against; in `shadow` it goes all the same, and only its traffic is told."""
         self.decisions.refused(lacking)
-        if self.mode is not Mode.SHADOW:
+        stream = self._own(now, sample)
+        if self.mode_of(stream) is not Mode.SHADOW:
             return self._drop(sample.sample, reason)
         self.decisions.would_drop += 1
-        self._tell(self._own(now, sample), sample.size)
+        self._tell(stream, sample.size)
+        specs = self._view.specs
+        if "enforce" in specs.modes or self.mode is Mode.ENFORCE:  # what is enforced has to do with what is left
+            self._shares.use_at_most(now, self._use(now, sample), 1.0 - specs.floor)
         return self.pass_on(sample.sample, "passed:shadow")
 
     def _tell(self, stream: Stream | None, size: int) -> None:
@@ -248,7 +252,7 @@ class Gate:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
         if self._deletions.holds(sample):
             return True
-        if not self._sharing or not self.limits or self.mode is Mode.SHADOW:
+        if not self._sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
             return False
         use = self._use(now, sample)
         if self._shares.fits(now, use):

@@ -101,11 +101,11 @@ class SharedView:
         return iter(self._owned.get(self.settings.robot, {}).values())
 
     def stream(self, now: float, robot: str, key: str) -> Stream | None:
-        """The stream of a robot and key, made when new; None when no spec covers the key."""
+        """The stream of a robot and key, made when new; None when no spec plans for the key."""
         found = self._streams.get((robot, key))
         if found is None:
             information_type = self.specs.match(key)
-            if information_type is None:
+            if information_type is None or not information_type.planned:
                 return None
             if robot == self.settings.robot:
                 self._ids += 1
@@ -129,7 +129,7 @@ class SharedView:
         self.specs = specs
         for stream in list(self._streams.values()):
             information_type = specs.match(stream.key)
-            if information_type is None:
+            if information_type is None or not information_type.planned:
                 self._forget(stream)
             else:
                 stream.cover(information_type)

@@ -264,7 +264,7 @@ def open_fence():
 def declared(stack, far, lane, fence):
     """A mirrored queryable for `service/a`, and what asks there."""
     near, endpoint = near_side(stack)
-    queries = Queries(near, far, lane, fence, Way(("**",), ()), numbered=lambda _: True)
+    queries = Queries(near, far, lane, fence, Way(("**",), ()), dropped=lambda _: False, numbered=lambda _: True)
     queries.update({"service/a": False})
     stack.callback(queries.close)
     asker = closing(stack, plain_session("client", connect=(endpoint,)))
