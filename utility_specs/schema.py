@@ -179,9 +179,9 @@ class SpecFile(Table):
     )
 
     @classmethod
-    def of(cls, data: dict[str, Any]) -> Self:
-        """Return the file with this data; raises ValidationError. Expressions know the constants only so."""
-        return cls.model_validate(data, context={})
+    def of(cls, data: dict[str, Any], **context: Any) -> Self:
+        """Return the file with this data; raises ValidationError. Only so do expressions know the constants."""
+        return cls.model_validate(data, context=context)
 
     @field_validator("constants")
     @classmethod

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
+from pydantic import Field
+
 from utility_specs.errors import FeatureError
 from utility_specs.features.feature import FeatureTable
 
@@ -67,7 +69,7 @@ class ColorFractionTable(FeatureTable):
     """`{ kind = "color_fraction", color = … }` in a spec."""
 
     kind: Literal["color_fraction"]
-    color: Color
+    color: Color = Field(description="Which colour.")
 
     def feature(self) -> ColorFraction:
         """Return the feature that the table describes."""

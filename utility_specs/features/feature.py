@@ -27,4 +27,4 @@ class FeatureTable(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
-    default: Finite = 0.0
+    default: Finite = Field(default=0.0, description="The value of samples that have none.")
