@@ -7,6 +7,7 @@ only numbers, which are floats, and text that is compared, so it can neither rea
 
 import ast
 import math
+import re
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -114,7 +115,7 @@ class Expression:
             try:
                 value = float(self._evaluator.eval(self.text, previously_parsed=self._tree))
             except (ArithmeticError, ValueError, TypeError, InvalidExpression) as error:
-                raise ExpressionError(f"has no value: {error}") from None
+                raise ExpressionError(f"has no value: {str(error).removeprefix('float ')}") from None
         if not math.isfinite(value):
             raise ExpressionError(f"has no finite value: {value}")
         return value
@@ -137,7 +138,8 @@ def _parsed(text: str) -> ast.expr:
             return ast.parse(line, mode="eval").body
     except SyntaxError as error:
         place = f"column {error.offset}" if error.offset else "at its end"
-        raise ExpressionError(f"is not an expression: {error.msg} ({place})") from None
+        hint = "; == compares" if re.search(r"[^=<>!:]=[^=]", line) else ""
+        raise ExpressionError(f"is not an expression: {error.msg} ({place}){hint}") from None
     except (ValueError, MemoryError, RecursionError) as error:
         raise ExpressionError(f"is not an expression: {error}") from None
 
@@ -226,8 +228,9 @@ class _Checker:
         if names <= set(constants) and _folded(node.right, constants) == 0.0:
             raise ExpressionError(f"{quoted(written)} divides by zero")
 
-    @staticmethod
-    def _call(name: str, arguments: int) -> None:
+    def _call(self, name: str, arguments: int) -> None:
+        if name in set(self._known):
+            raise ExpressionError(f"{name} is no function; write {name} * (…) to multiply")
         if name not in FUNCTIONS:
             raise ExpressionError(f"unknown function {quoted(name)}" + hint(name, FUNCTIONS))
         _, least, most = FUNCTIONS[name]

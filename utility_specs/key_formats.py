@@ -16,7 +16,6 @@ from utility_specs.suggestions import described, quoted
 
 _CAPTURE = re.compile(r"\$\{(\w*):([^{}]*)\}")
 _NUMBER = re.compile(r"[+-]?[0-9]{1,300}(\.[0-9]{1,300})?([eE][+-]?[0-9]{1,3})?")
-_EXAMPLE = "write ${name:*} for the whole chunk"
 
 LONGEST = 1024
 """Characters of the longest key expression."""
@@ -83,13 +82,15 @@ def _plain(chunk: str) -> str:
     found = _CAPTURE.fullmatch(chunk)
     if found is None:
         if "{" in chunk or "}" in chunk:
-            raise ValueError(f"{quoted(chunk)} captures nothing; {_EXAMPLE}")
+            meant = re.search(r"\{(\w+)", chunk)
+            example = f"${{{meant[1] if meant else 'name'}:*}}"
+            raise ValueError(f"{quoted(chunk)} captures nothing; a capture is a whole chunk, such as {quoted(example)}")
         return chunk
     name, pattern = found.groups()
     if not name:
-        raise ValueError(f"{quoted(chunk)} has no name; {_EXAMPLE}")
+        raise ValueError(f'{quoted(chunk)} has no name; write "${{name:{pattern}}}"')
     if pattern == "**" or "*" not in pattern:
-        raise ValueError(f"{quoted(chunk)} does not stand for one chunk that varies; {_EXAMPLE}")
+        raise ValueError(f'{quoted(chunk)} does not stand for one chunk that varies; write "${{{name}:*}}"')
     return pattern
 
 

@@ -4,7 +4,16 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo, field_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    ValidationInfo,
+    field_validator,
+)
 
 from planner.problem import Aggregation, AggregationModel
 from planner.utility import MessageUtility
@@ -41,6 +50,12 @@ def _format(text: str) -> str:
     for name, _ in KeyFormat.parse(text).captures:
         variable(name, "captured chunk")
     return text
+
+
+def _version(written: Any) -> Any:
+    if type(written) is not int:
+        raise ValueError(f"must be the whole number 1, not {described(written)}")
+    return written
 
 
 def _weight(written: Any) -> str | float:
@@ -161,7 +176,9 @@ class InformationTypeTable(Table):
 class SpecFile(Table):
     """One file. The tables are named in the singular, as TOML repeats them one by one."""
 
-    version: Literal[1] = Field(default=1, description="the version of this format")
+    version: Annotated[Literal[1], BeforeValidator(_version)] = Field(
+        default=1, description="the version of this format"
+    )
     floor: Part | None = Field(
         default=None, description="the part of every limit that traffic without a spec leaves to types, at least"
     )
@@ -229,5 +246,6 @@ def _try(expression: Expression, features: dict[str, Any], keys: list[str]) -> N
     try:
         expression.evaluate(used)
     except ExpressionError as error:
+        what, _, cause = str(error).partition(": ")
         where = ", ".join(f"{name} = {value:g}" for name, value in sorted(used.items()))
-        raise ExpressionError(f"{error}, for the default {where}" if used else str(error)) from None
+        raise ExpressionError(f"{what} for the default {where}: {cause}") from None

@@ -20,6 +20,9 @@ _WRITTEN = re.compile(r"\s*([+-]?(?:\d[\d_]*)(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*(\S.
 _PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 _BINARY = {"Ki": 1024.0, "Mi": 1024.0**2, "Gi": 1024.0**3}
 
+MOST_LISTED = 16
+"""Units that a message lists."""
+
 _OTHER_WORDS = {
     **{f"{prefix.lower()}{bits}": f"{prefix}bit/s" for prefix in _PREFIXES for bits in ("bps", "b/s")},
     **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
@@ -27,6 +30,10 @@ _OTHER_WORDS = {
     **dict.fromkeys(("m", "minute", "minutes"), "min"),
     **dict.fromkeys(("percent", "pct"), "%"),
     **dict.fromkeys(("joule", "joules", "ws"), "J"),
+    **dict.fromkeys(("byte", "bytes"), "B"),
+    **dict.fromkeys(("kilobyte", "kilobytes"), "kB"),
+    **dict.fromkeys(("megabyte", "megabytes"), "MB"),
+    **dict.fromkeys(("hertz", "/s", "per second"), "Hz"),
 }
 """What people also call units, in lower case."""
 
@@ -73,7 +80,10 @@ class Dimension:
         """Return what to write for an unknown unit; a guess by likeness could be wrong by a factor of 8."""
         same = {known.lower(): known for known in self.units} | _OTHER_WORDS
         meant = same.get(unit.lower(), "")
-        return f"did you mean {quoted(meant)}?" if meant in self.units else f"known units: {listed(self.units)}"
+        if meant in self.units:
+            return f"did you mean {quoted(meant)}?"
+        few = len(self.units) <= MOST_LISTED
+        return f"known units: {listed(self.units)}" if few else f"write for example {quoted(self.example)}"
 
     def _of_number(self, number: float) -> float:
         if not self.plain:
@@ -97,7 +107,9 @@ DURATION = Dimension(
     "200 ms",
     plain=True,
 )
-FREQUENCY = Dimension("frequency", {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "1/min": 1 / 60}, "0.2 Hz", plain=False)
+FREQUENCY = Dimension(
+    "frequency", {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "1/s": 1.0, "1/min": 1 / 60}, "0.2 Hz", plain=False
+)
 AGE = replace(DURATION, zero=True)
 FRACTION = Dimension("fraction", {"%": 0.01}, "40 %", plain=True, most=1.0)
 JOULE = Dimension(

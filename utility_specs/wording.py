@@ -78,6 +78,9 @@ def message_of(detail: ErrorDetails, place: Place) -> str:
     if kind == "list_type" and isinstance(value, dict) and place.repeats:
         name = ".".join(map(str, place.path))
         return f"must be an array of tables: write [[{name}]] instead of [{name}]"
+    if _EXPECTED.get(kind) == "a table" and isinstance(value, list) and value and isinstance(value[0], dict):
+        name = ".".join(map(str, place.path))
+        return f"must be one table: write [{name}] instead of [[{name}]]"
     if kind in _EXPECTED:
         return f"must be {_EXPECTED[kind]}, not {described(value)}"
     if kind in _BOUNDS:

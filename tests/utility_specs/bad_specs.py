@@ -116,7 +116,7 @@ CORPUS = [
         ':12: constraint "air": name: "air" is already the name of the one at FILE:8'),
     # the file
     bad("[[constraint]]", "version = 2\n[[constraint]]", ":1: version: must be 1, not 2"),
-    bad("[[constraint]]", 'version = "1"\n[[constraint]]', ':1: version: must be 1, not "1"'),
+    bad("[[constraint]]", 'version = "1"\n[[constraint]]', ':1: version: must be the whole number 1, not "1"'),
     bad("[[constraint]]", "verison = 1\n[[constraint]]",
         ':1: verison: unknown key (did you mean "version"?)'),
     bad("[[constraint]]", "colour = 1\n[[constraint]]",

@@ -60,7 +60,7 @@ def test_an_expression_knows_the_features_it_uses():
         ("1 ++* red", "is not an expression: invalid syntax (column 5)"),
         (
             "x = 1",
-            "is not an expression: invalid syntax (column 3)",
+            "is not an expression: invalid syntax (column 3); == compares",
         ),
         ("1or 2", "is not an expression: invalid decimal literal (column 1)"),
         ("\0", "is not an expression: source code string cannot contain null bytes (at its end)"),
