@@ -101,8 +101,9 @@ class Expression:
     def compile(cls, text: str, known: Names | Iterable[str] = ()) -> Self:
         """Compile an expression over known names, or features; raises ExpressionError, which says what is wrong."""
         known = known if isinstance(known, Names) else Names(frozenset(known))
-        tree = _parsed(text)
-        names = _Checker(known).check(tree)
+        line = " ".join(text.split())
+        tree = _parsed(line)
+        names = _Checker(line, known).check(tree)
         expression = cls(text, names, {**CONSTANTS, **known.constants}, tree, _evaluator({}))
         return expression if names - set(known.constants) else replace(expression, _value=expression.evaluate({}))
 
@@ -126,9 +127,7 @@ def _evaluator(names: Mapping[str, float]) -> SimpleEval:
     return SimpleEval(operators=dict(_OPERATORS), functions=functions, names=dict(names))
 
 
-def _parsed(text: str) -> ast.expr:
-    """Parse an expression, which may spread over several lines."""
-    line = " ".join(text.split())
+def _parsed(line: str) -> ast.expr:
     if not line:
         raise ExpressionError("is empty")
     if len(line) > LONGEST:
@@ -147,8 +146,12 @@ def _parsed(text: str) -> ast.expr:
 class _Checker:
     """Walks a tree, refuses all that is not arithmetic, and collects the names used."""
 
-    def __init__(self, known: Names) -> None:
+    def __init__(self, line: str, known: Names) -> None:
+        self._line = line
         self._known = known
+        self._all = frozenset(known)
+        self._constants = {**CONSTANTS, **known.constants}
+        self._evaluator = _evaluator(self._constants)
         self._used: set[str] = set()
 
     def check(self, tree: ast.expr) -> frozenset[str]:
@@ -170,11 +173,10 @@ class _Checker:
             case ast.Compare() if self._compares_text(node):
                 self._texts(node)
             case _ if _is_operation(node):
-                written = ast.unparse(node)  # as it was: numbers become floats
                 for child in ast.iter_child_nodes(node):
                     if isinstance(child, ast.expr):
                         self._check(child, depth + 1)
-                self._divisor(node, written)
+                self._divisor(node)
             case _:
                 raise _refusal(node)
 
@@ -193,7 +195,7 @@ class _Checker:
     def _name(self, name: str) -> None:
         if name in FUNCTIONS:
             raise ExpressionError(f"{name} is a function: write {name}(…)")
-        if name in set(self._known):
+        if name in self._all:
             self._used.add(name)
         elif name not in CONSTANTS:
             what = hint(name, self._known) or " (this type has no features)"
@@ -219,17 +221,24 @@ class _Checker:
                 what = f"{quoted(ast.unparse(side))} is a number, not text"
                 raise ExpressionError(f"{what}; text can only be compared with a captured chunk")
 
-    def _divisor(self, node: ast.expr, written: str) -> None:
+    def _divisor(self, node: ast.expr) -> None:
         """Refuse a division that can never have a result."""
         if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div | ast.Mod)):
             return
-        constants = {**CONSTANTS, **self._known.constants}
-        names = {each.id for each in ast.walk(node.right) if isinstance(each, ast.Name)} - set(FUNCTIONS)
-        if names <= set(constants) and _folded(node.right, constants) == 0.0:
+        names = {each.id for each in ast.walk(node.right) if isinstance(each, ast.Name)} - FUNCTIONS.keys()
+        if names <= self._constants.keys() and self._folded(node.right) == 0.0:
+            written = ast.get_source_segment(self._line, node) or ast.unparse(node)
             raise ExpressionError(f"{quoted(written)} divides by zero")
 
+    def _folded(self, node: ast.expr) -> float | None:
+        """Return the value of a checked tree that only uses constants; None where it has none."""
+        try:
+            return float(self._evaluator.eval("", previously_parsed=node))
+        except (ArithmeticError, ValueError, TypeError, InvalidExpression):
+            return None
+
     def _call(self, name: str, arguments: int) -> None:
-        if name in set(self._known):
+        if name in self._all:
             raise ExpressionError(f"{name} is no function; write {name} * (…) to multiply")
         if name not in FUNCTIONS:
             raise ExpressionError(f"unknown function {quoted(name)}" + hint(name, FUNCTIONS))
@@ -241,14 +250,6 @@ class _Checker:
 
 def _is_text(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
-
-
-def _folded(node: ast.expr, constants: Mapping[str, float]) -> float | None:
-    """Return the value of a checked tree that only uses constants; None where it has none."""
-    try:
-        return float(_evaluator(constants).eval("", previously_parsed=node))
-    except (ArithmeticError, ValueError, TypeError, InvalidExpression):
-        return None
 
 
 def _is_operation(node: ast.expr) -> bool:

@@ -31,7 +31,7 @@ from utility_specs.suggestions import described, quoted
 from utility_specs.units import Duration, Fraction, Frequency, Part, Quantity, Size
 from utility_specs.utilities import AnyUtilityTable
 
-MOST_TYPES = 1024
+MOST = 256
 """Information types of one file, and as many constraints and constants at most."""
 MOST_OF_A_TYPE = 64
 """Keys of an information type, and its features at most."""
@@ -183,15 +183,15 @@ class SpecFile(Table):
         default=None, description="the part of every limit that traffic without a spec leaves to types, at least"
     )
     fallback: FallbackTable | None = Field(default=None, description="what decides when the planner fails")
-    constants: Annotated[dict[ConstantName, Quantity], Field(max_length=MOST_TYPES)] = Field(
+    constants: Annotated[dict[ConstantName, Quantity], Field(max_length=MOST)] = Field(
         default={},
         validate_default=True,
         description="numbers by name, for expressions; quantities count in s, B, B/s, Hz, J",
     )
-    constraint: Annotated[list[AnyConstraintTable], Field(max_length=MOST_TYPES)] = Field(
+    constraint: Annotated[list[AnyConstraintTable], Field(max_length=MOST)] = Field(
         default=[], description="what may be sent at most"
     )
-    information_type: Annotated[list[InformationTypeTable], Field(max_length=MOST_TYPES)] = Field(
+    information_type: Annotated[list[InformationTypeTable], Field(max_length=MOST)] = Field(
         default=[], description="what samples of a group of keys are worth"
     )
 

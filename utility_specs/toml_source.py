@@ -26,6 +26,8 @@ LARGEST_FILE = 256 * 1024
 
 MOST_PROBLEMS = 100
 """How many problems of one file are told; the others are counted."""
+MOST_JUDGED = 1000
+"""Of so many, the first in the order of the file."""
 
 _KEY_PART = r"""(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _ENDLESS_KEY = re.compile(rf"{_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{64}}")
@@ -98,12 +100,12 @@ def problems_of(error: ValidationError, source: TomlSource, model: type[BaseMode
     With the `model` that refused the data, unknown keys come with hints and paths without the tags of unions.
     """
     schema = _schema_of(model) if model is not None else {}
-    details = error.errors(include_url=False)
+    details = error.errors(include_url=False)[:MOST_JUDGED]
     places = [Place.find(schema, detail["loc"], detail["type"]) for detail in details]
     found = sorted(zip(places, details, strict=True), key=lambda each: source.line_of(each[0].path) or 0)
     problems = [source.problem(place.path, message_of(detail, place)) for place, detail in found[:MOST_PROBLEMS]]
-    if len(found) > MOST_PROBLEMS:
-        problems.append(SpecProblem(source.path, None, "", f"has {len(found) - MOST_PROBLEMS} more mistakes"))
+    if error.error_count() > MOST_PROBLEMS:
+        problems.append(SpecProblem(source.path, None, "", f"has {error.error_count() - MOST_PROBLEMS} more mistakes"))
     return problems
 
 

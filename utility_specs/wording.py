@@ -120,7 +120,8 @@ def _own(_value: Any, context: Mapping[str, Any], _place: Place) -> str:
 
 
 def _too_long(_value: Any, context: Mapping[str, Any], _place: Place) -> str:
-    return f"must hold at most {context['max_length']} values, not {context['actual_length']}"
+    actual = context.get("actual_length")
+    return f"must hold at most {context['max_length']} values" + (f", not {actual}" if actual else "")
 
 
 _OTHERS: dict[str, Callable[[Any, Mapping[str, Any], Place], str]] = {
