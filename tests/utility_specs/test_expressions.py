@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from utility_specs.errors import ExpressionError
-from utility_specs.expressions import CONSTANTS, DEEPEST, FUNCTIONS, LONGEST, Expression
+from utility_specs.expressions import CONSTANTS, DEEPEST, FUNCTIONS, LONGEST, Expression, Names
 
 FEATURES = ("red", "size")
 ALLOWED = (
@@ -233,3 +233,49 @@ def test_any_text_is_an_expression_or_refused(text):
 def test_any_words_of_the_language_are_an_expression_or_refused(text):
     """What looks like an expression never surprises either."""
     survives(text)
+
+
+KNOWN = Names(frozenset({"red"}), frozenset({"robot", "n"}), {"bonus": 10.0})
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("bonus * n", 30.0),
+        ("robot == 'r1'", 1.0),
+        ("'r1' != robot", 0.0),
+        ("2 if n == 3 else 1", 2.0),
+        ("2 if n == '3' else 1", 2.0),
+        ("robot == n", 0.0),
+        ("robot != n == '3'", 1.0),
+        ("red * (robot == 'r2') + n", 3.0),
+    ],
+)
+def test_captured_chunks_are_text_beside_text_and_numbers_else(text, value):
+    """Each side of a comparison tells which is meant."""
+    values = {"red": 0.5, "robot:text": "r1", "n:text": "3", "n": 3.0}
+    assert Expression.compile(text, KNOWN).evaluate(values) == value
+
+
+def test_a_chunk_that_is_no_number_has_no_value_as_one():
+    """Then the expression has none."""
+    expression = Expression.compile("robot + 1", KNOWN)
+    with pytest.raises(ExpressionError, match="has no value: 'robot' is not defined"):
+        expression.evaluate({"robot:text": "r1"})
+
+
+def test_what_always_has_the_same_value_is_computed_once():
+    """An expression of constants needs nothing, and whether it has a value is known when it is compiled."""
+    assert Expression.compile("bonus ** 2", KNOWN).evaluate({}) == 100.0
+    with pytest.raises(ExpressionError, match="has no finite value: inf"):
+        Expression.compile("bonus * 1e308", KNOWN)
+
+
+def test_names_of_all_kinds_are_suggested():
+    """Whatever the name might have meant."""
+    with pytest.raises(ExpressionError, match=r'unknown feature "robt" \(did you mean "robot"\?\)'):
+        Expression.compile("robt == 'r1'", KNOWN)
+    with pytest.raises(ExpressionError, match=r'known: "bonus", "n", "red", "robot"'):
+        Expression.compile("zzzz", KNOWN)
+    with pytest.raises(ExpressionError, match=r"red is no function; write red \* \(…\) to multiply"):
+        Expression.compile("red(2)", KNOWN)
