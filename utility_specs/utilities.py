@@ -11,6 +11,9 @@ from planner.utility import Custom, Exponential, Linear, MessageUtility, Polynom
 from utility_specs.imports import imported
 from utility_specs.units import Age, Duration
 
+MOST_POINTS = 1000
+"""Points of a table."""
+
 Worth = Annotated[float, Field(gt=0.0)]
 Point = Annotated[tuple[Age, Annotated[float, Field(ge=0.0)]], Field(strict=False)]
 """Age [s] and value [1/s], written as an array of two."""
@@ -114,7 +117,7 @@ class PointsTable(UtilityTable):
     """Straight lines through points of age and value; before the first and after the last, the value there."""
 
     kind: Literal["table"]
-    points: Annotated[list[Point], Field(min_length=1)] = Field(
+    points: Annotated[list[Point], Field(min_length=1, max_length=MOST_POINTS)] = Field(
         description="pairs of age and value with rising ages; the last value holds for ever"
     )
 
