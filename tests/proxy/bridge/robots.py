@@ -73,10 +73,17 @@ class Robot:
         self.bridge.open()
 
     def _submit(
-        self, event: SamplePublished, _covering: InformationType, _payload: zenoh.ZBytes, *, each: bool
+        self,
+        event: SamplePublished,
+        _covering: InformationType,
+        _payload: zenoh.ZBytes,
+        attachment: zenoh.ZBytes | None,
+        *,
+        each: bool,
     ) -> int | None:
         assert not each
         self.asked.append(event)
+        self.attachments.append(None if attachment is None else attachment.to_bytes())
         return None
 
     def node(self, mode: str = "client", *, stamps: bool = False) -> zenoh.Session:
