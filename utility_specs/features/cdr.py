@@ -39,9 +39,11 @@ def _type(name: str) -> str:
     return "/".join(parts if len(parts) == 3 else (parts[0], "msg", parts[1]))
 
 
-def _definition(file: str, info: ValidationInfo) -> str:
-    """Return the text of a file beside the spec: what it says is a part of the specs."""
-    path = File(info.context["folder"] if info.context else ".", file)
+def _definition(written: str, info: ValidationInfo) -> str:
+    """Return the text of a file beside the spec, or what is written if it has lines: it is a part of the specs."""
+    if "\n" in written:
+        return written
+    path = File((info.context or {}).get("folder", "."), written)
     try:
         with path.open("rb") as opened:
             text = opened.read(LARGEST_DEFINITION + 1).decode()
@@ -58,7 +60,7 @@ class CdrTable(ReadingTable):
     kind: Literal["cdr"]
     distro: Distro = Field(default="jazzy", description="The distribution of ROS 2 whose messages these are.")
     definition: Annotated[str, AfterValidator(_definition)] | None = Field(
-        default=None, description="A .msg file with the definition of a type of your own, beside the spec."
+        default=None, description="The definition of a type of your own: a .msg file beside the spec, or its text."
     )
     type: Annotated[str, AfterValidator(_type)] = Field(description="Such as sensor_msgs/msg/BatteryState.")
     field: Path = Field(description="Where the value is in the message, such as pose.position.x.")

@@ -43,6 +43,7 @@ class Robot:
     ) -> None:
         self._stack = stack
         self.asked: list[SamplePublished] = []
+        self.attachments: list[bytes | None] = []
         self.events: list[Event] = []
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
         app = AppConfig(listen=(self.app_endpoint,))
@@ -82,8 +83,8 @@ class Robot:
         each: bool,
     ) -> int | None:
         assert not each
-        self.asked.append(event)
         self.attachments.append(None if attachment is None else attachment.to_bytes())
+        self.asked.append(event)
         return None
 
     def node(self, mode: str = "client", *, stamps: bool = False) -> zenoh.Session:

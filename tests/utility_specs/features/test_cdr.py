@@ -60,7 +60,7 @@ def test_a_field_is_read(payload, name, field, said, value):
 
 
 def test_a_type_of_ones_own_is_read(tmp_path):
-    """Its definition stands beside the spec, and is a part of it."""
+    """Its definition stands beside the spec, and is a part of it; or is written in it."""
     (tmp_path / "Detections.msg").write_text(DETECTION)
     box = TYPES["team_msgs/msg/Box"]
     boxes = [box(0.25, "person"), box(0.75, "dog")]
@@ -70,6 +70,7 @@ def test_a_type_of_ones_own_is_read(tmp_path):
         said | {"field": "boxes[*].score", "reduce": "max"}, context={"folder": tmp_path}
     )
     assert table.feature().measure(Sample("k", payload)) == 0.75
+    assert table == table.model_validate(table.model_dump())
     assert table.definition == DETECTION
 
 

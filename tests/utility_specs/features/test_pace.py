@@ -1,11 +1,19 @@
 """How often costly features are computed."""
 
+from dataclasses import dataclass
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from planner.problem import Aggregation
+from planner.utility import Video
+from utility_specs import InformationType
+from utility_specs.expressions import Expression
+from utility_specs.features import Feature
 from utility_specs.features import pace as module
 from utility_specs.features.pace import Pace, Paces
+from utility_specs.forecast import FeatureForecast
 
 BUDGET = 0.01
 
@@ -86,3 +94,87 @@ def test_streams_are_bounded(monkeypatch):
     assert paces.evicted == 1
     assert paces.of("red", "a", 0.0).value == 2.0
     assert paces.of("red", "b", 0.0).value == pytest.approx(0.0)
+
+
+class Bench:
+    """A background that does jobs when the test says so, and a clock that only features move."""
+
+    def __init__(self, room=1):
+        self.time, self.room, self.jobs = 0.0, room, []
+
+    def now(self):
+        return self.time
+
+    def later(self, job):
+        if len(self.jobs) >= self.room:
+            return False
+        self.jobs.append(job)
+        return True
+
+
+@dataclass(frozen=True)
+class Slow(Feature):
+    """Takes a while to find the number that is the payload."""
+
+    bench: Bench
+    takes: float
+
+    def measure(self, sample):
+        self.bench.time += self.takes
+        return float(sample.payload)
+
+
+def paced(bench, **features):
+    return InformationType(
+        name="t",
+        keys=("t/**",),
+        aggregation=Aggregation.MOST_RECENT,
+        weight=1.0,
+        utility=Video(),
+        expression=Expression.compile("1", {}),
+        features=tuple((name, Slow(bench, takes, budget=BUDGET, default=-1.0)) for name, takes in features.items()),
+        forecast=FeatureForecast(),
+    )
+
+
+def test_a_costly_feature_of_a_sample_has_the_value_of_an_earlier_one():
+    """It is computed in the background for every third sample; the others are computed at once, for each."""
+    bench = Bench()
+    each = paced(bench, slow=3 * BUDGET, quick=BUDGET / 2)
+    found = []
+    for number in range(9):
+        found.append(each.extract("t", str(number).encode(), None, bench))
+        while bench.jobs:
+            bench.jobs.pop()()
+    assert [values["quick"] for values in found] == list(range(9))
+    assert [values["slow"] for values in found] == [0, 0, 0, 0, 3, 3, 3, 6, 6]
+    assert each.paces.held() == {"slow": 8}
+    assert each.failures.counts() == {}
+
+
+def test_streams_do_not_wait_for_each_other():
+    """Each has its own values and its own pace; where there is no room in the background, the next sample tries."""
+    bench = Bench(room=1)
+    each = paced(bench, slow=BUDGET * 1.5)
+    for key, value in (("a", b"1"), ("b", b"2")):
+        assert each.extract(key, value, None, bench) == {"slow": float(value)}
+    for _ in range(4):
+        assert each.extract("a", b"5", None, bench) == {"slow": 1.0}
+        assert each.extract("b", b"6", None, bench) == {"slow": 2.0}
+    bench.jobs.pop()()
+    assert each.extract("a", b"7", None, bench) == {"slow": 5.0}
+    assert each.extract("b", b"8", None, bench) == {"slow": 2.0}
+    bench.jobs.pop()()
+    assert each.extract("b", b"9", None, bench) == {"slow": 8.0}
+
+
+def test_a_costly_feature_that_fails_has_its_default_until_the_next_one():
+    """And is counted once."""
+    bench = Bench()
+    each = paced(bench, slow=2 * BUDGET)
+    each.extract("t", b"1", None, bench)
+    for _ in range(2):
+        each.extract("t", b"broken", None, bench)
+    bench.jobs.pop()()
+    assert each.extract("t", b"2", None, bench) == {"slow": -1.0}
+    assert each.failures.counts() == {"slow": 1}
