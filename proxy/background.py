@@ -26,11 +26,12 @@ class Background:
         """Start running jobs."""
         self._thread.start()
 
-    def close(self) -> None:
-        """Begin no other job. Whatever the one in hand takes, nobody waits for it."""
+    def close(self, timeout: float) -> None:
+        """Begin no other job; wait at most `timeout` [s] for the one in hand."""
         with self._wake:
             self._open = False
             self._wake.notify()
+        self._thread.join(timeout)
 
     def now(self) -> float:
         """Return the time on our clock [s]."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import zenoh
 
+from proxy import clock
 from proxy.background import Background
 from proxy.core.events import SamplePublished
 from utility_specs import InformationType
@@ -55,12 +56,13 @@ class Extractor:
         self._thread.start()
 
     def close(self, timeout: float) -> None:
-        """Stop; wait at most `timeout` [s] for the extraction in hand."""
-        self._background.close()
+        """Stop; wait at most `timeout` [s] for the extractions in hand."""
         with self._wake:
             self._open = False
             self._wake.notify()
+        end = clock.monotonic() + timeout
         self._thread.join(timeout)
+        self._background.close(max(0.0, end - clock.monotonic()))
 
     def submit(
         self,

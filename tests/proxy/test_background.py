@@ -13,7 +13,7 @@ def background():
     made = Background()
     made.start()
     yield made
-    made.close()
+    made.close(5.0)
 
 
 def test_jobs_are_done_in_order_on_another_thread(background):
@@ -46,16 +46,17 @@ def test_a_job_that_fails_is_survived(background, caplog):
     assert "ZeroDivisionError" in caplog.text
 
 
-def test_nobody_waits_for_a_job_when_it_closes():
+def test_a_stop_waits_for_the_job_in_hand_no_longer_than_it_may():
     """What waits is not begun any more."""
     background, gate, begun, done = Background(), threading.Event(), threading.Event(), []
     background.start()
     background.later(lambda: begun.set() or gate.wait(5.0))
     background.later(lambda: done.append(1))
     assert begun.wait(5.0)
-    background.close()
+    background.close(0.0)
+    assert background._thread.is_alive()
     gate.set()
-    background._thread.join(5.0)
+    background.close(5.0)
     assert not background._thread.is_alive()
     assert done == []
 

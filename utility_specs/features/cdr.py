@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 
 from utility_specs.features.feature import Feature
-from utility_specs.features.path import Path, steps_of
+from utility_specs.features.path import Path, many, steps_of
 from utility_specs.features.reading import Reading, ReadingTable, needs_reduce, reading
-from utility_specs.features.ros_types import Distro, check_field, typestore
+from utility_specs.features.ros_types import Distro, check_number, field_of, typestore
 from utility_specs.features.sample import Sample
 from utility_specs.suggestions import quoted
 
@@ -77,7 +77,9 @@ class CdrTable(ReadingTable):
     def _of_the_type(cls, field: str, info: ValidationInfo) -> str:
         if "type" in info.data and {"distro", "definition"} <= info.data.keys():
             store = typestore(info.data["distro"], info.data["type"], info.data["definition"])
-            check_field(store, info.data["type"], steps_of(field))
+            found = field_of(store, info.data["type"], steps_of(field))
+            if not many(steps_of(field)):  # or it must be reduced: below
+                check_number(found, compared=info.data.get("equals") is not None, reduction=info.data.get("reduce"))
         return field
 
     @model_validator(mode="after")

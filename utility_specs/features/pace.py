@@ -10,7 +10,7 @@ from threading import Lock
 STREAMS = 256
 """Streams of each feature whose pace is kept."""
 
-_NEW = 0.25
+_NEW = 0.5
 """The part of the newest cost in the smoothed one."""
 
 
@@ -21,8 +21,8 @@ class Pace:
     value: float
     """What was computed last; the default before that."""
     cost: float | None = None
-    """What a computation takes, smoothed [s]."""
-    _saved: float = 0.0
+    """What a computation takes, smoothed; in a new stream as in the others, so that it holds up nobody [s]."""
+    saved: float = 0.0
     """What the samples since the last computation have saved of their budgets [s]."""
     _under_way: bool = False
 
@@ -32,8 +32,8 @@ class Pace:
 
     def due(self, budget: float) -> bool:
         """Let one more sample save its budget; return whether a costly computation may begin, which `took` will end."""
-        self._saved += budget
-        if self._under_way or self._saved < (self.cost or 0.0):
+        self.saved += budget
+        if self._under_way or self.saved < (self.cost or 0.0):
             return False
         self._under_way = True
         return True
@@ -41,7 +41,7 @@ class Pace:
     def took(self, cost: float, value: float) -> None:
         """Note what was computed, and what that took [s]."""
         self.cost = cost if self.cost is None else self.cost + _NEW * (cost - self.cost)
-        self.value, self._saved, self._under_way = value, 0.0, False
+        self.value, self.saved, self._under_way = value, 0.0, False
 
     def refused(self) -> None:
         """Note that a computation that was due cannot be made now."""
@@ -64,7 +64,8 @@ class Paces:
             paces = self._paces.setdefault(feature, OrderedDict())
             pace = paces.get(key)
             if pace is None:
-                pace = paces[key] = Pace(default)
+                known = max((each.cost for each in paces.values() if each.cost is not None), default=None)
+                pace = paces[key] = Pace(default, known, known or 0.0)
             paces.move_to_end(key)
             if len(paces) > STREAMS:
                 paces.popitem(last=False)

@@ -11,6 +11,7 @@ from utility_specs.suggestions import hint, quoted
 
 Distro = Literal["humble", "iron", "jazzy", "kilted"]
 
+_ARRAYS = {"ARRAY", "SEQUENCE"}
 _EXTRA = 'needs the package rosbags: pip install "sendworthy[ros2]"'
 
 
@@ -45,12 +46,12 @@ def _likely(name: str, known: Iterable[str]) -> str:
     return f" (did you mean {quoted(close[0])}?)" if close else "; add a definition of it"
 
 
-def check_field(store: Any, name: str, steps: tuple[Step, ...]) -> None:
-    """Raise ValueError where a type has no such field, so far as types say."""
+def field_of(store: Any, name: str, steps: tuple[Step, ...]) -> Any:
+    """Return rosbags' description of a field of a type; raises ValueError where there is none."""
     node: Any = (importlib.import_module("rosbags.interfaces").Nodetype.NAME, name)
     for step in steps:
         kind, of = node[0].name, node[1]
-        if kind in {"ARRAY", "SEQUENCE"}:
+        if kind in _ARRAYS:
             if isinstance(step, str):
                 raise ValueError(f"before {quoted(step)} there is an array: write [0] or [*]")
             node = of[0]
@@ -60,3 +61,19 @@ def check_field(store: Any, name: str, steps: tuple[Step, ...]) -> None:
             what = of if kind == "NAME" else f"a {of[0]}"
             raise ValueError(f"{what} has no field {quoted(str(step))}" + hint(str(step), fields))
         node = fields[step]
+    return node
+
+
+def check_number(field: Any, *, compared: bool, reduction: str | None) -> None:
+    """Raise ValueError where what is in a field becomes no number."""
+    kind, of = field[0].name, field[1]
+    if kind in _ARRAYS and reduction is None:
+        raise ValueError('is an array: add an index, or reduce = "max", "min", "mean", "sum" or "length"')
+    if kind in _ARRAYS:
+        kind, of = of[0][0].name, of[0][1]
+    if reduction == "length":
+        return
+    if kind == "NAME":
+        raise ValueError(f"is a {of}: name a field of it")
+    if of[0] == "string" and not compared:
+        raise ValueError('is text: add equals = "…"')

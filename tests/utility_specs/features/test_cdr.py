@@ -101,6 +101,7 @@ def test_what_is_no_number_is_told_to_the_caller():
         ({"type": "sensor_msgs/msg/BateryState"}, "did you mean"),
         ({"field": "percentge"}, "did you mean"),
         ({"field": "cell_voltage[*]"}, "there are many values"),
+        ({"field": "cell_voltage"}, "is an array"),
         ({"distro": "melodic"}, "Input should be"),
         ({"definition": "absent.msg"}, 'cannot read "absent.msg": No such file or directory'),
     ],

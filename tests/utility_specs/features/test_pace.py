@@ -73,8 +73,9 @@ def test_streams_and_features_have_their_own_paces():
     paces.of("red", "a", 0.1).took(3.0, 1.0)
     paces.of("red", "b", 0.1).took(5.0, 2.0)
     paces.of("blue", "a", 0.3)
+    assert paces.of("red", "c", 0.1).cost == 4.0  # b began with what a takes
     assert [paces.of(name, key, 0.1).value for name, key in (("red", "a"), ("red", "b"), ("blue", "a"))] == [1, 2, 0.3]
-    assert paces.costs() == {"red": 5.0}
+    assert paces.costs() == {"red": 4.0}
 
 
 def test_what_holds_is_counted():
@@ -156,8 +157,9 @@ def test_streams_do_not_wait_for_each_other():
     """Each has its own values and its own pace; where there is no room in the background, the next sample tries."""
     bench = Bench(room=1)
     each = paced(bench, slow=BUDGET * 1.5)
-    for key, value in (("a", b"1"), ("b", b"2")):
-        assert each.extract(key, value, None, bench) == {"slow": float(value)}
+    assert each.extract("a", b"1", None, bench) == {"slow": 1.0}
+    assert each.extract("b", b"2", None, bench) == {"slow": -1.0}  # as in the other stream, it would take too long
+    bench.jobs.pop()()
     for _ in range(4):
         assert each.extract("a", b"5", None, bench) == {"slow": 1.0}
         assert each.extract("b", b"6", None, bench) == {"slow": 2.0}

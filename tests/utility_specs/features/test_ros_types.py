@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from utility_specs.features.path import steps_of
-from utility_specs.features.ros_types import check_field, typestore
+from utility_specs.features.ros_types import check_number, field_of, typestore
 
 DETECTION = """\
 std_msgs/Header header
@@ -32,7 +32,7 @@ string label
 )
 def test_a_field_is_found(name, field):
     """In messages within messages, in arrays of fixed and any length."""
-    check_field(typestore("jazzy", name, None), name, steps_of(field))
+    field_of(typestore("jazzy", name, None), name, steps_of(field))
 
 
 @pytest.mark.parametrize(
@@ -49,13 +49,56 @@ def test_a_field_that_is_not_there_is_refused(field, message):
     """With the type that lacks it."""
     name = "sensor_msgs/msg/BatteryState"
     with pytest.raises(ValueError, match=message):
-        check_field(typestore("jazzy", name, None), name, steps_of(field))
+        field_of(typestore("jazzy", name, None), name, steps_of(field))
+
+
+@pytest.mark.parametrize(
+    ("field", "message"),
+    [
+        ("cell_voltage", "is an array: add an index, or reduce"),
+        ("header", "is a std_msgs/msg/Header: name a field of it"),
+        ("location", 'is text: add equals = "…"'),
+    ],
+)
+def test_a_field_that_is_no_number_is_refused(field, message):
+    """An array, a message, a text."""
+    name = "sensor_msgs/msg/BatteryState"
+    found = field_of(typestore("jazzy", name, None), name, steps_of(field))
+    with pytest.raises(ValueError, match=message):
+        check_number(found, compared=False, reduction=None)
+
+
+@pytest.mark.parametrize(
+    ("field", "compared", "reduction"),
+    [
+        ("voltage", False, None),
+        ("present", False, None),
+        ("location", True, None),
+        ("location", False, "length"),
+        ("cell_voltage", False, "mean"),
+        ("cell_voltage[0]", False, None),
+    ],
+)
+def test_a_field_becomes_a_number(field, compared, reduction):
+    """As it is, by comparison or by reduction."""
+    name = "sensor_msgs/msg/BatteryState"
+    check_number(
+        field_of(typestore("jazzy", name, None), name, steps_of(field)), compared=compared, reduction=reduction
+    )
+
+
+def test_messages_in_an_array_can_only_be_counted():
+    """For all else a field of them is needed."""
+    found = field_of(typestore("jazzy", "nav_msgs/msg/Path", None), "nav_msgs/msg/Path", steps_of("poses"))
+    check_number(found, compared=False, reduction="length")
+    with pytest.raises(ValueError, match="is a geometry_msgs/msg/PoseStamped"):
+        check_number(found, compared=False, reduction="max")
 
 
 def test_a_definition_adds_types():
     """For whom it is given, and for nobody else."""
     store = typestore("humble", "team_msgs/msg/Detections", DETECTION)
-    check_field(store, "team_msgs/msg/Detections", steps_of("boxes[*].score"))
+    field_of(store, "team_msgs/msg/Detections", steps_of("boxes[*].score"))
     with pytest.raises(ValueError, match='unknown type "team_msgs/msg/Detections"; add a definition of it'):
         typestore("humble", "team_msgs/msg/Detections", None)
 
