@@ -49,7 +49,7 @@ def test_a_path_leads_to_a_value(path, value):
 
 
 @pytest.mark.parametrize(
-    "path", ["pose.speed", "grid[2]", "grid.x", "pose[0]", "message.y", "pose.position.x", "[3].real"]
+    "path", ["pose.speed", "grid[2]", "grid.x", "pose[0]", "message.y", "pose.position.x", "[3].real", "[3][0]"]
 )
 def test_a_path_that_leads_nowhere_raises(path):
     """Nothing of Python's own is found, either."""
