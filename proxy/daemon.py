@@ -2,7 +2,10 @@
 
 import logging
 import threading
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
 from typing import Any, Literal
 
 import zenoh
@@ -19,6 +22,7 @@ from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
+from proxy.config_changes import Change
 from proxy.core import transport
 from proxy.core.commands import (
     AskState,
@@ -38,6 +42,7 @@ from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
 from proxy.features import Extractor
 from proxy.loop import Loop
+from proxy.reloading import Loaded, Reloading
 from proxy.worker import Worker
 from utility_specs import Specs
 
@@ -53,13 +58,23 @@ _FAREWELL = 0.15
 STOP = 0.7
 """How long a stop may take [s]."""
 
+SWAP = 2.0
+"""How long whoever reloads waits until it is done [s]."""
+
 
 class Daemon:
-    """Start it, stop it. `start` raises `ProxyError` when a session cannot be opened."""
+    """Start it, stop it. `start` raises `ProxyError` when a session cannot be opened.
 
-    def __init__(self, config: Config, specs: Specs) -> None:
+    `read` reads the configuration anew, for `reloading`; `file` is what it is read from, if from any.
+    """
+
+    def __init__(
+        self, config: Config, specs: Specs, file: Path | None = None, read: Callable[[], Config] | None = None
+    ) -> None:
         self._config = config
         self._specs = specs
+        self.reloading = Reloading(Loaded(config, specs), file, read or (lambda: config), self._apply)
+        """Puts other files in force while the daemon runs."""
         self.robot = config.robot
         """Our name on the mesh; another one than configured when that was taken."""
         self._stopped = threading.Event()
@@ -96,6 +111,31 @@ class Daemon:
             self._loop.handle(SpecsChanged(clock.monotonic(), specs))
 
         self._loop.post(swap)
+
+    def watch(self, alive: Callable[[], None], every: float) -> None:
+        """Call `alive` every so often [s], as long as the loop runs and decisions come to an end."""
+
+        def report() -> None:
+            self.watch(alive, every)
+            if not self._worker.stuck(clock.monotonic()):
+                alive()
+
+        self._loop.post_at(clock.monotonic() + every, report)
+
+    def _apply(self, loaded: Loaded, changed: Iterable[Change]) -> None:
+        """Put changes in force between two events, and wait for it."""
+        if loaded.specs.generation != self._specs.generation:
+            self.swap_specs(loaded.specs)
+        for change in changed:
+            match change.path:
+                case ("mode",):
+                    self._loop.post(partial(self._switch, loaded.config.mode))
+                case ("log", "level"):
+                    logging.getLogger().setLevel(loaded.config.log.level.upper())
+        done = threading.Event()
+        self._loop.post(done.set)
+        if not done.wait(SWAP):
+            log.warning("the daemon is busy; what was reloaded is not in force yet")
 
     def _close(self) -> None:
         closing, self._closing = self._closing, ExitStack()
@@ -201,6 +241,7 @@ class Daemon:
             *self._neighbours.warnings(),
             *around(sides.app, sides.mesh, others),
             *self._lookout.warnings(),
+            *self.reloading.warnings(),
         ]
 
     def _status(self) -> dict[str, Any]:
@@ -217,6 +258,7 @@ class Daemon:
                 "refused": self._loop.refused,
                 "looks": self._lookout.looks,
                 "features": {"superseded": self._extractor.superseded},
+                "reloads": self.reloading.describe(),
                 **self._bridge.describe(),
                 **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
             },
