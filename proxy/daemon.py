@@ -15,6 +15,7 @@ from proxy import clock
 from proxy.bridge.air import Broadcast
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
+from proxy.bridge.fleet import Fleet
 from proxy.bridge.lane import Lane
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
 from proxy.bridge.neighbours import Neighbours
@@ -42,6 +43,7 @@ from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
 from proxy.features import Extractor
 from proxy.loop import Loop
+from proxy.orders import orders
 from proxy.reloading import Loaded, Reloading
 from proxy.worker import Worker
 from utility_specs import Specs
@@ -103,14 +105,8 @@ class Daemon:
         return self._stopped.wait(timeout)
 
     def swap_specs(self, specs: Specs) -> None:
-        """Put another generation of specs in force."""
-
-        def swap() -> None:
-            self._specs = specs
-            self._bridge.swap(specs)
-            self._loop.handle(SpecsChanged(clock.monotonic(), specs))
-
-        self._loop.post(swap)
+        """Put another generation of specs in force; returns when it is. Raises TimeoutError."""
+        self._loop.ask(partial(self._swap, specs), SWAP)
 
     def watch(self, alive: Callable[[], None], every: float) -> None:
         """Call `alive` every so often [s], as long as the loop runs and decisions come to an end."""
@@ -123,19 +119,25 @@ class Daemon:
         self._loop.post_at(clock.monotonic() + every, report)
 
     def _apply(self, loaded: Loaded, changed: Iterable[Change]) -> None:
-        """Put changes in force between two events, and wait for it."""
-        if loaded.specs.generation != self._specs.generation:
-            self.swap_specs(loaded.specs)
-        for change in changed:
-            match change.path:
-                case ("mode",):
-                    self._loop.post(partial(self._switch, loaded.config.mode))
-                case ("log", "level"):
-                    logging.getLogger().setLevel(loaded.config.log.level.upper())
-        done = threading.Event()
-        self._loop.post(done.set)
-        if not done.wait(SWAP):
-            log.warning("the daemon is busy; what was reloaded is not in force yet")
+        """Put changes in force between two events, and wait for it. Raises TimeoutError."""
+
+        def apply() -> None:
+            if loaded.specs.generation != self._specs.generation:
+                self._swap(loaded.specs)
+            for change in changed:
+                match change.path:
+                    case ("mode",):
+                        self._switch(loaded.config.mode)
+                    case ("log", "level"):
+                        logging.getLogger().setLevel(loaded.config.log.level.upper())
+
+        self._loop.ask(apply, SWAP)
+
+    def _swap(self, specs: Specs) -> None:
+        """Put specs in force, on the loop's thread."""
+        self._specs = specs
+        self._bridge.swap(specs)
+        self._loop.handle(SpecsChanged(clock.monotonic(), specs))
 
     def _close(self) -> None:
         closing, self._closing = self._closing, ExitStack()
@@ -208,6 +210,19 @@ class Daemon:
             switch=self._switch,
         )
         opening.callback(control.close)
+        fleet_lane = Lane("fleet")
+        opening.callback(fleet_lane.close, _PATIENCE)
+        fleet = Fleet(
+            app=sides.app,
+            mesh=sides.mesh,
+            robot=robot,
+            lane=fleet_lane,
+            obeyed=orders(
+                config.fleet, robot, lambda mode: loop.ask(partial(self._switch, mode), SWAP), self.reloading
+            ),
+            members=lambda: loop.ask(lambda: [peer.robot for peer in core.view.peers.values()], SWAP),
+        )
+        opening.callback(fleet.close)
 
     def _execute(self, command: Command) -> None:
         match command:

@@ -13,6 +13,7 @@ from typing import Any
 from proxy.config import Config
 from proxy.config_changes import Change, changes
 from proxy.errors import ConfigError
+from proxy.pushed import Folder
 from proxy.watching import FileWatch
 from utility_specs import Specs, SpecsError, load_specs
 from utility_specs.errors import SpecProblem, TomlError
@@ -31,6 +32,7 @@ class Loaded:
 
 def read_specs(path: Path) -> Specs:
     """Read the utility specs; none when there is no such folder. Raises SpecsError."""
+    Folder(path).mend()
     return load_specs(path) if path.exists() else Specs.empty()
 
 
@@ -38,7 +40,7 @@ class Reloading:
     """Reads configuration and specs anew when files change or somebody asks.
 
     `read` reads the configuration, which the file `file` may hold; `apply` puts in force what changed, and returns when
-    it is. From any thread.
+    it is, or raises TimeoutError when it will be later. From any thread.
     """
 
     def __init__(
@@ -100,7 +102,10 @@ class Reloading:
             self._refused += 1
             return
         if changed or loaded.specs.generation != self.loaded.specs.generation:
-            self._apply(loaded, changed)
+            try:
+                self._apply(loaded, changed)
+            except TimeoutError:
+                log.warning("the daemon is busy and will do it later")
         log.info("%s: specs %s in force%s", why, loaded.specs.generation, "".join(map(_told, changed)))
         self.loaded, self._problems = loaded, ()
         self._done += 1

@@ -153,10 +153,11 @@ def test_what_cannot_change_is_refused_by_name_with_both_values(files):
     """With file and line, and nothing else is taken over either."""
     files.config.write_text(CONFIG.replace("enforce", "pass") + '[mesh]\nlisten = ["tcp/0.0.0.0:7501"]\n')
     files.specs.write_text(SPECS.replace("1.0", "2.0"))
-    assert files.looked()["problems"] == [
+    (problem,) = files.looked()["problems"]
+    assert problem == (
         f'{files.config}:4: mesh.listen: cannot change while the daemon runs: ["tcp/0.0.0.0:7500"] is in force, '
         'not ["tcp/0.0.0.0:7501"]; restart it'
-    ]
+    )
     assert not files.applied
 
 
@@ -175,3 +176,15 @@ def test_a_configuration_with_mistakes_changes_nothing(files):
     files.config.unlink()
     assert files.looked()["problems"] == [f"{files.config}: does not exist"]
     assert not files.applied
+
+
+def test_a_busy_daemon_is_told_all_the_same(files, monkeypatch, caplog):
+    """It does what it was asked when it comes to it."""
+
+    def too_late(*_):
+        raise TimeoutError
+
+    monkeypatch.setattr(files.reloading, "_apply", too_late)
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    assert files.looked() == {"done": 1, "refused": 0, "problems": []}
+    assert "the daemon is busy and will do it later" in caplog.text
