@@ -12,7 +12,8 @@ from utility_specs.check import check
 
 DESCRIPTION = """\
 Checks files of utility specs, or folders of them, as one set and without a daemon; with --config a configuration and
-the specs that it names. Every mistake is named with its file, line and key. The exit code is 0 when there is none, else 1.
+the specs that it names. Every mistake is named with its file, line and key. The exit code is 0
+when there is none, else 1.
 """
 EXAMPLES = """\
 examples:
