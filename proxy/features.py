@@ -2,6 +2,7 @@
 
 Where only the most recent sample of a stream counts, the core is not told of more than it can use: while one of a key
 has not been taken up, a newer one takes its place. That costs neither an extraction nor an event.
+What takes longer than its budget is computed in the background, so that no stream waits for another one's features.
 """
 
 import threading
@@ -11,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import zenoh
 
+from proxy.background import Background
 from proxy.core.events import SamplePublished
 from utility_specs import InformationType
 
@@ -26,6 +28,7 @@ class _Place:
     event: SamplePublished
     covering: InformationType
     payload: zenoh.ZBytes
+    attachment: zenoh.ZBytes | None
     superseded: int = 0
 
 
@@ -43,21 +46,30 @@ class Extractor:
         self._wake = threading.Condition()
         self._open = True
         self._thread = threading.Thread(target=self._run, name="features", daemon=True)
+        self._background = Background()
         self.superseded = 0
 
     def start(self) -> None:
         """Start extracting."""
+        self._background.start()
         self._thread.start()
 
     def close(self, timeout: float) -> None:
         """Stop; wait at most `timeout` [s] for the extraction in hand."""
+        self._background.close()
         with self._wake:
             self._open = False
             self._wake.notify()
         self._thread.join(timeout)
 
     def submit(
-        self, event: SamplePublished, covering: InformationType, payload: zenoh.ZBytes, *, each: bool = False
+        self,
+        event: SamplePublished,
+        covering: InformationType,
+        payload: zenoh.ZBytes,
+        attachment: zenoh.ZBytes | None = None,
+        *,
+        each: bool = False,
     ) -> int | None:
         """Post `event` with its features, soon; return the sample whose place it took, if there was one.
 
@@ -68,13 +80,15 @@ class Extractor:
         with self._wake:
             place = self._places.get(event.key)
             if place is not None and not event.delete and not each:
-                gone, place.event, place.payload = place.event.sample, event, payload
+                gone = place.event.sample
+                place.event, place.payload, place.attachment = event, payload, attachment
                 place.superseded += 1
                 self.superseded += 1
                 return gone
             self._places.pop(event.key, None)
             self._add(
-                _Place(event, covering, payload), replaceable=covering.markovian and not event.delete and not each
+                _Place(event, covering, payload, attachment),
+                replaceable=covering.markovian and not event.delete and not each,
             )
             return None
 
@@ -112,5 +126,8 @@ class Extractor:
         with self._wake:
             if self._places.get(place.event.key) is place:
                 del self._places[place.event.key]
-        features = {} if place.event.delete else place.covering.extract(place.event.key, place.payload)
-        return replace(place.event, features=features, superseded=place.superseded)
+        event = place.event
+        if event.delete:
+            return replace(event, features={}, superseded=place.superseded)
+        features = place.covering.extract(event.key, place.payload, place.attachment, self._background)
+        return replace(event, features=features, superseded=place.superseded)

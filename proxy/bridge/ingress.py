@@ -39,7 +39,13 @@ class Submit(Protocol):
     """Takes a sample for the core; returns the number of one that it need not be told of any more."""
 
     def __call__(
-        self, event: SamplePublished, covering: InformationType, payload: zenoh.ZBytes, *, each: bool
+        self,
+        event: SamplePublished,
+        covering: InformationType,
+        payload: zenoh.ZBytes,
+        attachment: zenoh.ZBytes | None,
+        *,
+        each: bool,
     ) -> int | None:
         """`each`: the core must be told of each sample."""
 
@@ -180,7 +186,8 @@ class Ingress:
             features={},
             delete=held.sample.kind == zenoh.SampleKind.DELETE,
         )
-        superseded = self._submit(published, covering, held.sample.payload, each=self.mode is Mode.SHADOW)
+        payload, attachment = held.sample.payload, held.sample.attachment
+        superseded = self._submit(published, covering, payload, attachment, each=self.mode is Mode.SHADOW)
         if superseded is not None:
             self.release(superseded)
 

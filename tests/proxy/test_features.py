@@ -7,6 +7,7 @@ import pytest
 import zenoh
 
 from proxy import features as features_module
+from proxy.background import MOST
 from proxy.core.events import SamplePublished
 from proxy.features import PACE, Extractor
 from tests.waiting import wait_until
@@ -23,11 +24,22 @@ class Type:
         self.gate = threading.Event()
         self.gate.set()
         self.extracted = []
+        self.attached = []
 
-    def extract(self, key, payload):
+    def extract(self, key, payload, attachment, _background):
         assert self.gate.wait(5.0)
         self.extracted.append((key, bytes(payload)))
+        self.attached.append(attachment)
         return {"n": float(bytes(payload) or -1)}
+
+
+class Costly(Type):
+    """One that takes too long, and is computed in the background; the last value holds."""
+
+    def extract(self, key, payload, attachment, background):
+        if background.later(lambda: super(Costly, self).extract(key, payload, attachment, background)):
+            return {"n": 0.5}
+        return {"n": -0.5}
 
 
 class Loop:
@@ -96,6 +108,35 @@ def test_the_newest_takes_the_place_of_those_that_wait(extractor, loop):
     assert told(loop)[1] == (3, 3, {"n": 3.0})
     assert covering.extracted == [("k", b"3")]
     assert extractor.superseded == 3
+
+
+def test_attachments_come_along(extractor, loop):
+    """Each with its own sample, also where one takes the place of another."""
+    covering, slow = Type(), Type()
+    slow.gate.clear()
+    extractor.submit(sample(9, "slow"), slow, payload(9))
+    for i in range(2):
+        extractor.submit(sample(i), covering, payload(i), zenoh.ZBytes(f"of {i}"))
+    slow.gate.set()
+    wait_until(lambda: len(loop.posted) == 2, what="both keys")
+    assert [each.to_bytes() for each in covering.attached] == [b"of 1"]
+    assert slow.attached == [None]
+
+
+def test_what_takes_too_long_holds_up_no_stream(extractor, loop):
+    """Not even its own: samples go on with the last value while the next one is computed."""
+    costly, quick = Costly(), Type()
+    costly.gate.clear()
+    for i in range(MOST + 4):
+        extractor.submit(sample(i, f"k{i}"), costly, payload(i))
+    extractor.submit(sample(99, "quick"), quick, payload(99))
+    wait_until(lambda: len(loop.posted) == MOST + 5, what="all samples")
+    found = [features["n"] for _, _, features in told(loop)]
+    assert found[:MOST] == [0.5] * MOST
+    assert found[-2:] == [-0.5, 99.0]
+    assert costly.extracted == []
+    costly.gate.set()
+    wait_until(lambda: len(costly.extracted) >= MOST, what="what waited in the background")
 
 
 @pytest.mark.parametrize(("markovian", "each"), [(False, False), (True, True)], ids=["not markovian", "each asked for"])

@@ -532,6 +532,20 @@ def test_others_are_told_how_streams_generate(make_talk):
     assert (told["schedule"], told["jitter"] > 0.1, told["forecast"]) == ("poisson", True, {})
 
 
+def test_the_status_tells_what_features_take_and_miss(make_talk, make_specs):
+    """Each feature of each type, and what else had to be replaced by a default."""
+    text = SPEC.format(limit="80 kbit/s", window=1.0) + 'features.size = { kind = "size", budget = "5 ms" }\n'
+    specs = make_specs(text=text)
+    (camera,) = specs.types
+    camera.failures.note("scale")
+    camera.paces.of("size", "k", 0.0).took(0.25, 1.0)
+    camera.paces.hold("size")
+    found = {row["feature"]: row for row in make_talk(specs).core.status(0.1)["features"]}
+    expected = {"type": camera.name, "feature": "size", "failed": 0, "held": 1, "cost": 0.25, "budget": 0.005}
+    assert found["size"] == expected
+    assert found["scale"] == expected | {"feature": "scale", "failed": 1, "held": 0, "cost": None, "budget": None}
+
+
 ADAPTIVE = SPEC.replace('limit = "{limit}"', 'limit = "adaptive"\nceiling = "{limit}"')
 
 
