@@ -61,6 +61,7 @@ transparency: setup
 # The long run: every property with thousands of examples, ten minutes of fuzzing, and a long flight of the demo.
 qualify: setup
 	$(BIN)/python -m pytest -m "not system" --hypothesis-profile=qualify tests/planner tests/fuzz tests/proxy/core tests/utility_specs
+	RELOADS=3000 $(BIN)/python -m pytest tests/proxy/test_reloads.py
 	tests/fuzz/run 600
 	$(BIN)/sendworthy demo --seconds 120 --json build/qualify-demo.json --picture build/qualify-demo.png
 
