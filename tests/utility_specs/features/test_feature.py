@@ -1,6 +1,7 @@
 """What all features have in common."""
 
 import math
+from dataclasses import replace
 from typing import get_args
 
 import pytest
@@ -8,14 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from planner.problem import Aggregation
-from planner.utility import Video
 from tests.utility_specs.features import scenes
 from tests.utility_specs.features.test_cdr import BATTERY, battery
-from utility_specs import InformationType, SpecsError, load_specs
-from utility_specs.expressions import Expression
+from utility_specs import SpecsError, load_specs
 from utility_specs.features import AnyFeatureTable, ColorFraction, Size
-from utility_specs.forecast import FeatureForecast
 
 ANY = TypeAdapter(AnyFeatureTable)
 
@@ -42,22 +39,16 @@ def first(_key: str, payload: bytes) -> float:
     return payload[0] / (payload[0] - 1)
 
 
-def every() -> InformationType:
+@pytest.fixture(scope="module")
+def covering(tmp_path_factory):
     """An information type with features of every kind."""
+    path = tmp_path_factory.mktemp("specs") / "x.toml"
+    path.write_text('[[information_type]]\nname = "t"\nkeys = ["t/**"]\nutility = { kind = "video" }\n')
     tables = {name: ANY.validate_python({"kind": name, "default": -7.0} | said) for name, said in EVERY.items()}
-    return InformationType(
-        name="t",
-        keys=("t/**",),
-        aggregation=Aggregation.MOST_RECENT,
-        weight=1.0,
-        utility=Video(),
-        expression=Expression.compile("1", {}),
-        features=tuple((name, table.feature()) for name, table in tables.items()),
-        forecast=FeatureForecast(),
-    )
+    (loaded,) = load_specs(path).types
+    return replace(loaded, features=tuple((name, table.feature()) for name, table in tables.items()))
 
 
-TYPE = every()
 PIXEL = scenes.checked(0, 255)[:4, :4]
 REAL = [
     battery(),
@@ -90,14 +81,14 @@ def test_no_kind_is_forgotten():
 
 
 @given(st.text("t/0-1²x", max_size=8), payloads(), st.none() | payloads())
-def test_whatever_comes_every_feature_has_a_finite_value(key, payload, attachment):
+def test_whatever_comes_every_feature_has_a_finite_value(covering, key, payload, attachment):
     """What cannot be computed has its default and is counted; nothing is raised."""
-    before = sum(TYPE.failures.counts().values())
-    values = TYPE.extract(key, payload, attachment)
+    before = sum(covering.failures.counts().values())
+    values = covering.extract(key, payload, attachment)
     assert set(values) == set(EVERY)
     assert all(math.isfinite(value) for value in values.values())
     defaults = sum(value == -7.0 for value in values.values())
-    assert before <= sum(TYPE.failures.counts().values()) <= before + defaults
+    assert before <= sum(covering.failures.counts().values()) <= before + defaults
 
 
 def test_each_kind_makes_its_feature():

@@ -1,19 +1,15 @@
 """How often costly features are computed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.problem import Aggregation
-from planner.utility import Video
-from utility_specs import InformationType
-from utility_specs.expressions import Expression
+from utility_specs import load_specs
 from utility_specs.features import Feature
 from utility_specs.features import pace as module
 from utility_specs.features.pace import Pace, Paces
-from utility_specs.forecast import FeatureForecast
 
 BUDGET = 0.01
 
@@ -124,20 +120,21 @@ class Slow(Feature):
         return float(sample.payload)
 
 
-def paced(bench, **features):
-    return InformationType(
-        name="t",
-        keys=("t/**",),
-        aggregation=Aggregation.MOST_RECENT,
-        weight=1.0,
-        utility=Video(),
-        expression=Expression.compile("1", {}),
-        features=tuple((name, Slow(bench, takes, budget=BUDGET, default=-1.0)) for name, takes in features.items()),
-        forecast=FeatureForecast(),
-    )
+@pytest.fixture
+def paced(tmp_path):
+    """An information type with features that take so long [s]."""
+    path = tmp_path / "x.toml"
+    path.write_text('[[information_type]]\nname = "t"\nkeys = ["t/**"]\nutility = { kind = "video" }\n')
+    (loaded,) = load_specs(path).types
+
+    def make(bench, **features):
+        slow = [(name, Slow(bench, takes, budget=BUDGET, default=-1.0)) for name, takes in features.items()]
+        return replace(loaded, features=tuple(slow))
+
+    return make
 
 
-def test_a_costly_feature_of_a_sample_has_the_value_of_an_earlier_one():
+def test_a_costly_feature_of_a_sample_has_the_value_of_an_earlier_one(paced):
     """It is computed in the background for every third sample; the others are computed at once, for each."""
     bench = Bench()
     each = paced(bench, slow=3 * BUDGET, quick=BUDGET / 2)
@@ -152,7 +149,7 @@ def test_a_costly_feature_of_a_sample_has_the_value_of_an_earlier_one():
     assert each.failures.counts() == {}
 
 
-def test_streams_do_not_wait_for_each_other():
+def test_streams_do_not_wait_for_each_other(paced):
     """Each has its own values and its own pace; where there is no room in the background, the next sample tries."""
     bench = Bench(room=1)
     each = paced(bench, slow=BUDGET * 1.5)
@@ -169,7 +166,7 @@ def test_streams_do_not_wait_for_each_other():
     assert each.extract("b", b"9", None, bench) == {"slow": 8.0}
 
 
-def test_a_costly_feature_that_fails_has_its_default_until_the_next_one():
+def test_a_costly_feature_that_fails_has_its_default_until_the_next_one(paced):
     """And is counted once."""
     bench = Bench()
     each = paced(bench, slow=2 * BUDGET)
