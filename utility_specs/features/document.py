@@ -1,10 +1,11 @@
 """A number in a JSON or MessagePack document, as a payload or as an attachment."""
 
-import importlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
+
+import msgpack
 
 from utility_specs.features.feature import Feature
 from utility_specs.features.reading import PathTable, Reading
@@ -48,7 +49,7 @@ class MsgpackTable(PathTable):
 
 
 def _msgpack(raw: bytes) -> Any:
-    return importlib.import_module("msgpack").unpackb(raw, strict_map_key=False, unicode_errors="replace")
+    return msgpack.unpackb(raw, strict_map_key=False, unicode_errors="replace")
 
 
 _DECODED: Mapping[Format, Callable[[bytes], Any]] = {"json": json.loads, "msgpack": _msgpack}

@@ -12,7 +12,7 @@ from utility_specs.suggestions import hint, quoted
 Distro = Literal["humble", "iron", "jazzy", "kilted"]
 
 _ARRAYS = {"ARRAY", "SEQUENCE"}
-_EXTRA = 'needs the package rosbags: pip install "sendworthy[ros2]"'
+_EXTRA = 'needs the package rosbags: pip install rosbags (or Sendworthy with its extra "ros2")'
 
 
 @cache
