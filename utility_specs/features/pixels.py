@@ -67,7 +67,9 @@ ENCODINGS: Mapping[str, Encoding] = {
 @cache
 def opencv() -> tuple[Any, Any]:
     """Return OpenCV and NumPy, imported when the first spec needs them."""
-    os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(LARGEST_IMAGE))  # OpenCV reads it when it is imported
+    # OpenCV reads these when it is imported. What it cannot decode is counted; it would fill the log with it.
+    os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(LARGEST_IMAGE))
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
     return importlib.import_module("cv2"), importlib.import_module("numpy")
 
 
