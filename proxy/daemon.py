@@ -33,12 +33,13 @@ from proxy.core.commands import (
     Forward,
     NoteInterest,
     Notice,
+    Reread,
     SendDigest,
     SendState,
     SetPace,
 )
 from proxy.core.core import Core
-from proxy.core.events import ModeChanged, SpecsChanged
+from proxy.core.events import ModeChanged, SampleRefused, SampleReread, SpecsChanged
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
 from proxy.features import Extractor
@@ -46,7 +47,7 @@ from proxy.loop import Loop
 from proxy.orders import orders
 from proxy.reloading import Loaded, Reloading
 from proxy.worker import Worker
-from utility_specs import Specs
+from utility_specs import InformationType, Specs
 
 log = logging.getLogger(__name__)
 
@@ -159,7 +160,7 @@ class Daemon:
         # The paper's search comes with the paper's reduction; `best` has its own and ignores this.
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
         self._worker = Worker(search, planner.deadline, loop.post)
-        self._extractor = Extractor(loop.post_at)
+        self._extractor = Extractor(loop.post_at, self._match)
         self._neighbours = Neighbours(sides.app, robot, self._zids["mesh"], sides.wake.set)
         opening.callback(self._neighbours.close)
         self._bridge = Bridge(
@@ -232,18 +233,36 @@ class Daemon:
                 self._bridge.forward(sample)
             case Drop(sample):
                 self._bridge.drop(sample)
-            case SendDigest(digest, to):
-                self._presence.send_digest(digest, to)
-            case SendState(state, update):
-                self._presence.send_state(state, update)
-            case AskState(name, tag):
-                self._presence.ask_state(name, tag)
+            case Reread(sample, key):
+                self._reread(sample, key)
             case NoteInterest(zid, subscriptions):
                 self._bridge.demand.told(zid, subscriptions)
             case SetPace(rate):
                 self._bridge.set_pace(rate)
             case Notice(level, text):
                 log.log(_LEVELS[level], "%s", text)
+            case SendDigest() | SendState() | AskState():
+                self._speak(command)
+
+    def _speak(self, command: SendDigest | SendState | AskState) -> None:
+        match command:
+            case SendDigest(digest, to):
+                self._presence.send_digest(digest, to)
+            case SendState(state, update):
+                self._presence.send_state(state, update)
+            case AskState(name, tag):
+                self._presence.ask_state(name, tag)
+
+    def _match(self, key: str) -> InformationType | None:
+        return self._specs.match(key)
+
+    def _reread(self, sample: int, key: str) -> None:
+        held = self._bridge.held(sample)
+        if held is None:
+            self._loop.post(SampleRefused(clock.monotonic(), sample))
+            return
+        event = SampleReread(clock.monotonic(), sample, {})
+        self._extractor.reread(event, key, held.sample.payload, held.sample.attachment)
 
     def _switch(self, mode: Mode) -> None:
         self._bridge.switch(mode)

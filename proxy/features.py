@@ -9,12 +9,13 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import zenoh
 
 from proxy import clock
 from proxy.background import Background
-from proxy.core.events import SamplePublished
+from proxy.core.events import SamplePublished, SampleReread
 from utility_specs import InformationType
 
 PACE = 0.002
@@ -26,7 +27,8 @@ _REMEMBERED = 4096
 class _Place:
     """What the core will be told: the newest sample of its key so far, and how many it superseded."""
 
-    event: SamplePublished
+    event: SamplePublished | SampleReread
+    key: str
     covering: InformationType
     payload: zenoh.ZBytes
     attachment: zenoh.ZBytes | None
@@ -36,11 +38,18 @@ class _Place:
 class Extractor:
     """Posts each sample with what its type extracts, in order of arrival, or a newer one of its key in its place.
 
-    `post_at` runs a job on the loop's thread, not before a time. What waits is bounded by what ingress holds.
+    `post_at` runs a job on the loop's thread, not before a time. `match` finds the type that covers a key by the specs
+    in force, which change on that thread only: the core gets no features of others. What waits is bounded by what
+    ingress holds.
     """
 
-    def __init__(self, post_at: Callable[[float, Callable[[], SamplePublished]], None]) -> None:
+    def __init__(
+        self,
+        post_at: Callable[[float, Callable[[], SamplePublished | SampleReread]], None],
+        match: Callable[[str], InformationType | None],
+    ) -> None:
         self._post_at = post_at
+        self._match = match
         self._jobs: deque[_Place] = deque()
         self._places: dict[str, _Place] = {}
         self._next: dict[str, float] = {}
@@ -89,14 +98,25 @@ class Extractor:
                 return gone
             self._places.pop(event.key, None)
             self._add(
-                _Place(event, covering, payload, attachment),
+                _Place(event, event.key, covering, payload, attachment),
                 replaceable=covering.markovian and not event.delete and not each,
             )
             return None
 
+    def reread(
+        self, event: SampleReread, key: str, payload: zenoh.ZBytes, attachment: zenoh.ZBytes | None = None
+    ) -> None:
+        """Post `event` with the features of a sample that the core knows already, by the specs in force."""
+        covering = self._match(key)
+        if covering is None:
+            self._post_at(event.now, lambda: event)
+            return
+        with self._wake:
+            self._add(_Place(event, key, covering, payload, attachment), replaceable=False)
+
     def _add(self, place: _Place, *, replaceable: bool) -> None:
         if replaceable:
-            self._places[place.event.key] = place
+            self._places[place.key] = place
         if place.covering.needs_payload:
             self._jobs.append(place)
             self._wake.notify()
@@ -105,12 +125,12 @@ class Extractor:
 
     def _post(self, place: _Place, pause: float) -> None:
         """Let the loop take up the place when its time has come; the next one of its key `pause` [s] later."""
-        key, now = place.event.key, place.event.now
+        key, now = place.key, place.event.now
         when = max(now, self._next.pop(key, now))
         self._next[key] = when + pause
         if len(self._next) > _REMEMBERED:
             del self._next[next(iter(self._next))]
-        self._post_at(when, lambda: self._taken(place))
+        self._post_at(when, lambda: self._current(place, self._taken(place)))
 
     def _run(self) -> None:
         while True:
@@ -121,15 +141,28 @@ class Extractor:
                     return
                 place = self._jobs.popleft()
             event = self._taken(place)
-            self._post_at(event.now, lambda event=event: event)  # type: ignore[misc] # a default binds it now
+            self._post_at(event.now, partial(self._current, place, event))
 
-    def _taken(self, place: _Place) -> SamplePublished:
+    def _taken(self, place: _Place) -> SamplePublished | SampleReread:
         """Close the place, and return the sample that is in it with its features."""
         with self._wake:
-            if self._places.get(place.event.key) is place:
-                del self._places[place.event.key]
+            if self._places.get(place.key) is place:
+                del self._places[place.key]
+        return self._extracted(place)
+
+    def _current(self, place: _Place, event: SamplePublished | SampleReread) -> SamplePublished | SampleReread:
+        """Return the event, on the loop's thread; with other features when specs have changed meanwhile."""
+        covering = self._match(place.key)
+        if covering is place.covering or covering is None:
+            return event
+        place.covering = covering
+        return self._extracted(place)
+
+    def _extracted(self, place: _Place) -> SamplePublished | SampleReread:
         event = place.event
-        if event.delete:
+        if isinstance(event, SamplePublished) and event.delete:
             return replace(event, features={}, superseded=place.superseded)
-        features = place.covering.extract(event.key, place.payload, place.attachment, self._background)
+        features = place.covering.extract(place.key, place.payload, place.attachment, self._background)
+        if isinstance(event, SampleReread):
+            return replace(event, features=features)
         return replace(event, features=features, superseded=place.superseded)

@@ -128,6 +128,10 @@ class Ingress:
             self._bytes -= 0 if held is None else held.size
             return held
 
+    def waiting(self, number: int) -> Held | None:
+        """Return a held sample, which stays held; None when it is not held (any more)."""
+        return self._held.get(number)
+
     @property
     def held(self) -> int:
         """Samples that wait for the core's answer."""

@@ -164,6 +164,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SampleRefused) -> list[Command]:
+        self.gate.settled(event.sample)
         self.counts.drop(event.sample, "dropped:egress")
         self.gate.refused(event.sample)
         self._keys.pop(event.sample, None)

@@ -63,7 +63,7 @@ class SampleHanded:
 
 @dataclass(frozen=True, slots=True)
 class SampleRefused:
-    """A sample that the core forwarded could not be handed over (queue full, session closed, error)."""
+    """A sample that the core forwarded could not be handed over (queue full, session closed, error), or is gone."""
 
     now: float
     sample: int

@@ -8,7 +8,7 @@ import zenoh
 
 from proxy import features as features_module
 from proxy.background import MOST
-from proxy.core.events import SamplePublished
+from proxy.core.events import SamplePublished, SampleReread
 from proxy.features import PACE, Extractor
 from tests.waiting import wait_until
 
@@ -43,11 +43,15 @@ class Costly(Type):
 
 
 class Loop:
-    """Keeps what is posted, and runs it when the test says so; what comes off a thread is run at once."""
+    """Keeps what is posted, and runs it when the test says so; what comes off a thread is run at once.
+
+    `covering` is the type that covers all keys by the specs in force, if any does.
+    """
 
     def __init__(self):
         self.due = []
         self.posted = []
+        self.covering = None
 
     def post_at(self, when, job):
         self.due.append((when, job))
@@ -68,7 +72,7 @@ def loop():
 @pytest.fixture
 def extractor(loop):
     with ExitStack() as stack:
-        made = Extractor(loop.post_at)
+        made = Extractor(loop.post_at, lambda _: loop.covering)
         made.start()
         stack.callback(made.close, 1.0)
         yield made
@@ -197,3 +201,28 @@ def test_remembered_keys_are_bounded(extractor, monkeypatch):
     for i in range(5):
         extractor.submit(sample(i, f"k{i}"), Type(needs_payload=False), payload(i))
     assert len(extractor._next) == 2
+
+
+@pytest.mark.parametrize("needs_payload", [True, False])
+def test_specs_that_change_meanwhile_count(extractor, loop, needs_payload):
+    """The core never gets features of specs that are not in force any more."""
+    before, after = Type(needs_payload=needs_payload), Type(needs_payload=needs_payload)
+    before.gate.clear()
+    extractor.submit(sample(1), before, payload(1))
+    loop.covering = after
+    before.gate.set()
+    wait_until(lambda: loop.run() or loop.posted, what="the sample")
+    assert told(loop) == [(1, 0, {"n": 1.0})]
+    assert after.extracted == [("k", b"1")]
+
+
+@pytest.mark.parametrize("needs_payload", [True, False])
+def test_a_sample_is_read_again(extractor, loop, needs_payload):
+    """By what is in force then, behind those before it; where nothing covers it any more without features."""
+    loop.covering = Type(needs_payload=needs_payload)
+    extractor.reread(SampleReread(0.0, 1, {}), "k", payload(7))
+    wait_until(lambda: loop.run() or loop.posted, what="the sample")
+    loop.covering = None
+    extractor.reread(SampleReread(0.0, 2, {}), "k", payload(8))
+    loop.run()
+    assert loop.posted == [SampleReread(0.0, 1, {"n": 7.0}), SampleReread(0.0, 2, {})]

@@ -503,6 +503,17 @@ def test_what_waits_is_read_again_when_specs_change(make_talk, make_specs):
     assert talk.core.counts.conserved
 
 
+def test_a_sample_that_is_gone_when_it_is_read_again_is_counted(make_talk, make_specs):
+    """Nothing waits for it any more."""
+    talk = make_talk(make_specs(text=WEIGHED.format(1)))
+    talk.tell(ev.MatchingChanged(0.0, "robot/r1/a", matching=True))
+    sample, _ = talk.publish(0.1, key="robot/r1/a")
+    talk.tell(ev.SpecsChanged(0.2, make_specs(text=WEIGHED.format(2))))
+    talk.tell(ev.SampleRefused(0.3, sample))
+    assert (talk.core.counts.queued, talk.core.counts.by_reason) == (0, {"dropped:egress": 1})
+    assert only(talk.tell(ev.SpecsChanged(0.4, make_specs(text=WEIGHED.format(3)))), Reread) == []
+
+
 def test_a_newer_sample_supersedes_one_that_is_read_again(make_talk, make_specs):
     """As it does while samples wait for their decisions."""
     talk = make_talk(make_specs(text=WEIGHED.format(1)))
