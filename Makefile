@@ -61,13 +61,14 @@ transparency: setup
 # The long run: every property with thousands of examples, ten minutes of fuzzing, and a long flight of the demo.
 qualify: setup
 	$(BIN)/python -m pytest -m "not system" --hypothesis-profile=qualify tests/planner tests/fuzz tests/proxy/core tests/utility_specs
+	RELOADS=3000 $(BIN)/python -m pytest tests/proxy/test_reloads.py
 	tests/fuzz/run 600
 	$(BIN)/sendworthy demo --seconds 120 --json build/qualify-demo.json --picture build/qualify-demo.png
 
 # Locks the dependencies of all platforms with their hashes; needs uv on the PATH.
 lock:
 	uv pip compile --quiet --universal --generate-hashes --python-version 3.11 --no-emit-index-url --no-header \
-	    --no-annotate --extra study --group dev --output-file requirements.lock pyproject.toml
+	    --no-annotate --extra study --extra ros2 --group dev --output-file requirements.lock pyproject.toml
 
 clean:
 	rm -rf .venv build dist

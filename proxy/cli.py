@@ -20,7 +20,7 @@ Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  #
 Command = Callable[[Subparsers], None]
 
 GROUP = "sendworthy.commands"
-BUILT_IN = ("run", "check", "schema", "status", "mode")
+BUILT_IN = ("run", "check", "schema", "status", "mode", "push")
 
 EXAMPLES = """\
 examples:
@@ -29,6 +29,7 @@ examples:
   sendworthy run --robot r1 --mode shadow          the same without a file
   sendworthy status                                what the daemon here does
   sendworthy mode enforce                          switch it live
+  sendworthy push specs.d                          put these specs in force on all robots
 
 `sendworthy COMMAND --help` tells more.
 """

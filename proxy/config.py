@@ -139,6 +139,13 @@ class SpecsConfig(Section):
     path: SpecsPath = Field(default=Path("specs.d"), description="a file or a folder of *.toml with the utility specs")
 
 
+class FleetConfig(Section):
+    """`[fleet]`: which orders of an operator at another robot this one obeys."""
+
+    specs: bool = Field(default=False, description="take the utility specs that are pushed to all robots")
+    mode: bool = Field(default=False, description="switch to the mode that all robots are switched to")
+
+
 class PlannerConfig(Section):
     """`[planner]`: how decisions are made."""
 
@@ -172,6 +179,7 @@ class Config(Section):
     mesh: MeshConfig = MeshConfig()
     bridge: BridgeConfig = BridgeConfig()
     specs: SpecsConfig = SpecsConfig()
+    fleet: FleetConfig = FleetConfig()
     planner: PlannerConfig = PlannerConfig()
     log: LogConfig = LogConfig()
 

@@ -2,7 +2,10 @@
 
 import logging
 import threading
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
 from typing import Any, Literal
 
 import zenoh
@@ -12,6 +15,7 @@ from proxy import clock
 from proxy.bridge.air import Broadcast
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
+from proxy.bridge.fleet import Fleet
 from proxy.bridge.lane import Lane
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
 from proxy.bridge.neighbours import Neighbours
@@ -19,6 +23,7 @@ from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
+from proxy.config_changes import Change
 from proxy.core import transport
 from proxy.core.commands import (
     AskState,
@@ -28,18 +33,21 @@ from proxy.core.commands import (
     Forward,
     NoteInterest,
     Notice,
+    Reread,
     SendDigest,
     SendState,
     SetPace,
 )
 from proxy.core.core import Core
-from proxy.core.events import ModeChanged, SpecsChanged
+from proxy.core.events import ModeChanged, SampleRefused, SampleReread, SpecsChanged
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
 from proxy.features import Extractor
 from proxy.loop import Loop
+from proxy.orders import orders
+from proxy.reloading import Loaded, Reloading
 from proxy.worker import Worker
-from utility_specs import Specs
+from utility_specs import InformationType, Specs
 
 log = logging.getLogger(__name__)
 
@@ -53,13 +61,23 @@ _FAREWELL = 0.15
 STOP = 0.7
 """How long a stop may take [s]."""
 
+SWAP = 2.0
+"""How long whoever reloads waits until it is done [s]."""
+
 
 class Daemon:
-    """Start it, stop it. `start` raises `ProxyError` when a session cannot be opened."""
+    """Start it, stop it. `start` raises `ProxyError` when a session cannot be opened.
 
-    def __init__(self, config: Config, specs: Specs) -> None:
+    `read` reads the configuration anew, for `reloading`; `file` is what it is read from, if from any.
+    """
+
+    def __init__(
+        self, config: Config, specs: Specs, file: Path | None = None, read: Callable[[], Config] | None = None
+    ) -> None:
         self._config = config
         self._specs = specs
+        self.reloading = Reloading(Loaded(config, specs), file, read or (lambda: config), self._apply)
+        """Puts other files in force while the daemon runs."""
         self.robot = config.robot
         """Our name on the mesh; another one than configured when that was taken."""
         self._stopped = threading.Event()
@@ -88,14 +106,39 @@ class Daemon:
         return self._stopped.wait(timeout)
 
     def swap_specs(self, specs: Specs) -> None:
-        """Put another generation of specs in force."""
+        """Put another generation of specs in force; returns when it is. Raises TimeoutError."""
+        self._loop.ask(partial(self._swap, specs), SWAP)
 
-        def swap() -> None:
-            self._specs = specs
-            self._bridge.swap(specs)
-            self._loop.handle(SpecsChanged(clock.monotonic(), specs))
+    def watch(self, alive: Callable[[], None], every: float) -> None:
+        """Call `alive` every so often [s], as long as the loop runs and decisions come to an end."""
 
-        self._loop.post(swap)
+        def report() -> None:
+            self.watch(alive, every)
+            if not self._worker.stuck(clock.monotonic()):
+                alive()
+
+        self._loop.post_at(clock.monotonic() + every, report)
+
+    def _apply(self, loaded: Loaded, changed: Iterable[Change]) -> None:
+        """Put changes in force between two events, and wait for it. Raises TimeoutError."""
+
+        def apply() -> None:
+            if loaded.specs.generation != self._specs.generation:
+                self._swap(loaded.specs)
+            for change in changed:
+                match change.path:
+                    case ("mode",):
+                        self._switch(loaded.config.mode)
+                    case ("log", "level"):
+                        logging.getLogger().setLevel(loaded.config.log.level.upper())
+
+        self._loop.ask(apply, SWAP)
+
+    def _swap(self, specs: Specs) -> None:
+        """Put specs in force, on the loop's thread."""
+        self._specs = specs
+        self._bridge.swap(specs)
+        self._loop.handle(SpecsChanged(clock.monotonic(), specs))
 
     def _close(self) -> None:
         closing, self._closing = self._closing, ExitStack()
@@ -117,7 +160,7 @@ class Daemon:
         # The paper's search comes with the paper's reduction; `best` has its own and ignores this.
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
         self._worker = Worker(search, planner.deadline, loop.post)
-        self._extractor = Extractor(loop.post_at)
+        self._extractor = Extractor(loop.post_at, self._match)
         self._neighbours = Neighbours(sides.app, robot, self._zids["mesh"], sides.wake.set)
         opening.callback(self._neighbours.close)
         self._bridge = Bridge(
@@ -168,6 +211,19 @@ class Daemon:
             switch=self._switch,
         )
         opening.callback(control.close)
+        fleet_lane = Lane("fleet")
+        opening.callback(fleet_lane.close, _PATIENCE)
+        fleet = Fleet(
+            app=sides.app,
+            mesh=sides.mesh,
+            robot=robot,
+            lane=fleet_lane,
+            obeyed=orders(
+                config.fleet, robot, lambda mode: loop.ask(partial(self._switch, mode), SWAP), self.reloading
+            ),
+            members=lambda: loop.ask(lambda: [peer.robot for peer in core.view.peers.values()], SWAP),
+        )
+        opening.callback(fleet.close)
 
     def _execute(self, command: Command) -> None:
         match command:
@@ -177,18 +233,36 @@ class Daemon:
                 self._bridge.forward(sample)
             case Drop(sample):
                 self._bridge.drop(sample)
-            case SendDigest(digest, to):
-                self._presence.send_digest(digest, to)
-            case SendState(state, update):
-                self._presence.send_state(state, update)
-            case AskState(name, tag):
-                self._presence.ask_state(name, tag)
+            case Reread(sample, key):
+                self._reread(sample, key)
             case NoteInterest(zid, subscriptions):
                 self._bridge.demand.told(zid, subscriptions)
             case SetPace(rate):
                 self._bridge.set_pace(rate)
             case Notice(level, text):
                 log.log(_LEVELS[level], "%s", text)
+            case SendDigest() | SendState() | AskState():
+                self._speak(command)
+
+    def _speak(self, command: SendDigest | SendState | AskState) -> None:
+        match command:
+            case SendDigest(digest, to):
+                self._presence.send_digest(digest, to)
+            case SendState(state, update):
+                self._presence.send_state(state, update)
+            case AskState(name, tag):
+                self._presence.ask_state(name, tag)
+
+    def _match(self, key: str) -> InformationType | None:
+        return self._specs.match(key)
+
+    def _reread(self, sample: int, key: str) -> None:
+        held = self._bridge.held(sample)
+        if held is None:
+            self._loop.post(SampleRefused(clock.monotonic(), sample))
+            return
+        event = SampleReread(clock.monotonic(), sample, {})
+        self._extractor.reread(event, key, held.sample.payload, held.sample.attachment)
 
     def _switch(self, mode: Mode) -> None:
         self._bridge.switch(mode)
@@ -201,6 +275,7 @@ class Daemon:
             *self._neighbours.warnings(),
             *around(sides.app, sides.mesh, others),
             *self._lookout.warnings(),
+            *self.reloading.warnings(),
         ]
 
     def _status(self) -> dict[str, Any]:
@@ -217,6 +292,7 @@ class Daemon:
                 "refused": self._loop.refused,
                 "looks": self._lookout.looks,
                 "features": {"superseded": self._extractor.superseded},
+                "reloads": self.reloading.describe(),
                 **self._bridge.describe(),
                 **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
             },

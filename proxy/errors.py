@@ -19,3 +19,7 @@ class ConfigError(ProxyError):
     def __init__(self, problems: tuple[str, ...]) -> None:
         super().__init__("\n".join(problems))
         self.problems = problems
+
+
+class PushError(ProxyError):
+    """Specs cannot be pushed, or what was pushed cannot be taken: not for what stands in them."""

@@ -2,16 +2,20 @@
 
 Where only the most recent sample of a stream counts, the core is not told of more than it can use: while one of a key
 has not been taken up, a newer one takes its place. That costs neither an extraction nor an event.
+What takes longer than its budget is computed in the background, so that no stream waits for another one's features.
 """
 
 import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import zenoh
 
-from proxy.core.events import SamplePublished
+from proxy import clock
+from proxy.background import Background
+from proxy.core.events import SamplePublished, SampleReread
 from utility_specs import InformationType
 
 PACE = 0.002
@@ -23,41 +27,60 @@ _REMEMBERED = 4096
 class _Place:
     """What the core will be told: the newest sample of its key so far, and how many it superseded."""
 
-    event: SamplePublished
+    event: SamplePublished | SampleReread
+    key: str
     covering: InformationType
     payload: zenoh.ZBytes
+    attachment: zenoh.ZBytes | None
     superseded: int = 0
 
 
 class Extractor:
     """Posts each sample with what its type extracts, in order of arrival, or a newer one of its key in its place.
 
-    `post_at` runs a job on the loop's thread, not before a time. What waits is bounded by what ingress holds.
+    `post_at` runs a job on the loop's thread, not before a time. `match` finds the type that covers a key by the specs
+    in force, which change on that thread only: the core gets no features of others. What waits is bounded by what
+    ingress holds.
     """
 
-    def __init__(self, post_at: Callable[[float, Callable[[], SamplePublished]], None]) -> None:
+    def __init__(
+        self,
+        post_at: Callable[[float, Callable[[], SamplePublished | SampleReread]], None],
+        match: Callable[[str], InformationType | None],
+    ) -> None:
         self._post_at = post_at
+        self._match = match
         self._jobs: deque[_Place] = deque()
         self._places: dict[str, _Place] = {}
         self._next: dict[str, float] = {}
         self._wake = threading.Condition()
         self._open = True
         self._thread = threading.Thread(target=self._run, name="features", daemon=True)
+        self._background = Background()
         self.superseded = 0
 
     def start(self) -> None:
         """Start extracting."""
+        self._background.start()
         self._thread.start()
 
     def close(self, timeout: float) -> None:
-        """Stop; wait at most `timeout` [s] for the extraction in hand."""
+        """Stop; wait at most `timeout` [s] for the extractions in hand."""
         with self._wake:
             self._open = False
             self._wake.notify()
+        end = clock.monotonic() + timeout
         self._thread.join(timeout)
+        self._background.close(max(0.0, end - clock.monotonic()))
 
     def submit(
-        self, event: SamplePublished, covering: InformationType, payload: zenoh.ZBytes, *, each: bool = False
+        self,
+        event: SamplePublished,
+        covering: InformationType,
+        payload: zenoh.ZBytes,
+        attachment: zenoh.ZBytes | None = None,
+        *,
+        each: bool = False,
     ) -> int | None:
         """Post `event` with its features, soon; return the sample whose place it took, if there was one.
 
@@ -68,19 +91,32 @@ class Extractor:
         with self._wake:
             place = self._places.get(event.key)
             if place is not None and not event.delete and not each:
-                gone, place.event, place.payload = place.event.sample, event, payload
+                gone = place.event.sample
+                place.event, place.payload, place.attachment = event, payload, attachment
                 place.superseded += 1
                 self.superseded += 1
                 return gone
             self._places.pop(event.key, None)
             self._add(
-                _Place(event, covering, payload), replaceable=covering.markovian and not event.delete and not each
+                _Place(event, event.key, covering, payload, attachment),
+                replaceable=covering.markovian and not event.delete and not each,
             )
             return None
 
+    def reread(
+        self, event: SampleReread, key: str, payload: zenoh.ZBytes, attachment: zenoh.ZBytes | None = None
+    ) -> None:
+        """Post `event` with the features of a sample that the core knows already, by the specs in force."""
+        covering = self._match(key)
+        if covering is None:
+            self._post_at(event.now, lambda: event)
+            return
+        with self._wake:
+            self._add(_Place(event, key, covering, payload, attachment), replaceable=False)
+
     def _add(self, place: _Place, *, replaceable: bool) -> None:
         if replaceable:
-            self._places[place.event.key] = place
+            self._places[place.key] = place
         if place.covering.needs_payload:
             self._jobs.append(place)
             self._wake.notify()
@@ -89,12 +125,12 @@ class Extractor:
 
     def _post(self, place: _Place, pause: float) -> None:
         """Let the loop take up the place when its time has come; the next one of its key `pause` [s] later."""
-        key, now = place.event.key, place.event.now
+        key, now = place.key, place.event.now
         when = max(now, self._next.pop(key, now))
         self._next[key] = when + pause
         if len(self._next) > _REMEMBERED:
             del self._next[next(iter(self._next))]
-        self._post_at(when, lambda: self._taken(place))
+        self._post_at(when, lambda: self._current(place, self._taken(place)))
 
     def _run(self) -> None:
         while True:
@@ -105,12 +141,28 @@ class Extractor:
                     return
                 place = self._jobs.popleft()
             event = self._taken(place)
-            self._post_at(event.now, lambda event=event: event)  # type: ignore[misc] # a default binds it now
+            self._post_at(event.now, partial(self._current, place, event))
 
-    def _taken(self, place: _Place) -> SamplePublished:
+    def _taken(self, place: _Place) -> SamplePublished | SampleReread:
         """Close the place, and return the sample that is in it with its features."""
         with self._wake:
-            if self._places.get(place.event.key) is place:
-                del self._places[place.event.key]
-        features = {} if place.event.delete else place.covering.extract(place.event.key, place.payload)
-        return replace(place.event, features=features, superseded=place.superseded)
+            if self._places.get(place.key) is place:
+                del self._places[place.key]
+        return self._extracted(place)
+
+    def _current(self, place: _Place, event: SamplePublished | SampleReread) -> SamplePublished | SampleReread:
+        """Return the event, on the loop's thread; with other features when specs have changed meanwhile."""
+        covering = self._match(place.key)
+        if covering is place.covering or covering is None:
+            return event
+        place.covering = covering
+        return self._extracted(place)
+
+    def _extracted(self, place: _Place) -> SamplePublished | SampleReread:
+        event = place.event
+        if isinstance(event, SamplePublished) and event.delete:
+            return replace(event, features={}, superseded=place.superseded)
+        features = place.covering.extract(place.key, place.payload, place.attachment, self._background)
+        if isinstance(event, SampleReread):
+            return replace(event, features=features)
+        return replace(event, features=features, superseded=place.superseded)

@@ -4,8 +4,10 @@ import itertools
 import logging
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from heapq import heappop, heappush
 from queue import Empty, SimpleQueue
+from typing import TypeVar
 
 from proxy import clock
 from proxy.core.commands import Command
@@ -17,6 +19,7 @@ log = logging.getLogger(__name__)
 MOST = 8192
 """Items that may wait; more are taken in only if they must not be lost."""
 
+T = TypeVar("T")
 Item = Event | Callable[[], Event | None]
 """An event, or a job for the loop's thread that may make one."""
 
@@ -67,6 +70,19 @@ class Loop:
     def post_at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""
         self._items.put((when, next(self._numbers), item))
+
+    def ask(self, job: Callable[[], T], timeout: float) -> T:
+        """Do `job` on the loop's thread, from any other one, and return what it returns.
+
+        Raises TimeoutError when that takes longer than `timeout` [s]; it may be done later then.
+        """
+        answer: Future[T] = Future()
+
+        def answered() -> None:
+            answer.set_result(job())
+
+        self._items.put(answered)
+        return answer.result(timeout)
 
     @property
     def waiting(self) -> int:

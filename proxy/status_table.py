@@ -14,7 +14,7 @@ _PREFIXES = {"s": _SMALL, "J": _SMALL, "messages": ()}
 
 
 def table(status: Status) -> str:
-    """Describe a daemon: what it is, its counts, decisions, budget, streams, peers and warnings."""
+    """Describe a daemon: what it is, its counts, decisions, budget, streams, features, peers and warnings."""
     parts = [
         _headline(status),
         _counts(status.get("counts", {})),
@@ -22,6 +22,7 @@ def table(status: Status) -> str:
         _decisions(status.get("decisions", {})),
         _budget(status.get("budget", ())),
         _streams(status.get("streams", ())),
+        _features(status.get("features", ())),
         _peers(status.get("peers", ())),
         _warnings(status),
     ]
@@ -168,6 +169,23 @@ def _streams(streams: Iterable[Status]) -> str:
         "WANTED BY",
     )
     return _section(head, "llllrrrrrrrr", rows)
+
+
+def _features(features: Iterable[Status]) -> str:
+    """What could not be computed, or not for every sample; nothing when all goes well."""
+    rows = [
+        (
+            str(each.get("feature", UNKNOWN)),
+            str(each.get("type", UNKNOWN)),
+            str(each.get("failed", 0)),
+            str(each.get("held", 0)),
+            duration(each.get("cost")),
+            duration(each.get("budget")),
+        )
+        for each in features
+        if each.get("failed") or each.get("held")
+    ]
+    return _section(("FEATURE", "TYPE", "FAILED", "OLD VALUE HELD", "TAKES", "BUDGET"), "llrrrr", rows)
 
 
 def _peers(peers: Iterable[Status]) -> str:

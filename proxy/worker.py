@@ -1,5 +1,6 @@
 """Searches on a thread of its own, under the clock that the core does not have."""
 
+import math
 import threading
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,6 +13,8 @@ from proxy.core.events import DecisionReady
 
 CHUNK = 25
 """Iterations between two looks at the clock."""
+STUCK = 2.0
+"""A decision that takes this much longer than it may will never end [s]."""
 
 
 def decide(command: Decide, settings: SearchSettings, deadline: float) -> DecisionReady:
@@ -40,6 +43,7 @@ class Worker:
         self._deadline = deadline
         self._post = post
         self._orders: SimpleQueue[Decide | None] = SimpleQueue()
+        self._began = math.inf
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
 
     def start(self) -> None:
@@ -55,6 +59,12 @@ class Worker:
         """Answer `command` when its turn comes."""
         self._orders.put(command)
 
+    def stuck(self, now: float) -> bool:
+        """Whether the decision in hand does not come to its end."""
+        return now > self._began + self._deadline + STUCK
+
     def _run(self) -> None:
         while (command := self._orders.get()) is not None:
+            self._began = clock.monotonic()
             self._post(decide(command, self._settings, self._deadline))
+            self._began = math.inf

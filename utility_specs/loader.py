@@ -53,7 +53,7 @@ def load_set(paths: Sequence[Path]) -> SpecSet:
     for path in _files_of(paths, problems):
         try:
             sources.append(TomlSource.read(path))
-            tables.append(SpecFile.of(sources[-1].data))
+            tables.append(SpecFile.of(sources[-1].data, folder=path.parent))
             problems += _failing(sources[-1], tables[-1])
         except TomlError as error:
             problems += error.problems

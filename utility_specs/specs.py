@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache, partial
 from threading import Lock
 from typing import Any, Protocol, Self, cast
 
@@ -16,7 +16,8 @@ from planner.problem import Aggregation, AggregationModel
 from planner.utility import Custom, MessageUtility
 from utility_specs.errors import ExpressionError
 from utility_specs.expressions import Expression
-from utility_specs.features import Feature
+from utility_specs.features import AnyPayload, Feature, Sample
+from utility_specs.features.pace import Pace, Paces
 from utility_specs.forecast import FeatureForecast
 from utility_specs.key_formats import KeyFormat, values_of
 from utility_specs.rules import FALLBACK, FLOOR, NO_GUARANTEE, Deletes, Fallback, Guarantee, Queries, TypeMode
@@ -29,27 +30,14 @@ UTILITIES_KEPT = 256
 """Combinations of features whose tabulated `python` utility each type remembers."""
 
 
-class Payload(Protocol):
-    """A payload that copies itself only when asked, like `zenoh.ZBytes`."""
+class Background(Protocol):
+    """Where features are computed that take longer than they may, and the clock that finds out which."""
 
-    def to_bytes(self) -> bytes:
-        """Return the payload."""
+    def now(self) -> float:
+        """Return the time [s]."""
 
-
-AnyPayload = bytes | bytearray | memoryview | Payload
-
-
-class _Copied:
-    """A payload as bytes, copied once and only when a feature reads it."""
-
-    def __init__(self, payload: AnyPayload) -> None:
-        self._payload = payload
-
-    @cached_property
-    def raw(self) -> bytes:
-        """The payload."""
-        payload = self._payload
-        return bytes(payload) if isinstance(payload, bytes | bytearray | memoryview) else payload.to_bytes()
+    def later(self, job: Callable[[], object]) -> bool:
+        """Run the job soon, on another thread; whether there is room for it."""
 
 
 class Failures:
@@ -109,6 +97,7 @@ class InformationType:
     queries: Queries = "pass"
     captured: Mapping[str, float | str] = field(default_factory=dict)
     failures: Failures = field(default_factory=Failures, repr=False, compare=False)
+    paces: Paces = field(default_factory=Paces, repr=False, compare=False)
     _tabulated: Any = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -131,7 +120,7 @@ class InformationType:
 
     @property
     def needs_payload(self) -> bool:
-        """Whether any feature reads the payload; if not, an empty one will do."""
+        """Whether any feature reads more than the key; if not, an empty payload will do."""
         return any(feature.reads_payload for _, feature in self.features)
 
     def scale(self, features: Mapping[str, float]) -> float:
@@ -190,16 +179,44 @@ class InformationType:
         """Return all features, those that are not given by default."""
         return {name: features.get(name, feature.default) for name, feature in self.features}
 
-    def extract(self, key: str, payload: AnyPayload) -> dict[str, float]:
-        """Return all features of a sample; one that cannot be computed takes its default and is counted."""
+    def extract(
+        self,
+        key: str,
+        payload: AnyPayload,
+        attachment: AnyPayload | None = None,
+        background: Background | None = None,
+    ) -> dict[str, float]:
+        """Return all features of a sample; one that cannot be computed takes its default and is counted.
+
+        With a `background` a feature that takes longer than its budget is computed there, as often as the budget
+        allows; until then its last value of the stream holds, which is counted, too.
+        """
         if not self.features:
             return {}
-        copied = _Copied(payload)
-        return {name: self._measured(name, feature, key, copied) for name, feature in self.features}
+        sample = Sample(key, payload, attachment)
+        return {name: self._value(name, feature, sample, background) for name, feature in self.features}
 
-    def _measured(self, name: str, feature: Feature, key: str, payload: _Copied) -> float:
+    def _value(self, name: str, feature: Feature, sample: Sample, background: Background | None) -> float:
+        if background is None or not feature.reads_payload:
+            return self._measured(name, feature, sample)
+        pace = self.paces.of(name, sample.key, feature.default)
+        timed = partial(self._timed, name, feature, sample, background, pace)
+        if not pace.costly(feature.budget):
+            return timed()
+        if pace.due(feature.budget) and not background.later(timed):
+            pace.refused()
+        self.paces.hold(name)
+        return pace.value
+
+    def _timed(self, name: str, feature: Feature, sample: Sample, background: Background, pace: Pace) -> float:
+        begin = background.now()
+        value = self._measured(name, feature, sample)
+        pace.took(background.now() - begin, value)
+        return value
+
+    def _measured(self, name: str, feature: Feature, sample: Sample) -> float:
         try:
-            value = float(feature.measure(key, payload.raw if feature.reads_payload else b""))
+            value = float(feature.measure(sample))
         except Exception:  # noqa: BLE001 - the data path survives any payload and any feature
             value = math.nan
         if math.isfinite(value):

@@ -20,6 +20,7 @@ from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Rules
+from proxy.bridge.sample import Held
 from proxy.bridge.voice import Voice
 from proxy.bridge.watch import Watch
 from proxy.core.events import Event, SampleRefused
@@ -137,6 +138,10 @@ class Bridge:
     def drop(self, number: int) -> None:
         """Forget a covered sample."""
         self._ingress.release(number)
+
+    def held(self, number: int) -> Held | None:
+        """Return a covered sample that waits for its decision; None when it does not (any more)."""
+        return self._ingress.waiting(number)
 
     def switch(self, mode: Mode) -> None:
         """Change the mode for samples that come from now on."""

@@ -39,7 +39,13 @@ class Submit(Protocol):
     """Takes a sample for the core; returns the number of one that it need not be told of any more."""
 
     def __call__(
-        self, event: SamplePublished, covering: InformationType, payload: zenoh.ZBytes, *, each: bool
+        self,
+        event: SamplePublished,
+        covering: InformationType,
+        payload: zenoh.ZBytes,
+        attachment: zenoh.ZBytes | None,
+        *,
+        each: bool,
     ) -> int | None:
         """`each`: the core must be told of each sample."""
 
@@ -122,6 +128,10 @@ class Ingress:
             self._bytes -= 0 if held is None else held.size
             return held
 
+    def waiting(self, number: int) -> Held | None:
+        """Return a held sample, which stays held; None when it is not held (any more)."""
+        return self._held.get(number)
+
     @property
     def held(self) -> int:
         """Samples that wait for the core's answer."""
@@ -181,9 +191,9 @@ class Ingress:
             features={},
             delete=held.sample.kind == zenoh.SampleKind.DELETE,
         )
-        superseded = self._submit(
-            published, covering, held.sample.payload, each=in_force(self.mode, covering.mode) is Mode.SHADOW
-        )
+        payload, attachment = held.sample.payload, held.sample.attachment
+        each = in_force(self.mode, covering.mode) is Mode.SHADOW
+        superseded = self._submit(published, covering, payload, attachment, each=each)
         if superseded is not None:
             self.release(superseded)
 

@@ -70,6 +70,16 @@ def mode(robot: str) -> str:
     return f"{PREFIX}/{robot}/mode"
 
 
+def fleet(robot: str, order: str) -> str:
+    """Where the `robot` takes an order that is meant for all robots (mesh side)."""
+    return f"{PREFIX}/{robot}/fleet/{order}"
+
+
+def to_fleet(robot: str, order: str) -> str:
+    """Where the daemon takes an order to pass it on to all robots (app side only)."""
+    return f"{PREFIX}/{robot}/to-fleet/{order}"
+
+
 def robot_of(key: str) -> str:
     """Return the robot of a Sendworthy key."""
     return key.split("/", 2)[1]

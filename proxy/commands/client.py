@@ -2,12 +2,15 @@
 
 import argparse
 import json
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import zenoh
 
+from proxy import exit_codes
 from proxy.bridge import keys
+from proxy.bridge.fleet import PATIENCE, Outcome, read_outcomes
 from proxy.config_values import endpoint, robot_name
 from proxy.errors import ProxyError
 
@@ -72,6 +75,10 @@ class Client:
         """Switch `robot` to `mode`; return the daemon's answer. Raises NoAnswerError."""
         return self._ask(keys.mode(robot), mode)[0]
 
+    def order(self, robot: str, order: str, payload: bytes) -> list[Outcome]:
+        """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""
+        return read_outcomes(self._ask(keys.to_fleet(robot, order), payload, PATIENCE + TIMEOUT)[0].encode())
+
     def only_robot(self) -> str:
         """Return the name of the one robot whose daemon answers. Raises NoAnswerError."""
         robots = [str(status["robot"]) for status in self.status(None)]
@@ -79,13 +86,13 @@ class Client:
             raise NoAnswerError(f"several daemons answer at {self._where}: choose with --robot {'|'.join(robots)}")
         return robots[0]
 
-    def _ask(self, key: str, payload: str | None) -> list[str]:
+    def _ask(self, key: str, payload: str | bytes | None, timeout: float = TIMEOUT) -> list[str]:
         replies = self._session.get(
             key,
             payload=payload,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=TIMEOUT,
+            timeout=timeout,
         )
         answers, late = [], ""
         for reply in replies:
@@ -105,6 +112,20 @@ def _late(error: zenoh.ReplyError | None) -> str:
     if refusal != "Timeout":
         raise NoAnswerError(f"the daemon refuses: {refusal}")
     return f" within {TIMEOUT:g} s"
+
+
+def ordered(name: str, arguments: argparse.Namespace, order: str, payload: bytes) -> int:
+    """Order all robots, for the command `name`; print what became of it, and return the exit code."""
+    try:
+        with connected(arguments.connect) as daemon:
+            outcomes = daemon.order(arguments.robot or daemon.only_robot(), order, payload)
+    except NoAnswerError as error:
+        print(f"sendworthy {name}: {error}", file=sys.stderr)
+        return exit_codes.FAILED
+    for outcome in outcomes:
+        for line in outcome.said:
+            print(f"{outcome.robot}: {line}", file=sys.stdout if outcome.obeyed else sys.stderr)
+    return exit_codes.OK if all(outcome.obeyed for outcome in outcomes) else exit_codes.FAILED
 
 
 @contextmanager

@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from proxy import exit_codes
-from proxy.commands.client import NoAnswerError, add_client_flags, connected
+from proxy.commands.client import NoAnswerError, add_client_flags, connected, ordered
 from proxy.core.mode import Mode
 
 DESCRIPTION = """\
@@ -14,12 +14,14 @@ Switches a running daemon, at once and without a restart.
   shadow    decides, counts and explains, but forwards everything
   enforce   decides and acts on it
 
-The mode lasts until the daemon ends; `mode` in the configuration is what it starts with.
+The mode lasts until the daemon ends; `mode` in the configuration is what it starts with. With --fleet all robots of the
+team are switched whose configuration allows it (`fleet.mode`); each says whether it did.
 """
 EXAMPLES = """\
 examples:
   sendworthy mode shadow
   sendworthy mode enforce --connect tcp/192.168.1.7:7447
+  sendworthy mode shadow --fleet
 """
 
 
@@ -34,12 +36,15 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         allow_abbrev=False,
     )
     parser.add_argument("mode", metavar="MODE", choices=[mode.value for mode in Mode], help="pass, shadow or enforce")
+    parser.add_argument("--fleet", action="store_true", help="switch all robots of the team")
     add_client_flags(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Switch and say so; return the exit code."""
+    if arguments.fleet:
+        return ordered("mode", arguments, "mode", arguments.mode.encode())
     try:
         with connected(arguments.connect) as daemon:
             robot = arguments.robot or daemon.only_robot()

@@ -5,6 +5,8 @@ import logging
 import os
 import signal
 import sys
+from collections.abc import Callable
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -14,12 +16,21 @@ from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
 from proxy.log import set_up_logging
-from utility_specs import Specs, SpecsError, load_specs
+from proxy.reloading import read_specs
+from proxy.service import Service
+from utility_specs import Specs, SpecsError
 
 log = logging.getLogger("sendworthy")
 
+LOOK = 0.2
+"""Time between two looks at files and signals [s]."""
+FEEDS = 3
+"""How often systemd hears of us in the time after which it would give up on us."""
+
 DESCRIPTION = """\
-Runs the daemon of this robot until SIGTERM or Ctrl-C.
+Runs the daemon of this robot until SIGTERM or Ctrl-C. Utility specs that change are put in force at once, all of them
+or, where there is any mistake, none; SIGHUP has them read in any case. Of the configuration `mode`, `log.level` and
+`specs.path` may change while it runs.
 
 Every key of the configuration is also a flag and an environment variable; flags win over variables,
 variables over the file, the file over the defaults. `planner.iterations` is --planner.iterations and
@@ -61,65 +72,64 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon; return the exit code."""
-    asked = stop_requests()
+    asked = requests()
     flags = {setting.key: getattr(arguments, setting.key) for setting in SETTINGS.values()}
     given = {key: text for key, text in flags.items() if text is not None}
+    read = partial(load_config, arguments.config, os.environ, given)
     try:
-        config = load_config(arguments.config, os.environ, given)
-    except ConfigError as error:
+        config = read()
+        specs = read_specs(config.specs.path)
+    except (ConfigError, SpecsError) as error:
         print(error, file=sys.stderr)
-        return exit_codes.CONFIG
-    specs = read_specs(config)
-    if specs is None:
         return exit_codes.CONFIG
     set_up_logging(config.log.level, os.environ)
     try:
-        serve(config, specs, asked)
+        serve(config, specs, asked, arguments.config, read)
     except ProxyError as error:
         log.error("%s", error)
         return exit_codes.UNAVAILABLE
     return exit_codes.OK
 
 
-def read_specs(config: Config) -> Specs | None:
-    """Read the utility specs; None after printing what is wrong. Without the default folder, none."""
-    if not config.specs.path.exists():
-        return Specs.empty()
-    try:
-        return load_specs(config.specs.path)
-    except SpecsError as error:
-        print(error, file=sys.stderr)
-        return None
-
-
-def stop_requests() -> SimpleQueue[str]:
-    """Return a queue that gets the name of every signal that asks us to stop."""
+def requests() -> SimpleQueue[str]:
+    """Return a queue that gets the name of every signal that asks something of us."""
     asked: SimpleQueue[str] = SimpleQueue()  # its `put` may interrupt its own `get`: safe in a signal handler
-    for number in (signal.SIGTERM, signal.SIGINT):
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, lambda caught, _frame: asked.put(signal.Signals(caught).name))
     return asked
 
 
-def serve(config: Config, specs: Specs, asked: SimpleQueue[str]) -> None:
+def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | None, read: Callable[[], Config]) -> None:
     """Run the daemon until it is `asked` to stop. Raises ProxyError when it cannot start."""
     from proxy.daemon import Daemon  # noqa: PLC0415 - Zenoh only when the configuration is right
 
-    daemon = Daemon(config, specs)
+    daemon, service = Daemon(config, specs, file, read), Service(os.environ)
     daemon.start()
     log.info("%s", started(config, specs, daemon.robot))
+    service.ready(started(config, specs, daemon.robot))
+    if service.watchdog is not None:
+        daemon.watch(service.alive, service.watchdog / FEEDS)
     try:
-        log.info("stopping on %s", next_of(asked))
+        while (request := next_of(asked)) in ("", "SIGHUP"):
+            if not request:
+                daemon.reloading.look()
+                continue
+            service.reloading()
+            daemon.reloading.reload(request)
+            loaded = daemon.reloading.loaded
+            service.ready(started(loaded.config, loaded.specs, daemon.robot))
+        log.info("stopping on %s", request)
     finally:
+        service.stopping()
         daemon.stop()
 
 
 def next_of(asked: SimpleQueue[str]) -> str:
-    """Wait for a request to stop; look up often, for Python runs a signal's handler only when its main thread wakes."""
-    while True:
-        try:
-            return asked.get(timeout=0.2)
-        except Empty:
-            continue
+    """Wait for a request, nothing for `LOOK` [s]: Python runs a signal's handler only when its main thread wakes."""
+    try:
+        return asked.get(timeout=LOOK)
+    except Empty:
+        return ""
 
 
 def broadcasting(config: Config) -> str:

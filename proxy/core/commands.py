@@ -33,6 +33,14 @@ class Drop:
 
 
 @dataclass(frozen=True, slots=True)
+class Reread:
+    """Extract the features of the sample anew, by the specs that are in force now; answer with `SampleReread`."""
+
+    sample: int
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
 class SendDigest:
     """Publish our digest on the mesh, or send it only to the robot with the tag `to`."""
 
@@ -79,4 +87,4 @@ class Notice:
     text: str
 
 
-Command = Decide | Forward | Drop | SendDigest | SendState | AskState | NoteInterest | SetPace | Notice
+Command = Decide | Forward | Drop | Reread | SendDigest | SendState | AskState | NoteInterest | SetPace | Notice

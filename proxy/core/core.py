@@ -8,6 +8,7 @@ The same events and settings give the same commands, whoever drives: the daemon,
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import singledispatchmethod
 from typing import Any
@@ -111,20 +112,41 @@ class Core:
             return [self.gate.pass_on(event.sample, self._unplanned(event.key))]
         if deletes:
             return self.gate.delete(event.key, event.sample)
-        if event.delete:
-            event = replace(event, features=stream.information_type.completed({}))
-        features = {name: feature(value) for name, value in event.features.items()}
+        waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
+        return self.gate.put(self._valued(stream, waiting, event.features, stream.generated + event.superseded + 1))
+
+    @_on.register
+    def _(self, event: ev.SampleReread) -> list[Command]:
+        waiting = self.gate.settled(event.sample)
+        if waiting is None:
+            return []
+        stream = self.view.stream(event.now, self.settings.robot, waiting.key)
+        if stream is None:
+            self._uncovered(event.now, 1, waiting.size)
+            return [self.gate.pass_on(event.sample, self._unplanned(waiting.key))]
+        # A stream that was not covered for a while has forgotten its samples.
+        forgotten = stream.last is None or stream.last.t_gen < waiting.t_gen
+        waiting = self._valued(stream, waiting, event.features, stream.generated + forgotten)
+        superseded = self.gate.supersede(waiting)
+        return self.gate.put(waiting) if superseded is None else superseded
+
+    def _valued(self, stream: Stream, waiting: Waiting, extracted: Mapping[str, float], count: int) -> Waiting:
+        """Return a sample with its worth by the specs in force; it is number `count` of the stream.
+
+        A delete that is decided shows nothing, so it has the features that samples have by default.
+        """
+        shown = extracted or stream.information_type.completed({})
+        features = {name: feature(value) for name, value in shown.items()}
         scale = rounded(stream.information_type.scale(features))
-        stream.note_generated(
-            stream.generated + event.superseded + 1, Generated(event.t_gen, event.size, scale, features)
-        )
+        generated = Generated(waiting.t_gen, waiting.size, scale, features)
+        if count > stream.generated:
+            stream.note_generated(count, generated)
+        elif stream.last is not None and stream.last.t_gen == waiting.t_gen:
+            stream.renew(generated)
         self.telling.urgent |= self.telling.pacer.value_changed(stream) and self.view.receivers(stream) > 0
         # In shadow all go, so none gives way to a newer one.
         markovian = stream.information_type.markovian and self.gate.mode_of(stream) is not Mode.SHADOW
-        waiting = Waiting(
-            event.sample, event.key, event.size, event.t_gen, scale, event.priority, markovian, features=features
-        )
-        return self.gate.put(waiting)
+        return replace(waiting, scale=scale, markovian=markovian, features=features)
 
     @_on.register
     def _(self, event: ev.SamplesPassed) -> list[Command]:
@@ -144,6 +166,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SampleRefused) -> list[Command]:
+        self.gate.settled(event.sample)
         self.counts.drop(event.sample, "dropped:egress")
         self.gate.refused(event.sample)
         self._keys.pop(event.sample, None)
@@ -246,7 +269,7 @@ class Core:
         self.telling.restate(event.now)
         self.view.restart_losses()
         self._adopt_limits(event.now)
-        return [Notice("info", f"specs {event.specs.generation} in force")]
+        return [Notice("info", f"specs {event.specs.generation} in force"), *self.gate.unsettle()]
 
     @_on.register
     def _(self, event: ev.ModeChanged) -> list[Command]:

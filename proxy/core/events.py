@@ -35,6 +35,15 @@ class SamplePublished:
 
 
 @dataclass(frozen=True, slots=True)
+class SampleReread:
+    """The features of a sample that waits are these by the specs in force now."""
+
+    now: float
+    sample: int
+    features: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class SamplesPassed:
     """Samples went straight to the mesh session: no spec covers them, or the mode is `pass`."""
 
@@ -54,7 +63,7 @@ class SampleHanded:
 
 @dataclass(frozen=True, slots=True)
 class SampleRefused:
-    """A sample that the core forwarded could not be handed over (queue full, session closed, error)."""
+    """A sample that the core forwarded could not be handed over (queue full, session closed, error), or is gone."""
 
     now: float
     sample: int
@@ -193,6 +202,7 @@ class TimePassed:
 
 Event = (
     SamplePublished
+    | SampleReread
     | SamplesPassed
     | SampleHanded
     | SampleRefused

@@ -7,11 +7,11 @@ from functools import partial
 
 from planner import Aggregation, Constraint, Plan
 from proxy.core.asks import ANSWERED, PATIENCE, asks
-from proxy.core.commands import Command, Decide, Drop, Forward, Notice
+from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
-from proxy.core.inbox import Evicted, Inbox, Waiting
+from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
 from proxy.core.settings import CoreSettings
@@ -59,6 +59,8 @@ class Gate:
         """Whether we lend slots that stay, so that what we hold is ours as it is for others."""
         self.wakes_at = math.inf
         """When a sample that waits for room can be taken up [s]."""
+        self._unsettled: dict[int, Waiting] = {}
+        """Samples whose worth by the specs in force is not known yet."""
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
 
@@ -69,6 +71,24 @@ class Gate:
     def put(self, waiting: Waiting) -> list[Command]:
         """Queue a sample for its decision; it may evict another one."""
         return [*self._leave(self.inbox.put(waiting)), *self._delete()]
+
+    def unsettle(self) -> list[Command]:
+        """Take back all that is undecided: specs changed, and no decision may mix what two of them say."""
+        pending, self.pending = self.pending, None
+        taken = [*self.inbox.clear(), *([] if pending is None else [pending.sample])]
+        self._unsettled |= {waiting.sample: waiting for waiting in taken}
+        return [Reread(each.sample, each.key) for each in self._unsettled.values()]
+
+    def settled(self, sample: int) -> Waiting | None:
+        """Return a sample that was taken back, for it to be `put` again; None when it has left meanwhile."""
+        return self._unsettled.pop(sample, None)
+
+    def supersede(self, waiting: Waiting) -> list[Command] | None:
+        """Drop a sample that was taken back if a newer one of its Markovian stream came meanwhile; else None."""
+        newer = any(each.key == waiting.key and each.t_gen > waiting.t_gen for each in self._undecided())
+        if not (newer and waiting.markovian):
+            return None
+        return [self._drop(waiting.sample, SUPERSEDED), *self._delete()]
 
     def delete(self, key: str, sample: int) -> list[Command]:
         """A deletion of the key passes, behind what was published before it and is still undecided."""
@@ -148,6 +168,8 @@ class Gate:
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
         commands: list[Command] = []
+        self.inbox.put_back(self._unsettled.values())
+        self._unsettled.clear()
         pending, self.pending = self.pending, None
         sample = self.inbox.take(self._deletions.holds) if pending is None else pending.sample
         while sample is not None:
@@ -230,7 +252,7 @@ class Gate:
         return [self.pass_on(sample, "passed:delete") for sample in self._deletions.due(self._undecided())]
 
     def _undecided(self) -> list[Waiting]:
-        return [*self.inbox, *([] if self.pending is None else [self.pending.sample])]
+        return [*self.inbox, *self._unsettled.values(), *([] if self.pending is None else [self.pending.sample])]
 
     def _drop(self, sample: int, reason: str) -> Command:
         self._counts.drop(sample, reason)

@@ -1,6 +1,6 @@
 """The samples that wait for a decision, bounded. Of a Markovian stream only the latest does."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 SUPERSEDED = "dropped:superseded"
@@ -60,6 +60,15 @@ class Inbox:
     def supersede(self, key: str) -> list[Evicted]:
         """Remove what waits of a Markovian stream, because something newer came; return it."""
         return [self._evict(w, SUPERSEDED) for w in self._of(key) if w.markovian]
+
+    def clear(self) -> list[Waiting]:
+        """Remove and return all that waits."""
+        taken, self._waiting = list(self), {}
+        return taken
+
+    def put_back(self, taken: Iterable[Waiting]) -> None:
+        """Queue what was taken out before; nothing leaves for it."""
+        self._waiting |= {waiting.sample: waiting for waiting in taken}
 
     def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
         """Remove and return the next sample to decide; one that is `held` back has to wait."""

@@ -9,6 +9,7 @@ from proxy.core.peer import Peer
 from proxy.core.stream import Stream
 from proxy.core.wall import clock_warnings, wall_ahead
 from proxy.core.warnings import cast_warnings, namesake_warnings, transport_warnings
+from utility_specs import InformationType
 
 if TYPE_CHECKING:
     from proxy.core.core import Core
@@ -29,6 +30,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "streams": [_stream(core, stream, now) for stream in core.view.streams()],
+        "features": [row for each in core.view.specs.types for row in _features(each)],
         "peers": [_peer(peer, core, now) for peer in core.view.peers.values()],
         "warnings": [
             *namesake_warnings(core.view),
@@ -38,7 +40,10 @@ def report(core: Core, now: float) -> dict[str, Any]:
         ],
         "malformed": core.refused.total(),
         "refused": dict(sorted(core.refused.items())),
-        "evicted": core.view.evicted + core.strangers.forgotten + sum(p.evicted for p in core.view.peers.values()),
+        "evicted": core.view.evicted
+        + core.strangers.forgotten
+        + sum(p.evicted for p in core.view.peers.values())
+        + sum(each.paces.evicted for each in core.view.specs.types),
         "untold": core.telling.untold,
         "asked": core.telling.asking.asked,
     }
@@ -102,6 +107,24 @@ def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
         "last_generated": now - last.t_gen if last else None,
         "last_forwarded": now - sent.t_sent if sent else None,
     }
+
+
+def _features(each: InformationType) -> list[dict[str, Any]]:
+    """What is computed from samples of a type and what it takes, and how often a default or an older value held."""
+    failed, held, costs = each.failures.counts(), each.paces.held(), each.paces.costs()
+    budgets = {name: feature.budget for name, feature in each.features}
+    others = [name for name in failed if name not in budgets]  # the scale, a utility, forecasts
+    return [
+        {
+            "type": each.name,
+            "feature": name,
+            "failed": failed.get(name, 0),
+            "held": held.get(name, 0),
+            "cost": costs.get(name),
+            "budget": budgets.get(name),
+        }
+        for name in (*budgets, *others)
+    ]
 
 
 def _peer(peer: Peer, core: Core, now: float) -> dict[str, Any]:

@@ -3,9 +3,10 @@
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from proxy.core.features import Outlook
+from proxy.core.fixed import rounded
 from proxy.core.schedule import Schedule
 from utility_specs import InformationType
 
@@ -99,6 +100,22 @@ class Stream:
             self._outlook.note(last.t_gen, last.features or {SCALE: last.scale})
             self._steady = self._outlook.steady
             self._expected.clear()
+
+    def renew(self, last: Generated) -> None:
+        """The last sample was read again, by the specs in force now."""
+        self.last = last
+        self.changes += 1
+        self._expected.clear()
+
+    def revalue(self) -> None:
+        """What is known of samples is worth what the specs in force now make of their features."""
+        scale = self.information_type.scale
+        if self.last is not None:
+            self.renew(replace(self.last, scale=rounded(scale(self.last.features))))
+        if self.sent is not None:
+            self.sent = replace(self.sent, scale=rounded(scale(self.sent.features)))
+        for k, sent in enumerate(self.recent):
+            self.recent[k] = replace(sent, scale=rounded(scale(sent.features)))
 
     def note_sent(self, count: int, sent: Sent) -> list[Sent]:
         """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it.

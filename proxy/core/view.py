@@ -133,6 +133,8 @@ class SharedView:
                 self._forget(stream)
             else:
                 stream.cover(information_type)
+                if stream.robot == self.settings.robot:  # others tell theirs
+                    stream.revalue()
 
     def wanting(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""

@@ -2,7 +2,7 @@
 
 from planner import Plan
 from proxy.core import events as ev
-from proxy.core.commands import Decide, Drop, Forward
+from proxy.core.commands import Decide, Drop, Forward, Reread
 from proxy.core.core import Core
 from proxy.core.inbox import SUPERSEDED
 from proxy.core.peer import PENDING
@@ -24,7 +24,7 @@ class Besieged:
         settings = CoreSettings("r1", "0000000001", streams=STREAMS, coordination=coordination, settle=0.0)
         self.core = Core(settings, specs, 0.0)
         self.now, self.samples, self.generated = 0.0, 0, 0
-        self.open, self.undecided = set(), {}
+        self.open, self.undecided, self.unread = set(), {}, []
         self.act(ev.PeerAppeared(0.0, "honest", HONEST))
         streams = (StreamState(1, KEY, "camera", 0.5),)
         state = State("honest", HONEST, "enforce", "", streams, ("robot/*/camera",), number=1)
@@ -60,6 +60,13 @@ class Besieged:
                     self.act(ev.SampleHanded(self.now, sample))
                 case Drop(sample):
                     self.open.remove(sample)
+                case Reread(sample):
+                    self.unread.append(sample)
+
+    def read(self):
+        """The driver reads again what it was asked to."""
+        while self.unread:
+            self.act(ev.SampleReread(self.now, self.unread.pop(), {"red": 0.2}))
 
     def decide(self, *, send):
         """The worker answers all that it was asked."""

@@ -125,6 +125,10 @@ class Siege(RuleBasedStateMachine):
     def the_worker_answers(self, send):
         self.core.decide(send=send)
 
+    @rule()
+    def the_driver_reads_again(self):
+        self.core.read()
+
     @rule(seconds=st.sampled_from((0.001, 0.3, 2.0, 15.0, 200.0)))
     def time_passes(self, seconds):
         self.core.pass_time(seconds)

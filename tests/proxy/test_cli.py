@@ -91,7 +91,7 @@ def test_run_has_a_flag_for_every_key(capsys):
         ),
         (["run", "--mesh.conect=[]"], "unknown argument --mesh.conect=[] (did you mean --mesh.connect?)"),
         (["run", "sendworthy.toml"], "unknown argument sendworthy.toml"),
-        (["check"], "the following arguments are required: FILE"),
+        (["push"], "the following arguments are required: FILE"),
         (["mode", "fast"], "invalid choice: 'fast'"),
         (
             ["status", "--connect", "localhost"],

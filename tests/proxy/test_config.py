@@ -36,6 +36,7 @@ def test_defaults_are_those_of_the_manual():
             "in": {"allow": ["**"], "deny": []},
         },
         "specs": {"path": "specs.d"},
+        "fleet": {"specs": False, "mode": False},
         "planner": {
             "iterations": 300,
             "deadline": 0.02,

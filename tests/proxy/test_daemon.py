@@ -199,6 +199,13 @@ def test_specs_are_swapped_while_running(pair, tmp_path):
     wait_until(lambda: wanted.samples, what="the sample")
 
 
+def test_it_is_alive_while_its_loop_runs(pair):
+    """Whoever watches hears of it again and again."""
+    heard = []
+    pair[0].daemon.watch(lambda: heard.append(clock.monotonic()), 0.01)
+    wait_until(lambda: len(heard) > 3, what="some signs of life")
+
+
 def test_a_limit_becomes_adaptive_while_running(pair, tmp_path):
     """Between two daemons it rises from where it starts, while samples use it and links and digests are fast."""
     path = tmp_path / "adaptive.toml"

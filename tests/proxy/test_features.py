@@ -7,7 +7,8 @@ import pytest
 import zenoh
 
 from proxy import features as features_module
-from proxy.core.events import SamplePublished
+from proxy.background import MOST
+from proxy.core.events import SamplePublished, SampleReread
 from proxy.features import PACE, Extractor
 from tests.waiting import wait_until
 
@@ -23,19 +24,34 @@ class Type:
         self.gate = threading.Event()
         self.gate.set()
         self.extracted = []
+        self.attached = []
 
-    def extract(self, key, payload):
+    def extract(self, key, payload, attachment, _background):
         assert self.gate.wait(5.0)
         self.extracted.append((key, bytes(payload)))
+        self.attached.append(attachment)
         return {"n": float(bytes(payload) or -1)}
 
 
+class Costly(Type):
+    """One that takes too long, and is computed in the background; the last value holds."""
+
+    def extract(self, key, payload, attachment, background):
+        if background.later(lambda: super(Costly, self).extract(key, payload, attachment, background)):
+            return {"n": 0.5}
+        return {"n": -0.5}
+
+
 class Loop:
-    """Keeps what is posted, and runs it when the test says so; what comes off a thread is run at once."""
+    """Keeps what is posted, and runs it when the test says so; what comes off a thread is run at once.
+
+    `covering` is the type that covers all keys by the specs in force, if any does.
+    """
 
     def __init__(self):
         self.due = []
         self.posted = []
+        self.covering = None
 
     def post_at(self, when, job):
         self.due.append((when, job))
@@ -56,7 +72,7 @@ def loop():
 @pytest.fixture
 def extractor(loop):
     with ExitStack() as stack:
-        made = Extractor(loop.post_at)
+        made = Extractor(loop.post_at, lambda _: loop.covering)
         made.start()
         stack.callback(made.close, 1.0)
         yield made
@@ -96,6 +112,35 @@ def test_the_newest_takes_the_place_of_those_that_wait(extractor, loop):
     assert told(loop)[1] == (3, 3, {"n": 3.0})
     assert covering.extracted == [("k", b"3")]
     assert extractor.superseded == 3
+
+
+def test_attachments_come_along(extractor, loop):
+    """Each with its own sample, also where one takes the place of another."""
+    covering, slow = Type(), Type()
+    slow.gate.clear()
+    extractor.submit(sample(9, "slow"), slow, payload(9))
+    for i in range(2):
+        extractor.submit(sample(i), covering, payload(i), zenoh.ZBytes(f"of {i}"))
+    slow.gate.set()
+    wait_until(lambda: len(loop.posted) == 2, what="both keys")
+    assert [each.to_bytes() for each in covering.attached] == [b"of 1"]
+    assert slow.attached == [None]
+
+
+def test_what_takes_too_long_holds_up_no_stream(extractor, loop):
+    """Not even its own: samples go on with the last value while the next one is computed."""
+    costly, quick = Costly(), Type()
+    costly.gate.clear()
+    for i in range(MOST + 4):
+        extractor.submit(sample(i, f"k{i}"), costly, payload(i))
+    extractor.submit(sample(99, "quick"), quick, payload(99))
+    wait_until(lambda: len(loop.posted) == MOST + 5, what="all samples")
+    found = [features["n"] for _, _, features in told(loop)]
+    assert found[:MOST] == [0.5] * MOST
+    assert found[-2:] == [-0.5, 99.0]
+    assert costly.extracted == []
+    costly.gate.set()
+    wait_until(lambda: len(costly.extracted) >= MOST, what="what waited in the background")
 
 
 @pytest.mark.parametrize(("markovian", "each"), [(False, False), (True, True)], ids=["not markovian", "each asked for"])
@@ -156,3 +201,28 @@ def test_remembered_keys_are_bounded(extractor, monkeypatch):
     for i in range(5):
         extractor.submit(sample(i, f"k{i}"), Type(needs_payload=False), payload(i))
     assert len(extractor._next) == 2
+
+
+@pytest.mark.parametrize("needs_payload", [True, False])
+def test_specs_that_change_meanwhile_count(extractor, loop, needs_payload):
+    """The core never gets features of specs that are not in force any more."""
+    before, after = Type(needs_payload=needs_payload), Type(needs_payload=needs_payload)
+    before.gate.clear()
+    extractor.submit(sample(1), before, payload(1))
+    loop.covering = after
+    before.gate.set()
+    wait_until(lambda: loop.run() or loop.posted, what="the sample")
+    assert told(loop) == [(1, 0, {"n": 1.0})]
+    assert after.extracted == [("k", b"1")]
+
+
+@pytest.mark.parametrize("needs_payload", [True, False])
+def test_a_sample_is_read_again(extractor, loop, needs_payload):
+    """By what is in force then, behind those before it; where nothing covers it any more without features."""
+    loop.covering = Type(needs_payload=needs_payload)
+    extractor.reread(SampleReread(0.0, 1, {}), "k", payload(7))
+    wait_until(lambda: loop.run() or loop.posted, what="the sample")
+    loop.covering = None
+    extractor.reread(SampleReread(0.0, 2, {}), "k", payload(8))
+    loop.run()
+    assert loop.posted == [SampleReread(0.0, 1, {"n": 7.0}), SampleReread(0.0, 2, {})]

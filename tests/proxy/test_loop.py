@@ -128,3 +128,18 @@ def test_the_core_learns_what_the_wall_clock_shows(executed):
 
 def states(executed):
     return [command.state for command in executed if isinstance(command, SendState)]
+
+
+def test_who_asks_gets_what_the_job_returns(loop):
+    """It has run on the loop's thread by then."""
+    assert loop.ask(lambda: threading.current_thread().name, 20.0) == "loop"
+
+
+def test_who_asks_does_not_wait_for_ever(loop):
+    """What takes longer may still be done."""
+    end = threading.Event()
+    loop.post(lambda: end.wait(20.0) and None)
+    with pytest.raises(TimeoutError):
+        loop.ask(lambda: None, 0.01)
+    end.set()
+    assert loop.ask(lambda: 3, 20.0) == 3

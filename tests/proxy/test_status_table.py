@@ -76,6 +76,11 @@ STATUS = {
             "receivers": 1,
         }
     ],
+    "features": [
+        {"type": "camera", "feature": "red", "failed": 2, "held": 40, "cost": 0.0312, "budget": 0.02},
+        {"type": "camera", "feature": "size", "failed": 0, "held": 0, "cost": 1e-6, "budget": 0.02},
+        {"type": "pose", "feature": "scale", "failed": 1, "held": 0, "cost": None, "budget": None},
+    ],
     "peers": [
         {
             "robot": "r2",
@@ -116,6 +121,10 @@ throughput   0.5 s  125 kB  62.5 kB  50%  31.2 kB  25%       2
 
 STREAM           ROBOT  TYPE    SCHEDULE      PERIOD     SIZE  SCALE  MADE  SENT  UNSENT  SENT/S  WANTED BY
 robot/r1/camera  r1     camera  periodic ±4%  100 ms  36.5 kB    3.5    60    30      30       5          1
+
+FEATURE  TYPE    FAILED  OLD VALUE HELD    TAKES  BUDGET
+red      camera       2              40  31.2 ms   20 ms
+scale    pose         1               0        -       -
 
 PEER  MODE              FROM IT   TO IT  LOST IN    OUT    CLOCK   HEARD  GOT  GOT OURS
 r2    shadow  42.1 ms + 2 ms/kB  500 ms        -  12.5%  -3.25 s  200 ms   12        30"""

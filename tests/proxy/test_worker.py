@@ -2,6 +2,7 @@
 
 import dataclasses
 import queue
+import threading
 
 import pytest
 
@@ -9,6 +10,7 @@ from planner import Aggregation, Constraint, Message, Problem, SearchSettings, S
 from proxy import clock
 from proxy.core.commands import Decide
 from proxy.worker import Worker, decide
+from tests.waiting import wait_until
 
 FOREVER = 10.0
 
@@ -69,3 +71,18 @@ def test_the_worker_answers_in_order_and_stops(command):
     assert [answers.get(timeout=10.0).ticket for _ in range(2)] == [1, 2]
     worker.close(5.0)
     assert not worker._thread.is_alive()
+
+
+def test_a_decision_that_never_ends_is_noticed(command):
+    """While nothing is decided nothing is stuck, nor what may still end in time."""
+    end = threading.Event()
+    worker = Worker(SearchSettings(), 0.5, lambda _: end.wait(20.0))
+    worker.start()
+    assert not worker.stuck(clock.monotonic() + 60.0)
+    submitted = clock.monotonic()
+    worker.submit(command)
+    wait_until(lambda: worker.stuck(submitted + 60.0), what="the search to begin")
+    assert not worker.stuck(submitted)
+    end.set()
+    wait_until(lambda: not worker.stuck(submitted + 60.0), what="its end")
+    worker.close(1.0)

@@ -258,7 +258,8 @@ CORPUS = [
     bad("features.red = ", 'features."red pixels" = ', camera(13, 'features."red pixels"',
         "a feature's name must be letters, digits and _, and not begin with a digit")),
     bad("features.red = ", "features.red.x = ",
-        camera(13, "features.red.kind", 'is missing (one of "color_fraction", "size")')),
+        camera(13, "features.red.kind", 'is missing (one of "attachment", "brightness", "cdr", "change", '
+            '"color_fraction", "json", "key_chunk", "msgpack", "python", "sharpness", "size")')),
     bad('{ kind = "color_fraction", color = "red" }', '"red"',
         camera(13, "features.red", 'must be a table, not "red"')),
     bad('features = "last"', 'features = "mena"',

@@ -13,32 +13,29 @@ from planner.problem import Aggregation
 from planner.utility import Custom, Video
 from utility_specs import InformationType, Specs, load_specs
 from utility_specs.expressions import Expression
-from utility_specs.features import Size
+from utility_specs.features import Feature, Sample, Size
 from utility_specs.forecast import FeatureForecast
 from utility_specs.key_formats import KeyFormat
 from utility_specs.specs import MATCHES_KEPT, UTILITIES_KEPT
 
 
 @dataclass(frozen=True)
-class KeyLength:
+class KeyLength(Feature):
     """A feature that needs no payload."""
 
-    default: float = 0.0
     reads_payload = False
 
-    def measure(self, key: str, payload: bytes) -> float:
-        return float(len(key) + len(payload))
+    def measure(self, sample: Sample) -> float:
+        return float(len(sample.key))
 
 
 @dataclass(frozen=True)
-class Odd:
+class Odd(Feature):
     """A feature that always fails: it has no finite value, or raises."""
 
     value: float | None
-    default: float = 0.5
-    reads_payload = True
 
-    def measure(self, _key: str, _payload: bytes) -> float:
+    def measure(self, _sample: Sample) -> float:
         if self.value is None:
             raise RuntimeError("no value")
         return self.value
@@ -206,7 +203,7 @@ def test_a_payload_is_copied_once_and_only_when_a_feature_reads_it():
     assert payload.copies == 1
 
 
-@pytest.mark.parametrize("feature", [Odd(None), Odd(math.nan), Odd(math.inf)])
+@pytest.mark.parametrize("feature", [Odd(value, default=0.5) for value in (None, math.nan, math.inf)])
 def test_a_feature_that_fails_takes_its_default_and_is_counted(feature):
     """The others are not affected."""
     each = information_type(odd=feature, size=Size())

@@ -1,16 +1,15 @@
 """How much of an image has a colour: `{ kind = "color_fraction", color = "red" }` (`m.red` of Eq. 9)."""
 
-import importlib
-import os
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cache
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Literal
 
 from pydantic import Field
 
-from utility_specs.errors import FeatureError
-from utility_specs.features.feature import FeatureTable
+from utility_specs.features.feature import Feature
+from utility_specs.features.image import Image, ImageTable
+from utility_specs.features.pixels import opencv
+from utility_specs.features.sample import Sample
 
 Color = Literal["red", "orange", "yellow", "green", "cyan", "blue", "magenta"]
 
@@ -29,35 +28,18 @@ LEAST_SATURATION = 100
 LEAST_VALUE = 60
 """Of 255; below, a pixel is grey or black and has no colour."""
 
-LARGEST_IMAGE = 2**26
-"""Pixels of the largest image that is decoded: a small payload may claim to be enormous."""
-
 
 @dataclass(frozen=True, slots=True)
-class ColorFraction:
-    """The share of pixels of a colour, from 0 to 1, in a JPEG, PNG or any other image that OpenCV reads.
-
-    The image is decoded at a quarter of its width and height, which for a JPEG also is much cheaper.
-    """
+class ColorFraction(Feature):
+    """The share of pixels of a colour, from 0 to 1."""
 
     color: Color
-    default: float = 0.0
+    image: Image = field(default_factory=Image)
 
-    def __post_init__(self) -> None:
-        _opencv()  # takes a while to import: at load time, not with the first sample
-
-    @property
-    def reads_payload(self) -> bool:
-        """True: the image is the payload."""
-        return True
-
-    def measure(self, key: str, payload: bytes) -> float:
-        """Return the fraction; raises FeatureError (or OpenCV's own error) for what is not an image."""
-        cv2, numpy = _opencv()
-        image = cv2.imdecode(numpy.frombuffer(payload, numpy.uint8), cv2.IMREAD_REDUCED_COLOR_4)
-        if image is None:
-            raise FeatureError(f"{key}: the payload is not an image")
-        hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
+    def measure(self, sample: Sample) -> float:
+        """Return the fraction; raises FeatureError when there is no image."""
+        cv2, _ = opencv()
+        hsv = cv2.cvtColor(self.image.color(sample), cv2.COLOR_BGR2HSV)
         colored = sum(
             cv2.countNonZero(cv2.inRange(hsv, (low, LEAST_SATURATION, LEAST_VALUE), (high, 255, 255)))
             for low, high in HUES[self.color]
@@ -65,19 +47,12 @@ class ColorFraction:
         return float(colored / (hsv.shape[0] * hsv.shape[1]))
 
 
-class ColorFractionTable(FeatureTable):
-    """`{ kind = "color_fraction", color = … }` in a spec."""
+class ColorFractionTable(ImageTable):
+    """`{ kind = "color_fraction", color = … }`: the share of an image's pixels that have a colour, from 0 to 1."""
 
     kind: Literal["color_fraction"]
     color: Color = Field(description="Which colour.")
 
     def feature(self) -> ColorFraction:
         """Return the feature that the table describes."""
-        return ColorFraction(self.color, self.default)
-
-
-@cache
-def _opencv() -> tuple[Any, Any]:
-    """Return OpenCV and NumPy, imported when the first spec needs them."""
-    os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(LARGEST_IMAGE))  # OpenCV reads it when it is imported
-    return importlib.import_module("cv2"), importlib.import_module("numpy")
+        return ColorFraction(self.color, self.image(), default=self.default, budget=self.budget)

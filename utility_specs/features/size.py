@@ -3,30 +3,24 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from utility_specs.features.feature import FeatureTable
+from utility_specs.features.feature import Feature, FeatureTable
+from utility_specs.features.sample import Sample
 
 
 @dataclass(frozen=True, slots=True)
-class Size:
+class Size(Feature):
     """The length of the payload [B]."""
 
-    default: float = 0.0
-
-    @property
-    def reads_payload(self) -> bool:
-        """True: its length is the payload's."""
-        return True
-
-    def measure(self, key: str, payload: bytes) -> float:  # noqa: ARG002 - the key is for features that read it
+    def measure(self, sample: Sample) -> float:
         """Return the payload's length [B]."""
-        return float(len(payload))
+        return float(len(sample.payload))
 
 
 class SizeTable(FeatureTable):
-    """`{ kind = "size" }` in a spec."""
+    """`{ kind = "size" }`: the length of the payload [B]."""
 
     kind: Literal["size"]
 
     def feature(self) -> Size:
         """Return the feature that the table describes."""
-        return Size(self.default)
+        return Size(default=self.default, budget=self.budget)

@@ -43,6 +43,7 @@ class Robot:
     ) -> None:
         self._stack = stack
         self.asked: list[SamplePublished] = []
+        self.attachments: list[bytes | None] = []
         self.events: list[Event] = []
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
         app = AppConfig(listen=(self.app_endpoint,))
@@ -73,9 +74,16 @@ class Robot:
         self.bridge.open()
 
     def _submit(
-        self, event: SamplePublished, _covering: InformationType, _payload: zenoh.ZBytes, *, each: bool
+        self,
+        event: SamplePublished,
+        _covering: InformationType,
+        _payload: zenoh.ZBytes,
+        attachment: zenoh.ZBytes | None,
+        *,
+        each: bool,
     ) -> int | None:
         assert not each
+        self.attachments.append(None if attachment is None else attachment.to_bytes())
         self.asked.append(event)
         return None
 

@@ -140,9 +140,11 @@ def test_a_covered_sample_is_described_to_the_core(pair):
     remote = Heard(pair[1].node(), "covered/b")
     wait_interest(pair[1], pair[0], keys=("covered/b",))
     app = pair[0].node()
-    app.put("covered/b", b"12345", priority=zenoh.Priority.DATA_HIGH, timestamp=app.new_timestamp())
+    stamp = app.new_timestamp()
+    app.put("covered/b", b"12345", priority=zenoh.Priority.DATA_HIGH, timestamp=stamp, attachment=b"why")
     wait_until(lambda: pair[0].asked, what="the question")
     (asked,) = pair[0].asked
+    assert pair[0].attachments == [b"why"]
     assert (asked.key, asked.size, asked.priority, asked.delete) == ("covered/b", 5, 4, False)
     assert asked.origin == str(app.zid())
     assert 0.0 <= asked.now - asked.t_gen < 1.0

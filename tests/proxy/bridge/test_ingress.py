@@ -48,6 +48,18 @@ def test_no_more_bytes_are_held_than_the_bound(pair, monkeypatch):
 
 
 @pytest.mark.usefixtures("wanted")
+def test_what_is_held_can_be_looked_at(pair):
+    """It stays held until it is decided."""
+    pair[0].node().put("covered/a", "x")
+    wait_until(lambda: pair[0].asked, what="the sample")
+    number = pair[0].asked[0].sample
+    held = pair[0].bridge.held(number)
+    assert (held.key, held.sample.payload.to_string()) == ("covered/a", "x")
+    pair[0].bridge.drop(number)
+    assert pair[0].bridge.held(number) is None
+
+
+@pytest.mark.usefixtures("wanted")
 def test_a_delete_of_a_covered_key_is_marked(pair):
     """The core is told that it is a delete."""
     pair[0].node().delete("covered/a")

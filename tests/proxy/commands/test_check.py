@@ -28,3 +28,27 @@ def test_a_mistake_is_named_with_file_line_and_key(tmp_path, capsys):
     file.write_text(GOOD.replace('"video"', '"vidoe"'))
     assert main(["check", str(file)]) == exit_codes.FAILED
     assert capsys.readouterr().out.startswith(f'{file}:5: information_type "camera": utility')
+
+
+def test_a_configuration_is_checked_with_its_specs(tmp_path, capsys):
+    """As the daemon would read it; mistakes in either fail."""
+    config, specs = tmp_path / "sendworthy.toml", tmp_path / "camera.toml"
+    config.write_text('robot = "r1"\n')
+    assert main(["check", "--config", str(config)]) == exit_codes.OK
+    assert capsys.readouterr().out == f"{config}: right, without specs\n"
+    config.write_text('robot = "r1"\n[specs]\npath = "camera.toml"\n')
+    specs.write_text(GOOD)
+    assert main(["check", "--config", str(config)]) == exit_codes.OK
+    assert capsys.readouterr().out.startswith(f"{config}: right\n{specs}: 1 information type")
+    specs.write_text(GOOD.replace('"video"', '"vidoe"'))
+    assert main(["check", "--config", str(config)]) == exit_codes.FAILED
+    assert f"{specs}:5: " in capsys.readouterr().out
+    config.write_text("mode = 'fast'\n")
+    assert main(["check", "--config", str(config)]) == exit_codes.FAILED
+    assert capsys.readouterr().out.startswith(f"{config}:1: mode: ")
+
+
+def test_nothing_to_check_is_a_mistake(capsys):
+    """Neither files nor a configuration."""
+    assert main(["check"]) == exit_codes.USAGE
+    assert capsys.readouterr().err == "sendworthy check: give it a FILE or --config\n"

@@ -2,12 +2,14 @@
 
 import json
 import signal
+import socket
 import time
 
 import pytest
 
 from proxy import exit_codes
 from proxy.cli import main
+from proxy.commands.client import connected
 from proxy.commands.run import started
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig
 from tests.daemons import specs_file
@@ -124,3 +126,74 @@ def test_the_start_says_where_samples_are_broadcast(start):
     group = f"224.0.0.226:{free_port()}"
     daemon = start("--mesh.transport", "broadcast", "--mesh.interface", "lo", "--mesh.group", group)
     assert f", broadcast on {group} (lo), " in daemon.wait_for("sendworthy ")
+
+
+def test_changed_specs_are_put_in_force(start, tmp_path):
+    """The file alone is enough; one that is wrong changes nothing, is told with file, line and key, and mended."""
+    specs = specs_file(tmp_path)
+    daemon = start("--robot", "r1", "--specs.path", str(specs))
+    daemon.wait_for("sendworthy ")
+    good = specs.read_text()
+    specs.write_text(good.replace("weight = 1.0", "weight = 2.0"))
+    generation = daemon.wait_for("files changed: specs ").split("specs ")[1].split()[0]
+    specs.write_text(good.replace('"video"', '"vidoe"'))
+    assert f'{specs}:10: information_type "camera": utility.kind: ' in daemon.wait_for("nothing is reloaded")
+    status = status_of(daemon)
+    assert status["specs"] == generation
+    assert status["daemon"]["reloads"]["problems"][0].startswith(f"{specs}:10: ")
+    assert any("the files that changed are not in force" in warning for warning in status["warnings"])
+    specs.write_text(good)
+    daemon.wait_for("files changed: specs ")
+    assert status_of(daemon)["daemon"]["reloads"] == {"done": 2, "refused": 1, "problems": []}
+
+
+def test_sighup_has_everything_read_again(start, tmp_path):
+    """Specs, and what of the configuration may change; all else is refused by name."""
+    specs_file(tmp_path)
+    config = tmp_path / "sendworthy.toml"
+    config.write_text('robot = "r1"\n[specs]\npath = "camera.toml"\n')
+    daemon = start("--config", str(config))
+    daemon.wait_for("sendworthy ")
+    config.write_text('robot = "r1"\nmode = "shadow"\n[specs]\npath = "camera.toml"\n[log]\nlevel = "debug"\n')
+    daemon.process.send_signal(signal.SIGHUP)
+    assert ", mode shadow, log.level debug" in daemon.wait_for("specs ")
+    assert status_of(daemon)["mode"] == "shadow"
+    config.write_text('robot = "r2"\n[specs]\npath = "camera.toml"\n')
+    daemon.process.send_signal(signal.SIGHUP)
+    assert f'{config}:1: robot: cannot change while the daemon runs: "r1" is in force, not "r2"' in daemon.wait_for(
+        "nothing is reloaded"
+    )
+    assert status_of(daemon)["mode"] == "shadow"
+
+
+def test_systemd_hears_what_it_waits_for(start, tmp_path):
+    """Ready when samples can come, alive again and again, reloading and ready again, stopping."""
+    specs = specs_file(tmp_path)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
+        systemd.bind(str(tmp_path / "notify"))
+        systemd.settimeout(20.0)
+
+        def told(what):
+            while not (heard := systemd.recv(4096).decode()).startswith(what):
+                assert heard == "WATCHDOG=1"
+            return heard
+
+        daemon = start(
+            *("--robot", "r1", "--specs.path", str(specs)),
+            NOTIFY_SOCKET=systemd.getsockname(),
+            WATCHDOG_USEC="300000",
+        )
+        assert "robot r1, mode enforce" in told("READY=1\nSTATUS=sendworthy ")
+        assert told("WATCHDOG=1")
+        specs.write_text(specs.read_text().replace("weight = 1.0", "weight = 2.0"))
+        daemon.process.send_signal(signal.SIGHUP)
+        assert "MONOTONIC_USEC=" in told("RELOADING=1")
+        assert status_of(daemon)["specs"] in told("READY=1")
+        daemon.process.send_signal(signal.SIGTERM)
+        assert told("STOPPING=1")
+
+
+def status_of(daemon):
+    with connected(daemon.endpoint) as client:
+        (status,) = client.status(None)
+    return status

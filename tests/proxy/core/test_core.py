@@ -13,6 +13,7 @@ from proxy.core.commands import (
     Forward,
     NoteInterest,
     Notice,
+    Reread,
     SendDigest,
     SendState,
     SetPace,
@@ -22,6 +23,18 @@ from proxy.core.mode import Mode
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
+
+WEIGHED = """
+[[constraint]]
+kind = "messages"
+limit = 20
+window = 1.0
+[[information_type]]
+name = "any"
+keys = ["robot/r1/*"]
+weight = {}
+utility = {{ kind = "linear", slope = 0.5 }}
+"""
 
 
 def test_a_sample_is_decided_and_forwarded(make_talk):
@@ -433,13 +446,83 @@ def test_the_status_tells_units_and_whose_a_budget_is(make_talk, make_specs):
 @pytest.mark.parametrize("coordination", ["overhear", "shares"])
 @pytest.mark.parametrize(("before", "after"), [("", ALL_KINDS), (ALL_KINDS, ""), (ALL_KINDS, UNLIMITED)])
 def test_an_answer_is_checked_against_the_constraints_in_force(make_talk, make_specs, coordination, before, after):
-    """Specs with other kinds of constraints may come while a sample is decided."""
+    """Specs may come while a sample is decided: it is read again, and decided by what is in force then."""
     talk = make_talk(make_specs(text=before or None), coordination=coordination, settle=0.0, floor=0.0)
     talk.tell(ev.MatchingChanged(0.0, "robot/r1/camera", matching=True))
     sample, commands = talk.publish(0.1)
-    talk.tell(ev.SpecsChanged(0.2, make_specs(text=after or None)))
-    assert only(talk.answer(0.3, only(commands)[0], send=True)) == [Forward(sample)]
-    assert len(talk.core.status(0.3)["budget"]) == len(talk.core.gate.limits)
+    reread = only(talk.tell(ev.SpecsChanged(0.2, make_specs(text=after or None))), Reread)
+    assert reread == [Reread(sample, "robot/r1/camera")]
+    assert only(talk.answer(0.3, only(commands)[0], send=True)) == []
+    (decided,) = only(talk.tell(ev.SampleReread(0.3, sample, {"red": 0.5})))
+    if talk.core.gate.limits:
+        decided = only(talk.answer(0.4, decided, send=True))[0]
+    assert decided == Forward(sample)
+    assert len(talk.core.status(0.4)["budget"]) == len(talk.core.gate.limits)
+
+
+def test_no_decision_mixes_two_generations_of_specs(make_talk, make_specs):
+    """Whatever a window holds is worth what the specs in force say: facts, the sample itself, those that wait."""
+    talk = make_talk(make_specs(text=WEIGHED.format(1)))
+    for name in ("a", "b"):
+        talk.tell(ev.MatchingChanged(0.0, f"robot/r1/{name}", matching=True))
+    decides = []
+    for i in range(60):
+        t = 0.1 * i
+        for name in ("a", "b"):
+            _, commands = talk.publish(t, key=f"robot/r1/{name}")
+            decides += only(commands, Decide)
+        if i % 7 == 6:
+            for command in only(talk.tell(ev.SpecsChanged(t, make_specs(text=WEIGHED.format(10**i)))), Reread):
+                decides += only(talk.tell(ev.SampleReread(t, command.sample, {})), Decide)
+        if i % 3 == 0:
+            while talk.core.gate.pending is not None:
+                ticket = talk.core.gate.pending.ticket
+                (asked,) = (each for each in decides if each.ticket == ticket)
+                decides += only(talk.answer(t, asked, send=i % 2 == 0), Decide)
+    scales = [{message.scale for message in command.problem.messages} for command in decides]
+    assert {len(each) for each in scales} == {1}
+    assert len(set.union(*scales)) > 3
+
+
+def test_what_waits_is_read_again_when_specs_change(make_talk, make_specs):
+    """It keeps its place; it passes when nothing covers it any more, and when the mode becomes `pass` meanwhile."""
+    talk = make_talk(make_specs(text=WEIGHED.format(1)))
+    for name in ("a", "b", "c"):
+        talk.tell(ev.MatchingChanged(0.0, f"robot/r1/{name}", matching=True))
+    samples = [talk.publish(0.1, key=f"robot/r1/{name}")[0] for name in ("a", "b", "c")]
+    reread = only(talk.tell(ev.SpecsChanged(0.2, make_specs(text=WEIGHED.format(2).replace("*", "a")))), Reread)
+    assert sorted(command.sample for command in reread) == samples
+    assert talk.core.counts.queued == 3
+    assert only(talk.tell(ev.SampleReread(0.2, samples[1], {})), Forward) == [Forward(samples[1])]
+    again = only(talk.tell(ev.SpecsChanged(0.3, make_specs(text=WEIGHED.format(3)))), Reread)
+    assert sorted(command.sample for command in again) == [samples[0], samples[2]]
+    released = only(talk.tell(ev.ModeChanged(0.4, Mode.PASS)), Forward)
+    assert sorted(command.sample for command in released) == [samples[0], samples[2]]
+    assert only(talk.tell(ev.SampleReread(0.5, samples[0], {}))) == []
+    assert talk.core.counts.by_reason["passed:no-spec"] == 0
+    assert talk.core.counts.conserved
+
+
+def test_a_sample_that_is_gone_when_it_is_read_again_is_counted(make_talk, make_specs):
+    """Nothing waits for it any more."""
+    talk = make_talk(make_specs(text=WEIGHED.format(1)))
+    talk.tell(ev.MatchingChanged(0.0, "robot/r1/a", matching=True))
+    sample, _ = talk.publish(0.1, key="robot/r1/a")
+    talk.tell(ev.SpecsChanged(0.2, make_specs(text=WEIGHED.format(2))))
+    talk.tell(ev.SampleRefused(0.3, sample))
+    assert (talk.core.counts.queued, talk.core.counts.by_reason) == (0, {"dropped:egress": 1})
+    assert only(talk.tell(ev.SpecsChanged(0.4, make_specs(text=WEIGHED.format(3)))), Reread) == []
+
+
+def test_a_newer_sample_supersedes_one_that_is_read_again(make_talk, make_specs):
+    """As it does while samples wait for their decisions."""
+    talk = make_talk(make_specs(text=WEIGHED.format(1)))
+    talk.tell(ev.MatchingChanged(0.0, "robot/r1/a", matching=True))
+    older, _ = talk.publish(0.1, key="robot/r1/a")
+    talk.tell(ev.SpecsChanged(0.2, make_specs(text=WEIGHED.format(2))))
+    talk.publish(0.3, key="robot/r1/a")
+    assert only(talk.tell(ev.SampleReread(0.4, older, {})), Drop) == [Drop(older, "dropped:superseded")]
+    assert talk.core.counts.conserved
 
 
 def test_others_are_told_how_streams_generate(make_talk):
@@ -458,6 +541,20 @@ def test_others_are_told_how_streams_generate(make_talk):
     assert talk.all(SendState)[-1].state.streams[0].jitter > 0.5
     (told,) = talk.core.status(100.0)["streams"]
     assert (told["schedule"], told["jitter"] > 0.1, told["forecast"]) == ("poisson", True, {})
+
+
+def test_the_status_tells_what_features_take_and_miss(make_talk, make_specs):
+    """Each feature of each type, and what else had to be replaced by a default."""
+    text = SPEC.format(limit="80 kbit/s", window=1.0) + 'features.size = { kind = "size", budget = "5 ms" }\n'
+    specs = make_specs(text=text)
+    (camera,) = specs.types
+    camera.failures.note("scale")
+    camera.paces.of("size", "k", 0.0).took(0.25, 1.0)
+    camera.paces.hold("size")
+    found = {row["feature"]: row for row in make_talk(specs).core.status(0.1)["features"]}
+    expected = {"type": camera.name, "feature": "size", "failed": 0, "held": 1, "cost": 0.25, "budget": 0.005}
+    assert found["size"] == expected
+    assert found["scale"] == expected | {"feature": "scale", "failed": 1, "held": 0, "cost": None, "budget": None}
 
 
 ADAPTIVE = SPEC.replace('limit = "{limit}"', 'limit = "adaptive"\nceiling = "{limit}"')

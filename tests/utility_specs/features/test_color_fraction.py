@@ -1,9 +1,5 @@
 """The fraction of an image that has a colour."""
 
-import struct
-import subprocess
-import sys
-import zlib
 from typing import get_args
 
 import cv2
@@ -12,6 +8,7 @@ import pytest
 
 from utility_specs.errors import FeatureError
 from utility_specs.features.color_fraction import HUES, Color, ColorFraction, ColorFractionTable
+from utility_specs.features.sample import Sample
 
 BGR = {
     "red": (30, 20, 200),
@@ -43,14 +40,14 @@ def encoded(image: np.ndarray, form: str = ".jpg", quality: int = 80) -> bytes:
 def test_the_red_fraction_of_a_jpeg_is_right_within_two_percent(fraction, quality):
     """Whatever the size of the red object and the quality of the image."""
     image, truth = scene(BGR["red"], fraction)
-    assert abs(ColorFraction("red").measure("k", encoded(image, quality=quality)) - truth) < 0.02
+    assert abs(ColorFraction("red").measure(Sample("k", encoded(image, quality=quality))) - truth) < 0.02
 
 
 @pytest.mark.parametrize("color", BGR)
 def test_each_colour_is_told_from_the_others(color):
     """A painted colour is found, and no other."""
     image, truth = scene(BGR[color], 0.3)
-    found = {each: ColorFraction(each).measure("k", encoded(image, ".png")) for each in BGR}
+    found = {each: ColorFraction(each).measure(Sample("k", encoded(image, ".png"))) for each in BGR}
     assert abs(found.pop(color) - truth) < 0.02
     assert max(found.values()) < 0.01
 
@@ -66,50 +63,18 @@ def test_hues_cover_the_circle_once():
 def test_grey_black_and_white_have_no_colour(value):
     """Pixels without saturation or light count for nothing."""
     image = encoded(np.full((48, 64, 3), value, np.uint8))
-    assert sum(ColorFraction(color).measure("k", image) for color in BGR) == 0.0
+    assert sum(ColorFraction(color).measure(Sample("k", image)) for color in BGR) == 0.0
 
 
 @pytest.mark.parametrize("payload", [b"", b"x", b"\xff\xd8\xff", b'{"red": 1}'])
 def test_what_is_not_an_image_has_no_value(payload):
     """The caller then takes the default."""
-    with pytest.raises((FeatureError, cv2.error)):
-        ColorFraction("red").measure("k", payload)
+    with pytest.raises(FeatureError):
+        ColorFraction("red").measure(Sample("k", payload))
 
 
 def test_its_table_gives_the_feature():
     """Colour and default are taken over."""
     feature = ColorFractionTable(kind="color_fraction", color="blue", default=0.1).feature()
-    assert feature == ColorFraction("blue", 0.1)
+    assert feature == ColorFraction("blue", default=0.1)
     assert feature.reads_payload
-
-
-def python(program: str) -> str:
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60)
-    return done.stdout.strip()
-
-
-def test_opencv_is_imported_when_a_spec_uses_it_and_not_before():
-    """Who needs no colours pays nothing; who does pays when the spec is loaded."""
-    program = "import sys; from utility_specs.features import ColorFraction; a = 'cv2' in sys.modules; "
-    assert python(program + "ColorFraction('red'); print(a, 'cv2' in sys.modules)") == "False True"
-
-
-def test_a_small_payload_that_claims_a_huge_image_is_refused(tmp_path):
-    """A PNG of 20,000 x 20,000 pixels in its header is not decoded."""
-
-    def chunk(kind: bytes, body: bytes) -> bytes:
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
-    header = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 0, 0, 0, 0)
-    path = tmp_path / "bomb.png"
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"")))
-    program = f"""
-from pathlib import Path
-from utility_specs.features import ColorFraction
-red = ColorFraction("red")
-try:
-    red.measure("k", Path({str(path)!r}).read_bytes())
-except Exception as error:
-    print("MAX_IMAGE_PIXELS" in str(error))
-"""
-    assert python(program) == "True"

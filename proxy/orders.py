@@ -1,0 +1,57 @@
+"""Obeys what an operator orders all robots, where the configuration allows it."""
+
+import logging
+from collections.abc import Callable
+from functools import partial
+
+from proxy.bridge.fleet import Obey, Outcome
+from proxy.config import FleetConfig
+from proxy.core.mode import Mode
+from proxy.errors import PushError
+from proxy.pushed import Folder, unpack
+from proxy.reloading import Reloading
+from utility_specs import SpecsError
+
+log = logging.getLogger(__name__)
+
+
+def orders(config: FleetConfig, robot: str, switch: Callable[[Mode], None], reloading: Reloading) -> dict[str, Obey]:
+    """Return what obeys each order that is allowed."""
+    obeyed: dict[str, Obey] = {}
+    if config.mode:
+        obeyed["mode"] = partial(switched, robot, switch)
+    if config.specs:
+        obeyed["specs"] = partial(replaced, robot, reloading)
+    return obeyed
+
+
+def switched(robot: str, switch: Callable[[Mode], None], raw: bytes) -> Outcome:
+    """Switch to the mode that was ordered; `switch` returns when that is done."""
+    try:
+        mode = Mode(raw.decode())
+    except ValueError:
+        return Outcome(robot, obeyed=False, said=(f"a mode is one of {', '.join(Mode)}",))
+    switch(mode)
+    return Outcome(robot, obeyed=True, said=(f"mode {mode.value}",))
+
+
+def replaced(robot: str, reloading: Reloading, raw: bytes) -> Outcome:
+    """Put the specs that were pushed in the place of ours and in force; what was there stays if anything is wrong."""
+    folder = Folder(reloading.loaded.config.specs.path)
+    try:
+        files = unpack(raw)
+        folder.put(files)
+    except (PushError, SpecsError) as error:
+        return _refused(robot, tuple(str(error).splitlines()))
+    problems = reloading.reload("specs were pushed")
+    if problems:
+        folder.undo()
+        reloading.reload("the last specs are back")
+        return _refused(robot, problems)
+    specs = reloading.loaded.specs
+    return Outcome(robot, obeyed=True, said=(f"specs {specs.generation} in force",))
+
+
+def _refused(robot: str, problems: tuple[str, ...]) -> Outcome:
+    log.warning("specs that were pushed are refused: %s", "; ".join(problems))
+    return Outcome(robot, obeyed=False, said=problems)

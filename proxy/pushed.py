@@ -1,0 +1,114 @@
+"""Specs that somebody pushes: how they travel, and how they replace those in a folder, whole or not at all."""
+
+import os
+import re
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import msgpack
+
+from proxy.errors import PushError
+from utility_specs import SpecsError, load_specs
+
+VERSION = 1
+MOST_FILES = 64
+MOST_BYTES = 1024 * 1024
+"""Of all files together [B]."""
+_NAME = re.compile(r"[\w-][\w.-]{0,99}\.toml")
+
+
+def pack(files: Mapping[str, bytes]) -> bytes:
+    """Return files by name as they travel. Raises PushError when there are too many."""
+    _check(files)
+    packed: bytes = msgpack.packb([VERSION, dict(files)])
+    return packed
+
+
+def unpack(raw: bytes) -> dict[str, bytes]:
+    """Return the files by name. Raises PushError when it is something else."""
+    try:
+        version, files = msgpack.unpackb(raw)
+    except (ValueError, TypeError):
+        raise PushError("what was pushed cannot be read") from None
+    if version != VERSION or not isinstance(files, dict):
+        raise PushError("what was pushed is of another version of sendworthy")
+    _check(files)
+    return files
+
+
+def gathered(paths: Iterable[Path]) -> dict[str, bytes]:
+    """Read files, and the `*.toml` of folders. Raises PushError when one cannot be read or two have one name."""
+    files: dict[str, bytes] = {}
+    for path in paths:
+        for file in sorted(path.glob("*.toml")) if path.is_dir() else [path]:
+            if file.name in files:
+                raise PushError(f"{file}: there is another file of this name")
+            try:
+                files[file.name] = file.read_bytes()
+            except OSError as error:
+                raise PushError(f"{file}: cannot be read: {error.strerror}") from None
+    return files
+
+
+class Folder:
+    """Where the specs of a daemon are. What was there before the last push stays beside it, as `<name>.previous`."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path.resolve()
+        self._staged = self._path.with_name(f"{self._path.name}.pushed")
+        self._previous = self._path.with_name(f"{self._path.name}.previous")
+
+    def put(self, files: Mapping[str, bytes]) -> None:
+        """Replace what is there, if it is right. Raises SpecsError for mistakes in it and PushError for all else."""
+        if self._path.is_file():
+            raise PushError(f"{self._path} is a file; set specs.path to a folder, so that specs can be pushed")
+        try:
+            self._stage(files)
+            self._check_staged()
+            shutil.rmtree(self._previous, ignore_errors=True)
+            if self._path.exists():
+                self._path.rename(self._previous)
+            self._staged.rename(self._path)
+        except OSError as error:
+            raise PushError(f"{self._path}: cannot be replaced: {error.strerror}") from None
+
+    def undo(self) -> None:
+        """Put back what was there before the last push, if there was anything."""
+        self._path.rename(self._staged)
+        if self._previous.exists():
+            self._previous.rename(self._path)
+
+    def mend(self) -> None:
+        """Finish what an interrupted push began: what was staged had been found right."""
+        if not self._path.exists() and self._previous.exists() and self._staged.exists():
+            self._staged.rename(self._path)
+
+    def _stage(self, files: Mapping[str, bytes]) -> None:
+        shutil.rmtree(self._staged, ignore_errors=True)
+        self._staged.mkdir(parents=True)
+        for name, content in files.items():
+            with (self._staged / name).open("wb") as file:
+                file.write(content)
+                os.fsync(file.fileno())
+
+    def _check_staged(self) -> None:
+        try:
+            load_specs(self._staged)
+        except SpecsError as error:
+            raise SpecsError(replace(problem, file=self._named(problem.file)) for problem in error.problems) from None
+
+    def _named(self, file: Path) -> Path:
+        """Return a staged file as who pushed it knows it."""
+        return Path("specs") if file == self._staged else Path(file.name)
+
+
+def _check(files: Mapping[str, bytes]) -> None:
+    if not files:
+        raise PushError("there is nothing to push")
+    for name, content in files.items():
+        if not isinstance(name, str) or not _NAME.fullmatch(name) or not isinstance(content, bytes):
+            raise PushError(f"{name!r} is no name of a file of specs: letters, digits, ., _ and -, ending with .toml")
+    if len(files) > MOST_FILES or sum(map(len, files.values())) > MOST_BYTES:
+        raise PushError(f"at most {MOST_FILES} files of {MOST_BYTES // 1024} KiB together can be pushed")

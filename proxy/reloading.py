@@ -1,0 +1,135 @@
+"""Puts changed files in force while the daemon runs: all of them, or nothing.
+
+What is wrong is told and changes nothing; the same files are tried again when they change.
+"""
+
+import logging
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from proxy.config import Config
+from proxy.config_changes import Change, changes
+from proxy.errors import ConfigError
+from proxy.pushed import Folder
+from proxy.watching import FileWatch
+from utility_specs import Specs, SpecsError, load_specs
+from utility_specs.errors import SpecProblem, TomlError
+from utility_specs.toml_source import TomlSource
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """What stands in files: the configuration, and the specs that it names."""
+
+    config: Config
+    specs: Specs
+
+
+def read_specs(path: Path) -> Specs:
+    """Read the utility specs; none when there is no such folder. Raises SpecsError."""
+    Folder(path).mend()
+    return load_specs(path) if path.exists() else Specs.empty()
+
+
+class Reloading:
+    """Reads configuration and specs anew when files change or somebody asks.
+
+    `read` reads the configuration, which the file `file` may hold; `apply` puts in force what changed, and returns when
+    it is, or raises TimeoutError when it will be later. From any thread.
+    """
+
+    def __init__(
+        self,
+        loaded: Loaded,
+        file: Path | None,
+        read: Callable[[], Config],
+        apply: Callable[[Loaded, Iterable[Change]], None],
+    ) -> None:
+        self.loaded = loaded
+        """What is in force."""
+        self._file = file
+        self._read = read
+        self._apply = apply
+        self._lock = Lock()
+        self._watch = FileWatch(self._watched)
+        self._problems: tuple[str, ...] = ()
+        self._done = 0
+        self._refused = 0
+
+    def look(self) -> None:
+        """Reload if files changed; call it a few times a second."""
+        with self._lock:
+            if self._watch.look():
+                self._reload("files changed")
+
+    def reload(self, why: str) -> tuple[str, ...]:
+        """Reload now; return what is wrong, one line for each mistake."""
+        with self._lock:
+            self._watch.note()
+            self._reload(why)
+            return self._problems
+
+    def describe(self) -> dict[str, Any]:
+        """Return what the status says of it."""
+        return {"done": self._done, "refused": self._refused, "problems": list(self._problems)}
+
+    def warnings(self) -> list[str]:
+        """Say when files are not in force, and what is wrong with them."""
+        if not self._problems:
+            return []
+        more = len(self._problems) - 1
+        others = f" (and {more} more mistake{'s' * (more > 1)})" if more else ""
+        return [f"the files that changed are not in force: {self._problems[0]}{others}"]
+
+    def _watched(self) -> list[Path]:
+        """Return what is watched. Specs may move: then the configuration changes, too."""
+        own = [] if self._file is None else [self._file]
+        return [*own, self.loaded.config.specs.path]
+
+    def _reload(self, why: str) -> None:
+        try:
+            loaded, changed = self._next()
+        except (ConfigError, SpecsError) as error:
+            problems = tuple(map(str, error.problems))
+            if problems != self._problems:
+                log.error("%s, nothing is reloaded: %s", why, "; ".join(problems))
+            self._problems = problems
+            self._refused += 1
+            return
+        if changed or loaded.specs.generation != self.loaded.specs.generation:
+            try:
+                self._apply(loaded, changed)
+            except TimeoutError:
+                log.warning("the daemon is busy and will do it later")
+        log.info("%s: specs %s in force%s", why, loaded.specs.generation, "".join(map(_told, changed)))
+        self.loaded, self._problems = loaded, ()
+        self._done += 1
+
+    def _next(self) -> tuple[Loaded, tuple[Change, ...]]:
+        """Read everything; raises ConfigError or SpecsError, also for what cannot change now."""
+        config = self._read()
+        changed = tuple(changes(self.loaded.config, config))
+        refused = [self._at(change.path, change.refusal) for change in changed if not change.live]
+        if refused:
+            raise ConfigError(tuple(map(str, refused)))
+        specs = read_specs(config.specs.path)
+        if self.loaded.specs.types and not specs.types:
+            raise SpecsError([SpecProblem(config.specs.path, None, "", "is gone; the last specs stay in force")])
+        return Loaded(config, specs), changed
+
+    def _at(self, path: tuple[str, ...], message: str) -> SpecProblem:
+        """Return the problem at a key, which the file need not hold: it may have been removed."""
+        file = self._file or Path("sendworthy.toml")
+        try:
+            return TomlSource.read(file).problem(path, message)
+        except TomlError:
+            return TomlSource(file, {}).problem(path, message)
+
+
+def _told(change: Change) -> str:
+    return f", {'.'.join(change.path)} {change.after}"

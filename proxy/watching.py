@@ -1,0 +1,52 @@
+"""Notices when files change: written in place, renamed over, behind symbolic links, gone or unreadable."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+Signature = tuple[tuple[str, int, int, int, int], ...]
+"""Of every file: its path, inode, size, and when content and inode changed last [ns]."""
+
+
+def signature(paths: Iterable[Path]) -> Signature:
+    """Return what tells one state of files, and of the `*.toml` in folders, from another; never raises."""
+    return tuple(sorted(entry for path in paths for entry in _entries(path)))
+
+
+class FileWatch:
+    """Compares files with what they were; `paths` says which those are now."""
+
+    def __init__(self, paths: Callable[[], Iterable[Path]]) -> None:
+        self._paths = paths
+        self._known = self._last = signature(paths())
+
+    def look(self) -> bool:
+        """Whether the files changed and then stayed as they are since the last look; says so once.
+
+        So a file that is being written is left alone until its writer is done or pauses.
+        """
+        before, self._last = self._last, signature(self._paths())
+        if self._last == self._known or self._last != before:
+            return False
+        self._known = self._last
+        return True
+
+    def note(self) -> None:
+        """Take the files as they are now for known."""
+        self._known = self._last = signature(self._paths())
+
+
+def _entries(path: Path) -> list[tuple[str, int, int, int, int]]:
+    try:
+        files = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    except OSError:
+        files = [path]
+    return [_entry(file) for file in files]
+
+
+def _entry(file: Path) -> tuple[str, int, int, int, int]:
+    """Describe what the path leads to; all zero when it leads nowhere."""
+    try:
+        found = file.stat()
+    except (OSError, ValueError):
+        return str(file), 0, 0, 0, 0
+    return str(file), found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns

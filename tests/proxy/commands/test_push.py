@@ -1,0 +1,89 @@
+"""`sendworthy push` and `sendworthy mode --fleet`, with two daemons."""
+
+import signal
+
+import pytest
+
+from proxy import exit_codes
+from proxy.cli import main
+from proxy.commands.client import connected
+from tests.daemons import specs_file
+from tests.ports import free_port
+from tests.waiting import wait_until
+
+
+@pytest.fixture
+def team(start, tmp_path):
+    """Two linked daemons, each with specs of its own in a folder; r2 obeys all orders, r1 takes no specs."""
+    mesh = f"tcp/127.0.0.1:{free_port()}"
+    daemons = []
+    for name, options in (
+        ("r1", ("--mesh.listen", f'["{mesh}"]', "--fleet.mode", "true")),
+        ("r2", ("--mesh.connect", f'["{mesh}"]', "--fleet.mode", "true", "--fleet.specs", "true")),
+    ):
+        folder = tmp_path / name / "specs.d"
+        folder.mkdir(parents=True)
+        specs_file(folder)
+        daemon = start("--robot", name, "--specs.path", str(folder), *options)
+        daemon.wait_for("sendworthy ")
+        daemons.append(daemon)
+    wait_until(lambda: all(status(daemon)["peers"] for daemon in daemons), what="the robots to meet")
+    return daemons
+
+
+def status(daemon):
+    with connected(daemon.endpoint) as client:
+        (found,) = client.status(None)
+    return found
+
+
+def test_specs_and_modes_reach_the_team(team, tmp_path, capsys):
+    """Each robot answers for itself; who may not be ordered says so and keeps what it has."""
+    new = specs_file(tmp_path)
+    new.write_text(new.read_text().replace("2 Mbit/s", "1 Mbit/s"))
+    before = status(team[0])["specs"]
+    assert main(["push", str(new), "--connect", team[0].endpoint]) == exit_codes.FAILED
+    out, err = capsys.readouterr()
+    assert err == "r1: fleet.specs is false in its configuration\n"
+    assert out == f"r2: specs {status(team[1])['specs']} in force\n"
+    assert status(team[0])["specs"] == before != status(team[1])["specs"]
+    assert (tmp_path / "r2" / "specs.d" / new.name).read_text() == new.read_text()
+    assert main(["mode", "shadow", "--fleet", "--connect", team[0].endpoint]) == exit_codes.OK
+    assert capsys.readouterr().out == "r1: mode shadow\nr2: mode shadow\n"
+    assert [status(daemon)["mode"] for daemon in team] == ["shadow", "shadow"]
+    team[1].end(signal.SIGTERM)
+    wait_until(lambda: not status(team[0])["peers"], what="the other one to be gone")
+    assert main(["mode", "pass", "--fleet", "--connect", team[0].endpoint]) == exit_codes.OK
+    assert capsys.readouterr().out == "r1: mode pass\n"
+
+
+def test_specs_with_mistakes_are_not_even_sent(tmp_path, capsys):
+    """They are checked here, as `sendworthy check` does it; nobody is asked."""
+    specs = specs_file(tmp_path)
+    specs.write_text(specs.read_text().replace('"video"', '"vidoe"'))
+    assert main(["push", str(specs), "--connect", "tcp/127.0.0.1:1"]) == exit_codes.FAILED
+    assert capsys.readouterr().err.startswith(f'{specs}:10: information_type "camera": utility.kind: ')
+
+
+def test_robots_may_check_what_cannot_be_checked_here(start, tmp_path, capsys):
+    """What needs a module that only they have goes unchecked, and their mistakes come back."""
+    specs = specs_file(tmp_path)
+    specs.write_text(specs.read_text().replace('kind = "video"', 'kind = "python", function = "not_here:worth"'))
+    folder = tmp_path / "specs.d"
+    daemon = start("--robot", "r1", "--fleet.specs", "true", "--specs.path", str(specs_file(make(folder)).parent))
+    daemon.wait_for("sendworthy ")
+    assert main(["push", str(specs), "--unchecked", "--connect", daemon.endpoint]) == exit_codes.FAILED
+    assert capsys.readouterr().err.startswith('r1: camera.toml:10: information_type "camera": utility.function: ')
+
+
+def make(folder):
+    folder.mkdir()
+    return folder
+
+
+def test_without_a_daemon_nothing_is_pushed(tmp_path, capsys):
+    """The message is that of all commands."""
+    assert main(["push", str(specs_file(tmp_path)), "--connect", "tcp/127.0.0.1:1"]) == exit_codes.FAILED
+    assert capsys.readouterr().err.startswith("sendworthy push: no daemon answers at tcp/127.0.0.1:1")
+    assert main(["mode", "pass", "--fleet", "--connect", "tcp/127.0.0.1:1"]) == exit_codes.FAILED
+    assert capsys.readouterr().err.startswith("sendworthy mode: no daemon answers at tcp/127.0.0.1:1")

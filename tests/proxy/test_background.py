@@ -1,0 +1,66 @@
+"""What takes long is done in the background."""
+
+import threading
+
+import pytest
+
+from proxy.background import MOST, Background
+from tests.waiting import wait_until
+
+
+@pytest.fixture
+def background():
+    made = Background()
+    made.start()
+    yield made
+    made.close(5.0)
+
+
+def test_jobs_are_done_in_order_on_another_thread(background):
+    """One after the other."""
+    done = []
+    for number in range(3):
+        assert background.later(lambda number=number: done.append((number, threading.current_thread().name)))
+    wait_until(lambda: len(done) == 3, what="three jobs")
+    assert done == [(number, "costly features") for number in range(3)]
+
+
+def test_only_so_many_wait(background):
+    """The others are refused; when there is room again, they are not."""
+    gate, begun, done = threading.Event(), threading.Event(), []
+    background.later(lambda: begun.set() or gate.wait(5.0))
+    assert begun.wait(5.0)
+    assert [background.later(lambda: done.append(1)) for _ in range(MOST + 1)] == [True] * MOST + [False]
+    gate.set()
+    wait_until(lambda: len(done) == MOST, what="what waited")
+    assert background.later(lambda: done.append(2))
+    wait_until(lambda: done[-1] == 2, what="one more")
+
+
+def test_a_job_that_fails_is_survived(background, caplog):
+    """The log has why."""
+    done = []
+    background.later(lambda: 1 / 0)
+    background.later(lambda: done.append(1))
+    wait_until(lambda: done, what="the next job")
+    assert "ZeroDivisionError" in caplog.text
+
+
+def test_a_stop_waits_for_the_job_in_hand_no_longer_than_it_may():
+    """What waits is not begun any more."""
+    background, gate, begun, done = Background(), threading.Event(), threading.Event(), []
+    background.start()
+    background.later(lambda: begun.set() or gate.wait(5.0))
+    background.later(lambda: done.append(1))
+    assert begun.wait(5.0)
+    background.close(0.0)
+    assert background._thread.is_alive()
+    gate.set()
+    background.close(5.0)
+    assert not background._thread.is_alive()
+    assert done == []
+
+
+def test_its_clock_does_not_go_back(background):
+    """It tells what jobs take."""
+    assert background.now() <= background.now()

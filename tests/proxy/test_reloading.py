@@ -1,0 +1,190 @@
+"""Files that change while a daemon runs, without the daemon."""
+
+from functools import partial
+
+import pytest
+
+from proxy.config_loading import load_config
+from proxy.reloading import Loaded, Reloading, read_specs
+
+CONFIG = 'robot = "r1"\nmode = "enforce"\n'
+SPECS = """
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+weight = 1.0
+utility = { kind = "video" }
+"""
+
+
+class Files:
+    """A configuration and its specs, and what was put in force of them."""
+
+    def __init__(self, folder):
+        self.config, self.specs = folder / "sendworthy.toml", folder / "specs.d" / "camera.toml"
+        self.specs.parent.mkdir()
+        self.config.write_text(CONFIG)
+        self.specs.write_text(SPECS)
+        self.applied = []
+        read = partial(load_config, self.config, {}, {})
+        loaded = Loaded(read(), read_specs(read().specs.path))
+        self.reloading = Reloading(loaded, self.config, read, self._apply)
+
+    def _apply(self, loaded, changed):
+        self.applied.append((loaded.specs.types[0].weight, [".".join(change.path) for change in changed]))
+
+    @property
+    def weight(self):
+        return self.reloading.loaded.specs.types[0].weight
+
+    def looked(self):
+        """Look until a change would have been noticed."""
+        for _ in range(2):
+            self.reloading.look()
+        return self.reloading.describe()
+
+
+@pytest.fixture
+def files(tmp_path):
+    return Files(tmp_path)
+
+
+def test_changed_specs_are_put_in_force_once(files):
+    """Without anybody asking."""
+    assert files.looked() == {"done": 0, "refused": 0, "problems": []}
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    assert files.looked() == {"done": 1, "refused": 0, "problems": []}
+    assert files.looked()["done"] == 1
+    assert files.applied == [(2.0, [])]
+
+
+def test_what_says_the_same_changes_nothing(files):
+    """A comment is read and nothing else happens."""
+    files.specs.write_text("# the camera\n" + SPECS)
+    assert files.looked() == {"done": 1, "refused": 0, "problems": []}
+    assert not files.applied
+
+
+@pytest.mark.parametrize(
+    ("broken", "problem"),
+    [
+        (SPECS.replace("video", "vidoe"), ':6: information_type "camera": utility.kind: unknown'),
+        (SPECS[:60], ":4: not valid TOML"),
+        ("", ": information_type: is missing"),
+        (b"\xff\xfe", ":1: is not UTF-8"),
+    ],
+)
+def test_a_bad_file_changes_nothing_and_is_named(files, caplog, broken, problem):
+    """With line and key; the log has it once, and it is tried again when it changes."""
+    raw = broken if isinstance(broken, bytes) else broken.encode()
+    files.specs.write_bytes(raw)
+    state = files.looked()
+    assert (state["done"], state["refused"]) == (0, 1)
+    assert state["problems"][0].startswith(f"{files.specs}{problem}")
+    assert files.reloading.warnings() == [f"the files that changed are not in force: {state['problems'][0]}"]
+    assert not files.applied
+    files.reloading.reload("SIGHUP")
+    assert caplog.text.count("nothing is reloaded") == 1
+    files.specs.write_text(SPECS.replace("1.0", "3.0"))
+    assert files.looked()["problems"] == []
+    assert files.reloading.warnings() == []
+    assert files.weight == 3.0
+
+
+def test_several_mistakes_are_counted_in_the_warning(files):
+    """The first is shown; status lists all."""
+    files.specs.write_text(SPECS.replace("1.0", '"much"').replace("video", "vidoe"))
+    assert len(files.looked()["problems"]) == 2
+    assert files.reloading.warnings()[0].endswith(" (and 1 more mistake)")
+
+
+def test_a_file_that_cannot_be_read_is_a_bad_one(files):
+    """A folder in its place, or a link to nowhere; the last good specs stay."""
+    files.specs.unlink()
+    files.specs.symlink_to("gone")
+    assert files.looked()["problems"] == [f"{files.specs}: does not exist"]
+    files.specs.unlink()
+    files.specs.mkdir()
+    assert files.looked()["problems"] == [f"{files.specs}: is not a file"]
+    assert files.weight == 1.0
+
+
+def test_specs_that_vanish_stay_in_force(files):
+    """Nothing to read is not the same as nothing to limit."""
+    files.specs.unlink()
+    files.specs.parent.rmdir()
+    assert files.looked()["problems"] == [f"{files.specs.parent}: is gone; the last specs stay in force"]
+    assert files.weight == 1.0
+
+
+def test_specs_may_come_later(tmp_path):
+    """A daemon that started without any takes them up when the folder appears."""
+    config = load_config(None, {}, {"specs.path": str(tmp_path)})
+    folder = config.model_copy(update={"specs": config.specs.model_copy(update={"path": tmp_path / "specs.d"})})
+    reloading = Reloading(Loaded(folder, read_specs(folder.specs.path)), None, lambda: folder, lambda *_: None)
+    (tmp_path / "specs.d").mkdir()
+    (tmp_path / "specs.d" / "camera.toml").write_text(SPECS)
+    reloading.look()
+    reloading.look()
+    assert reloading.describe() == {"done": 1, "refused": 0, "problems": []}
+    assert [each.name for each in reloading.loaded.specs.types] == ["camera"]
+
+
+def test_the_mode_changes_with_its_file(files):
+    """Together with the specs, in one step."""
+    files.config.write_text(CONFIG.replace("enforce", "shadow"))
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    assert files.looked()["done"] == 1
+    assert files.applied == [(2.0, ["mode"])]
+
+
+def test_specs_may_move(files):
+    """The new place is read, and watched from then on."""
+    other = files.specs.parent.parent / "other.toml"
+    other.write_text(SPECS.replace("1.0", "4.0"))
+    files.config.write_text(CONFIG + '[specs]\npath = "other.toml"\n')
+    assert files.looked()["done"] == 1
+    other.write_text(SPECS.replace("1.0", "5.0"))
+    files.looked()
+    assert [weight for weight, _ in files.applied] == [4.0, 5.0]
+
+
+def test_what_cannot_change_is_refused_by_name_with_both_values(files):
+    """With file and line, and nothing else is taken over either."""
+    files.config.write_text(CONFIG.replace("enforce", "pass") + '[mesh]\nlisten = ["tcp/0.0.0.0:7501"]\n')
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    (problem,) = files.looked()["problems"]
+    assert problem == (
+        f'{files.config}:4: mesh.listen: cannot change while the daemon runs: ["tcp/0.0.0.0:7500"] is in force, '
+        'not ["tcp/0.0.0.0:7501"]; restart it'
+    )
+    assert not files.applied
+
+
+def test_a_key_that_was_removed_is_refused_without_a_line(files):
+    """The default is another value, too."""
+    files.config.write_text('mode = "enforce"\n')
+    (problem,) = files.looked()["problems"]
+    assert problem.startswith(f'{files.config}: robot: cannot change while the daemon runs: "r1" is in force, not ')
+
+
+def test_a_configuration_with_mistakes_changes_nothing(files):
+    """Nor do the specs that changed with it."""
+    files.config.write_text(CONFIG.replace("enforce", "enforced"))
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    assert files.looked()["problems"][0].startswith(f"{files.config}:2: mode: ")
+    files.config.unlink()
+    assert files.looked()["problems"] == [f"{files.config}: does not exist"]
+    assert not files.applied
+
+
+def test_a_busy_daemon_is_told_all_the_same(files, monkeypatch, caplog):
+    """It does what it was asked when it comes to it."""
+
+    def too_late(*_):
+        raise TimeoutError
+
+    monkeypatch.setattr(files.reloading, "_apply", too_late)
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    assert files.looked() == {"done": 1, "refused": 0, "problems": []}
+    assert "the daemon is busy and will do it later" in caplog.text
