@@ -25,7 +25,7 @@ class Type:
         self.extracted = []
 
     def extract(self, key, payload):
-        assert self.gate.wait(5.0)
+        assert self.gate.wait(60.0)
         self.extracted.append((key, bytes(payload)))
         return {"n": float(bytes(payload) or -1)}
 
@@ -36,6 +36,7 @@ class Loop:
     def __init__(self):
         self.due = []
         self.posted = []
+        self._turn = threading.Lock()
 
     def post_at(self, when, job):
         self.due.append((when, job))
@@ -44,8 +45,9 @@ class Loop:
 
     def run(self):
         """Take up all that waits."""
-        due, self.due = self.due, []
-        self.posted += [job() for _, job in due]
+        with self._turn:
+            while self.due:
+                self.posted.append(self.due.pop(0)[1]())
 
 
 @pytest.fixture
