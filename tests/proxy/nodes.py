@@ -108,8 +108,8 @@ _fences = itertools.count()
 
 
 def wait_matching(session: zenoh.Session, key: str) -> None:
-    """Wait until `session` knows of a subscriber to `key`: before, what its publishers publish goes nowhere."""
-    probe = session.declare_publisher(key)
+    """Wait until `session` knows of another's subscriber to `key`: before, what it publishes goes nowhere."""
+    probe = session.declare_publisher(key, allowed_destination=zenoh.Locality.REMOTE)
     wait_until(lambda: probe.matching_status.matching, what=f"a subscriber to {key}")
     probe.undeclare()
 
