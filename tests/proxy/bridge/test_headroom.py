@@ -102,6 +102,23 @@ def test_a_link_whose_socket_cannot_be_found_counts_as_full(stack):
 
 
 @pytest.mark.usefixtures("listener")
+def test_a_link_tells_what_was_sent(mesh):
+    """Every byte that was published, and what it comes with; nothing of links without room, or that are gone."""
+    session, _ = mesh
+    headroom = Headroom(session)
+    wait_until(lambda: linked(headroom, 1), what="the link")
+    publisher = session.declare_publisher("k", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: publisher.matching_status.matching, what="the subscription")
+    ((peer, before),) = headroom.sent().items()
+    assert peer == str(*session.info.peers_zid())
+    publisher.put(b"x" * 30_000)
+    wait_until(lambda: headroom.sent().get(peer, 0) >= before + 30_000, what="all of it")
+    assert headroom.sent()[peer] < before + 40_000
+    session.close()
+    assert headroom.sent() == {}
+
+
+@pytest.mark.usefixtures("listener")
 def test_a_link_tells_how_long_what_is_sent_now_takes(mesh):
     """Next to nothing while the peer reads; nothing when nothing was sent lately."""
     session, _ = mesh

@@ -13,7 +13,8 @@ def test_what_is_published_comes_through_and_is_timed(measured):
     assert [row[0] for row in flows.rows] == [f"{size} B, {name}" for size in SIZES for name in ARRANGEMENTS]
     for name, sent, rate, _, arrived, cost in flows.rows:
         assert float(sent.replace(",", "")) > 0.0
-        assert float(rate.replace(",", "")) > 0.0 or "64 B" not in name
+        # Too few of what is large, or is superseded, may come to be timed.
+        assert float(rate.replace(",", "")) > 0.0 or name.startswith("40") or "covered" in name
         assert 0 < int(arrived.rstrip("%")) <= 100 or "covered" in name
         assert (cost == "-") == ("direct" in name)
     assert [row[0] for row in memory.rows] == list(ARRANGEMENTS[1:])
