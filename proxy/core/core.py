@@ -314,11 +314,13 @@ class Core:
             return
         self.shares.confirmed(now)
         self.telling.set_rate()
-        if now >= self.telling.pacer.due(now, urgent=True, news=True, copies=1):
+        affordable = self.telling.pacer.due(now, urgent=True, news=True, copies=1)
+        if now >= affordable:
             self._tickets += 1
             before = self.layout.lent
             commands += self.layout.ask(now, self._tickets, self.gate.inbox)
             self.telling.urgent |= self.layout.lent > before
+        self.layout.looked(now, affordable)
 
     def _hear(self, now: float, digest: Digest) -> list[Command]:
         """Take in a digest, if it is one that the robot can have sent."""
