@@ -62,12 +62,13 @@ class Core:
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
         self._tickets = 0
-        self._taking_in = type(self).__dict__["_on"].dispatcher.dispatch
+        self._taking_in = dict(type(self).__dict__["_on"].dispatcher.registry)
         self._adopt_limits(now)
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order."""
-        commands: list[Command] = [*self._taking_in(type(event))(self, event), *self._advance(event.now)]
+        take_in = self._taking_in.get(type(event)) or self._taking_in[object]
+        commands: list[Command] = [*take_in(self, event), *self._advance(event.now)]
         self._forget_dropped(commands)
         return commands
 

@@ -5,6 +5,7 @@ Digests concern all where all plan for all. Where one robot leads, news concern 
 
 import math
 from dataclasses import replace
+from operator import attrgetter
 
 from proxy.core.asking import Asking
 from proxy.core.capacity import BEAT
@@ -18,6 +19,7 @@ from proxy.core.shares import Shares
 from proxy.core.stating import differs, shortened, state_of, update_of
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, Echo, State
+from utility_specs import Specs
 
 LEADERS_PART = 0.35
 """Of what all robots may tell each other, this part is for the one that leads."""
@@ -41,6 +43,8 @@ STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
 RESTATE = 1.0
 """While samples come, our state is looked at this often: whether the periods are still right [s]."""
+
+_CHANGES = attrgetter("changes")
 
 
 class Telling:
@@ -70,6 +74,11 @@ class Telling:
         """When to look whether our state is news."""
         self._next_digest = -math.inf
         """When the next digest is due, as things are since the last event [s]."""
+        self._looked_at = (0, 0, -1)
+        """Of which changes of our streams and of what was told of them it is known whether they are news."""
+        self._unknown = self._news = False
+        self._allowed: tuple[Specs | None, tuple[float, int], float] = None, (0.0, 0), 0.0
+        """The specs, the part of the limits and the number of robots, and what the digests of each of these may use [B/s]."""
 
     def next_at(self, now: float, *, digests: bool) -> float:
         """When something is due at the latest, as far as that is known; digests wait for a plan that is being made."""
@@ -113,12 +122,19 @@ class Telling:
         if self._view.settings.coordination == "shares" and self._shares.leader and robots > 1:
             part = LEADERS_PART * robots if self._shares.leads else 1.0 - LEADERS_PART
         allowance = self._view.settings.allowance * self._channel.part
-        self.pacer.set_rate(part * allowance_of(self._view.specs, allowance, robots))
+        self.pacer.set_rate(part * self._allowance(allowance, robots))
 
     def speaks_again(self) -> float:
         """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
         latency = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
         return self.pacer.interval + latency + AHEAD
+
+    def _allowance(self, allowance: float, robots: int) -> float:
+        """What the digests of one of so many robots may use [B/s]; it is mostly the same."""
+        specs, place = self._view.specs, (allowance, robots)
+        if self._allowed[0] is not specs or self._allowed[1] != place:
+            self._allowed = specs, place, allowance_of(specs, allowance, robots)
+        return self._allowed[2]
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
@@ -149,22 +165,21 @@ class Telling:
         self._next_digest = self._digest_due(now)
 
     def _digest_due(self, now: float) -> float:
-        own = list(self._view.own())
-        if self._view.settings.coordination == "shares" and self._view.peers:
+        sharing = self._view.settings.coordination == "shares" and bool(self._view.peers)
+        if sharing:
             if not self._shares.epoch and now < self._settled_at + HELLO:
                 return self._settled_at + HELLO
             if self._told_epoch != self._shares.epoch:
                 return now
-        if self._view.peers and self.pacer.unknown(own) and self.pacer.solvent:
+        self._look_for_news()
+        if self._unknown and self._view.peers and self.pacer.solvent:
             return max(now, self._told_at + STRAGGLER_PACE)
         to = self._addressee(now)
-        sharing = self._view.settings.coordination == "shares" and bool(self._view.peers)
-        all_due = self._told_all_at + self._all_pace()
-        if sharing and self._shares.leads and not to and now < all_due:
+        if sharing and not to and self._shares.leads and now < (all_due := self._told_all_at + self._all_pace()):
             retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
             return max(now, min(retold, all_due))
         speak = self._channel.capacity.speak(now)
-        news = speak or self.pacer.has_news(own)
+        news = speak or self._news
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
@@ -172,6 +187,14 @@ class Telling:
         due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
+
+    def _look_for_news(self) -> None:
+        """See whether there is news of our streams, when something was noted of them or told."""
+        changes = self._view.revision, sum(map(_CHANGES, self._view.own())), self.pacer.revision
+        if changes != self._looked_at:
+            own = list(self._view.own())
+            self._looked_at = changes
+            self._unknown, self._news = self.pacer.unknown(own), self.pacer.has_news(own)
 
     def _send_digest(self, now: float) -> Command:
         to = self._addressee(now)
