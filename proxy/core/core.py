@@ -59,6 +59,8 @@ class Core:
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
         self.strangers = Strangers()
         self.clocks = WallClocks(self.view)
+        self._leader = ""
+        """Who lends, as the allowance was last shared out."""
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
         self._tickets = 0
@@ -74,11 +76,10 @@ class Core:
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
-        times = [self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0]
+        due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
         if self.settings.coordination == "shares":
-            times.append(self.layout.due_at)
-        times += self.channel.capacity.wake_at(now)
-        return max(min(times), now)
+            due = min(due, self.layout.due_at)
+        return max(min((due, *self.channel.capacity.wake_at(now))), now)
 
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
@@ -290,7 +291,9 @@ class Core:
         if self.settings.coordination != "shares":
             return
         self.shares.confirmed(now)
-        self.telling.set_rate()
+        if self.shares.leader != self._leader:
+            self._leader = self.shares.leader
+            self.telling.set_rate()
         if now >= self.telling.pacer.due(now, urgent=True, news=True, copies=1):
             self._tickets += 1
             before = self.layout.lent

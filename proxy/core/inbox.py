@@ -63,6 +63,8 @@ class Inbox:
 
     def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
         """Remove and return the next sample to decide; one that is `held` back has to wait."""
+        if not self._waiting:
+            return None
         ready = [w for w in self._waiting.values() if not held(w)]
         if not ready:
             return None

@@ -224,7 +224,8 @@ class Peer:
             return
         before, incoming.told = incoming.told, (news.forwarded, incoming.heard) if wanted else None
         if before is not None and wanted and news.forwarded >= before[0]:
-            self._in.read(self._due, self._came)
+            if not self._in.begun:
+                self._in.read(self._due, self._came)
             self._due += news.forwarded - before[0]
             self._came += incoming.heard - before[1]
             self._in.read(self._due, self._came)

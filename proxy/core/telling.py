@@ -19,7 +19,6 @@ from proxy.core.shares import Shares
 from proxy.core.stating import differs, shortened, state_of, update_of
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, Echo, State
-from utility_specs import Specs
 
 LEADERS_PART = 0.35
 """Of what all robots may tell each other, this part is for the one that leads."""
@@ -77,15 +76,12 @@ class Telling:
         self._looked_at = (0, 0, -1)
         """Of which changes of our streams and of what was told of them it is known whether they are news."""
         self._unknown = self._news = False
-        self._allowed: tuple[Specs | None, tuple[float, int], float] = None, (0.0, 0), 0.0
-        """The specs, the part of the limits and the number of robots, and what the digests of each of these may use [B/s]."""
 
     def next_at(self, now: float, *, digests: bool) -> float:
         """When something is due at the latest, as far as that is known; digests wait for a plan that is being made."""
-        times = [self._next_digest if digests else now + 1.0, self.asking.next_at()]
-        if self._restate_at < math.inf:
-            times.append(max(self._restate_at, self._state_due(now)))
-        return min(times)
+        due = min(self._next_digest if digests else now + 1.0, self.asking.next_at())
+        # Where the rest is due sooner it does not matter when the allowance has paid for a state.
+        return due if due <= self._restate_at else min(due, max(self._restate_at, self._state_due(now)))
 
     def restate(self, now: float, *, soon: bool = True) -> None:
         """Our state may be news; look at once, or when it is time to."""
@@ -122,19 +118,12 @@ class Telling:
         if self._view.settings.coordination == "shares" and self._shares.leader and robots > 1:
             part = LEADERS_PART * robots if self._shares.leads else 1.0 - LEADERS_PART
         allowance = self._view.settings.allowance * self._channel.part
-        self.pacer.set_rate(part * self._allowance(allowance, robots))
+        self.pacer.set_rate(part * allowance_of(self._view.specs, allowance, robots))
 
     def speaks_again(self) -> float:
         """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
         latency = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
         return self.pacer.interval + latency + AHEAD
-
-    def _allowance(self, allowance: float, robots: int) -> float:
-        """What the digests of one of so many robots may use [B/s]; it is mostly the same."""
-        specs, place = self._view.specs, (allowance, robots)
-        if self._allowed[0] is not specs or self._allowed[1] != place:
-            self._allowed = specs, place, allowance_of(specs, allowance, robots)
-        return self._allowed[2]
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""

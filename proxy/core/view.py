@@ -57,6 +57,7 @@ class SharedView:
         self.evicted = 0
         self.sends: deque[tuple[float, int, int]] = deque(maxlen=MOST_SENDS)
         """What other robots sent within the longest window, as (time, size, copies)."""
+        self._tag = tag(settings.zid)
         self._streams: dict[tuple[str, str], Stream] = {}
         self._owned: dict[str, dict[tuple[str, str], Stream]] = {}
         """The same by owner, the one not heard of for longest first; all plain nodes are one owner."""
@@ -376,7 +377,7 @@ class SharedView:
                 self.peers[name].sent += 1
 
     def _heard_echo(self, now: float, peer: Peer, echo: Echo) -> None:
-        if echo.peer == tag(self.settings.zid):
+        if echo.peer == self._tag:
             peer.heard_echo(now, echo)
         elif echo.peer in self.peers and (line := latency_of(echo)) is not None:
             peer.hears[echo.peer] = line
@@ -459,7 +460,7 @@ class SharedView:
         stream = self.stream(now, peer.robot, key)
         if stream is None:
             return
-        wanted = peer.robot in self._broadcasting or tag(self.settings.zid) in self.wanting(stream)
+        wanted = peer.robot in self._broadcasting or self._tag in self.wanting(stream)
         peer.heard_news(key, news, wanted=wanted)
         told = peer.told.get(key)
         if told is not None:
