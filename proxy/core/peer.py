@@ -89,8 +89,8 @@ class Peer:
     """Samples handed to the mesh for it."""
     latency_out: Latency | None = None
     """What our samples take to it, as it tells; None while unknown."""
-    hears: dict[str, Latency] = field(default_factory=dict)
-    """What the samples of other robots, by tag, take to it."""
+    heard_by: dict[str, Latency] = field(default_factory=dict)
+    """What its samples take to other robots, by tag, as these tell."""
     _marks: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=64))
     """Send times of our last digests, and `sent` then."""
     _incoming: dict[str, Incoming] = field(default_factory=dict)

@@ -332,7 +332,7 @@ class SharedView:
         self.revision += 1
         self._interest.set(tag(zid), ())
         for other in self.peers.values():
-            other.hears.pop(tag(zid), None)
+            other.heard_by.pop(tag(zid), None)
         for stream in self.streams():
             stream.miss((tag(zid),))
         for stream in list(self._owned.get(peer.robot, {}).values()):
@@ -380,7 +380,7 @@ class SharedView:
         if echo.peer == self._tag:
             peer.heard_echo(now, echo)
         elif echo.peer in self.peers and (line := latency_of(echo)) is not None:
-            peer.hears[echo.peer] = line
+            self.peers[echo.peer].heard_by[tag(peer.zid)] = line
 
     def _note_origins(self) -> None:
         """Who claims an origin first has it, unless it is a robot's own id; no plain node has its streams any more."""

@@ -73,9 +73,9 @@ def _known_from(view: SharedView, robot: str) -> _Known:
     sender = view.peer_called(robot)
     if sender is None:
         return {}
-    its = tag(sender.zid)
+    heard = sender.heard_by
     known: dict[str, tuple[Latency | None, float | None]] = {
-        name: (line, None) for name, peer in view.peers.items() if (line := peer.hears.get(its)) is not None
+        name: (heard[name], None) for name in (view.peers if heard else ()) if name in heard
     }
     known[tag(view.settings.zid)] = sender.line_in, sender.loss_in
     return known

@@ -16,6 +16,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain, islice
+from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
@@ -70,8 +71,7 @@ class _Candidate:
         return isinstance(self.stream.information_type.aggregation, Aggregation)
 
 
-@dataclass(frozen=True, slots=True)
-class _Open:
+class _Open(NamedTuple):
     """A message to decide."""
 
     t_gen: float
@@ -243,13 +243,13 @@ class WindowBuilder:
             use = use_of(m.size, m.of.copies, limits.union, own=own)
             held = use if own else (0.0,) * len(use)
             messages.append((_message(m, t_sent, (*use, *held[: len(limits.held)])), m))
-        robots = sorted({c.stream.robot for c in candidates})
+        robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
         messages.sort(key=lambda entry: (entry[0].t_gen, entry[0].stream))
         places = {place: m for place, (_, m) in enumerate(messages) if m is not None}
         current = next((place for place, m in places.items() if m.current), min(places))
         problem = Problem(
             streams=tuple(
-                PlannerStream(robots.index(c.stream.robot), c.stream.information_type.aggregation, c.audience.receivers)
+                PlannerStream(robots[c.stream.robot], c.stream.information_type.aggregation, c.audience.receivers)
                 for c in candidates
             ),
             messages=tuple(message for message, _ in messages),
@@ -287,12 +287,10 @@ def _facts(c: _Candidate, now: float, constraints: int, promised: Promises) -> l
         return []
     most = 1 if kind is Aggregation.MOST_RECENT else MOST_FACTS
     since = now if kind is Aggregation.BEST else 0.0
-    known = stream.sent.t_gen if stream.sent else -math.inf
-    coming = [
-        Sent(p.t_gen, p.t_gen, p.size, p.scale, p.features)
-        for p in promised.get((stream.robot, stream.key), ())
-        if p.t_gen > known + 0.5 * stream.schedule.period
-    ]
+    coming: list[Sent] = []
+    if lent := promised.get((stream.robot, stream.key)):
+        known = (stream.sent.t_gen if stream.sent else -math.inf) + 0.5 * stream.schedule.period
+        coming = [Sent(p.t_gen, p.t_gen, p.size, p.scale, p.features) for p in lent if p.t_gen > known]
     sent = chain(reversed(coming), reversed(stream.recent))
     return [_fact(c, each, since, nothing) for each in islice(sent, most)]
 
