@@ -31,10 +31,6 @@ class Competition:
         self._revision = -1
         self._set_rows([])
 
-    def competing(self, now: float) -> list[Stream]:
-        """Return all streams that compete, by robot and key."""
-        return [self._streams[row] for row in self._competing(now).tolist()]
-
     def chosen(self, now: float, most: int, promised: Promises) -> list[Stream]:
         """Return those streams that compete for which a window of `most` messages has places, by robot and key.
 
