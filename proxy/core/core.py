@@ -78,7 +78,8 @@ class Core:
         """When `TimePassed` is due at the latest [s, our clock]."""
         due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
         if self.settings.coordination == "shares":
-            due = min(due, self.layout.due_at)
+            # A plan that cannot be told yet is not made yet.
+            due = min(due, max(self.layout.due_at, self._speaks_at(now)))
         return max(min((due, *self.channel.capacity.wake_at(now))), now)
 
     def status(self, now: float) -> dict[str, Any]:
@@ -294,11 +295,15 @@ class Core:
         if self.shares.leader != self._leader:
             self._leader = self.shares.leader
             self.telling.set_rate()
-        if now >= self.telling.pacer.due(now, urgent=True, news=True, copies=1):
+        if now >= self._speaks_at(now):
             self._tickets += 1
             before = self.layout.lent
             commands += self.layout.ask(now, self._tickets, self.gate.inbox)
             self.telling.urgent |= self.layout.lent > before
+
+    def _speaks_at(self, now: float) -> float:
+        """When the allowance has paid for a digest to one robot [s]."""
+        return self.telling.pacer.due(now, urgent=True, news=True, copies=1)
 
     def _hear(self, now: float, digest: Digest) -> list[Command]:
         """Take in a digest, if it is one that the robot can have sent."""
