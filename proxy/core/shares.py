@@ -69,7 +69,6 @@ class Shares:
         self._settled_at = settled_at
         self._members: frozenset[str] = frozenset((own,))
         self._epochs: dict[str, int] = {}
-        self._late: list[str] | None = None
         self._awaited: set[str] = set()
         self._ready_at = 0.0
         self._lent: list[Lent] = []
@@ -93,15 +92,12 @@ class Shares:
     @property
     def stragglers(self) -> list[str]:
         """Robots that are not known to be in our epoch."""
-        if self._late is None:
-            self._late = sorted(m for m in self._members if m != self.own and self._epochs.get(m) != self.epoch)
-        return self._late
+        return sorted(m for m in self._members if m != self.own and self._epochs.get(m) != self.epoch)
 
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
         self._members = frozenset(members) | {self.own}
         self._awaited &= self._members
-        self._late = None
         self._seek(now)
 
     def set_limits(self, now: float, limits: tuple[Limit, ...]) -> None:
@@ -142,8 +138,7 @@ class Shares:
         """Take in that `peer` is in `epoch`, and what it lends there; `ours` maps its clock to ours, give or take."""
         if peer not in self._members:
             return
-        if self._epochs.get(peer) != epoch:
-            self._epochs[peer], self._late = epoch, None
+        self._epochs[peer] = epoch
         if epoch > self.epoch and (leader := self._leader_of(epoch)):
             if leader == self.own:
                 self._propose(now, epoch)
@@ -159,7 +154,6 @@ class Shares:
     def forget(self, peer: str) -> None:
         """A robot left: what it last said of its epoch no longer counts."""
         self._epochs.pop(peer, None)
-        self._late = None
         self._awaited.discard(peer)
 
     def confirmed(self, now: float) -> bool:
@@ -417,7 +411,7 @@ class Shares:
             self._awaited.add(peer)
 
     def _enter(self, epoch: int, leader: str) -> None:
-        self.epoch, self._late = epoch, None
+        self.epoch = epoch
         self._follow(leader)
 
     def _follow(self, leader: str) -> None:
