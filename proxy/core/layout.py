@@ -27,8 +27,6 @@ PACE = 0.1
 """It is planned this often [s]..."""
 HURRY = 1e-4
 """... or when there is news, but not sooner than so long for every robot after the last time [s]."""
-AGAIN = 0.01
-"""Where it is time to plan but nothing may be lent yet, time alone is not looked at again before [s]."""
 LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 LOOK = 1.0
@@ -58,7 +56,7 @@ class Layout:
         self._promised: dict[tuple[str, str], list[Promise]] = {}
         self._off: dict[tuple[str, str], _Off] = {}
         self._slots: dict[Place, list[Lent]] = {}
-        self._asked_at = self._not_before = -math.inf
+        self._asked_at = -math.inf
         self._hurried = False
         self._ticket: int | None = None
         self._ahead: Ahead = {}
@@ -91,14 +89,8 @@ class Layout:
     @property
     def due_at(self) -> float:
         """When it is time to plan again [s]."""
-        if not self._shares.leads or len(self._shares.members) < 2:
-            return math.inf
-        return max(self._asked_at + self._pace, self._not_before)
-
-    def looked(self, now: float, affordable: float) -> None:
-        """If it was time to plan, that was done, or could not be; what is told can be paid for at `affordable` [s]."""
-        vain = now >= self._asked_at + self._pace
-        self._not_before = max(affordable, now + AGAIN) if vain else -math.inf
+        plans = self._shares.leads and len(self._shares.members) > 1 and self._gate.limits
+        return self._asked_at + self._pace if plans else math.inf
 
     @property
     def pending(self) -> bool:
