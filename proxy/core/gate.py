@@ -152,9 +152,7 @@ class Gate:
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
         held = self._held(lambda k, _: shares.held(now, k))
-        return Limits(
-            self.limits, held, shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now)
-        )
+        return Limits(self.limits, held, shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now))
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
