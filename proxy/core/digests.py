@@ -63,7 +63,7 @@ class DigestPacer:
         self._echoed: dict[str, float] = {}
         self._echoes: Counter[str] = Counter()
         """How often each peer was echoed."""
-        self._late = False
+        self._far = False
         self._ever: set[str] = set()
         """Own keys that were told of at all."""
         self._granted: dict[Grant, int] = {}
@@ -140,19 +140,22 @@ class DigestPacer:
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)
 
-    def echoes(self, now: float, echoes: Iterable[Echo], *, late: bool = False) -> tuple[Echo, ...]:
-        """Some of the echoes: of those peers that were not echoed for longest; more where the way is long."""
+    def echoes(self, now: float, echoes: Iterable[Echo], *, far: bool = False) -> tuple[Echo, ...]:
+        """Some of the echoes: of those peers that were not echoed for longest; more where others are `far`.
+
+        Far means on the air, where one copy is for all, and over a way that takes long.
+        """
         known = {echo.peer: echo for echo in echoes}
         self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
         due = [peer for peer in known if now >= self._echoed.get(peer, now - SLOW) + SLOW]
         self._fill(now)
-        if late and not self._late:
+        if far and not self._far:
             self._echoing += ECHO * len(known)
-        self._late = late
+        self._far = far
         self._echoes = Counter({peer: count for peer, count in self._echoes.items() if peer in known})
         chosen: list[str] = []
         for peer in sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:MOST_ECHOES]:
-            cost = ECHO * (1 if late and self._echoes[peer] < FEW else len(known))
+            cost = ECHO * (1 if far and self._echoes[peer] < FEW else len(known))
             if self._echoing < cost:
                 break
             self._echoing -= cost

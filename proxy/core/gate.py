@@ -285,9 +285,7 @@ class Gate:
     def _no_room(self, now: float, k: int, amount: float) -> bool:
         """Whether a message is more than what is ours; one larger than any limit may go where all is."""
         held = self._rooms.held(k, self.limits[k])
-        return self._rooms.late and amount > (
-            held - self._shares.used(now, k) if held < self.limits[k].limit else math.inf
-        )
+        return held < self.limits[k].limit and amount > held - self._shares.used(now, k)
 
     def _held(self, held: Callable[[int, Limit], float]) -> tuple[Constraint, ...]:
         """Return what we hold of each limit, as constraints."""
