@@ -41,7 +41,7 @@ def specs(tmp_path_factory):
 
 
 def views_of(specs, weights, latency, *, off=0.0):
-    """The views of robots with a stream each; what they measure of the way is `off` by that part, one less, one more."""
+    """The views of robots with a stream each; what they measure of the way is `off` by that part, either way."""
     robots = [f"r{i}" for i in range(len(weights))]
     views = []
     for place, own in enumerate(robots):
