@@ -5,6 +5,7 @@ are paid for later: until then half of what comes in goes there, and no other st
 turn: of echoes, of grants and of news that may have been lost, each digest has a few.
 """
 
+from collections import Counter
 from collections.abc import Iterable
 
 from proxy.core.fixed import feature, rounded
@@ -34,6 +35,10 @@ ECHO = 23
 """What an echo takes [B]..."""
 ECHOING = 0.25
 """... and the part of the allowance that echoes may take in the long run."""
+HEAD_START = 210.0
+"""What echoes may take ahead of that [B]: without any nobody knows how long the way is."""
+FEW = 3
+"""Where the way is long, each peer is echoed so often at the price of one copy, and once in advance."""
 REFRESH = 10.0
 """What was told of a stream is told again after this time: it may have been lost [s]."""
 MOST_REFRESHED = 2
@@ -56,8 +61,11 @@ class DigestPacer:
         self._depth = 150.0
         """What the dearest of the recent digests cost, all copies together [B]."""
         self._last = now - SLOW
-        self._echoing = 0.0
+        self._echoing = HEAD_START
         self._echoed: dict[str, float] = {}
+        self._echoes: Counter[str] = Counter()
+        """How often each peer was echoed."""
+        self._far = False
         self._ever: set[str] = set()
         """Own keys that were told of at all."""
         self._granted: dict[Grant, int] = {}
@@ -135,16 +143,28 @@ class DigestPacer:
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)
 
-    def echoes(self, now: float, echoes: Iterable[Echo]) -> tuple[Echo, ...]:
-        """Some of the echoes: of those peers that were not echoed for longest."""
+    def echoes(self, now: float, echoes: Iterable[Echo], *, far: bool = False) -> tuple[Echo, ...]:
+        """Some of the echoes: of those peers that were not echoed for longest; more where others are `far`.
+
+        Far means on the air, where one copy is for all, and over a way that takes long.
+        """
         known = {echo.peer: echo for echo in echoes}
         self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
         due = [peer for peer in known if now >= self._echoed.get(peer, now - SLOW) + SLOW]
         self._fill(now)
-        most = min(MOST_ECHOES, int(self._echoing / (ECHO * max(1, len(known)))))
-        chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:most]
-        self._echoing -= ECHO * len(known) * len(chosen)
+        if far and not self._far:
+            self._echoing += ECHO * len(known)
+        self._far = far
+        self._echoes = Counter({peer: count for peer, count in self._echoes.items() if peer in known})
+        chosen: list[str] = []
+        for peer in sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:MOST_ECHOES]:
+            cost = ECHO * (1 if far and self._echoes[peer] < FEW else len(known))
+            if self._echoing < cost:
+                break
+            self._echoing -= cost
+            chosen.append(peer)
         self._echoed.update(dict.fromkeys(chosen, now))
+        self._echoes.update(chosen)
         return tuple(known[peer] for peer in chosen)
 
     def addressee(self, grants: Iterable[Grant]) -> str:

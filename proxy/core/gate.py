@@ -1,7 +1,7 @@
 """The gate: takes the next sample, has it decided, and forwards or drops it with a reason."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -14,6 +14,7 @@ from proxy.core.deletions import Deletions
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
+from proxy.core.rooms import Rooms
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Sent, Stream
@@ -52,6 +53,7 @@ class Gate:
         self.pending: Pending | None = None
         self.decisions = Decisions()
         self._complaint = ""
+        self._rooms = Rooms(view)
         self._deletions = Deletions()
         self.promised: Promises | None = None
         """What we let others send, where it is we who lend."""
@@ -67,6 +69,11 @@ class Gate:
     def mode_of(self, stream: Stream | None) -> Mode:
         """What is done with decisions on a stream."""
         return self.mode if stream is None else in_force(self.mode, stream.information_type.mode)
+
+    @property
+    def late(self) -> bool:
+        """Whether news take so long that each robot keeps to what is its own."""
+        return self._rooms.late
 
     def put(self, waiting: Waiting) -> list[Command]:
         """Queue a sample for its decision; it may evict another one."""
@@ -100,6 +107,8 @@ class Gate:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
         self.wakes_at = math.inf
+        if not self._sharing:
+            self._rooms.look(now, self.limits)
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
@@ -146,13 +155,15 @@ class Gate:
         return tuple(
             limit.name
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount)
+            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount) or self._no_room(now, k, amount)
         )
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem: the union's and, where others lend to us, what we hold of them."""
         shares = self._shares
         if not self._sharing:
+            if self._rooms.late:
+                return Limits(self.limits, self._held(self._rooms.held), shares.sent())
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads and not self.standing:
             play = [PLAY if limit.shared else 0.0 for limit in self.limits]
@@ -160,10 +171,8 @@ class Gate:
                 replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
-        held = [Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)]
-        return Limits(
-            self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now)
-        )
+        held = self._held(lambda k, _: shares.held(now, k))
+        return Limits(self.limits, held, shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now))
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
@@ -298,6 +307,15 @@ class Gate:
         """What we know to be sent, by anybody, within the window that ends now."""
         since = now - limit.window
         return sum(use[k] for t, use in sent if t >= since) + self._shares.used(now, k)
+
+    def _no_room(self, now: float, k: int, amount: float) -> bool:
+        """Whether a message is more than what is ours; one larger than any limit may go where all is."""
+        held = self._rooms.held(k, self.limits[k])
+        return held < self.limits[k].limit and amount > held - self._shares.used(now, k)
+
+    def _held(self, held: Callable[[int, Limit], float]) -> tuple[Constraint, ...]:
+        """Return what we hold of each limit, as constraints."""
+        return tuple(Constraint(_held(c), c.window, max(held(k, c), LEAST_HELD)) for k, c in enumerate(self.limits))
 
     def _others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
         """What we know others to have sent within the longest window, as (time, use)."""

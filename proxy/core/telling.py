@@ -199,7 +199,7 @@ class Telling:
             bytes=self._view.bytes,
             streams=self.pacer.changed(now, list(self._view.own())),
             grants=self.pacer.grants(to),
-            echoes=self.pacer.echoes(now, self._echoes(to)),
+            echoes=self.pacer.echoes(now, self._echoes(to), far=self._view.settings.digests_on_air and self._gate.late),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
         )

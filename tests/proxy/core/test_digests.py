@@ -179,6 +179,16 @@ def test_of_many_peers_a_few_are_echoed_in_turn():
     assert all(abs(told.count(e.peer) - len(told) / 4) <= 1 for e in peers[:4])
 
 
+def test_far_peers_are_echoed_at_the_price_of_one_copy_until_their_clocks_are_known():
+    """Where one copy is for all: each a few times, and once as soon as it shows that they are far."""
+    peers = [echo(f"p{number}") for number in range(8)]
+    pacer = DigestPacer(0.0)
+    assert len(pacer.echoes(0.0, peers)) == 1
+    assert {e.peer for e in pacer.echoes(0.5, peers, far=True)} == {e.peer for e in peers[1:]}
+    few = [e.peer for now in range(2, 30) for e in pacer.echoes(float(now), peers, far=True)]
+    assert all(few.count(e.peer) in (2, 3) for e in peers)
+
+
 def test_grants_are_told_to_whom_they_concern_the_first_ones_first():
     """Each once, for one that gets lost is lent to nobody else; a digest for all tells those of all."""
     pacer = DigestPacer(0.0)
