@@ -199,6 +199,8 @@ class Capacity:
 
     def speak(self, now: float) -> bool:
         """Whether it is time for a digest of ours for its way alone: the channel is in use, and that tells of it."""
+        if not self._estimates:
+            return False
         used = any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
         return used and bool(self._ways) and now >= self._hearing.last_said + BEAT
 

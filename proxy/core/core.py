@@ -58,25 +58,28 @@ class Core:
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
         self.strangers = Strangers()
         self.clocks = WallClocks(self.view)
+        self._leader = ""
+        """Who lends, as the allowance was last shared out."""
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
         self._tickets = 0
-        self._taking_in = type(self).__dict__["_on"].dispatcher.dispatch
+        self._taking_in = dict(type(self).__dict__["_on"].dispatcher.registry)
         self._adopt_limits(now)
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order."""
-        commands: list[Command] = [*self._taking_in(type(event))(self, event), *self._advance(event.now)]
+        take_in = self._taking_in.get(type(event)) or self._taking_in[object]
+        commands: list[Command] = [*take_in(self, event), *self._advance(event.now)]
         self._forget_dropped(commands)
         return commands
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
-        times = [self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0]
+        due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
         if self.settings.coordination == "shares":
-            times.append(self.layout.due_at)
-        times += self.channel.capacity.wake_at(now)
-        return max(min(times), now)
+            # A plan that cannot be told yet is not made yet.
+            due = min(due, max(self.layout.due_at, self._speaks_at(now)))
+        return max(min((due, *self.channel.capacity.wake_at(now))), now)
 
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
@@ -313,12 +316,18 @@ class Core:
         if self.settings.coordination != "shares":
             return
         self.shares.confirmed(now)
-        self.telling.set_rate()
-        if now >= self.telling.pacer.due(now, urgent=True, news=True, copies=1):
+        if self.shares.leader != self._leader:
+            self._leader = self.shares.leader
+            self.telling.set_rate()
+        if now >= self._speaks_at(now):
             self._tickets += 1
             before = self.layout.lent
             commands += self.layout.ask(now, self._tickets, self.gate.inbox)
             self.telling.urgent |= self.layout.lent > before
+
+    def _speaks_at(self, now: float) -> float:
+        """When the allowance has paid for a digest to one robot [s]."""
+        return self.telling.pacer.due(now, urgent=True, news=True, copies=1)
 
     def _hear(self, now: float, digest: Digest) -> list[Command]:
         """Take in a digest, if it is one that the robot can have sent."""

@@ -46,6 +46,8 @@ class DigestPacer:
     """Spends the allowance of this robot."""
 
     def __init__(self, now: float) -> None:
+        self.revision = 0
+        """How often what was told of streams changed."""
         self._rate = LEAST_ALLOWANCE
         self._tokens = LEAST_ALLOWANCE
         self._debt = -SAVED * LEAST_ALLOWANCE
@@ -119,6 +121,7 @@ class DigestPacer:
 
     def changed(self, now: float, streams: list[Stream]) -> tuple[StreamDigest, ...]:
         """News of own streams since they were last told of, the most changed first, and some that may be lost."""
+        self.revision += 1
         known = {s.key for s in streams}
         self._told = {key: told for key, told in self._told.items() if key in known}
         self._digests = {key: digest for key, digest in self._digests.items() if key in known}
@@ -178,6 +181,7 @@ class DigestPacer:
 
     def forget(self) -> None:
         """Somebody new is there: everything is news again."""
+        self.revision += 1
         self._told.clear()
         self._granted.clear()
         self._offered = ()

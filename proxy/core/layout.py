@@ -89,7 +89,8 @@ class Layout:
     @property
     def due_at(self) -> float:
         """When it is time to plan again [s]."""
-        return self._asked_at + self._pace if self._shares.leads and len(self._shares.members) > 1 else math.inf
+        plans = self._shares.leads and len(self._shares.members) > 1 and self._gate.limits
+        return self._asked_at + self._pace if plans else math.inf
 
     @property
     def pending(self) -> bool:

@@ -89,8 +89,8 @@ class Peer:
     """Samples handed to the mesh for it."""
     latency_out: Latency | None = None
     """What our samples take to it, as it tells; None while unknown."""
-    hears: dict[str, Latency] = field(default_factory=dict)
-    """What the samples of other robots, by tag, take to it."""
+    heard_by: dict[str, Latency] = field(default_factory=dict)
+    """What its samples take to other robots, by tag, as these tell."""
     _marks: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=64))
     """Send times of our last digests, and `sent` then."""
     _incoming: dict[str, Incoming] = field(default_factory=dict)
@@ -224,7 +224,8 @@ class Peer:
             return
         before, incoming.told = incoming.told, (news.forwarded, incoming.heard) if wanted else None
         if before is not None and wanted and news.forwarded >= before[0]:
-            self._in.read(self._due, self._came)
+            if not self._in.begun:
+                self._in.read(self._due, self._came)
             self._due += news.forwarded - before[0]
             self._came += incoming.heard - before[1]
             self._in.read(self._due, self._came)

@@ -140,12 +140,13 @@ class Schedule:
         self._pattern, self._patience, self._back = None, None, 0
         self._seen += 1
 
-    def assume(self, period: float, kind: str = "") -> None:
-        """Use what the stream's robot tells: it sees every sample, we perhaps a few."""
+    def assume(self, period: float, kind: str = "") -> bool:
+        """Use what the stream's robot tells: it sees every sample, we perhaps a few; return whether it is news."""
         if (kind, period) == self._told or not (math.isfinite(period) and period > 0.0):
-            return
+            return False
         self._told, self._pattern, self._patience = (kind, period), None, None
         self._tracker.tell(period)
+        return True
 
     def forecast(self, after: float, until: float, most: int, now: float | None = None) -> list[float]:
         """Generation times expected in (after, until], at most `most` of them, in order, as things are at `now`."""

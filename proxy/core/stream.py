@@ -63,7 +63,7 @@ class Stream:
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
     changes: int = 0
-    """How often anything was noted of the stream, or it was covered anew."""
+    """How often anything was noted of the stream, its schedule or who has it, or it was covered anew."""
     _outlook: Outlook | None = None
     _steady: bool = True
     _expected: dict[int, Generated] = field(default_factory=dict)
@@ -143,13 +143,25 @@ class Stream:
     def reach(self, names: tuple[str, ...]) -> None:
         """Those robots were sent a sample; mostly they are the same as those before."""
         if names is not self._sent_to:
+            self.changes += 1
             self.reached.update(names)
             self._sent_to = names
 
     def miss(self, names: Iterable[str]) -> None:
         """Those robots were not sent a sample after all."""
+        self.changes += 1
         self.reached.difference_update(names)
         self._sent_to = ()
+
+    def match(self, *, matching: bool) -> None:
+        """Whether anybody on the mesh wants the stream, as Zenoh says."""
+        self.changes += 1
+        self.matching = matching
+
+    def assume(self, period: float, kind: str) -> None:
+        """The stream's robot tells of its schedule."""
+        if self.schedule.assume(period, kind):
+            self.changes += 1
 
     def expected(self, t_gen: float) -> Generated:
         """What the sample generated at `t_gen` [s] will be like; its own `t_gen` tells of when that was known."""

@@ -5,6 +5,7 @@ Digests concern all where all plan for all. Where one robot leads, news concern 
 
 import math
 from dataclasses import replace
+from operator import attrgetter
 
 from proxy.core.asking import Asking
 from proxy.core.capacity import BEAT
@@ -42,6 +43,8 @@ STATE_PACE = 0.2
 RESTATE = 1.0
 """While samples come, our state is looked at this often: whether the periods are still right [s]."""
 
+_CHANGES = attrgetter("changes")
+
 
 class Telling:
     """One robot's part of the conversation. `urgent`: something changed enough to alter others' plans."""
@@ -70,13 +73,15 @@ class Telling:
         """When to look whether our state is news."""
         self._next_digest = -math.inf
         """When the next digest is due, as things are since the last event [s]."""
+        self._looked_at = (0, 0, -1)
+        """Of which changes of our streams and of what was told of them it is known whether they are news."""
+        self._unknown = self._news = False
 
     def next_at(self, now: float, *, digests: bool) -> float:
         """When something is due at the latest, as far as that is known; digests wait for a plan that is being made."""
-        times = [self._next_digest if digests else now + 1.0, self.asking.next_at()]
-        if self._restate_at < math.inf:
-            times.append(max(self._restate_at, self._state_due(now)))
-        return min(times)
+        due = min(self._next_digest if digests else now + 1.0, self.asking.next_at())
+        # Where the rest is due sooner it does not matter when the allowance has paid for a state.
+        return due if due <= self._restate_at else min(due, max(self._restate_at, self._state_due(now)))
 
     def restate(self, now: float, *, soon: bool = True) -> None:
         """Our state may be news; look at once, or when it is time to."""
@@ -149,22 +154,21 @@ class Telling:
         self._next_digest = self._digest_due(now)
 
     def _digest_due(self, now: float) -> float:
-        own = list(self._view.own())
-        if self._view.settings.coordination == "shares" and self._view.peers:
+        sharing = self._view.settings.coordination == "shares" and bool(self._view.peers)
+        if sharing:
             if not self._shares.epoch and now < self._settled_at + HELLO:
                 return self._settled_at + HELLO
             if self._told_epoch != self._shares.epoch:
                 return now
-        if self._view.peers and self.pacer.unknown(own) and self.pacer.solvent:
+        self._look_for_news()
+        if self._unknown and self._view.peers and self.pacer.solvent:
             return max(now, self._told_at + STRAGGLER_PACE)
         to = self._addressee(now)
-        sharing = self._view.settings.coordination == "shares" and bool(self._view.peers)
-        all_due = self._told_all_at + self._all_pace()
-        if sharing and self._shares.leads and not to and now < all_due:
+        if sharing and not to and self._shares.leads and now < (all_due := self._told_all_at + self._all_pace()):
             retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
             return max(now, min(retold, all_due))
         speak = self._channel.capacity.speak(now)
-        news = speak or self.pacer.has_news(own)
+        news = speak or self._news
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
@@ -172,6 +176,14 @@ class Telling:
         due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
+
+    def _look_for_news(self) -> None:
+        """See whether there is news of our streams, when something was noted of them or told."""
+        changes = self._view.revision, sum(map(_CHANGES, self._view.own())), self.pacer.revision
+        if changes != self._looked_at:
+            own = list(self._view.own())
+            self._looked_at = changes
+            self._unknown, self._news = self.pacer.unknown(own), self.pacer.has_news(own)
 
     def _send_digest(self, now: float) -> Command:
         to = self._addressee(now)

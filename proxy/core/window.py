@@ -11,15 +11,16 @@ traffic, for what it uses.
 """
 
 import math
+from bisect import insort
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from heapq import nsmallest
 from itertools import chain, islice
-from operator import itemgetter
+from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
+from proxy.core.competition import Competition
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
 from proxy.core.stream import Sent, Stream
@@ -70,8 +71,7 @@ class _Candidate:
         return isinstance(self.stream.information_type.aggregation, Aggregation)
 
 
-@dataclass(frozen=True, slots=True)
-class _Open:
+class _Open(NamedTuple):
     """A message to decide."""
 
     t_gen: float
@@ -100,6 +100,7 @@ class WindowBuilder:
 
     def __init__(self, view: SharedView, started: float) -> None:
         self._view = view
+        self._competition = Competition(view)
         self._started = started
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
@@ -171,31 +172,17 @@ class WindowBuilder:
         view, own = self._view, self._view.settings.robot
         if limits.held:
             competing = [s for s in view.own() if s.key == deciding or view.competes(now, s)]
+            competing.sort(key=lambda s: (s.robot, s.key))
         else:
-            competing = self._chosen(now, view.competing(now), limits.promised or {})
+            competing = self._competition.chosen(now, view.settings.horizon, limits.promised or {})
             current = view.known(own, deciding)
-            competing += [current] if current is not None and not any(s is current for s in competing) else []
-        competing.sort(key=lambda s: (s.robot, s.key))
+            if current is not None and not any(s is current for s in competing):
+                insort(competing, current, key=lambda s: (s.robot, s.key))
+        audiences = view.audiences.of_each(now, competing)
         return [
-            _Candidate(s, place, view.copies(s), view.audiences.of(now, s), []) for place, s in enumerate(competing)
+            _Candidate(s, place, view.copies(s), audience, [])
+            for place, (s, audience) in enumerate(zip(competing, audiences, strict=True))
         ]
-
-    def _chosen(self, now: float, competing: list[tuple[Stream, int]], promised: Promises) -> list[Stream]:
-        """Of too many streams return those that the window has places for.
-
-        What a stream is worth, and when it generates next, is only estimated: a look at each has to do.
-        """
-        horizon, copies = self._view.settings.horizon, self._view.copies
-        if len(competing) <= horizon:
-            return [stream for stream, _ in competing]
-        rated = [
-            (-last.scale * gaining / max(last.size * copies(s), 1), _due(now, s, promised), s.robot, s.key, s)
-            for s, gaining in competing
-            for last in (s.newest,)
-        ]
-        rated.sort(key=itemgetter(0, 1, 2, 3))
-        best, rest = rated[: horizon // 2], rated[horizon // 2 :]
-        return [entry[-1] for entry in (*best, *nsmallest(horizon - len(best), rest, key=itemgetter(1, 2, 3)))]
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -256,13 +243,13 @@ class WindowBuilder:
             use = use_of(m.size, m.of.copies, limits.union, own=own)
             held = use if own else (0.0,) * len(use)
             messages.append((_message(m, t_sent, (*use, *held[: len(limits.held)])), m))
-        robots = sorted({c.stream.robot for c in candidates})
+        robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
         messages.sort(key=lambda entry: (entry[0].t_gen, entry[0].stream))
         places = {place: m for place, (_, m) in enumerate(messages) if m is not None}
         current = next((place for place, m in places.items() if m.current), min(places))
         problem = Problem(
             streams=tuple(
-                PlannerStream(robots.index(c.stream.robot), c.stream.information_type.aggregation, c.audience.receivers)
+                PlannerStream(robots[c.stream.robot], c.stream.information_type.aggregation, c.audience.receivers)
                 for c in candidates
             ),
             messages=tuple(message for message, _ in messages),
@@ -283,12 +270,6 @@ class WindowBuilder:
         return tuple(sorted(traffic, key=lambda sent: sent.t_sent))
 
 
-def _due(now: float, stream: Stream, promised: Promises) -> float:
-    """About when a stream generates next what is not promised yet [s]."""
-    known = promised.get((stream.robot, stream.key))
-    return max(stream.schedule.due(now), known[-1].t_gen + stream.schedule.period if known else now)
-
-
 def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
     utility = m.of.stream.information_type.utility_of(m.features)
     return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.audience.latency_of(m.size), utility, m.scale, use)
@@ -306,12 +287,10 @@ def _facts(c: _Candidate, now: float, constraints: int, promised: Promises) -> l
         return []
     most = 1 if kind is Aggregation.MOST_RECENT else MOST_FACTS
     since = now if kind is Aggregation.BEST else 0.0
-    known = stream.sent.t_gen if stream.sent else -math.inf
-    coming = [
-        Sent(p.t_gen, p.t_gen, p.size, p.scale, p.features)
-        for p in promised.get((stream.robot, stream.key), ())
-        if p.t_gen > known + 0.5 * stream.schedule.period
-    ]
+    coming: list[Sent] = []
+    if lent := promised.get((stream.robot, stream.key)):
+        known = (stream.sent.t_gen if stream.sent else -math.inf) + 0.5 * stream.schedule.period
+        coming = [Sent(p.t_gen, p.t_gen, p.size, p.scale, p.features) for p in lent if p.t_gen > known]
     sent = chain(reversed(coming), reversed(stream.recent))
     return [_fact(c, each, since, nothing) for each in islice(sent, most)]
 

@@ -23,6 +23,7 @@ def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     """When the core does not answer, samples beyond the bound are dropped, counted, and local apps still hear all."""
     monkeypatch.setattr(ingress_module, "MOST_HELD", 3)
     local = Heard(pair[0].node(), "covered/**")
+    wait_interest(pair[0], keys=("covered/**",))
     publisher = pair[0].node()
     for i in range(5):
         publisher.put("covered/a", str(i), congestion_control=zenoh.CongestionControl.BLOCK)

@@ -2,15 +2,15 @@
 
 import pytest
 
-from studies.benchmarks.view import adaptive, measure_view
+from studies.benchmarks.view import adaptive
 from studies.benchmarks.view.crowd import KINDS
 from studies.benchmarks.view.programme import ARRANGEMENTS, QUICK, programme, wrong_clocks
 
 
-@pytest.fixture(scope="module")
-def tables():
+@pytest.fixture
+def tables(measured):
     """A quick page."""
-    return measure_view(quick=True)
+    return measured("view")
 
 
 def test_every_target_has_a_row(tables):

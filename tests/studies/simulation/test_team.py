@@ -140,6 +140,20 @@ def test_where_robots_broadcast_a_digest_follows_what_was_sent():
         assert member.core.wake_at(now) > now
 
 
+def test_who_leads_is_not_woken_again_and_again_while_it_may_not_speak():
+    """It plans for the others when it can tell them: in a second a few dozen times, not as often as a machine can."""
+    how = Conditions(transport="broadcast", seconds=0.5)
+    flight = fly(draw(scenario("few"), 0, how), how, 0)
+    (leader,) = (member for member in flight.members.values() if member.core.shares.leads)
+    now = begin = leader.now(10.5)
+    woken = 0
+    while now < begin + 1.0 and woken < 1000:
+        leader.core.handle(TimePassed(now))
+        now = max(leader.core.wake_at(now), now + 1e-4)
+        woken += 1
+    assert 1 < woken < 100
+
+
 def test_robots_share_constraints_of_all_kinds_at_once(tmp_path):
     """The union keeps bytes, messages and airtime in every window, each robot its own energy; and much is sent."""
     path = tmp_path / "spec.toml"

@@ -210,7 +210,7 @@ def test_latencies_are_right_by_size_on_both_ends(request, flown):
     for receiver, sender, peer in believed(flight):
         told = sender.core.view.peers[f"z-{receiver.robot}"]
         (third,) = (m for m in flight.members.values() if m not in (receiver, sender))
-        overheard = third.core.view.peers[f"z-{receiver.robot}"].hears[f"z-{sender.robot}"]
+        overheard = third.core.view.peers[f"z-{sender.robot}"].heard_by[f"z-{receiver.robot}"]
         for size in SIZES[1:3]:
             truth = taken(flight, sender, receiver, size)
             assert peer.line_in.of(size) == pytest.approx(truth, abs=0.015)
