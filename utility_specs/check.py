@@ -84,7 +84,7 @@ def _summary(file: LoadedFile) -> list[str]:
 
 
 def _type_line(each: InformationType) -> str:
-    scale = f"scale {each.weight.text.removesuffix('.0')} × ({each.expression.text})"
+    scale = f"scale {each.weighing.text.removesuffix('.0')} × ({each.expression.text})"
     worth = f"{_kind(each.utility)}, {_combined(each.aggregation)}, {scale}"
     return f'  information_type "{each.name}": {", ".join(each.keys)} ({worth})'
 

@@ -123,12 +123,12 @@ def _unused(each: _Type) -> Iterator[Finding]:
     if isinstance(each.type.utility, Custom):
         return
     for name, _ in each.type.features:
-        if name not in each.type.expression.names | each.type.weight.names:
+        if name not in each.type.expression.names | each.type.weighing.names:
             yield each.finding(f"features.{name}", "nothing uses this feature; it is computed all the same")
 
 
 def _unused_constants(file: LoadedFile) -> Iterator[Finding]:
-    used = {name for each in file.types for name in each.expression.names | each.weight.names}
+    used = {name for each in file.types for name in each.expression.names | each.weighing.names}
     for name in [name for name in file.tables.constants if name not in used]:
         yield Finding(file.source.problem(("constants", name), "nothing in this file uses this constant"))
 

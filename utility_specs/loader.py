@@ -172,7 +172,7 @@ def _information_type(table: InformationTypeTable, constants: Mapping[str, float
         name=table.name,
         formats=table.formats,
         aggregation=table.aggregated(),
-        weight=weight,
+        weighing=weight,
         utility=table.message_utility(),
         expression=scale,
         features=tuple((name, feature.feature()) for name, feature in table.features.items()),

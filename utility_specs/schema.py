@@ -31,7 +31,7 @@ from utility_specs.suggestions import described, quoted
 from utility_specs.units import Duration, Fraction, Frequency, Part, Quantity, Size
 from utility_specs.utilities import AnyUtilityTable
 
-MOST = 256
+MOST = 1024
 """Information types of one file, and as many constraints and constants at most."""
 MOST_OF_A_TYPE = 64
 """Keys of an information type, and its features at most."""

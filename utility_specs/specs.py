@@ -81,7 +81,7 @@ class InformationType:
     name: str
     formats: tuple[KeyFormat, ...]
     aggregation: Aggregation | AggregationModel
-    weight: Expression
+    weighing: Expression
     utility: MessageUtility
     expression: Expression
     features: tuple[tuple[str, Feature], ...]
@@ -109,6 +109,14 @@ class InformationType:
         return tuple(each.expression for each in self.formats)
 
     @property
+    def weight(self) -> float:
+        """The weight of samples with the default features; 1 where it depends on a key that is not known."""
+        try:
+            return max(0.0, self.weighing.evaluate({**self.completed({}), **self.captured}))
+        except ExpressionError:
+            return 1.0
+
+    @property
     def planned(self) -> bool:
         """Whether its samples are decided on at all; what is not covers its keys, but is traffic like any other."""
         return not self.bypass and self.mode != "pass"
@@ -130,7 +138,7 @@ class InformationType:
         value is taken as 1 and counted as a failure.
         """
         values = {**self.completed(features), **self.captured}
-        weight = self._factor("weight", self.weight, values)
+        weight = self._factor("weight", self.weighing, values)
         scale = weight * self._factor("scale", self.expression, values)
         if math.isfinite(scale):
             return scale

@@ -43,7 +43,7 @@ def test_the_good_spec_is_loaded_whole(tmp_path):
     specs = load_specs(write(tmp_path, good=GOOD) / "good.toml")
     (camera,), (constraint,) = specs.types, specs.constraints
     assert (camera.name, camera.keys) == ("camera", ("robot/*/camera",))
-    assert (camera.aggregation, camera.weight.text, camera.utility) == (Aggregation.MOST_RECENT, "1.0", Video())
+    assert (camera.aggregation, camera.weight, camera.utility) == (Aggregation.MOST_RECENT, 1.0, Video())
     assert camera.scale({"red": 0.25}) == 3.5
     assert camera.forecast.plain
     assert (constraint.name, constraint.measure) == ("throughput", Throughput(250_000.0, 0.5))
@@ -53,7 +53,7 @@ def test_what_is_not_written_has_its_default(tmp_path):
     """A type needs a name, keys and a utility; half a second is the window; there may be no constraint."""
     specs = load_specs(write(tmp_path, short=SECOND + '[[constraint]]\nkind = "throughput"\nlimit = "1 kB/s"\n'))
     (pose,) = specs.types
-    assert (pose.weight.evaluate({}), pose.scale({}), pose.needs_payload, pose.utility) == (
+    assert (pose.weight, pose.scale({}), pose.needs_payload, pose.utility) == (
         1.0,
         1.0,
         False,

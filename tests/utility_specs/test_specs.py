@@ -62,7 +62,7 @@ def information_type(name="t", keys=("t/**",), weight=1.0, scale="1", **features
         name=name,
         formats=tuple(map(KeyFormat.parse, keys)),
         aggregation=Aggregation.MOST_RECENT,
-        weight=Expression.compile(str(weight), features),
+        weighing=Expression.compile(str(weight), features),
         utility=Video(),
         expression=Expression.compile(scale, features),
         features=tuple(features.items()),
@@ -235,6 +235,7 @@ def test_captured_chunks_are_known_to_weight_scale_and_utility(tmp_path):
     (tmp_path / "spec.toml").write_text(CAPTURING)
     specs = load_specs(tmp_path)
     first, other = specs.match("robot/r1/camera/3"), specs.match("robot/r2/camera/4")
+    assert (first.weight, specs.types[0].weight) == (2.0, 1.0)
     assert first.scale({}) == 14.0
     assert other.scale({}) == 6.0
     assert first.utility_of({}).features == {"size": 0.0, "n": 3.0}
