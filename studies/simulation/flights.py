@@ -12,9 +12,9 @@ GROUP = "224.0.0.226:7449"
 """On which all broadcast."""
 
 
-def team(flown: Mission, how: Conditions, seed: int) -> Team:
+def team[T: Team](flown: Mission, how: Conditions, seed: int, kind: type[T]) -> T:
     """Return a team that is ready to fly the mission."""
-    return Team(
+    return kind(
         flown.specs,
         flown.interests,
         Medium(

@@ -11,7 +11,7 @@ from functools import partial
 from planner import start
 from proxy.clock import PACE
 from proxy.core import events as ev
-from proxy.core.commands import Command, Decide, Drop, Forward
+from proxy.core.commands import Command, Decide, Drop, Forward, SendDigest
 from proxy.core.wire import Digest, tag
 from studies.simulation.clocks import BOOT, EPOCH, Clock
 from studies.simulation.medium import RELIABLE, Medium
@@ -26,6 +26,8 @@ class Life:
     events: list[tuple[float, ev.Event]] = field(default_factory=list)
     sends: dict[int, bool] = field(default_factory=dict)
     """What became of each sample; of those that were searched for, what the search said."""
+    told: list[float] = field(default_factory=list)
+    """When it sent digests, which others echo."""
     tickets: dict[int, int] = field(default_factory=dict)
     """Of those that were searched for, the ticket."""
 
@@ -50,6 +52,8 @@ class Recorded(Team):
     def _execute(self, member: Member, t: float, command: Command) -> None:
         life, pending = self.lives[member.robot], member.core.gate.pending
         life.note(command)
+        if isinstance(command, SendDigest):
+            life.told.append(t)
         if isinstance(command, Decide) and pending is not None and pending.ticket == command.ticket:
             life.tickets[pending.sample.sample] = command.ticket
             search = start(command.problem, self.search, command.seed)
@@ -83,10 +87,16 @@ class Relived(Team):
         (member,) = self.members.values()
         for t, event in self._retelling.of(self._before.events):
             self.agenda.at(t, partial(self._happen, member, event))
+        for t in self._before.told:
+            self.agenda.at(t, partial(self._mark, member))
         self.agenda.run(until)
         before, now = self._before, self._now
         for sample in sorted(before.tickets.keys() | now.tickets.keys()):
             yield before.sends.get(sample) == now.sends.get(sample)
+
+    def _mark(self, member: Member, t: float) -> None:
+        """Others have heard a digest of ours that went out now."""
+        member.core.view.sent_digest(member.now(t))
 
     def _happen(self, member: Member, event: ev.Event, t: float) -> None:
         self._feed(member, t, event)
