@@ -27,7 +27,7 @@ from proxy.core.wire import (
     StreamState,
 )
 
-VERSION = 4
+VERSION = 3
 MAX_DIGEST = 8192
 """Largest digest [B]."""
 MAX_BYTES = 262_144
@@ -97,7 +97,7 @@ def _stream_fields(sent: int, s: StreamDigest) -> list[Any]:
     forwarded = ticks(s.t_forwarded) - generated if s.forwarded else 0
     unsent = max(0, s.generated - s.forwarded)
     told = [s.id, s.generated, unsent, sent - generated, forwarded, s.size, coded(s.scale)]
-    rhythm = [coded(min(s.period, MAX_PERIOD)), s.late, s.jitter] if s.period else [0]
+    rhythm = [coded(min(s.period, MAX_PERIOD)), s.late, s.jitter] if s.period else [0] if s.features else []
     return [*told, *rhythm, *map(_feature, s.features)]
 
 
@@ -105,7 +105,7 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
     generated, unsent, age, forwarded = _count(f[1], MAX_SAMPLES), _count(f[2]), _whole(f[3]), _whole(f[4])
     if unsent > generated:
         raise MalformedWireError(f"{unsent} of {generated} samples were not sent")
-    period = _amount(f[7], MAX_PERIOD)
+    period = _amount(f[7], MAX_PERIOD) if len(f) > 7 else 0.0
     rhythm, features = (f[8:10], f[10:]) if period else ([0, 0], f[8:])
     if len(rhythm) < 2:
         raise MalformedWireError("a period without a phase")
@@ -176,7 +176,7 @@ def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -
         state=_count(f[3]),
         messages=_count(f[4]),
         bytes=_count(f[5]),
-        streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 8, 10 + 32)),
+        streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 7, 10 + 32)),
         grants=tuple(_grant(sent, grant) for grant in _each(grants, 4, 3 + 64)),
         echoes=_echoes(sent, echoes, own, ours),
         capacity=tuple(_amount(part, 1.0) for part in capacity),

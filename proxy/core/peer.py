@@ -26,9 +26,11 @@ UNHEARD = 2.0
 STREAMS = 1024
 """Streams of one peer that samples are counted of."""
 RECENT = 64
-"""Samples whose age is looked at anew when a step of the wall clock is told."""
+"""Samples whose timestamps are not read yet."""
 READ = 8192.0
 """Timestamps are read to this part of a second, which is coarser than what a wall clock of today tells as a number."""
+LOOK = 0.5
+"""What samples take is worked out anew this often while they come [s]."""
 SET = 5e-4
 """A wall clock that moved by less was not set [s]."""
 WAITS = 5
@@ -103,6 +105,8 @@ class Peer:
     _digests: LatencyFit = field(default_factory=LatencyFit)
     _out: Loss = field(default_factory=Loss)
     _in: Loss = field(default_factory=Loss)
+    _usual: Latency | None = None
+    _looked: float = 0.0
     _due: int = 0
     _came: int = 0
     name: str = ""
@@ -218,9 +222,11 @@ class Peer:
             if stands:
                 self.implausible += 1
             else:
+                if len(self._recent) == RECENT:
+                    self._read(self._recent[0].at)
                 self._recent.append(_Heard(now, size, stamp + wait))
         self._read(now - UNHEARD)
-        line = self.line_in
+        line = self._usually(now)
         return None if line is None else now - line.of(size) - wait
 
     def heard_news(self, key: str, news: StreamDigest, *, wanted: bool) -> None:
@@ -251,22 +257,26 @@ class Peer:
         return max(0.0, took) if -EARLY - self.offset.uncertainty(heard.at) <= took < MOST_AGE else None
 
     def _read(self, until: float, *others: float) -> None:
-        """Read the timestamps of samples that came until then: if the wall clock was set since, that was told by now.
+        """Read the timestamps of samples that came until then: had the wall clock been set, that was told by now.
 
-        `others` are offsets that it may have had, too. By the wrong one a sample is the older or was never sent, so
-        the shorter time that can be is right.
+        `others` are offsets that it may have had, too: the likeliest reading counts.
         """
         while self._recent and self._recent[0].at <= until:
             heard = self._recent.popleft()
-            times = [
-                took
-                for offset in (self.wall_offset, *others)
-                if offset is not None and (took := self._took(heard, offset)) is not None
-            ]
+            line = self._usually(heard.at)
+            usual = line.of(heard.size) if line else 0.0
+            offsets = (*others, *([] if self.wall_offset is None else [self.wall_offset]))
+            times = [took for offset in offsets if (took := self._took(heard, offset)) is not None]
             if times:
-                self._samples.observe(heard.at, heard.size, min(times))
+                self._samples.observe(heard.at, heard.size, min(times, key=lambda took: abs(took - usual)))
             else:
                 self.implausible += 1
+
+    def _usually(self, now: float) -> Latency | None:
+        """What samples take to us, looked at anew now and then."""
+        if self._usual is None or now >= self._looked + LOOK:
+            self._usual, self._looked = self.line_in, now
+        return self._usual
 
     def _of(self, key: str) -> Incoming | None:
         """Return how a stream comes in; None when there are too many."""

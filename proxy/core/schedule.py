@@ -190,7 +190,8 @@ class Schedule:
 
     def _recognised(self) -> Pattern | None:
         if self._pattern is None and self._past and self._first:
-            self._pattern = self._recognise(self._first, self._past[-1][1])
+            followed = self._tracker.rhythm if self._follows else None
+            self._pattern = Periodic(followed) if followed else self._recognise(self._first, self._past[-1][1])
             self._pause = self._pattern.pause if self._pattern else 0.0
         return self._pattern
 
@@ -201,8 +202,6 @@ class Schedule:
 
     def _recognise(self, first: Numbered, last: float) -> Pattern | None:
         rhythm = self._tracker.rhythm
-        if self._follows and rhythm is not None:
-            return Periodic(rhythm)
         if self._rule is not None:
             past = [*([first] if first != self._past[0] else []), *self._past]
             return written(self._rule, past, rhythm.period if rhythm else 0.0, self._failed)

@@ -62,6 +62,11 @@ class Recorded(Team):
         super()._execute(member, t, command)
 
 
+def decided_alike(flight: Recorded, clocks: Mapping[str, Clock], until: float) -> list[bool]:
+    """Return for every decision of a flight whether it falls alike by these clocks."""
+    return [alike for robot in flight.interests for alike in Relived(flight, robot, clocks).alike(until)]
+
+
 class Relived(Team):
     """One robot of a flight, alone with what it lived through, as it was or would have been by these clocks."""
 

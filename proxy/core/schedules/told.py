@@ -17,7 +17,7 @@ KNOWN = 16
 
 def told(rhythm: Rhythm | None, number: int, t: float) -> tuple[float, int, int]:
     """Return period, lateness of sample `number` of time `t`, and jitter, as a digest has them."""
-    if rhythm is None or not LEAST_PERIOD <= rhythm.period:
+    if rhythm is None or rhythm.period < LEAST_PERIOD:
         return 0.0, 0, 0
     part = rhythm.period / PHASES
     return rounded(rhythm.period), round((t - rhythm.due(number)) / part), round(rhythm.jitter / part)
