@@ -45,8 +45,11 @@ class Recorded(Team):
         super().__post_init__()
 
     def _feed(self, member: Member, t: float, event: ev.Event) -> None:
+        life, pending = self.lives[member.robot], member.core.gate.pending
         if not isinstance(event, ev.DecisionReady | ev.SampleHanded | ev.TimePassed):
-            self.lives[member.robot].events.append((t, event))
+            life.events.append((t, event))
+        elif isinstance(event, ev.DecisionReady) and event.plan and pending and pending.ticket == event.ticket:
+            life.sends[pending.sample.sample] = event.plan.send
         super()._feed(member, t, event)
 
     def _execute(self, member: Member, t: float, command: Command) -> None:
@@ -56,9 +59,6 @@ class Recorded(Team):
             life.told.append(t)
         if isinstance(command, Decide) and pending is not None and pending.ticket == command.ticket:
             life.tickets[pending.sample.sample] = command.ticket
-            search = start(command.problem, self.search, command.seed)
-            search.run(command.iterations)
-            life.sends[pending.sample.sample] = search.plan().send
         super()._execute(member, t, command)
 
 

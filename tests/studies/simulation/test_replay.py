@@ -9,7 +9,7 @@ from studies.simulation.missions import draw
 from studies.simulation.replay import Recorded, Relived, decided_alike
 from studies.workload import MIXED
 
-END = 12.0
+END = 5.0
 
 
 @pytest.fixture(scope="module", params=["overhear", "shares"])
@@ -32,7 +32,7 @@ def test_by_the_same_clocks_everything_falls_alike(flight):
 
 def test_a_wall_clock_that_steps_is_told_anew(flight):
     """By those who live through it again, as late as it may be."""
-    again = Relived(flight, "r0", {"r1": Clock(steps=((5.0, 60.0),))})
+    again = Relived(flight, "r0", {"r1": Clock(steps=((2.0, 60.0),))})
     list(again.alike(END))
     assert again.cores["r0"].view.peers["z-r1"].wall_offset == pytest.approx(
         flight.cores["r0"].view.peers["z-r1"].wall_offset + 60.0
