@@ -114,7 +114,11 @@ def _fly(flight: Flight, marks: Yardsticks) -> Flown:
 
 
 def _alike(mission: Mission, flight: Flight) -> float:
-    """Fly with right clocks, and let every robot live through it again with those of the flight."""
+    """Fly with right clocks, and let every robot live through it again with those of the flight.
+
+    A quick flight is mostly warm-up: no more than twice what is scored of it is worth the time.
+    """
     right = crew(Recorded, mission, replace(flight.how, clocks={}), flight.course.seed)
-    right.run(mission.frames, mission.problem.t_end)
-    return fmean(decided_alike(right, flight.how.clocks, mission.problem.t_end))
+    until = min(mission.problem.t_end, 2.0 * flight.how.seconds)
+    right.run(mission.frames, until)
+    return fmean(decided_alike(right, flight.how.clocks, until))
