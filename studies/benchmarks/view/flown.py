@@ -116,9 +116,9 @@ def _fly(flight: Flight, marks: Yardsticks) -> Flown:
 def _alike(mission: Mission, flight: Flight) -> float:
     """Fly with right clocks, and let every robot live through it again with those of the flight.
 
-    A quick flight is mostly warm-up: no more than twice what is scored of it is worth the time.
+    A quick flight is mostly warm-up: no more than half as much again as is scored of it is worth the time.
     """
     right = crew(Recorded, mission, replace(flight.how, clocks={}), flight.course.seed)
-    until = min(mission.problem.t_end, 2.0 * flight.how.seconds)
+    until = min(mission.problem.t_end, 1.5 * flight.how.seconds)
     right.run(mission.frames, until)
     return fmean(decided_alike(right, flight.how.clocks, until))
