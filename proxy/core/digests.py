@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 from proxy.core.fixed import feature, rounded
 from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST
+from proxy.core.schedules.told import told
 from proxy.core.stream import Stream
 from proxy.core.wire import Echo, Grant, StreamDigest
 
@@ -247,4 +248,5 @@ def _of(stream: Stream) -> StreamDigest | None:
         stream.last.size,
         rounded(stream.last.scale),
         tuple(map(feature, stream.information_type.told(stream.last.features))) if stream.last.features else (),
+        *told(stream.schedule.rhythm, stream.generated, stream.last.t_gen),
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from proxy.core.features import Outlook
 from proxy.core.fixed import rounded
 from proxy.core.schedule import Schedule
+from proxy.core.schedules.rhythm import Rhythm
 from utility_specs import InformationType
 
 SCALE = "scale"
@@ -87,13 +88,16 @@ class Stream:
             self._steady = True
         self._expected.clear()
 
-    def note_generated(self, count: int, last: Generated, *, numbered: bool = True) -> None:
-        """Sample number `count` of the stream was generated; when not `numbered`, some before it may be lost."""
+    def note_generated(self, count: int, last: Generated, *, numbered: bool = True, told: Rhythm | None = None) -> None:
+        """Sample number `count` of the stream was generated; when not `numbered`, some before it may be lost.
+
+        A rhythm that its robot `told` holds.
+        """
         if count <= self.generated:
             return
         self.generated = count
         self.changes += 1
-        self.schedule.observe(count if numbered else None, last.t_gen)
+        self.schedule.observe(count if numbered else None, last.t_gen, told)
         self.last = last
         self.mean_size += (last.size - self.mean_size) * (0.1 if self.mean_size else 1.0)
         if self._outlook is not None:

@@ -8,6 +8,7 @@ from proxy.core.events import SampleHeard
 from proxy.core.interest import Interest
 from proxy.core.latency import Latency
 from proxy.core.peer import Peer, latency_of
+from proxy.core.schedules.told import heard
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
 from proxy.core.transport import is_broadcast
@@ -469,7 +470,8 @@ class SharedView:
             stream.assume(told.period, told.schedule)
         t_gen = min(peer.offset.ours(news.t_generated), now)
         features = stream.information_type.heard(news.features)
-        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale, features))
+        last, rhythm = Generated(t_gen, news.size, news.scale, features), heard(news, peer.offset.ours)
+        stream.note_generated(news.generated, last, told=rhythm)
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
             self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
