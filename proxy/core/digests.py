@@ -179,8 +179,6 @@ class DigestPacer:
     def forget(self) -> None:
         """Somebody new is there: everything is news again."""
         self._told.clear()
-        self._granted.clear()
-        self._offered = ()
 
     def _digest(self, stream: Stream) -> StreamDigest | None:
         """Return what there is to tell of a stream; it is made when the stream has changed."""

@@ -39,6 +39,8 @@ HELLO = 0.5
 """So long after it settled a robot waits with its first digest for somebody to lead [s]."""
 STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
+ON_ITS_WAY = 0.3
+"""An update of a state may come so much later than a digest that speaks of it [s]."""
 RESTATE = 1.0
 """While samples come, our state is looked at this often: whether the periods are still right [s]."""
 
@@ -102,8 +104,10 @@ class Telling:
     def look_for_state(self, now: float, name: str) -> None:
         """Ask a robot for its state if its digests speak of another one than we have."""
         peer = self._view.peers[name]
-        if peer.state is None or (peer.digest is not None and peer.digest.state not in (0, peer.number)):
+        if peer.state is None:
             self.asking.want(now, name)
+        elif peer.digest is not None and peer.digest.state not in (0, peer.number):
+            self.asking.want(now + ON_ITS_WAY, name)
         else:
             self.asking.done(name)
 
@@ -194,7 +198,7 @@ class Telling:
         self._channel.capacity.told(digest)
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
-        self.pacer.sent(now, self._size_of(digest), 1 if to else self._digest_copies())
+        self.pacer.sent(now, self._size_of(digest, to), 1 if to else self._digest_copies())
         self.urgent = bool(self.pacer.addressee(self._shares.grants(now)))
         return SendDigest(digest, to)
 
@@ -238,11 +242,10 @@ class Telling:
         """How often all are told what concerns only some [s]."""
         return min(ALL_PACE, max(SLOW, self._digest_copies() * self.pacer.interval / ALL_PART))
 
-    def _size_of(self, digest: Digest) -> int:
-        """The size of a digest [B]; on the air its key has no number to stand for it."""
-        return len(pack_digest(digest)) + (
-            ON_AIR + len(self._view.settings.robot) if self._view.settings.digests_on_air else 0
-        )
+    def _size_of(self, digest: Digest, to: str) -> int:
+        """The size of a digest [B]; on the air, where one for all goes, its key has no number to stand for it."""
+        on_air = self._view.settings.digests_on_air and not to
+        return len(pack_digest(digest)) + (ON_AIR + len(self._view.settings.robot) if on_air else 0)
 
     def _digest_copies(self) -> int:
         """How often a digest for all is transmitted."""
