@@ -106,7 +106,7 @@ class Telling:
         peer = self._view.peers[name]
         if peer.state is None:
             self.asking.want(now, name)
-        elif peer.digest is not None and peer.digest.state not in (0, peer.number):
+        elif peer.digest is not None and peer.digest.state > peer.number:
             self.asking.want(now + ON_ITS_WAY, name)
         else:
             self.asking.done(name)

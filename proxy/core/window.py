@@ -20,6 +20,7 @@ from operator import itemgetter
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
+from proxy.core.asks import asks
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
 from proxy.core.stream import Sent, Stream
@@ -149,6 +150,9 @@ class WindowBuilder:
         """Where we lend, return what another robot has generated, told us of, and waits with."""
         stream, last = c.stream, c.stream.newest
         if limits.promised is None or stream.robot == self._view.settings.robot or now - last.t_gen > ASKED:
+            return []
+        peer = self._view.peer_called(stream.robot)
+        if peer is None or not asks(self._view, stream, peer, limits.union):
             return []
         promised = limits.promised.get((stream.robot, stream.key), ())
         known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
