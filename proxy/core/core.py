@@ -49,7 +49,8 @@ class Core:
         self.view = SharedView(settings, specs)
         self.counts = Counts()
         limits = limits_of(specs, settings.allowance, 1)
-        self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=now + settings.settle)
+        settled_at = now + settings.settle
+        self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=settled_at, started=now)
         windows = WindowBuilder(self.view, now)
         self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
         self.layout = Layout(self.view, self.shares, self.gate, windows)
@@ -75,7 +76,7 @@ class Core:
         """When `TimePassed` is due at the latest [s, our clock]."""
         times = [self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0]
         if self.settings.coordination == "shares":
-            times.append(self.layout.due_at)
+            times += [self.layout.due_at, self.shares.due_at(now)]
         times += self.channel.capacity.wake_at(now)
         return max(min(times), now)
 

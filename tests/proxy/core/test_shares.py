@@ -161,8 +161,8 @@ def test_when_the_leader_is_gone_another_one_waits_for_what_was_lent():
     agree(shares, 1.2)
     assert shares["b"].leads
     assert not shares["c"].fits(1.2, (900.0,))
-    assert not shares["b"].confirmed(2.1)
-    assert shares["b"].held(2.3, 0) == pytest.approx(990.0)
+    assert not shares["b"].confirmed(1.9)
+    assert shares["b"].held(2.1, 0) == pytest.approx(990.0)
     gone.set_members(2.4, "abc")
     gone.heard(2.4, "b", shares["b"].epoch)
     assert gone.held(2.4, 0) == 0.0
