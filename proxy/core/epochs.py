@@ -8,6 +8,7 @@ next term. A robot that meets nobody leads itself in term 0, which gives way to 
 it waits for them as others do.
 """
 
+import math
 from collections.abc import Callable, Iterable
 from zlib import crc32
 
@@ -57,6 +58,8 @@ class Epochs:
         """In which epoch each robot says it is."""
         self._awaited: set[str] = set()
         self._ready_at = 0.0
+        self._lost_at = -math.inf
+        """When a robot was last found gone [s]."""
         self._next = (0, "")
         """The epoch that we enter at `_enters_at`, and who leads it; nobody any more while empty."""
         self._enters_at = 0.0
@@ -79,7 +82,7 @@ class Epochs:
     def due_at(self, now: float) -> float:
         """When time alone changes something [s]."""
         times = [self._enters_at] if self._next[1] else []
-        return min((t for t in (*times, self._ready_at if self.leads else now) if t > now), default=float("inf"))
+        return min((t for t in (*times, self._ready_at if self.leads else now) if t > now), default=math.inf)
 
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
@@ -87,6 +90,8 @@ class Epochs:
         if len(before) == 1 < len(self.members) and not self.epoch:
             wait = min(LONGEST_WAIT, ANSWERS * max(0.0, now - self._started))
             self._settled_at = max(self._settled_at, now + wait)
+        if before - self.members:
+            self._lost_at = now
         if self.leads and self._awaited - self.members:
             self._ready_at = max(self._ready_at, now + self._window())
         # Of whom we do not know yet we must not assume that they follow, unless others already do.
@@ -153,7 +158,7 @@ class Epochs:
         self._enter(term << 32 | self._hash(self.own), self.own)
         self._awaited = set(self.members - {self.own})
         quiet = not before and len(self.members) <= NEWCOMERS
-        self._ready_at = now if quiet else now + self._window()
+        self._ready_at = max(now, self._lost_at + self._window()) if quiet else now + self._window()
 
     def _confirm(self, peer: str, epoch: int) -> None:
         """As leader, note whether a robot follows us."""
