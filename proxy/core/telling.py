@@ -29,6 +29,8 @@ ALL_PACE = 30.0
 """... and they are told at least this often [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
+LOSSES = (0.04, 0.2)
+"""Where more than this part is lost, what is lent is told once more, as far as the allowance goes."""
 STRAGGLER_PACE = 0.3
 """Those who do not say that they follow are told of who leads this often [s]."""
 ECHO_PACE = 5.0
@@ -168,14 +170,14 @@ class Telling:
             retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
             return max(now, min(retold, all_due))
         speak = self._channel.capacity.speak(now)
-        news = speak or self.pacer.has_news(own)
+        news = speak or self.pacer.again or self.pacer.has_news(own)
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
         copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
         due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
-        return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
+        return due if urgent or speak or not to or self.pacer.again else max(due, self._told_at + NEWS_PACE)
 
     def _send_digest(self, now: float) -> Command:
         to = self._addressee(now)
@@ -190,7 +192,7 @@ class Telling:
             messages=self._view.messages,
             bytes=self._view.bytes,
             streams=self.pacer.changed(now, list(self._view.own())),
-            grants=self.pacer.grants(to),
+            grants=self.pacer.grants(to, self._often()),
             echoes=self.pacer.echoes(now, self._echoes(to)),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
@@ -199,7 +201,7 @@ class Telling:
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
         self.pacer.sent(now, self._size_of(digest, to), 1 if to else self._digest_copies())
-        self.urgent = bool(self.pacer.addressee(self._shares.grants(now)))
+        self.urgent = bool(self.pacer.addressee(self._shares.grants(now), self._often())) and not self.pacer.again
         return SendDigest(digest, to)
 
     def _addressee(self, now: float) -> str:
@@ -213,9 +215,15 @@ class Telling:
         if shares.leads:
             if self._told_epoch != shares.epoch:
                 return ""
-            to = self.pacer.addressee(shares.grants(now)) or self._straggler(now) or self._next_to_time(now)
+            granted = self.pacer.addressee(shares.grants(now), self._often())
+            to = granted or self._straggler(now) or self._next_to_time(now)
             return to if to in peers else ""
         return shares.leader if shares.leader in peers and now < self._told_all_at + self._all_pace() else ""
+
+    def _often(self) -> int:
+        """How often it is told what is lent: once, or more where much gets lost."""
+        lost = [part for peer in self._view.peers.values() for part in (peer.loss_in, peer.loss_out) if part]
+        return 1 + sum(max(lost, default=0.0) > most for most in LOSSES)
 
     def _straggler(self, now: float) -> str:
         """Who has to be told again who leads: each in its turn."""
