@@ -33,8 +33,10 @@ LOSSES = (0.04, 0.2)
 """Where more than this part is lost, what is lent is told once more, as far as the allowance goes."""
 STRAGGLER_PACE = 0.3
 """Those who do not say that they follow are told of who leads this often [s]."""
-ECHO_PACE = 5.0
+ECHO_PACE = 2.0
 """Digests that concern one robot echo its own this often [s]."""
+VAGUE = 0.03
+"""... and more often where clocks are not known to this [s]."""
 MOST_AT_ONCE = 8
 """Digests that go out at the same time."""
 HELLO = 0.5
@@ -181,6 +183,8 @@ class Telling:
 
     def _send_digest(self, now: float) -> Command:
         to = self._addressee(now)
+        if self._told_epoch != self._shares.epoch:
+            self.pacer.forget()  # who leads now has perhaps not heard what concerned who led before
         self._told_at = now
         if not to:
             self._told_all_at = now
@@ -239,9 +243,10 @@ class Telling:
         """What a digest echoes: of whom it is sent to alone, or of all."""
         if not to:
             return self._view.echoes()
-        known = self._view.peers[to].offset.known
-        pace = SLOW if self._channel.capacity.factors else ECHO_PACE
-        if known and self._told_at - self._echoed_at.get(to, -math.inf) < pace:
+        offset = self._view.peers[to].offset
+        vague = offset.uncertainty(self._told_at) > VAGUE
+        pace = SLOW if self._channel.capacity.factors or vague else ECHO_PACE
+        if offset.known and self._told_at - self._echoed_at.get(to, -math.inf) < pace:
             return ()
         self._echoed_at[to] = self._told_at
         return tuple(echo for echo in self._view.echoes() if echo.peer == to)

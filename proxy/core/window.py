@@ -20,7 +20,7 @@ from operator import itemgetter
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
-from proxy.core.asks import asks
+from proxy.core.asks import serves
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
 from proxy.core.stream import Sent, Stream
@@ -152,7 +152,7 @@ class WindowBuilder:
         if limits.promised is None or stream.robot == self._view.settings.robot or now - last.t_gen > ASKED:
             return []
         peer = self._view.peer_called(stream.robot)
-        if peer is None or not asks(self._view, stream, peer, limits.union):
+        if peer is None or not serves(self._view, stream, peer, limits.union):
             return []
         promised = limits.promised.get((stream.robot, stream.key), ())
         known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
