@@ -28,8 +28,6 @@ MOST_ECHOES = 8
 """Peers echoed in one digest."""
 MOST_GRANTS = 48
 """Grants in one digest."""
-TOLD = 1
-"""So often each grant is told."""
 DEBT = 2.0
 """So many digests new streams may be told ahead of the allowance."""
 ECHO = 23
@@ -73,6 +71,8 @@ class DigestPacer:
         """How often each grant that still holds was told."""
         self._offered: tuple[Grant, ...] = ()
         """The grants that still hold."""
+        self.again = False
+        """Whether the grant to be told next was told before: that is not urgent."""
         self._told: dict[str, tuple[float, StreamDigest]] = {}
         """What was last told of each own stream, by its key, and when."""
         self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
@@ -168,18 +168,23 @@ class DigestPacer:
         self._echoes.update(chosen)
         return tuple(known[peer] for peer in chosen)
 
-    def addressee(self, grants: Iterable[Grant]) -> str:
-        """Who is to be told of a grant next: of the one that begins first; nobody when all are told."""
+    def addressee(self, grants: Iterable[Grant], often: int = 1) -> str:
+        """Who is to be told of a grant next: of the one told least often that begins first; nobody when all are told.
+
+        Each is told so `often`, as digests may be lost.
+        """
         offered = tuple(grants)
         if offered != self._offered:
             self._granted = {grant: self._granted.get(grant, 0) for grant in offered}
             self._offered = offered
-        untold = [grant for grant, times in self._granted.items() if times < TOLD]
-        return min(untold, key=lambda grant: (grant.begins, grant.peer)).peer if untold else ""
+        untold = [(times, grant) for grant, times in self._granted.items() if times < often]
+        times, grant = min(untold, key=lambda each: (each[0], each[1].begins, each[1].peer), default=(0, None))
+        self.again = times > 0
+        return grant.peer if grant else ""
 
-    def grants(self, to: str) -> tuple[Grant, ...]:
+    def grants(self, to: str, often: int = 1) -> tuple[Grant, ...]:
         """What of the grants a digest `to` this robot tells, or to all: those told least often, that begin first."""
-        concerned = [g for g, times in self._granted.items() if times < TOLD and to in ("", g.peer)]
+        concerned = [g for g, times in self._granted.items() if times < often and to in ("", g.peer)]
         chosen = sorted(concerned, key=lambda g: (self._granted[g], g.begins, g.peer))[:MOST_GRANTS]
         self._granted.update({grant: self._granted[grant] + 1 for grant in chosen})
         return tuple(chosen)
@@ -204,8 +209,6 @@ class DigestPacer:
         """Somebody new is there: everything is news again."""
         self.revision += 1
         self._told.clear()
-        self._granted.clear()
-        self._offered = ()
 
     def _digest(self, stream: Stream) -> StreamDigest | None:
         """Return what there is to tell of a stream; it is made when the stream has changed."""

@@ -18,6 +18,7 @@ from proxy.core.rooms import Rooms
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Sent, Stream
+from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.window import WindowBuilder
 
@@ -197,7 +198,7 @@ class Gate:
         if stream is None:
             return [self.pass_on(sample.sample, "passed:no-spec")]
         if self._view.receivers(stream) == 0:
-            return [self.pass_on(sample.sample, "passed:unwanted")]
+            return [self._unwanted(now, sample)]
         use = self._use(now, sample)
         if not self.limits:
             return [self._send(now, sample, use, "forwarded")]
@@ -209,6 +210,17 @@ class Gate:
         self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints))
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
         return [Decide(ticket, problem, ticket, min(budget, self._settings.iterations))]
+
+    def _unwanted(self, now: float, sample: Waiting) -> Command:
+        """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
+        silent = sum(peer.state is None for peer in self._view.peers.values())
+        if not silent or not self._sharing:
+            return self.pass_on(sample.sample, "passed:unwanted")
+        use = use_of(sample.size, 1 if is_broadcast(self._settings.transport) else silent, self.limits)
+        if lacking := [k for k, amount in enumerate(use) if amount > self._shares.free(now, k)]:
+            return self._refuse(now, sample, "dropped:constraint", tuple(_held(self.limits[k]) for k in lacking))
+        self._shares.use(now, use)
+        return self.pass_on(sample.sample, "passed:unwanted")
 
     def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
         """The static rule for when the planner fails: priority, and a part of what is free."""

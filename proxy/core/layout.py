@@ -163,11 +163,11 @@ class Layout:
     def _promise(self, now: float, expected: Expected) -> bool:
         stream, message = expected.stream, expected.message
         peer = self._view.peer_called(stream.robot)
-        if peer is None:
+        if peer is None or not peer.offset.known:
             return False
         shared = tuple(limit for limit in self._gate.limits if limit.shared)
         use = tuple(MARGIN * amount for amount in use_of(message.size, expected.copies, shared))
-        slack, center = self._slack(stream, peer), message.t_gen
+        slack, center = self._slack(now, stream, peer), message.t_gen
         if center <= now:
             center, slack = now, 2.0 * peer.offset.latency + ANSWERED
         lent = self._shares.lend(now, tag(peer.zid), center - slack, center + slack, use)
@@ -179,10 +179,10 @@ class Layout:
         self.lent += 1
         return True
 
-    def _slack(self, stream: Stream, peer: Peer) -> float:
+    def _slack(self, now: float, stream: Stream, peer: Peer) -> float:
         off = self._off.get((stream.robot, stream.key))
         deviation = max(spread(stream), 0.0 if off is None else off.deviation)
-        return LEAST_SLACK + SPREADS * deviation + peer.offset.latency
+        return LEAST_SLACK + SPREADS * deviation + peer.offset.uncertainty(now)
 
     def _look_back(self) -> None:
         """How far off what was expected came, as far as we are told."""

@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
+from proxy.core.asks import serves
 from proxy.core.competition import Competition
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
@@ -150,6 +151,9 @@ class WindowBuilder:
         """Where we lend, return what another robot has generated, told us of, and waits with."""
         stream, last = c.stream, c.stream.newest
         if limits.promised is None or stream.robot == self._view.settings.robot or now - last.t_gen > ASKED:
+            return []
+        peer = self._view.peer_called(stream.robot)
+        if peer is None or not serves(self._view, stream, peer, limits.union):
             return []
         promised = limits.promised.get((stream.robot, stream.key), ())
         known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])

@@ -199,6 +199,8 @@ def test_grants_are_told_to_whom_they_concern_the_first_ones_first():
     assert pacer.grants("") == (early,)
     assert pacer.addressee([late, early]) == ""
     assert pacer.grants("") == ()
+    assert (pacer.addressee([late, early], 2), pacer.again) == ("a", True)
+    assert pacer.grants("a", 2) == (early,)
     many = [Grant(f"p{number:02}", 0.0, float(number), (10,)) for number in range(60)]
     assert pacer.addressee(many) == "p00"
     assert len(pacer.grants("")) == MOST_GRANTS
