@@ -11,12 +11,13 @@ much all use together. The others tell it what they see themselves, and take no 
 is lent nothing.
 """
 
+import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from proxy.core.arrivals import HELPED, LOST, SPAN, Arrivals
-from proxy.core.delays import Queue, Ways, queue
+from proxy.core.delays import NEW, Queue, Ways, queue
 from proxy.core.estimate import Estimate
 from proxy.core.hearing import Hearing
 from proxy.core.limits import Limit
@@ -41,6 +42,8 @@ BEAT = 0.25
 """Digests of ours are so far apart at most while the channel is in use [s], if the allowance lets them."""
 RECENT = 1.5
 """Delays are as old as this at most [s], or as twice the time between digests."""
+WIDEST = 0.5
+"""Bursts of limits with longer windows are taken for queues [s]."""
 FADING = 1.0
 """Silence decreases the estimates this often [s]."""
 SAID = 64
@@ -158,9 +161,9 @@ class Capacity:
         self._note_drops(now, seen.dropped)
         bearable = BEARABLE + min(seen.longest, LONGEST)
         recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
-        settled = max((recent, *(estimate.settled_at for estimate in self._estimates)))
-        self._queue = self._worst(now, seen.receivers, recent, bearable)
-        new = self._worst(now, seen.receivers, settled, bearable)
+        settled = max(estimate.settled_at for estimate in self._estimates)
+        self._queue = self._worst(now, seen.receivers, -math.inf, recent, bearable)
+        new = self._worst(now, seen.receivers, settled, recent, bearable)
         used = self._used = self._use(now)
         if not self._ways:
             self._why = "nobody is there"
@@ -247,15 +250,21 @@ class Capacity:
             self._pressed_until = now + 1.0
             self._most_dropped = dropped
 
-    def _worst(self, now: float, receivers: Collection[str], since: float, bearable: float) -> Queue | None:
-        """The longest that stands before what comes here, or before what we send to those whom it matters to."""
+    def _worst(
+        self, now: float, receivers: Collection[str], since: float, recent: float, bearable: float
+    ) -> Queue | None:
+        """The longest that stands before what comes here, or before what we send to those whom it matters to.
+
+        A limit lets what it bears in its window be sent at once: a queue stands if it outlasts that.
+        """
+        span = min(max(NEW, *(limit.window for limit in self._limits)), WIDEST)
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
         links = [ways.link for ways in outward]
         inward = list(self._ways.values())
         if self._follows:
             outward = inward = [self._ways[self._leader]]
         groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
-        found = [queue(now, ways, since, bearable / 2.0) for ways in groups]
+        found = [queue(now, ways, since, bearable / 2.0, recent=recent, span=span) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
 
     def _fade(self, now: float) -> None:
