@@ -132,15 +132,15 @@ class DigestPacer:
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)
 
-    def echoes(self, now: float, echoes: Iterable[Echo]) -> tuple[Echo, ...]:
-        """Some of the echoes: of those peers that were not echoed for longest."""
+    def echoes(self, now: float, echoes: Iterable[Echo], copies: int) -> tuple[Echo, ...]:
+        """Some of the echoes, in a digest of so many copies: of those peers that were not echoed for longest."""
         known = {echo.peer: echo for echo in echoes}
         self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
         due = [peer for peer in known if now >= self._echoed.get(peer, now - SLOW) + SLOW]
         self._fill(now)
-        most = min(MOST_ECHOES, int(self._echoing / (ECHO * max(1, len(known)))))
+        most = min(MOST_ECHOES, int(self._echoing / (ECHO * max(1, copies))))
         chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:most]
-        self._echoing -= ECHO * len(known) * len(chosen)
+        self._echoing -= ECHO * copies * len(chosen)
         self._echoed.update(dict.fromkeys(chosen, now))
         return tuple(known[peer] for peer in chosen)
 

@@ -175,6 +175,7 @@ class Telling:
 
     def _send_digest(self, now: float) -> Command:
         to = self._addressee(now)
+        copies = 1 if to else self._digest_copies()
         self._told_at = now
         if not to:
             self._told_all_at = now
@@ -187,14 +188,14 @@ class Telling:
             bytes=self._view.bytes,
             streams=self.pacer.changed(now, list(self._view.own())),
             grants=self.pacer.grants(to),
-            echoes=self.pacer.echoes(now, self._echoes(to)),
+            echoes=self.pacer.echoes(now, self._echoes(to), copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
         )
         self._channel.capacity.told(digest)
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
-        self.pacer.sent(now, self._size_of(digest), 1 if to else self._digest_copies())
+        self.pacer.sent(now, self._size_of(digest), copies)
         self.urgent = bool(self.pacer.addressee(self._shares.grants(now)))
         return SendDigest(digest, to)
 

@@ -111,7 +111,9 @@ def _team(course: Course, coordination: Coordination, transport: Transport, limi
         specs_of(SPEC.format(limit=limit, slope=SLOPE)),
         interests,
         medium,
-        settings=CoreSettings("", "", coordination=coordination, transport=how),
+        settings=CoreSettings(
+            "", "", coordination=coordination, transport=how, digests_on_air=transport == "broadcast"
+        ),
         search=SearchSettings(search="best"),
         iterations=100,
     )
