@@ -34,7 +34,7 @@ FRESH = 5.0
 """What a robot tells counts for so long [s]."""
 USED, HALF_USED = 0.85, 0.5
 """A limit is used when this part of it is, or the lesser part, and samples had to be dropped."""
-MOSTLY = 0.75
+MOSTLY = 0.6
 """Who uses so much of a limit uses it."""
 AHEAD = 1.3
 """An estimate above the limit in force is not tested: it grows no further than so many times that."""

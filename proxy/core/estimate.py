@@ -13,7 +13,8 @@ STEEPEST = 0.1
 """Part of itself that it grows by in a second at most."""
 PROBING = 0.5
 """The same until the first decrease, after silence, and up to what the others know to be borne."""
-QUIET = 5.0
+FASTER = 0.1
+QUIET = 3.0
 """When nothing stood in the way for so long, it grows twice as fast, or as fast as others know to be borne [s]."""
 LESS, LEAST_CUT, DEEPEST_CUT, AGAIN = 0.95, 0.9, 0.5, 0.7
 """A decrease: to so much of what came through; at least and at most to so much; to so much when the last one failed."""
@@ -67,14 +68,15 @@ class Estimate:
         if self._probing or (calm and self.part < others):
             step = PROBING * self.part
         else:
-            step = min(STEP * (2.0 if calm else 1.0), STEEPEST * self.part)
+            faster = max(0.0, now - self._cut_at - QUIET) * FASTER
+            step = min(STEEPEST + faster, PROBING) * self.part
         self.part = max(self.part, min(self.part + step * elapsed, most, 1.0))
 
     def cut(self, now: float, used: float, share: float, delay: float) -> None:
         """A queue of `delay` [s] grew while `used` was sent, of which `share` came through."""
         failed = not self._probing and now < self._settled_at + AGAIN_WITHIN
-        factor = min(max(LESS * share, DEEPEST_CUT), AGAIN if failed else LEAST_CUT)
-        self.part = max(self.floor, factor * min(self.part, used))
+        factor = min(max(LESS * share, DEEPEST_CUT), LEAST_CUT)
+        self.part = max(self.floor, min(factor * used, (AGAIN if failed else factor) * self.part))
         self._probing = False
         self._cut_at = now
         self._cut_for = delay
@@ -86,9 +88,6 @@ class Estimate:
         """A queue still stands: if we decreased for it, it takes longer to drain, and more if it has doubled since."""
         if not self._cut_at < now < min(self._drained_at + SETTLE, self._cut_at + LONGEST_DRAIN):
             return
-        if delay > 2.0 * self._cut_for:
-            self._cut_for = delay
-            self.part = max(self.floor, AGAIN * self.part)
         self._draining = min(self._draining, max(LEFT, 1.0 - delay / DRAIN))
         self._drained_at = max(self._drained_at, now + SETTLE)
         self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
