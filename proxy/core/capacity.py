@@ -40,7 +40,7 @@ AHEAD = 1.3
 """An estimate above the limit in force is not tested: it grows no further than so many times that."""
 BEAT = 0.25
 """Digests of ours are so far apart at most while the channel is in use [s], if the allowance lets them."""
-RECENT = 1.5
+RECENT = 0.8
 """Delays are as old as this at most [s], or as twice the time between digests."""
 WIDEST = 0.5
 """Bursts of limits with longer windows are taken for queues [s]."""
