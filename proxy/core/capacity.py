@@ -44,6 +44,8 @@ RECENT = 0.8
 """Delays are as old as this at most [s], or as twice the time between digests."""
 WIDEST = 0.5
 """Bursts of limits with longer windows are taken for queues [s]."""
+LATELY = 2.5
+"""The others say something often if much was used so long ago [s]."""
 FADING = 1.0
 """Silence decreases the estimates this often [s]."""
 SAID = 64
@@ -104,6 +106,7 @@ class Capacity:
         self._queue: Queue | None = None
         self._why = "nobody is there"
         self._leader = ""
+        self._used_at = -math.inf
 
     def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
         """The constraints in force are now these; estimates of limits of the same name stay."""
@@ -165,11 +168,11 @@ class Capacity:
         self._queue = self._worst(now, seen.receivers, -math.inf, recent, bearable)
         new = self._worst(now, seen.receivers, settled, recent, bearable)
         used = self._used = self._use(now)
+        self._used_at = now if self._in_use else self._used_at
         if not self._ways:
             self._why = "nobody is there"
-        elif not self._follows and self._hearing.silent(now):
-            self._why = "silence"
-            self._fade(now)
+        elif self._hears_nothing(now):
+            self._queue = None
         elif new is not None and new.delay > bearable:
             self._why = "delay"
             self._trial = None
@@ -202,8 +205,7 @@ class Capacity:
 
     def speak(self, now: float) -> bool:
         """Whether it is time for a digest of ours for its way alone: the channel is in use, and that tells of it."""
-        used = any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
-        return used and bool(self._ways) and now >= self._hearing.last_said + BEAT
+        return self._in_use and bool(self._ways) and now >= self._hearing.last_said + BEAT
 
     def news(self, now: float) -> bool:
         """Whether the others should hear at once what we would tell them."""
@@ -266,6 +268,21 @@ class Capacity:
         groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
         found = [queue(now, ways, since, bearable / 2.0, recent=recent, span=span) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
+
+    def _hears_nothing(self, now: float) -> bool:
+        """Whether nothing comes through, or what is overdue may wait in a queue; then less is sent."""
+        if self._follows:
+            return False
+        if self._hearing.silent(now):
+            self._why = "silence"
+            self._fade(now)
+            return True
+        if now < self._used_at + LATELY and self._hearing.overdue(now):
+            self._why = "overdue"
+            for estimate in self._estimates:
+                estimate.hold(now)
+            return True
+        return False
 
     def _fade(self, now: float) -> None:
         if now >= self._faded_at + FADING:
@@ -333,6 +350,11 @@ class Capacity:
             if (peer in receivers) is inside
         )
         return words[min(1, len(words) - 1)] if words else 1.0
+
+    @property
+    def _in_use(self) -> bool:
+        """Whether much of any limit in force is used."""
+        return any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
 
     @property
     def _follows(self) -> bool:

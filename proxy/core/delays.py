@@ -94,17 +94,19 @@ def queue(
 ) -> Queue | None:
     """What stands in front of several ways of one direction since then; None while two new times do not tell.
 
-    It stands when it was there all the `span` [s]; nothing counts that came before the `recent` past [s]. Where there are several ways these are of two: one robot that is far away is no channel that is full.
+    It stands when it was there all the `span` [s]; nothing counts that came before the `recent` past [s]. Where
+    something came several ways these are of two: one robot that is far away is no channel that is full.
     """
     ways = [way for way in ways if way.known]
     waits = [(t, wait, way) for way in ways for t, wait in way.waits(since, recent)]
     waits.sort(key=lambda each: -each[0])
+    several = len({id(way) for *_, way in waits})
     new: list[tuple[float, float, OneWay]] = []
     for t, wait, way in waits:
-        if t < now - span and _tell(new, len(ways)):
+        if t < now - span and _tell(new, several):
             break
         new.append((t, wait, way))
-    if not _tell(new, len(ways)):
+    if not _tell(new, several):
         return None
     _, delay, way = min(new, key=lambda each: each[1])
     return Queue(delay, way.share(since, bearable, span))

@@ -83,13 +83,19 @@ class Estimate:
         self._settled_at = self._drained_at + SETTLE
 
     def linger(self, now: float, delay: float) -> None:
-        """A queue still stands: if we decreased for it, it takes longer to drain, and once more if it has doubled since."""
+        """A queue still stands: if we decreased for it, it drains longer, and once more if it has doubled since."""
         if not self._cut_at < now < min(self._drained_at + SETTLE, self._cut_at + LONGEST_DRAIN):
             return
         if delay > 2.0 * self._cut_for:
             self._cut_for = math.inf
             self.part = max(self.floor, AGAIN * self.part)
         self._draining = min(self._draining, max(LEFT, 1.0 - delay / DRAIN))
+        self._drained_at = max(self._drained_at, now + SETTLE)
+        self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
+
+    def hold(self, now: float) -> None:
+        """What tells of the channel is overdue: that may be a queue, so little is sent until something comes."""
+        self._draining = LEFT
         self._drained_at = max(self._drained_at, now + SETTLE)
         self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
 

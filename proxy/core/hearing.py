@@ -8,6 +8,8 @@ from collections import deque
 from collections.abc import Iterable
 from itertools import pairwise
 
+OVERDUE, SPARE = 0.6, 2.0
+"""Where much is sent something is overdue after so long [s], and after so many times what lies between our digests."""
 SILENCE = 2.5
 """Robots say something every second if they may: silence is at least this long [s]."""
 GAPS = 3.0
@@ -53,6 +55,10 @@ class Hearing:
     def gap(self, now: float) -> float:
         """The longest time between two of our last digests [s]; the others' are as far apart."""
         return _longest((*self._said, now))
+
+    def overdue(self, now: float) -> bool:
+        """Whether the others should have been heard by now: what they said waits somewhere."""
+        return now - self._heard > max(OVERDUE, SPARE * self.gap(now))
 
     def silent(self, now: float) -> bool:
         """Whether nothing gets through, one way or the other."""

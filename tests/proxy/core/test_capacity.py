@@ -110,6 +110,16 @@ def test_silence_is_no_good_news(silent):
     assert channel.run(10.0).factor > 0.5
 
 
+def test_what_is_overdue_is_waited_for():
+    """It may stand in a queue: little is sent until it comes."""
+    channel = Channel().run(20.0)
+    channel.waits["op"] = None
+    assert channel.run(1.0).factor <= 0.4
+    assert channel.why == "overdue"
+    channel.waits["op"] = 0.0
+    assert channel.run(2.0).factor == 1.0
+
+
 def test_one_robot_that_is_far_away_decreases_nothing():
     """Neither what we see of it, nor what it tells, nor its leaving."""
     channel = Channel(peers=("a", "b", "far"), receivers=("a", "b", "far")).run(20.0)

@@ -116,6 +116,15 @@ def test_a_queue_that_still_stands_drains_longer():
     assert estimate.told(20.4) == pytest.approx(0.35 * estimate.part)
 
 
+def test_while_nothing_tells_of_the_channel_little_is_sent():
+    """Until something comes; then all of it again."""
+    estimate = settled(0.5)
+    estimate.hold(10.0)
+    assert estimate.part == pytest.approx(0.5)
+    assert estimate.told(10.1) == pytest.approx(0.35 * 0.5)
+    assert estimate.told(estimate.drained_at) == pytest.approx(0.5)
+
+
 def test_what_others_know_is_older_than_a_decrease():
     """Until nothing stood in the way for long, it grows no faster for what the others say."""
     estimate = settled(0.3)
