@@ -27,7 +27,7 @@ ASKED = 0.85
 DELAY = 0.02
 STARTED = 5.0
 """After this time a team knows what a constant medium bears [s]."""
-CALM, LOOK = 0.5, 0.5
+CALM, LOOK = 0.5, 1.0
 """Without a queue samples are late by this at most in the middle of so long [s]; one takes 0.4 s at half the rate."""
 SIZE, PACE, SLOPE = 20_000, 20.0, 0.5
 """Samples: bytes, Hz of all robots together, how fast they fade [1/s]."""
@@ -133,11 +133,11 @@ def _delay(team: Team, since: float, until: float) -> str:
 
 
 def _calm(team: Team, since: float, until: float) -> str:
-    """Say after what time samples are never late again for two seconds, in the middle."""
+    """Say after what time samples are not late for two seconds, in the middle; none sent is no calm."""
     spans = [since + LOOK * i for i in range(int((until - since) / LOOK))]
-    calm = [median(_late(team, t, t + LOOK) or [0.0]) <= CALM for t in spans]
+    calm = [median(_late(team, t, t + LOOK) or [2.0 * CALM]) <= CALM for t in spans]
     for i, t in enumerate(spans):
-        if all(calm[i : i + 4]):
+        if all(calm[i : i + 2]):
             return f"calm after {t - since:.1f} s"
     return "never calm"
 
