@@ -56,6 +56,8 @@ class Epochs:
         self._left_at = left_at
         self._said: dict[str, int] = {}
         """In which epoch each robot says it is."""
+        self._behind: list[str] | None = None
+        """Who does not say that it is in ours; None: to be looked for."""
         self._awaited: set[str] = set()
         self._ready_at = 0.0
         self._lost_at = -math.inf
@@ -72,7 +74,9 @@ class Epochs:
     @property
     def stragglers(self) -> list[str]:
         """Robots that are not known to be in our epoch."""
-        return sorted(m for m in self.members if m != self.own and self._said.get(m) != self.epoch)
+        if self._behind is None:
+            self._behind = sorted(m for m in self.members if m != self.own and self._said.get(m) != self.epoch)
+        return self._behind
 
     def confirmed(self, now: float) -> bool:
         """Whether somebody lends; if it is we, whether we may."""
@@ -86,7 +90,7 @@ class Epochs:
 
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
-        before, self.members = self.members, frozenset(members) | {self.own}
+        before, self.members, self._behind = self.members, frozenset(members) | {self.own}, None
         if len(before) == 1 < len(self.members) and not self.epoch:
             wait = min(LONGEST_WAIT, ANSWERS * max(0.0, now - self._started))
             self._settled_at = max(self._settled_at, now + wait)
@@ -115,7 +119,7 @@ class Epochs:
         """Take in that `peer` is in `epoch`; return whether it leads us there."""
         if peer not in self.members:
             return False
-        self._said[peer] = epoch
+        self._said[peer], self._behind = epoch, None
         if epoch > max(self.epoch, self._next[0]) and (leader := self._leader_of(epoch)):
             if leader == self.own:
                 self._propose(now, epoch)
@@ -129,6 +133,7 @@ class Epochs:
     def forget(self, peer: str) -> None:
         """A robot left: what it last said of its epoch no longer counts."""
         self._said.pop(peer, None)
+        self._behind = None
 
     def look(self, now: float) -> None:
         """Enter the epoch that we wait for, and lead if nobody does."""
@@ -173,7 +178,7 @@ class Epochs:
         self._follow("")
 
     def _enter(self, epoch: int, leader: str) -> None:
-        self.epoch, self._next = epoch, (0, "")
+        self.epoch, self._next, self._behind = epoch, (0, ""), None
         self._follow(leader)
 
     def _follow(self, leader: str) -> None:

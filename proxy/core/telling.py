@@ -197,6 +197,7 @@ class Telling:
         to = self._addressee(now)
         if self._told_epoch != self._shares.epoch:
             self.pacer.forget()  # who leads now has perhaps not heard what concerned who led before
+        copies = 1 if to else self._digest_copies()
         self._told_at = now
         if not to:
             self._told_all_at = now
@@ -209,14 +210,14 @@ class Telling:
             bytes=self._view.bytes,
             streams=self.pacer.changed(now, list(self._view.own())),
             grants=self.pacer.grants(to, self._often()),
-            echoes=self.pacer.echoes(now, self._echoes(to), far=self._view.settings.digests_on_air and self._gate.late),
+            echoes=self.pacer.echoes(now, self._echoes(to), copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
         )
         self._channel.capacity.told(digest)
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
-        self.pacer.sent(now, self._size_of(digest, to), 1 if to else self._digest_copies())
+        self.pacer.sent(now, self._size_of(digest, to), copies)
         self.urgent = bool(self.pacer.addressee(self._shares.grants(now), self._often())) and not self.pacer.again
         return SendDigest(digest, to)
 

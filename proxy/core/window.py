@@ -219,7 +219,9 @@ class WindowBuilder:
         half = 0.5 * stream.schedule.period
         if limits.promised is not None:
             promised = limits.promised.get((stream.robot, stream.key), ())
-            return max([now + c.audience.latency + LEAD, *(p.t_gen + half for p in promised[-1:])])
+            peer = view.peer_called(stream.robot)
+            told = now + LEAD + (peer.offset.latency if peer is not None else 0.0)
+            return max([told, *(p.t_gen + half for p in promised[-1:])])
         heard = max(stream.schedule.last or now, stream.sent.t_gen + half if stream.sent else 0.0)
         if not view.overhears(stream):
             return max(heard, now - longest)

@@ -76,7 +76,7 @@ def test_the_union_of_all_robots_keeps_the_limit(specs, loss):
     """In every window, also when a fifth of all messages is lost; and nothing goes uncounted."""
     flight = team(specs, medium=Medium(RATE, loss=loss))
     deliveries = flight.run(scene(), 14.0)
-    assert len(deliveries) > 60
+    assert len(deliveries) > 50
     assert worst_window(deliveries) <= 0.9 * RATE * WINDOW
     for core in flight.cores.values():
         assert core.counts.conserved
