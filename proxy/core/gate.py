@@ -14,6 +14,7 @@ from proxy.core.deletions import Deletions
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
+from proxy.core.plenty import EACH, PACE, fits
 from proxy.core.rooms import Rooms
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
@@ -64,6 +65,8 @@ class Gate:
         """When a sample that waits for room can be taken up [s]."""
         self._unsettled: dict[int, Waiting] = {}
         """Samples whose worth by the specs in force is not known yet."""
+        self._room = -math.inf, False
+        """Whether there is room for all that may be sent, and until when that is taken for true [s]."""
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
 
@@ -206,10 +209,27 @@ class Gate:
             return [self._refuse(now, sample, "dropped:once")]
         if lacking := self.lacking(now, use):
             return [self._refuse(now, sample, "dropped:constraint", lacking)]
+        if self._roomy(now):
+            self.decisions.unneeded += 1
+            return [self._send(now, sample, use, "forwarded")]
         problem = self._windows.build(now, sample, self.inbox, self.problem_limits(now))
         self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints))
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
         return [Decide(ticket, problem, ticket, min(budget, self._settings.iterations))]
+
+    def _roomy(self, now: float) -> bool:
+        """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
+        until, roomy = self._room
+        if now >= until:
+            alone = self._sharing or self._rooms.late
+            view = self._view
+            streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
+            held = [self._shares.held(now, k) if self._sharing else limit.limit for k, limit in enumerate(self.limits)]
+            if self._rooms.late and not self._sharing:
+                held = [self._rooms.held(k, limit) for k, limit in enumerate(self.limits)]
+            roomy = fits(view, streams, self.limits, held)
+            self._room = now + max(PACE, EACH * len(streams)), roomy
+        return roomy
 
     def _unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""

@@ -16,6 +16,7 @@ from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
+from proxy.core.plenty import Plenty
 from proxy.core.shares import Lent, Shares
 from proxy.core.slots import MARGIN, STANDING, Demand, Place, allot, demands
 from proxy.core.stream import Stream
@@ -53,6 +54,7 @@ class Layout:
         self._shares = shares
         self._gate = gate
         self._windows = windows
+        self._plenty = Plenty(view, shares)
         self._promised: dict[tuple[str, str], list[Promise]] = {}
         self._off: dict[tuple[str, str], _Off] = {}
         self._slots: dict[Place, list[Lent]] = {}
@@ -73,11 +75,15 @@ class Layout:
             return []
         self._asked_at, self._hurried = now, False
         self._forget(now)
-        self._gate.standing = self._vague(now)
+        plenty = self._plenty.there(now, [limit for limit in self._gate.limits if limit.shared])
+        self._gate.standing = plenty or self._vague(now)
         if self._gate.standing:
             self._gate.promised, self._ticket = None, None
             self._promised.clear()
-            self._stand(now)
+            if plenty:
+                self.lent += self._plenty.lend(now)
+            else:
+                self._stand(now)
             return []
         found = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
         if found is None or not found[1]:
