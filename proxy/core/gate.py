@@ -11,6 +11,7 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
+from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
@@ -203,23 +204,36 @@ class Gate:
         if self._view.receivers(stream) == 0:
             return [self._unwanted(now, sample)]
         use = self._use(now, sample)
-        if not self.limits:
-            return [self._send(now, sample, use, "forwarded")]
-        if not self._view.gaining(stream):
+        if self.limits and not self._view.gaining(stream):
             return [self._refuse(now, sample, "dropped:once")]
+        must = guaranteed(stream) and self._owed(now, stream, sample)
         if lacking := self.lacking(now, use):
+            self.decisions.unkept += must
             return [self._refuse(now, sample, "dropped:constraint", lacking)]
-        if self._roomy(now):
-            self.decisions.unneeded += 1
-            return [self._send(now, sample, use, "forwarded")]
+        if must:
+            self.decisions.owed += 1
+        elif self._roomy(now):
+            self.decisions.unneeded += bool(self.limits)
+        else:
+            return [self._search(now, sample, ticket)]
+        return [self._send(now, sample, use, "forwarded")]
+
+    def _search(self, now: float, sample: Waiting, ticket: int) -> Command:
+        """Have a sample decided."""
         problem = self._windows.build(now, sample, self.inbox, self.problem_limits(now))
         self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints))
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
-        return [Decide(ticket, problem, ticket, min(budget, self._settings.iterations))]
+        return Decide(ticket, problem, ticket, min(budget, self._settings.iterations))
+
+    def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Whether a guarantee of the stream demands the sample."""
+        return any(owed(stream, [sample.t_gen], self._view.audiences.of(now, stream).slowest))
 
     def _roomy(self, now: float) -> bool:
         """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
         until, roomy = self._room
+        if not self.limits:
+            return True
         if now >= until:
             alone = self._sharing or self._rooms.late
             view = self._view

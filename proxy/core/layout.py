@@ -21,7 +21,7 @@ from proxy.core.shares import Lent, Shares
 from proxy.core.slots import MARGIN, STANDING, Demand, Place, allot, demands
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
-from proxy.core.window import Ahead, Expected, WindowBuilder
+from proxy.core.window import Expected, Outlook, WindowBuilder
 from proxy.core.wire import tag
 
 PACE = 0.1
@@ -61,7 +61,7 @@ class Layout:
         self._asked_at = -math.inf
         self._hurried = False
         self._ticket: int | None = None
-        self._ahead: Ahead = {}
+        self._outlook = Outlook(None, {}, ())
         self.lent = 0
 
     def ask(self, now: float, ticket: int, waiting: Iterable[Waiting]) -> list[Decide]:
@@ -85,12 +85,12 @@ class Layout:
             else:
                 self._stand(now)
             return []
-        found = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
-        if found is None or not found[1]:
+        self._outlook = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
+        if self._outlook.problem is None or not self._outlook.ahead:
+            self._promise_all(now, self._outlook.demanded, now + 2.0 * PACE)
             return []
-        problem, self._ahead = found
         self._ticket = ticket
-        return [Decide(ticket, problem, ticket, self._view.settings.iterations)]
+        return [Decide(ticket, self._outlook.problem, ticket, self._view.settings.iterations)]
 
     @property
     def due_at(self) -> float:
@@ -112,7 +112,11 @@ class Layout:
         self._ticket = None
         if plan is None:
             return False
-        chosen = [self._ahead[place] for place in plan.sends if place in self._ahead]
+        ahead = self._outlook.ahead
+        chosen = [*self._outlook.demanded, *(ahead[place] for place in plan.sends if place in ahead)]
+        return self._promise_all(now, chosen, until)
+
+    def _promise_all(self, now: float, chosen: Iterable[Expected], until: float) -> bool:
         due = [e for e in chosen if e.message.t_gen <= (now if self._asks(e.stream) else until)]
         return sum(self._promise(now, expected) for expected in due) > 0
 
