@@ -116,5 +116,5 @@ def wait_matching(session: zenoh.Session, key: str) -> None:
 
 def answers(session: zenoh.Session, selector: str, **options: Any) -> Iterator[str]:
     """The payloads of all replies, errors as "error: …"."""
-    for reply in session.get(selector, timeout=5.0, **options):
+    for reply in session.get(selector, timeout=30.0, **options):
         yield reply.ok.payload.to_string() if reply.ok else f"error: {reply.err.payload.to_string()}"
