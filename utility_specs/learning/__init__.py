@@ -5,6 +5,7 @@ Pure: samples come in as data, and the text of a spec file comes out.
 
 from collections.abc import Callable, Iterable, Sequence
 
+from utility_specs.learning.formats import ros_topic
 from utility_specs.learning.observed import Observed
 from utility_specs.learning.patterns import kinds_of
 from utility_specs.learning.stream import Timing
@@ -12,6 +13,11 @@ from utility_specs.learning.traffic import MOST_STREAMS, Traffic
 from utility_specs.learning.writing import MOST_TYPES, named, spec_file
 
 __all__ = ["LearningError", "Observed", "Timing", "learn"]
+
+ROS_2 = (
+    'In the configuration of the daemon, profile = "ros2" keeps rosout, parameter_events and tf of ROS 2 on the robot,'
+    " and lets commands and latched topics bypass the planner: what is said of them here is then without effect."
+)
 
 
 class LearningError(Exception):
@@ -39,4 +45,5 @@ def learn(
         (max(0, len(kinds) - MOST_TYPES), "types, those of fewest bytes"),
     ]
     left_out = [f"Left out: {count} {what}." for count, what in limits if count]
-    return spec_file(traffic, named(kinds), robots, [*notes(), *left_out])
+    ros = [ROS_2] if any(ros_topic(stream.key) for stream in traffic.streams) else []
+    return spec_file(traffic, named(kinds), robots, [*notes(), *left_out, *ros])

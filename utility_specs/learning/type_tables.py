@@ -17,6 +17,11 @@ MOST_NAMES = 8
 PLAIN = 0.2
 """What varies by so much between 0 and 1 needs no range."""
 
+UNREAD = (
+    "These messages could not be read: that takes the package rosbags (Sendworthy's extra `ros2`), keys of rmw_zenoh,"
+    ' and types of ROS 2 itself. For others write features of kind = "cdr" with their type and definition.'
+)
+
 _FORMATS = {
     "json": "JSON",
     "msgpack": "MessagePack",
@@ -56,6 +61,8 @@ def type_table(each: Learned, duration: float) -> Iterator[str]:
     if worth.schedule:
         yield commented(f"forecast.schedule = {worth.schedule}", "clearly at random")
     yield from _features(each.found)
+    if kind.streams[0].format == "cdr" and not any(stream.shows for stream in kind.streams):
+        yield from prose(UNREAD)
 
 
 def _told(each: Learned, duration: float) -> str:
