@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import BinaryIO
@@ -106,8 +107,7 @@ def _of_recording(path: Path, notes: Sequence[str] = ()) -> str:
     try:
         with path.open("rb") as file:
             reader = Reader(file)
-            damage = lambda: [f"Of {path.name} {reader.damage}."] if reader.damage else []  # noqa: E731
-            text = learn(reader, Schedule, reader.robots, lambda: [*notes, *damage()])
+            text = learn(reader, Schedule, reader.robots, partial(_and_damage, notes, reader))
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
     except RecordingError as error:
@@ -115,6 +115,11 @@ def _of_recording(path: Path, notes: Sequence[str] = ()) -> str:
     if reader.damage:
         print(f"sendworthy learn: {path}: {reader.damage}", file=sys.stderr)
     return text
+
+
+def _and_damage(notes: Sequence[str], reader: Reader) -> list[str]:
+    """Add to the notes, once all is read, what of it could not be."""
+    return [*notes, f"{reader.damage[0].upper()}{reader.damage[1:]}."] if reader.damage else list(notes)
 
 
 def _of_live(arguments: argparse.Namespace) -> str:

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from statistics import fmean, pstdev
+from statistics import fmean
 
 from utility_specs.learning.formats import ros_type
 from utility_specs.learning.image_features import image_table
@@ -46,10 +46,10 @@ class Candidate:
 
     @property
     def variation(self) -> float:
-        """By how much it varies, from 0 to 1: its standard deviation against the size of its values."""
-        values = self.values
-        deviation = pstdev(values)
-        return deviation / (deviation + abs(fmean(values))) if deviation else 0.0
+        """By how much it varies, from 0 to 1: its mean deviation against the size of its values."""
+        middle = fmean(self.values)
+        deviation = fmean([abs(value - middle) for value in self.values])
+        return deviation / (deviation + abs(middle)) if deviation else 0.0
 
 
 @dataclass(frozen=True, slots=True)

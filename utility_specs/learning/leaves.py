@@ -16,8 +16,8 @@ DEEPEST = 6
 FEW = 4
 """Arrays of up to so many numbers are looked at one by one, longer ones by their least and greatest."""
 LONGEST_TEXT = 40
-LARGEST = 1e12
-"""Numbers beyond it, or as close to 0, are nobody's measurements."""
+LARGEST = 1e20
+"""Numbers beyond it are nobody's measurements: times in nanoseconds are the largest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ def _children(value: Any, path: str) -> Iterator[tuple[str, Any]]:
     if isinstance(value, Mapping):
         names = value.items()
     elif is_dataclass(value) and not isinstance(value, type):
-        names = {each.name: getattr(value, each.name) for each in fields(value)}.items()
+        names = {each.name: getattr(value, each.name) for each in fields(value) if each.name != "__msgtype__"}.items()
     else:
         return
     for name, child in names:

@@ -70,7 +70,8 @@ def _told(each: Learned, duration: float) -> str:
     streams = each.kind.streams
     sizes = sorted(look for stream in streams for look in stream.sizes)
     several = f"{counted(len(streams), 'stream')}, {'each ' if len(streams) > 1 else ''}"
-    spread = f"{size(median(sizes))}" + ("" if sizes[0] == sizes[-1] else f" ({size(sizes[0])} to {size(sizes[-1])})")
+    least, most = size(sizes[0]), size(sizes[-1])
+    spread = size(median(sizes)) + ("" if least == most else f" ({least} to {most})")
     lasting = duration > 0.0 and each.coming != "once"
     speed = f", {rate(each.bytes / duration)} in all" if lasting else ""
     return f"{each.name}: {several}{pace(each)} and {spread}{speed}: {_FORMATS[streams[0].format]}."
