@@ -40,9 +40,9 @@ def learn(
         raise LearningError("there are no samples to learn from")
     kinds = kinds_of(traffic.streams, robots)
     limits = [
-        (traffic.odd, "samples on keys that no spec can name"),
-        (traffic.untold, f"samples of more than {MOST_STREAMS} streams"),
-        (max(0, len(kinds) - MOST_TYPES), "types, those of fewest bytes"),
+        (traffic.odd, "of the samples, as no spec can name their keys"),
+        (traffic.untold, f"of the samples, of more than {MOST_STREAMS} streams"),
+        (max(0, len(kinds) - MOST_TYPES), "of the types, those of fewest bytes"),
     ]
     left_out = [f"Left out: {count} {what}." for count, what in limits if count]
     ros = [ROS_2] if any(ros_topic(stream.key) for stream in traffic.streams) else []

@@ -76,14 +76,14 @@ def _array(values: Any, path: str) -> Iterator[tuple[Leaf, float | str]]:
 
 def _elements(values: Any, path: str) -> Iterator[tuple[Leaf, float | str]]:
     """Yield the greatest of each number that the elements of an array have by the same name."""
-    together: dict[str, list[float]] = {}
+    together: dict[str, list[float | None]] = {}
     for value in values:
         for step, child in _children(value, f"{path}[*]"):
-            number = _number(child)
-            if number is not None:
-                together.setdefault(step, []).append(number)
-    for step, numbers in together.items():
-        yield Leaf(step, "max"), max(numbers)
+            together.setdefault(step, []).append(_number(child))
+    for step, found in together.items():
+        numbers = [number for number in found if number is not None]
+        if len(numbers) == len(found):
+            yield Leaf(step, "max"), max(numbers)
 
 
 def _extremes(numbers: "np.ndarray[Any, np.dtype[np.float64]]", path: str) -> Iterator[tuple[Leaf, float]]:

@@ -9,13 +9,13 @@ the names that are known of the team. A recording may end anywhere: whatever is 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import count
 from typing import Any, BinaryIO
 
 import msgpack
 
 from utility_specs.learning.observed import Observed
+from utility_specs.learning.toml_text import counted
 
 VERSION = 1
 LARGEST = 64 * 1024 * 1024
@@ -45,32 +45,32 @@ class Writer:
         self._file.write(msgpack.packb(value, unicode_errors="surrogatepass"))
 
 
-@dataclass(slots=True)
 class Reader:
-    """Reads a recording, opened; iterating gives its samples, and then `damage` says what could not be read."""
+    """Reads a recording; iterating gives its samples, and afterwards `damage` says what could not be read.
 
-    file: BinaryIO
-    robots: tuple[str, ...] = ()
-    damage: str = ""
-    _values: Any = None
+    `robots` are the names that are known of the team. Raises RecordingError for what is no recording.
+    """
 
-    def __post_init__(self) -> None:
+    def __init__(self, file: BinaryIO) -> None:
+        self.damage = ""
+        self._file = file
         self._values = msgpack.Unpacker(
-            self.file, max_buffer_size=LARGEST, strict_map_key=False, unicode_errors="surrogatepass"
+            file, max_buffer_size=LARGEST, strict_map_key=False, unicode_errors="surrogatepass"
         )
         self.robots = _robots_of(self._header())
 
     def __iter__(self) -> Iterator[Observed]:
         """Yield what is whole."""
         for number in count(1):
+            end = self._values.tell()
             try:
                 yield _sample_of(self._values.unpack())
             except msgpack.OutOfData:
-                if self.file.tell() > self._values.tell():
-                    self.damage = f"the recording is cut off: {number - 1} samples are whole"
+                if self._file.tell() > end:
+                    self.damage = f"the recording is cut off: {counted(number - 1, 'sample')} before that"
                 return
-            except (ValueError, msgpack.UnpackException, OSError) as error:
-                self.damage = f"sample {number} cannot be read, so the {number - 1} before it are used: {error}"
+            except (ValueError, msgpack.UnpackException) as error:
+                self.damage = f"sample {number} cannot be read, nor what follows: {error}"
                 return
 
     def _header(self) -> dict[Any, Any]:

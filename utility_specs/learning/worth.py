@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from statistics import median
 from typing import Literal
 
@@ -15,7 +16,7 @@ Coming = Literal["once", "periodic", "events", "random", "bursts"]
 FEW = 4
 """With fewer samples nothing is known of when they come, unless their gaps are alike."""
 STEADY = 0.25
-"""Jitter below this part of the period."""
+"""Gaps are alike that differ by less than this part of the longest."""
 FAR_APART = 1.0
 """Random samples farther apart are events [s]."""
 LIVES = 10.0
@@ -50,7 +51,8 @@ def coming(streams: Sequence[Stream]) -> Coming:
 def _coming(stream: Stream) -> Coming:
     timing = stream.timing
     if stream.count < FEW:
-        steady = stream.count > 2 and timing.jitter <= STEADY * timing.period
+        gaps = [b.time - a.time for a, b in pairwise(stream.looks)]
+        steady = len(gaps) > 1 and max(gaps) - min(gaps) <= STEADY * max(gaps)
         return "periodic" if steady else "events"
     if timing.kind == "poisson":
         return "events" if timing.period > FAR_APART else "random"
