@@ -60,7 +60,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser.add_argument("--force", action="store_true", help="replace the files of -o and --record if they exist")
     parser.add_argument("--record", metavar="FILE", type=Path, help="keep what is heard in a file")
     parser.add_argument("--seconds", metavar="N", type=_above_0, default=30.0, help="listen so long (default: 30)")
-    parser.add_argument("--samples", metavar="N", type=int, help="listen for so many samples at most")
+    parser.add_argument("--samples", metavar="N", type=_count, help="listen for so many samples at most")
     parser.add_argument(
         "--keys", metavar="EXPRESSION", action="append", type=_keys, help="listen to these keys only; may be repeated"
     )
@@ -73,6 +73,13 @@ def _above_0(text: str) -> float:
     if not 0.0 < seconds < 1e6:
         raise argparse.ArgumentTypeError("must be more than 0")
     return seconds
+
+
+def _count(text: str) -> int:
+    count = int(text)
+    if count < 1:
+        raise argparse.ArgumentTypeError("must be more than 0")
+    return count
 
 
 def _keys(text: str) -> str:
@@ -177,7 +184,7 @@ def _check_free(path: Path, *, force: bool) -> None:
 
 def _opened(path: Path) -> BinaryIO:
     try:
-        return path.open("wb")
+        return path.open("wb", buffering=0)  # whatever ends it, what was heard is there
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror}") from None
 

@@ -41,4 +41,7 @@ def _deciding(status: Status) -> list[str]:
 
 
 def _limit(limit: Status) -> str:
-    return f"{limit['limit']:.6g} {limit['unit']} in any {limit['window']:g} s"
+    """Word a limit, and what of an adaptive one is in force."""
+    adaptive = limit.get("adaptive")
+    part = f", of which {adaptive['in_force'] * 100:.3g} %, as the channel is" if adaptive else ""
+    return f"{limit['limit']:.6g} {limit['unit']} in any {limit['window']:g} s{part}"

@@ -57,9 +57,8 @@ def kinds_of(streams: Sequence[Stream], robots: Collection[str] = ()) -> list[Ki
 
 
 def _form(key: str, robots: Collection[str]) -> Form:
-    return tuple(
-        "#robot" if chunk in robots else "#" if _is_id(chunk) else _NUMBER.sub("#", chunk) for chunk in key.split("/")
-    )
+    forms = ("#" if _is_id(chunk) else _NUMBER.sub("#", chunk) for chunk in key.split("/"))
+    return tuple("#robot" if form in robots else form for form in forms)
 
 
 def _is_id(chunk: str) -> bool:
