@@ -41,6 +41,10 @@ A daemon puts what is written to its folder of specs in force at once: `sendwort
 """
 
 
+MOST = 1e9
+"""Nobody listens for longer [s], or to more samples."""
+
+
 class OutputError(Exception):
     """What was learned cannot be written where it should be."""
 
@@ -69,17 +73,18 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
 
 
 def _above_0(text: str) -> float:
-    seconds = float(text)
-    if not 0.0 < seconds < 1e6:
-        raise argparse.ArgumentTypeError("must be more than 0")
-    return seconds
+    """Read a number above 0 for argparse; infinite ones and their kin are none."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not 0.0 < number < MOST:
+        raise argparse.ArgumentTypeError(f'must be a number above 0, not "{text}"')
+    return number
 
 
 def _count(text: str) -> int:
-    count = int(text)
-    if count < 1:
-        raise argparse.ArgumentTypeError("must be more than 0")
-    return count
+    return max(1, round(_above_0(text)))
 
 
 def _keys(text: str) -> str:

@@ -10,7 +10,7 @@ from utility_specs.learning.observed import Observed
 from utility_specs.learning.patterns import kinds_of
 from utility_specs.learning.stream import Timing
 from utility_specs.learning.traffic import MOST_STREAMS, Traffic
-from utility_specs.learning.writing import MOST_TYPES, named, spec_file
+from utility_specs.learning.writing import spec_file
 
 __all__ = ["LearningError", "Observed", "Timing", "learn"]
 
@@ -38,12 +38,10 @@ def learn(
     traffic = Traffic.of(samples, timing)
     if not traffic.count:
         raise LearningError("there are no samples to learn from")
-    kinds = kinds_of(traffic.streams, robots)
     limits = [
         (traffic.odd, "of the samples, as no spec can name their keys"),
         (traffic.untold, f"of the samples, of more than {MOST_STREAMS} streams"),
-        (max(0, len(kinds) - MOST_TYPES), "of the types, those of fewest bytes"),
     ]
     left_out = [f"Left out: {count} {what}." for count, what in limits if count]
     ros = [ROS_2] if any(ros_topic(stream.key) for stream in traffic.streams) else []
-    return spec_file(traffic, named(kinds), robots, [*notes(), *left_out, *ros])
+    return spec_file(traffic, kinds_of(traffic.streams, robots), robots, [*notes(), *left_out, *ros])

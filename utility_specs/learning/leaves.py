@@ -76,6 +76,8 @@ def _array(values: Any, path: str) -> Iterator[tuple[Leaf, float | str]]:
 
 def _elements(values: Any, path: str) -> Iterator[tuple[Leaf, float | str]]:
     """Yield the greatest of each number that the elements of an array have by the same name."""
+    if not all(isinstance(value, Mapping) or is_dataclass(value) for value in values):
+        return
     together: dict[str, list[float | None]] = {}
     for value in values:
         for step, child in _children(value, f"{path}[*]"):

@@ -37,13 +37,19 @@ class Kind:
     """Streams of one kind, and the key expressions that cover them.
 
     `words` are the chunks that all keys have in common and that tell what it is, of which the last `telling` do for a
-    name unless it is taken.
+    name unless it is taken. With `yields` the keys cover streams of other kinds, too, which must come first in a spec.
     """
 
     keys: tuple[str, ...]
     streams: tuple[Stream, ...]
     words: tuple[str, ...]
     telling: int
+    yields: bool = False
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all its samples."""
+        return sum(stream.bytes for stream in self.streams)
 
 
 def kinds_of(streams: Sequence[Stream], robots: Collection[str] = ()) -> list[Kind]:
@@ -137,16 +143,17 @@ def _kind(group: Sequence[Stream], others: Iterable[str], robots: Collection[str
     differ = [len(set(column)) > 1 or column[0] in robots for column in chunks]
     differ[-1] = differ[-1] or topic is not None  # the hash of the type
     own, taken = ([zenoh.KeyExpr(key) for key in keys] for keys in (each, others))
-    keys = each[:MOST_KEYS]
+    keys, yields = each[:MOST_KEYS], False
     for wildcard in (_numbered, _any):  # the second is the wider one
         text = "/".join(wildcard(c) if d else c[0] for c, d in zip(chunks, differ, strict=True))
         pattern = zenoh.KeyExpr(text)
-        if all(map(pattern.includes, own)) and not any(map(pattern.includes, taken)):
-            keys = (text,)
+        alone = not any(map(pattern.includes, taken))
+        if all(map(pattern.includes, own)) and (alone or len(each) > MOST_KEYS):
+            keys, yields = (text,), not alone
     inner = range(1, len(chunks) - 2) if topic is not None else range(len(chunks))
     words = [place for place in inner if not differ[place]]
     last = max((place for place in inner if differ[place]), default=inner[-1] - 1)
-    return Kind(keys, tuple(group), tuple(chunks[p][0] for p in words), max(1, sum(p > last for p in words)))
+    return Kind(keys, tuple(group), tuple(chunks[p][0] for p in words), max(1, sum(p > last for p in words)), yields)
 
 
 def _any(column: Sequence[str]) -> str:  # noqa: ARG001 - whatever it is

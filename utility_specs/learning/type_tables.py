@@ -42,11 +42,6 @@ class Learned:
     found: Found
     coming: Coming
 
-    @property
-    def bytes(self) -> int:
-        """Bytes of all its samples."""
-        return sum(stream.bytes for stream in self.kind.streams)
-
 
 def type_table(each: Learned, duration: float) -> Iterator[str]:
     """Yield the lines of a type in traffic of some duration [s]."""
@@ -73,7 +68,7 @@ def _told(each: Learned, duration: float) -> str:
     least, most = size(sizes[0]), size(sizes[-1])
     spread = size(median(sizes)) + ("" if least == most else f" ({least} to {most})")
     lasting = duration > 0.0 and each.coming != "once"
-    speed = f", {rate(each.bytes / duration)} in all" if lasting else ""
+    speed = f", {rate(each.kind.bytes / duration)} in all" if lasting else ""
     return f"{each.name}: {several}{pace(each)} and {spread}{speed}: {_FORMATS[streams[0].format]}."
 
 

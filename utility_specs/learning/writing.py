@@ -4,6 +4,7 @@ A line that begins with `#` and no blank is TOML for the reader to uncomment, as
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import accumulate
 from statistics import median
 
 from utility_specs.learning.candidates import candidates_of
@@ -15,6 +16,8 @@ from utility_specs.learning.type_tables import Learned, pace, type_table
 from utility_specs.learning.worth import coming
 
 MOST_TYPES = 200
+LARGEST = 200_000
+"""Bytes of all tables of types: files may not be much larger."""
 MARGIN = 2.0
 """The ceiling of the limit is so many times what was seen."""
 
@@ -22,18 +25,22 @@ MARGIN = 2.0
 def named(kinds: Sequence[Kind]) -> list[Learned]:
     """Give every kind a name, and look for what could matter in it; the one of most bytes first."""
     learned: list[Learned] = []
-    for kind in sorted(kinds, key=lambda each: -sum(stream.bytes for stream in each.streams))[:MOST_TYPES]:
+    for kind in sorted(kinds, key=lambda each: (each.yields, -each.bytes))[:MOST_TYPES]:
         name = type_name(kind.words, kind.telling, {each.name for each in learned})
         learned.append(Learned(name, kind, candidates_of(kind.streams), coming(kind.streams)))
     return learned
 
 
-def spec_file(traffic: Traffic, types: Sequence[Learned], robots: Sequence[str], notes: Sequence[str]) -> str:
+def spec_file(traffic: Traffic, kinds: Sequence[Kind], robots: Sequence[str], notes: Sequence[str]) -> str:
     """Return the file as text; `notes` are said at its top."""
-    lines = [*_head(traffic, types, notes), "", "version = 1", "", *_constraint(traffic, types, robots)]
-    for each in types:
-        lines += ["", *type_table(each, traffic.duration)]
-    return "\n".join(lines) + "\n"
+    types = named(kinds)
+    tables = ["\n".join(type_table(each, traffic.duration)) for each in types]
+    lengths = accumulate(len(table.encode()) for table in tables)
+    fitting = max(1, sum(length <= LARGEST for length in lengths))
+    if fitting < len(kinds):
+        notes = [*notes, f"Left out: {len(kinds) - fitting} of the types, those of fewest bytes."]
+    head = [*_head(traffic, types[:fitting], notes), "", "version = 1", "", *_constraint(traffic, types, robots)]
+    return "\n\n".join(["\n".join(head), *tables[:fitting]]) + "\n"
 
 
 def _head(traffic: Traffic, types: Sequence[Learned], notes: Sequence[str]) -> Iterator[str]:
@@ -57,7 +64,7 @@ def _rows(types: Sequence[Learned], traffic: Traffic) -> Iterator[str]:
     """Yield a table of all types."""
     table = [("type", "streams", "each", "size", "of all bytes")]
     for each in types:
-        streams, part = each.kind.streams, 100.0 * each.bytes / max(1, traffic.bytes)
+        streams, part = each.kind.streams, 100.0 * each.kind.bytes / max(1, traffic.bytes)
         middle = size(median(look for stream in streams for look in stream.sizes))
         table.append((each.name, str(len(streams)), pace(each), middle, f"{part:.2g} %"))
     widths = [max(len(row[place]) for row in table) for place in range(len(table[0]))]

@@ -195,13 +195,11 @@ def test_neighbours_that_do_not_go_with_it_are_told(recording, tmp_path, capsys)
     assert 'information_type "camera"' in err
 
 
-def test_where_nothing_can_be_written_the_command_says_so(recording, tmp_path, stack, capsys):
-    """And for want of a file nobody is asked for anything."""
+def test_where_nothing_can_be_written_the_command_says_so(daemon, recording, tmp_path, capsys):
+    """Neither specs nor recordings."""
     nowhere = tmp_path / "no" / "where"
     assert main(["learn", str(recording), "-o", str(nowhere / "x.toml")]) == exit_codes.FAILED
-    endpoint = free_endpoint()
-    stack.enter_context(plain_session("router", listen=(endpoint,)))
-    assert main(["learn", "--record", str(nowhere / "x.rec"), "--connect", endpoint]) == exit_codes.FAILED
+    assert main(["learn", "--record", str(nowhere / "x.rec"), "--connect", daemon.endpoint]) == exit_codes.FAILED
     assert capsys.readouterr().err.splitlines() == [
         f"sendworthy learn: cannot write {nowhere / 'x.toml'}: No such file or directory",
         f"sendworthy learn: cannot write {nowhere / 'x.rec'}: No such file or directory",
@@ -218,8 +216,9 @@ def test_a_daemon_that_is_asked_for_by_name_must_answer(daemon, capsys):
     ("words", "message"),
     [
         (["x.rec", "--record", "y.rec"], "sendworthy learn: give it a RECORDING or --record, not both"),
-        (["--seconds", "0"], "must be more than 0"),
-        (["--samples", "0"], "must be more than 0"),
+        (["--seconds", "0"], 'must be a number above 0, not "0"'),
+        (["--seconds", "nan"], 'must be a number above 0, not "nan"'),
+        (["--samples", "some"], 'must be a number above 0, not "some"'),
         (["--keys", "a//b"], "--keys: "),
     ],
 )

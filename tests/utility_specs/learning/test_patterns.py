@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from tests.utility_specs.learning.team import json_bytes, regular, streams_of
 from utility_specs.learning.patterns import MOST_KEYS, kinds_of
+from utility_specs.learning.writing import named
 
 BATTERY = json_bytes(charge=0.5)
 POSE = json_bytes(x=1, y=2)
@@ -110,6 +111,15 @@ def test_words_tell_what_it_is():
 def test_one_key_is_of_one_kind():
     """Whoever publishes it, and whatever."""
     assert keys_of(sent("map"), sent("map", POSE, 20.0)) == [("map",)]
+
+
+def test_more_keys_than_a_type_may_have_yield_to_others():
+    """Their pattern covers others as well, so these must come first."""
+    ids = [sent(f"r/{number:08x}a", seconds=2.0) for number in range(MOST_KEYS + 1)]
+    kinds = {kind.keys: kind for kind in kinds_of(streams_of(*ids, sent("r/pose", POSE)))}
+    assert set(kinds) == {("r/*",), ("r/pose",)}
+    assert (kinds["r/*",].yields, kinds["r/pose",].yields) == (True, False)
+    assert named(list(kinds.values()))[-1].kind.yields
 
 
 CHUNKS = st.lists(st.sampled_from(["a", "b", "r1", "r2", "@x", "7", "0123abcd"]), min_size=1, max_size=4)

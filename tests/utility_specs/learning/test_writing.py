@@ -5,7 +5,7 @@ import pytest
 from proxy.core.schedule import Schedule
 from tests.utility_specs.learning.team import json_bytes, regular, team
 from utility_specs import load_specs
-from utility_specs.learning import learn, writing
+from utility_specs.learning import Observed, learn, writing
 
 
 def loaded(text, folder):
@@ -38,10 +38,23 @@ def test_types_beyond_those_that_a_file_has_room_for_are_counted(tmp_path, monke
     """Those of most bytes stay."""
     monkeypatch.setattr(writing, "MOST_TYPES", 2)
     samples = [sample for size in (1, 2, 3) for sample in regular("abc"[size - 1], 1.0, lambda _, n=size: b"\xff" * n)]
-    monkeypatch.setattr("utility_specs.learning.MOST_TYPES", 2)
     text = learn(samples, Schedule)
     assert [each.name for each in loaded(text, tmp_path).types] == ["c", "b"]
     assert "# Left out: 1 of the types, those of fewest bytes." in text
+
+
+def test_a_file_is_no_larger_than_one_that_can_be_read(tmp_path):
+    """However long the keys are: types of fewest bytes are left out."""
+    kinds = [letter * 500 for letter in "abcdefgh"]
+    samples = [
+        Observed(0.0, f"{long}/{number:08x}a", b"\xff" * 9 * 2**kind)
+        for kind, long in enumerate(kinds)
+        for number in range(60)
+    ]
+    text = learn([*samples, *(Observed(0.0, f"{long}/other", b"{}") for long in kinds)], Schedule)
+    assert len(text) < 256 * 1024
+    assert 0 < len(loaded(text, tmp_path).types) < 16
+    assert "of the types, those of fewest bytes." in text
 
 
 @pytest.mark.parametrize("seconds", [1.0, 20.0])
