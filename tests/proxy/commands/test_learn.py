@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+import zenoh
 
 from proxy import exit_codes
 from proxy.cli import main
@@ -24,6 +25,8 @@ from utility_specs.learning.recording import Reader, Writer
 
 ROOT = Path(__file__).parent.parent.parent.parent
 SAMPLES = [sample for sample in team("alice", "bob") if sample.time < 6.0]
+KEYS = {sample.key for sample in SAMPLES}
+BLOCK = zenoh.CongestionControl.BLOCK
 TYPES = {
     "camera": ("robot/*/camera",),
     "pose": ("robot/*/pose",),
@@ -40,7 +43,7 @@ def publishing(endpoint):
 
     def publish():
         with plain_session("client", connect=(endpoint,)) as session:
-            publishers = {key: session.declare_publisher(key) for key in {sample.key for sample in SAMPLES}}
+            publishers = {key: session.declare_publisher(key, congestion_control=BLOCK) for key in KEYS}
             while not over.wait(0.01):
                 if all(publisher.matching_status.matching for publisher in publishers.values()):
                     for sample in SAMPLES:

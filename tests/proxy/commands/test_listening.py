@@ -33,7 +33,7 @@ def listen(stack, session, key, listener):
 
 def published(link, key, listener, *payloads, **options):
     """Publish until the listener has heard something of it."""
-    publisher = link[1].declare_publisher(key)
+    publisher = link[1].declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: publisher.matching_status.matching, what="the subscriber to be known")
     enough = listener.count + len(payloads)
     for payload in payloads:
