@@ -4,7 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 PACKAGES := planner proxy utility_specs studies
-SESSIONS := tests/proxy/bridge tests/ros2
+SESSIONS := tests/ros2 $(addprefix tests/proxy/,bridge commands test_daemon.py test_installations.py test_partition.py)
 
 .PHONY: setup demo test lint bench study qualify test-system transparency lock clean FORCE
 

@@ -20,7 +20,7 @@ Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  #
 Command = Callable[[Subparsers], None]
 
 GROUP = "sendworthy.commands"
-BUILT_IN = ("run", "check", "status", "mode", "push", "learn")
+BUILT_IN = ("run", "check", "schema", "status", "mode", "push", "learn")
 
 EXAMPLES = """\
 examples:

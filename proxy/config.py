@@ -158,7 +158,8 @@ class PlannerConfig(Section):
     search: Literal["best", "paper"] = Field(default="best", description="kind of search")
     engine: Literal["native", "python"] = Field(default="native", description="who searches")
     coordination: Literal["auto", "shares", "overhear"] = Field(
-        default="auto", description="how robots divide the limit; auto: shares in unicast, overhear in broadcast"
+        default="auto",
+        description="how robots divide the limit; auto: shares in unicast, overhear in broadcast",
     )
 
 
@@ -182,6 +183,17 @@ class Config(Section):
     fleet: FleetConfig = FleetConfig()
     planner: PlannerConfig = PlannerConfig()
     log: LogConfig = LogConfig()
+
+    @field_validator("planner")
+    @classmethod
+    def _overhears(cls, planner: PlannerConfig, given: ValidationInfo) -> PlannerConfig:
+        mesh = given.data.get("mesh")
+        if planner.coordination == "overhear" and isinstance(mesh, MeshConfig) and mesh.transport != "broadcast":
+            raise ValueError(
+                'coordination = "overhear" needs mesh.transport = "broadcast": in unicast nobody hears what others'
+                " send, and together they would exceed every limit several times over"
+            )
+        return planner
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ class Running:
 
     def wait_for(self, text):
         """Read the log up to a line that holds `text`; return the line. A daemon that never says it is killed."""
-        patience = threading.Timer(20.0, self.process.kill)
+        patience = threading.Timer(60.0, self.process.kill)
         patience.start()
         try:
             for line in self.process.stderr:
@@ -44,7 +44,7 @@ class Running:
         if self.process.poll() is None:
             self.process.send_signal(number)
         try:
-            self.lines += self.process.communicate(timeout=10)[1].splitlines(keepends=True)
+            self.lines += self.process.communicate(timeout=30)[1].splitlines(keepends=True)
         finally:
             self.process.kill()
         return self.process.returncode

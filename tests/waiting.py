@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 
 
-def wait_until(condition: Callable[[], object], timeout: float = 20.0, what: str = "the condition") -> None:
+def wait_until(condition: Callable[[], object], timeout: float = 60.0, what: str = "the condition") -> None:
     """Return as soon as `condition` holds; fail with `what` when it does not within `timeout` seconds."""
     deadline = time.monotonic() + timeout
     while not condition():

@@ -3,7 +3,7 @@
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Tag, field_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator
 
 from planner import Message, Problem, SearchSettings, Stream, start
 from planner.errors import ProblemError
@@ -19,7 +19,7 @@ class PythonAggregation(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
-    python: str
+    python: str = Field(description="package.module:Class with the methods empty, add and value")
 
     @field_validator("python")
     @classmethod

@@ -1,28 +1,76 @@
 """`sendworthy check`: whether specs are fit to fly, and if not, why."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO
+from typing import Any, Self, TextIO
 
 from planner.airtime import Airtime
 from planner.measures import Energy, Measure, Throughput
 from planner.problem import Aggregation, AggregationModel
 from planner.utility import Custom, MessageUtility
-from utility_specs.errors import SpecsError
+from utility_specs.errors import SpecProblem, SpecsError
+from utility_specs.findings import findings
 from utility_specs.loader import LoadedFile, load_set
 from utility_specs.specs import ConstraintSpec, InformationType
 
 
-def check(paths: Sequence[Path], out: TextIO) -> int:
-    """Check files and folders as one set; write summaries and return 0, or all problems and return 1."""
-    try:
-        files = load_set(paths).files
-    except SpecsError as error:
-        out.write(f"{error}\n")
-        return 1
-    for file in files:
-        out.writelines(f"{line}\n" for line in _summary(file))
-    return 0
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What checking files as one set has found. With errors the specs are not fit to fly, with warnings they are."""
+
+    files: tuple[LoadedFile, ...]
+    errors: tuple[SpecProblem, ...]
+    warnings: tuple[SpecProblem, ...] = ()
+
+    @classmethod
+    def on(cls, paths: Sequence[Path]) -> Self:
+        """Check files and folders."""
+        try:
+            files = load_set(paths).files
+        except SpecsError as error:
+            return cls((), error.problems)
+        found = findings(files)
+        errors = tuple(each.problem for each in found if each.unfit)
+        return cls(files, errors, tuple(each.problem for each in found if not each.unfit))
+
+    def lines(self) -> Iterator[str]:
+        """Errors and warnings one by one, or without errors first of all what each file says."""
+        if not self.errors:
+            yield from (line for file in self.files for line in _summary(file))
+        yield from map(str, self.errors)
+        yield from (f"warning: {warning}" for warning in self.warnings)
+
+    def data(self) -> dict[str, Any]:
+        """The same as plain JSON data."""
+        return {
+            "fit": not self.errors,
+            "errors": [_problem(each) for each in self.errors],
+            "warnings": [_problem(each) for each in self.warnings],
+            "files": [
+                {
+                    "file": str(file.path),
+                    "information_types": {each.name: list(each.keys) for each in file.types},
+                    "constraints": {each.name: _limit(each.measure) for each in file.constraints},
+                }
+                for file in self.files
+            ],
+        }
+
+
+def check(paths: Sequence[Path], out: TextIO, *, as_json: bool = False) -> int:
+    """Check files and folders as one set and write what was found; return 0, or 1 with any error."""
+    report = Report.on(paths)
+    if as_json:
+        out.write(json.dumps(report.data(), indent=2) + "\n")
+    else:
+        out.writelines(f"{line}\n" for line in report.lines())
+    return 1 if report.errors else 0
+
+
+def _problem(each: SpecProblem) -> dict[str, Any]:
+    return {"file": str(each.file), "line": each.line, "key": each.key, "message": each.message}
 
 
 def _summary(file: LoadedFile) -> list[str]:
@@ -36,7 +84,8 @@ def _summary(file: LoadedFile) -> list[str]:
 
 
 def _type_line(each: InformationType) -> str:
-    worth = f"{_kind(each.utility)}, {_combined(each.aggregation)}, scale {each.weight:g} × ({each.expression.text})"
+    scale = f"scale {each.weighing.text.removesuffix('.0')} × ({each.expression.text})"
+    worth = f"{_kind(each.utility)}, {_combined(each.aggregation)}, {scale}"
     return f'  information_type "{each.name}": {", ".join(each.keys)} ({worth})'
 
 

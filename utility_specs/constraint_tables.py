@@ -69,11 +69,19 @@ class ThroughputTable(ChannelTable):
     """At most `limit` × `window` bytes in any window, copies counted (Eq. 5 and 6)."""
 
     kind: Literal["throughput"]
-    name: Name | None = None
-    limit: Annotated[float | Literal["adaptive"], BeforeValidator(_or_adaptive(RATE.parse), json_schema_input_type=str)]
-    floor: Rate | None = None
-    ceiling: Rate | None = None
-    window: Duration = WINDOW
+    name: Name | None = Field(
+        default=None, description="what messages and the status call it; its kind unless it is given"
+    )
+    limit: Annotated[
+        float | Literal["adaptive"], BeforeValidator(_or_adaptive(RATE.parse), json_schema_input_type=str)
+    ] = Field(description="the rate at most, or adaptive: it follows the channel", examples=["2 Mbit/s", "adaptive"])
+    floor: Rate | None = Field(
+        default=None, description="what an adaptive limit never falls below; 5 % of the ceiling unless it is given"
+    )
+    ceiling: Rate | None = Field(
+        default=None, description="the most that the channel can carry at its best; an adaptive limit needs it"
+    )
+    window: Duration = Field(default=WINDOW, description="the limit holds in every window of this length")
 
     def measure(self) -> Measure:
         """Return the planner's measure, of the ceiling where the limit is adaptive."""
@@ -84,9 +92,11 @@ class MessagesTable(ConstraintTable):
     """At most `limit` messages in any window, each counted once whoever receives it."""
 
     kind: Literal["messages"]
-    name: Name | None = None
-    limit: int = Field(ge=1, le=1_000_000)
-    window: Duration = WINDOW
+    name: Name | None = Field(
+        default=None, description="what messages and the status call it; its kind unless it is given"
+    )
+    limit: int = Field(ge=1, le=1_000_000, description="messages in any window")
+    window: Duration = Field(default=WINDOW, description="the limit holds in every window of this length")
 
     def measure(self) -> Measure:
         """Return the planner's measure."""
@@ -97,19 +107,31 @@ class AirtimeTable(ChannelTable):
     """The channel is occupied during at most the part `limit` of any window. `rate` is that of the PHY."""
 
     kind: Literal["airtime"]
-    name: Name | None = None
+    name: Name | None = Field(
+        default=None, description="what messages and the status call it; its kind unless it is given"
+    )
     limit: Annotated[
         float | Literal["adaptive"], BeforeValidator(_or_adaptive(FRACTION.parse), json_schema_input_type=float | str)
-    ]
-    floor: Fraction | None = None
-    ceiling: Fraction | None = None
-    window: Duration = WINDOW
-    rate: Rate
-    wifi: Wifi = "adhoc"
-    cast: Cast = "unicast"
-    multicast_rate: Rate = BASIC_RATE
-    hops: int = Field(default=1, ge=1, le=32)
-    overhead: Duration | None = None
+    ] = Field(description="the part of the time at most, or adaptive: it follows the channel", examples=["40 %"])
+    floor: Fraction | None = Field(
+        default=None, description="what an adaptive limit never falls below; 5 % of the ceiling unless it is given"
+    )
+    ceiling: Fraction | None = Field(
+        default=None, description="the most that the channel can carry at its best; an adaptive limit needs it"
+    )
+    window: Duration = Field(default=WINDOW, description="the limit holds in every window of this length")
+    rate: Rate = Field(description="of the radio (PHY), between robots as they usually are apart")
+    wifi: Wifi = Field(
+        default="adhoc",
+        description="infrastructure: through an access point, so everything is sent twice; adhoc; wired",
+    )
+    cast: Cast = Field(default="unicast", description="unicast: a copy for each receiver; multicast: one for all")
+    multicast_rate: Rate = Field(
+        default=BASIC_RATE,
+        description="the rate of multicast: the lowest basic rate unless the driver is set otherwise",
+    )
+    hops: int = Field(default=1, ge=1, le=32, description="how often a message is sent on until it arrives")
+    overhead: Duration | None = Field(default=None, description="time on the air of each frame besides its bits")
 
     def measure(self) -> Measure:
         """Return the planner's measure, as for throughput; a wire has no overhead unless one is set."""
@@ -130,11 +152,13 @@ class EnergyTable(ConstraintTable):
     """Each robot's own messages take at most `limit` from its battery in any window, copies counted."""
 
     kind: Literal["energy"]
-    name: Name | None = None
-    limit: Joule
-    window: Duration = WINDOW
-    per_byte: Joule | None = None
-    per_message: Joule | None = None
+    name: Name | None = Field(
+        default=None, description="what messages and the status call it; its kind unless it is given"
+    )
+    limit: Joule = Field(description="what each robot's own messages may take in any window")
+    window: Duration = Field(default=WINDOW, description="the limit holds in every window of this length")
+    per_byte: Joule | None = Field(default=None, description="what every byte of every copy takes")
+    per_message: Joule | None = Field(default=None, description="what every copy takes besides its bytes")
 
     @model_validator(mode="after")
     def _costs_something(self) -> Self:

@@ -1,20 +1,23 @@
-"""Arithmetic over features, as specs write it: `1 + 10 * red`.
+"""Arithmetic over features, captured chunks of keys and constants, as specs write it: `1 + 10 * red`.
 
-An expression is checked whole when it is compiled: its grammar, its names, its calls. What is left holds only
-numbers, which are floats, so it can neither reach anything else nor take long. `simpleeval` evaluates it.
+An expression is checked whole when it is compiled: its grammar, its names, its types, its calls. What is left holds
+only numbers, which are floats, and text that is compared, so it can neither reach anything else nor take long.
+`simpleeval` evaluates it.
 """
 
 import ast
 import math
+import re
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 from simpleeval import InvalidExpression, SimpleEval
 
 from utility_specs.errors import ExpressionError
+from utility_specs.key_formats import as_text
 from utility_specs.suggestions import hint, quoted
 
 LONGEST = 500
@@ -59,49 +62,72 @@ _OPERATORS: Mapping[type[ast.AST], Callable[..., float]] = {
     ast.Eq: lambda a, b: a == b,
     ast.NotEq: lambda a, b: a != b,
 }
-_ALLOWED = f"write numbers, features, + - * / % **, comparisons, and, or, not, if … else, {', '.join(FUNCTIONS)}"
+_ALLOWED = (
+    "write numbers, features, captured chunks, constants, + - * / % **, comparisons, and, or, not, if … else, "
+    + ", ".join(FUNCTIONS)
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """What an expression may use by name: features, captured chunks of the key, constants with their values."""
+
+    features: frozenset[str] = frozenset()
+    captures: frozenset[str] = frozenset()
+    constants: Mapping[str, float] = field(default_factory=dict)
+
+    def __iter__(self) -> Iterator[str]:
+        """All of them in order, those that every expression knows apart."""
+        return iter(sorted({*self.features, *self.captures, *self.constants}))
 
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A compiled expression; `names` are the features that it uses. Safe to evaluate from several threads."""
+    """A compiled expression; `names` are the features, captured chunks and constants that it uses.
+
+    Safe to evaluate from several threads.
+    """
 
     text: str
     names: frozenset[str]
+    _known: Mapping[str, float] = field(repr=False, compare=False)
     _tree: ast.expr = field(repr=False, compare=False)
     _evaluator: SimpleEval = field(repr=False, compare=False)
     _lock: threading.Lock = field(default_factory=threading.Lock, repr=False, compare=False)
+    _value: float | None = field(default=None, compare=False)
+    """Of an expression that always has the same."""
 
     @classmethod
-    def compile(cls, text: str, features: Iterable[str]) -> Self:
-        """Compile an expression over the named features; raises ExpressionError, which says what is wrong."""
-        tree = _parsed(text)
-        names = _Checker(frozenset(features)).check(tree)
-        evaluator = SimpleEval(
-            operators=dict(_OPERATORS),
-            functions={name: function for name, (function, _, _) in FUNCTIONS.items()},
-        )
-        expression = cls(text, names, tree, evaluator)
-        if not names:
-            expression.evaluate({})
-        return expression
+    def compile(cls, text: str, known: Names | Iterable[str] = ()) -> Self:
+        """Compile an expression over known names, or features; raises ExpressionError, which says what is wrong."""
+        known = known if isinstance(known, Names) else Names(frozenset(known))
+        line = " ".join(text.split())
+        tree = _parsed(line)
+        names = _Checker(line, known).check(tree)
+        expression = cls(text, names, {**CONSTANTS, **known.constants}, tree, _evaluator({}))
+        return expression if names - set(known.constants) else replace(expression, _value=expression.evaluate({}))
 
-    def evaluate(self, features: Mapping[str, float]) -> float:
-        """Return the value, always finite; raises ExpressionError when there is none."""
+    def evaluate(self, values: Mapping[str, float | str]) -> float:
+        """Return the value for features and captured chunks, always finite; raises ExpressionError if there is none."""
+        if self._value is not None:
+            return self._value
         with self._lock:
-            self._evaluator.names = {**CONSTANTS, **features}
+            self._evaluator.names = {**self._known, **values}
             try:
                 value = float(self._evaluator.eval(self.text, previously_parsed=self._tree))
             except (ArithmeticError, ValueError, TypeError, InvalidExpression) as error:
-                raise ExpressionError(f"has no value: {error}") from None
+                raise ExpressionError(f"has no value: {str(error).removeprefix('float ')}") from None
         if not math.isfinite(value):
             raise ExpressionError(f"has no finite value: {value}")
         return value
 
 
-def _parsed(text: str) -> ast.expr:
-    """Parse an expression, which may spread over several lines."""
-    line = " ".join(text.split())
+def _evaluator(names: Mapping[str, float]) -> SimpleEval:
+    functions = {name: function for name, (function, _, _) in FUNCTIONS.items()}
+    return SimpleEval(operators=dict(_OPERATORS), functions=functions, names=dict(names))
+
+
+def _parsed(line: str) -> ast.expr:
     if not line:
         raise ExpressionError("is empty")
     if len(line) > LONGEST:
@@ -111,16 +137,21 @@ def _parsed(text: str) -> ast.expr:
             return ast.parse(line, mode="eval").body
     except SyntaxError as error:
         place = f"column {error.offset}" if error.offset else "at its end"
-        raise ExpressionError(f"is not an expression: {error.msg} ({place})") from None
+        hint = "; == compares" if re.search(r"[^=<>!:]=[^=]", line) else ""
+        raise ExpressionError(f"is not an expression: {error.msg} ({place}){hint}") from None
     except (ValueError, MemoryError, RecursionError) as error:
         raise ExpressionError(f"is not an expression: {error}") from None
 
 
 class _Checker:
-    """Walks a tree, refuses all that is not arithmetic, and collects the features used."""
+    """Walks a tree, refuses all that is not arithmetic, and collects the names used."""
 
-    def __init__(self, features: frozenset[str]) -> None:
-        self._features = features
+    def __init__(self, line: str, known: Names) -> None:
+        self._line = line
+        self._known = known
+        self._all = frozenset(known)
+        self._constants = {**CONSTANTS, **known.constants}
+        self._evaluator = _evaluator(self._constants)
         self._used: set[str] = set()
 
     def check(self, tree: ast.expr) -> frozenset[str]:
@@ -139,16 +170,21 @@ class _Checker:
                 self._call(name, len(node.args))
                 for argument in node.args:
                     self._check(argument, depth + 1)
+            case ast.Compare() if self._compares_text(node):
+                self._texts(node)
             case _ if _is_operation(node):
                 for child in ast.iter_child_nodes(node):
                     if isinstance(child, ast.expr):
                         self._check(child, depth + 1)
+                self._divisor(node)
             case _:
                 raise _refusal(node)
 
     @staticmethod
     def _constant(node: ast.Constant) -> None:
         """Make a number a float: whole ones could grow without bounds, and slowly."""
+        if isinstance(node.value, str):
+            raise ExpressionError(f"{quoted(node.value)} is text; text can only be compared, with a captured chunk")
         if isinstance(node.value, bool) or not isinstance(node.value, int | float):
             raise _refusal(node)
         try:
@@ -159,20 +195,61 @@ class _Checker:
     def _name(self, name: str) -> None:
         if name in FUNCTIONS:
             raise ExpressionError(f"{name} is a function: write {name}(…)")
-        if name in self._features:
+        if name in self._all:
             self._used.add(name)
         elif name not in CONSTANTS:
-            what = hint(name, sorted(self._features)) or " (this type has no features)"
+            what = hint(name, self._known) or " (this type has no features)"
             raise ExpressionError(f"unknown feature {quoted(name)}{what}")
 
-    @staticmethod
-    def _call(name: str, arguments: int) -> None:
+    def _compares_text(self, node: ast.Compare) -> bool:
+        """Whether text is compared: there is some, or there is nothing but captured chunks."""
+        sides = (node.left, *node.comparators)
+        chunks = all(isinstance(side, ast.Name) and side.id in self._known.captures for side in sides)
+        return any(map(_is_text, sides)) or (chunks and set(map(type, node.ops)) <= {ast.Eq, ast.NotEq})
+
+    def _texts(self, node: ast.Compare) -> None:
+        """Take captured chunks as the text that they are compared with."""
+        if not set(map(type, node.ops)) <= {ast.Eq, ast.NotEq}:
+            raise ExpressionError(f"{quoted(ast.unparse(node))} orders text; text can only be compared by == and !=")
+        for side in (node.left, *node.comparators):
+            if isinstance(side, ast.Name) and side.id in self._known.captures:
+                self._used.add(side.id)
+                side.id = as_text(side.id)
+            elif not _is_text(side):
+                if isinstance(side, ast.Name):
+                    self._name(side.id)
+                what = f"{quoted(ast.unparse(side))} is a number, not text"
+                raise ExpressionError(f"{what}; text can only be compared with a captured chunk")
+
+    def _divisor(self, node: ast.expr) -> None:
+        """Refuse a division that can never have a result."""
+        if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div | ast.Mod)):
+            return
+        names = {each.id for each in ast.walk(node.right) if isinstance(each, ast.Name)} - FUNCTIONS.keys()
+        if names <= self._constants.keys() and self._folded(node.right) == 0.0:
+            written = ast.get_source_segment(self._line, node) or ast.unparse(node)
+            raise ExpressionError(f"{quoted(written)} divides by zero")
+
+    def _folded(self, node: ast.expr) -> float | None:
+        """Return the value of a checked tree that only uses constants; None where it has none."""
+        try:
+            return float(self._evaluator.eval("", previously_parsed=node))
+        except (ArithmeticError, ValueError, TypeError, InvalidExpression):
+            return None
+
+    def _call(self, name: str, arguments: int) -> None:
+        if name in self._all:
+            raise ExpressionError(f"{name} is no function; write {name} * (…) to multiply")
         if name not in FUNCTIONS:
             raise ExpressionError(f"unknown function {quoted(name)}" + hint(name, FUNCTIONS))
         _, least, most = FUNCTIONS[name]
         if not least <= arguments <= most:
             wanted = f"{least}" if least == most else f"at least {least}"
             raise ExpressionError(f"{name} takes {wanted} argument{'s' if least > 1 else ''}, not {arguments}")
+
+
+def _is_text(node: ast.expr) -> bool:
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
 def _is_operation(node: ast.expr) -> bool:

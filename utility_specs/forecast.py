@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Annotated, Any, Literal, Protocol
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Tag, field_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator
 
 from planner.errors import ProblemError
 from utility_specs.imports import imported
@@ -134,7 +134,9 @@ class PythonForecast(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
-    python: str
+    python: str = Field(
+        description="package.module:name; it gets times, values and a time to come, and returns a value"
+    )
 
     @field_validator("python")
     @classmethod

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,10 +12,10 @@ from pydantic import ValidationError
 
 from planner.errors import ProblemError
 from utility_specs.errors import SpecProblem, SpecsError, TomlError
-from utility_specs.expressions import Expression
 from utility_specs.forecast import forecast_of
+from utility_specs.rules import FLOOR, Guarantee
 from utility_specs.schedules import rule_of
-from utility_specs.schema import InformationTypeTable, SpecFile
+from utility_specs.schema import FallbackTable, InformationTypeTable, SpecFile
 from utility_specs.specs import ConstraintSpec, InformationType, Specs
 from utility_specs.suggestions import hint, quoted
 from utility_specs.toml_source import MOST_PROBLEMS, TomlSource, problems_of
@@ -23,9 +23,11 @@ from utility_specs.toml_source import MOST_PROBLEMS, TomlSource, problems_of
 
 @dataclass(frozen=True, slots=True)
 class LoadedFile:
-    """What one file of a set contributes."""
+    """What one file of a set contributes, and where it is written."""
 
     path: Path
+    source: TomlSource
+    tables: SpecFile
     types: tuple[InformationType, ...]
     constraints: tuple[ConstraintSpec, ...]
 
@@ -51,13 +53,13 @@ def load_set(paths: Sequence[Path]) -> SpecSet:
     for path in _files_of(paths, problems):
         try:
             sources.append(TomlSource.read(path))
-            tables.append(SpecFile.model_validate(sources[-1].data, context={"folder": path.parent}))
+            tables.append(SpecFile.of(sources[-1].data, folder=path.parent))
             problems += _failing(sources[-1], tables[-1])
         except TomlError as error:
             problems += error.problems
         except ValidationError as error:
             problems += problems_of(error, sources[-1], SpecFile)
-    problems += _repeated(sources, "information_type") + _repeated(sources, "constraint")
+    problems += _repeated(sources, "information_type") + _repeated(sources, "constraint") + _set_again(sources)
     if not problems and not any(table.information_type for table in tables):
         where = sources[0].path if len(sources) == 1 else paths[0]
         problems.append(SpecProblem(where, None, "information_type", "is missing; a spec needs at least one"))
@@ -127,6 +129,17 @@ def _repeated(sources: Iterable[TomlSource], key: str) -> list[SpecProblem]:
     return problems[:MOST_PROBLEMS]
 
 
+def _set_again(sources: Sequence[TomlSource]) -> list[SpecProblem]:
+    """Return a problem for each setting of the whole set that an earlier file has too."""
+    problems = []
+    for key in ("floor", "fallback"):
+        setting = [source for source in sources if key in source.data]
+        for source in setting[1:]:
+            where = f"{setting[0].path}:{setting[0].line_of((key,))}"
+            problems.append(source.problem((key,), f"is already set at {where}, for all files"))
+    return problems[:MOST_PROBLEMS]
+
+
 def _names(source: TomlSource, key: str) -> Iterator[tuple[tuple[str | int, ...], str]]:
     tables = source.data.get(key)
     for index, table in enumerate(tables if isinstance(tables, list) else ()):
@@ -139,27 +152,37 @@ def _assembled(sources: Iterable[TomlSource], tables: Sequence[SpecFile]) -> Spe
     files = tuple(
         LoadedFile(
             source.path,
-            tuple(map(_information_type, table.information_type)),
+            source,
+            table,
+            tuple(_information_type(each, table.constants) for each in table.information_type),
             tuple(ConstraintSpec(next(names), c.measure(), c.least) for c in table.constraint),
         )
         for source, table in zip(sources, tables, strict=True)
     )
     types = tuple(each for file in files for each in file.types)
     constraints = tuple(each for file in files for each in file.constraints)
-    return SpecSet(files, Specs(types, constraints, _generation(tables)))
+    floor = next((table.floor for table in tables if table.floor is not None), FLOOR)
+    fallback = next((table.fallback for table in tables if table.fallback is not None), FallbackTable()).fallback()
+    return SpecSet(files, Specs(types, constraints, _generation(tables), fallback, floor))
 
 
-def _information_type(table: InformationTypeTable) -> InformationType:
+def _information_type(table: InformationTypeTable, constants: Mapping[str, float]) -> InformationType:
+    weight, scale = table.expressions(constants)
     return InformationType(
         name=table.name,
-        keys=tuple(table.keys),
+        formats=table.formats,
         aggregation=table.aggregated(),
-        weight=table.weight,
+        weighing=weight,
         utility=table.message_utility(),
-        expression=Expression.compile(table.scale, table.features),
+        expression=scale,
         features=tuple((name, feature.feature()) for name, feature in table.features.items()),
         forecast=forecast_of(table.forecast.features),
         schedule=rule_of(table.forecast.schedule),
+        mode=table.mode,
+        bypass=table.bypass,
+        guarantee=Guarantee(table.min_rate, table.max_age),
+        deletes=table.deletes,
+        queries=table.queries,
     )
 
 
@@ -180,7 +203,9 @@ def _constraint_names(tables: Iterable[SpecFile]) -> Iterator[str]:
 
 def _generation(tables: Iterable[SpecFile]) -> str:
     """Return a hash of what the specs say, whatever files they stand in and whatever their comments."""
-    types = [each.model_dump() for table in tables for each in table.information_type]
+    types = [[each.model_dump(), table.constants] for table in tables for each in table.information_type]
     constraints = [each.model_dump() for table in tables for each in table.constraint]
-    said = json.dumps([types, constraints], sort_keys=True, allow_nan=False)
+    rules = [[table.floor, table.fallback and table.fallback.model_dump()] for table in tables]
+    rules = [each for each in rules if any(rule is not None for rule in each)]
+    said = json.dumps([types, constraints, rules], sort_keys=True, allow_nan=False)
     return hashlib.sha256(said.encode()).hexdigest()[:12]

@@ -94,8 +94,10 @@ class PeriodicTable(_Table):
     """One sample every `period`, `phase` after the first one, or as the samples tell."""
 
     kind: Literal["periodic"]
-    period: Duration
-    phase: Age | None = None
+    period: Duration = Field(description="the time from sample to sample")
+    phase: Age | None = Field(
+        default=None, description="when, after the stream's first sample; found out unless it is given"
+    )
 
     def rule(self) -> ScheduleRule:
         """Return the rule."""
@@ -106,8 +108,8 @@ class PoissonTable(_Table):
     """Samples at random moments, at a `rate` or a mean `interval` apart."""
 
     kind: Literal["poisson"]
-    rate: Frequency | None = None
-    interval: Duration | None = None
+    rate: Frequency | None = Field(default=None, description="how many samples there are on average")
+    interval: Duration | None = Field(default=None, description="how far apart they are on average")
 
     @model_validator(mode="after")
     def _either(self) -> "PoissonTable":
@@ -124,8 +126,10 @@ class TimesTable(_Table):
     """Samples at `times` after the first of them, again `every` so long."""
 
     kind: Literal["times"]
-    times: Annotated[list[Age], Field(min_length=1, max_length=MOST_TIMES)]
-    every: Duration | None = None
+    times: Annotated[list[Age], Field(min_length=1, max_length=MOST_TIMES)] = Field(
+        description="when, after the first of them"
+    )
+    every: Duration | None = Field(default=None, description="again and again so long after; once unless it is given")
 
     @field_validator("times")
     @classmethod
@@ -152,7 +156,9 @@ class PythonScheduleTable(_Table):
     """What a Python function `package.module:name` says."""
 
     kind: Literal["python"]
-    function: str
+    function: str = Field(
+        description="package.module:name; it gets past times and until when, and returns times to come"
+    )
 
     @field_validator("function")
     @classmethod

@@ -19,6 +19,8 @@ from utility_specs.expressions import Expression
 from utility_specs.features import AnyPayload, Feature, Sample
 from utility_specs.features.pace import Pace, Paces
 from utility_specs.forecast import FeatureForecast
+from utility_specs.key_formats import KeyFormat, values_of
+from utility_specs.rules import FALLBACK, FLOOR, NO_GUARANTEE, Deletes, Fallback, Guarantee, Queries, TypeMode
 from utility_specs.schedules import ScheduleRule
 
 MATCHES_KEPT = 4096
@@ -39,14 +41,14 @@ class Background(Protocol):
 
 
 class Failures:
-    """How often each feature, the scale, a `python` utility or a forecast had to be replaced by its default."""
+    """How often each feature, weight, scale, `python` utility or forecast had to be replaced by its default."""
 
     def __init__(self) -> None:
         self._counts: Counter[str] = Counter()
         self._lock = Lock()
 
     def note(self, what: str) -> None:
-        """Count one failure of a feature (by name), of `scale`, `utility`, `forecast` or `schedule`."""
+        """Count one failure of a feature (by name), of `weight`, `scale`, `utility`, `forecast` or `schedule`."""
         with self._lock:
             self._counts[what] += 1
 
@@ -72,25 +74,52 @@ class ConstraintSpec:
 class InformationType:
     """What a spec says about a group of keys; each key of each robot is a stream of its own.
 
-    `utility` is that of samples with the default features.
+    `utility` is that of samples with the default features. `captured` are the chunks that a stream's key captures, as
+    expressions know them: `Specs.match` sets them.
     """
 
     name: str
-    keys: tuple[str, ...]
+    formats: tuple[KeyFormat, ...]
     aggregation: Aggregation | AggregationModel
-    weight: float
+    weighing: Expression
     utility: MessageUtility
     expression: Expression
     features: tuple[tuple[str, Feature], ...]
     forecast: FeatureForecast
     schedule: ScheduleRule | None = None
     """When its streams generate; None: find it out."""
+    mode: TypeMode | None = None
+    """What is done with decisions, if not what the daemon does with all."""
+    bypass: bool = False
+    """Whether its samples go at once, whatever the limits."""
+    guarantee: Guarantee = NO_GUARANTEE
+    deletes: Deletes = "bypass"
+    queries: Queries = "pass"
+    captured: Mapping[str, float | str] = field(default_factory=dict)
     failures: Failures = field(default_factory=Failures, repr=False, compare=False)
     paces: Paces = field(default_factory=Paces, repr=False, compare=False)
     _tabulated: Any = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_tabulated", lru_cache(UTILITIES_KEPT)(self._tabulate))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The key expressions that it covers."""
+        return tuple(each.expression for each in self.formats)
+
+    @property
+    def weight(self) -> float:
+        """The weight of samples with the default features; 1 where it depends on a key that is not known."""
+        try:
+            return max(0.0, self.weighing.evaluate({**self.completed({}), **self.captured}))
+        except ExpressionError:
+            return 1.0
+
+    @property
+    def planned(self) -> bool:
+        """Whether its samples are decided on at all; what is not covers its keys, but is traffic like any other."""
+        return not self.bypass and self.mode != "pass"
 
     @property
     def markovian(self) -> bool:
@@ -105,33 +134,41 @@ class InformationType:
     def scale(self, features: Mapping[str, float]) -> float:
         """Return weight × expression, which multiplies the utility of a message; always finite and >= 0.
 
-        Features that are not given take their defaults. An expression below 0 means: worth nothing. One
-        without a finite value is taken as 1 and counted as a failure.
+        Features that are not given take their defaults. What is below 0 means: worth nothing. What has no finite
+        value is taken as 1 and counted as a failure.
         """
-        try:
-            scale = self.weight * max(0.0, self.expression.evaluate(self._completed(features)))
-        except ExpressionError:
-            scale = math.inf
+        values = {**self.completed(features), **self.captured}
+        weight = self._factor("weight", self.weighing, values)
+        scale = weight * self._factor("scale", self.expression, values)
         if math.isfinite(scale):
             return scale
         self.failures.note("scale")
-        return self.weight
+        return weight
+
+    def _factor(self, what: str, expression: Expression, values: Mapping[str, float | str]) -> float:
+        try:
+            return max(0.0, expression.evaluate(values))
+        except ExpressionError:
+            self.failures.note(what)
+            return 1.0
 
     def utility_of(self, features: Mapping[str, float]) -> MessageUtility:
         """Return the message utility of a sample; features that are not given take their defaults.
 
-        Only a `python` utility knows features. Where its function fails, that is counted and the defaults hold.
+        Only a `python` utility knows features, and numbers that the key has captured. Where its function fails, that
+        is counted and the defaults hold.
         """
         if not isinstance(self.utility, Custom):
             return self.utility
-        utility: MessageUtility = self._tabulated(tuple(self._completed(features).items()))
+        numbers = {name: value for name, value in self.captured.items() if isinstance(value, float)}
+        utility: MessageUtility = self._tabulated(tuple((self.completed(features) | numbers).items()))
         return utility
 
     def told(self, features: Mapping[str, float]) -> tuple[float, ...]:
         """Return what other robots need of a sample's features to value it: all for a `python` utility, else none."""
         if not isinstance(self.utility, Custom):
             return ()
-        return tuple(self._completed(features).values())
+        return tuple(self.completed(features).values())
 
     def heard(self, values: Sequence[float]) -> dict[str, float]:
         """Return the features that another robot told so; none where its type has other features."""
@@ -146,7 +183,8 @@ class InformationType:
             self.failures.note("utility")
             return self.utility
 
-    def _completed(self, features: Mapping[str, float]) -> dict[str, float]:
+    def completed(self, features: Mapping[str, float]) -> dict[str, float]:
+        """Return all features, those that are not given by default."""
         return {name: features.get(name, feature.default) for name, feature in self.features}
 
     def extract(
@@ -202,7 +240,15 @@ class Specs:
     types: tuple[InformationType, ...]
     constraints: tuple[ConstraintSpec, ...]
     generation: str
+    fallback: Fallback = FALLBACK
+    floor: float = FLOOR
+    """Part of every limit that traffic without a spec leaves to what types cover."""
     _matching: Any = field(init=False, repr=False, compare=False)
+
+    @property
+    def modes(self) -> frozenset[TypeMode | None]:
+        """The modes that types have of their own; None for those that have none."""
+        return frozenset(each.mode for each in self.types)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_matching", lru_cache(MATCHES_KEPT)(_matcher(self.types)))
@@ -225,14 +271,24 @@ class Specs:
 
 
 def _matcher(types: tuple[InformationType, ...]) -> Callable[[str], InformationType | None]:
-    """Return the search for a key's type that `Specs.match` remembers the results of."""
-    expressions = [(zenoh.KeyExpr(text), each) for each in types for text in each.keys]
+    """Return the search for a key's type that `Specs.match` remembers the results of.
+
+    Where keys capture chunks, all that have the same ones share a type that knows them.
+    """
+    formats = [(zenoh.KeyExpr(each.expression), each, of) for of in types for each in of.formats]
+
+    @lru_cache(MATCHES_KEPT)
+    def knowing(place: int, captured: tuple[tuple[str, str], ...]) -> InformationType:
+        return replace(formats[place][2], captured=values_of(dict(captured)))
 
     def match(key: str) -> InformationType | None:
         try:
             concrete = zenoh.KeyExpr(key)
         except zenoh.ZError:
             return None
-        return next((each for expression, each in expressions if expression.includes(concrete)), None)
+        for place, (expression, written, each) in enumerate(formats):
+            if expression.includes(concrete):
+                return knowing(place, tuple(written.captured(key).items())) if written.captures else each
+        return None
 
     return match

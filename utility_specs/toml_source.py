@@ -10,6 +10,7 @@ except ValidationError as error:
 import re
 import tomllib
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
@@ -18,13 +19,15 @@ from pydantic import BaseModel, ValidationError
 from utility_specs.errors import SpecProblem, TomlError
 from utility_specs.suggestions import quoted
 from utility_specs.toml_lines import KeyPath, lines_of
-from utility_specs.wording import Place, message_of
+from utility_specs.wording import Place, Schema, message_of
 
 LARGEST_FILE = 256 * 1024
 """Bytes of the largest file that is read."""
 
 MOST_PROBLEMS = 100
 """How many problems of one file are told; the others are counted."""
+MOST_JUDGED = 1000
+"""Of so many, the first in the order of the file."""
 
 _KEY_PART = r"""(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _ENDLESS_KEY = re.compile(rf"{_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{64}}")
@@ -96,14 +99,19 @@ def problems_of(error: ValidationError, source: TomlSource, model: type[BaseMode
 
     With the `model` that refused the data, unknown keys come with hints and paths without the tags of unions.
     """
-    schema = model.model_json_schema() if model is not None else {}
-    details = error.errors(include_url=False)
+    schema = _schema_of(model) if model is not None else {}
+    details = error.errors(include_url=False)[:MOST_JUDGED]
     places = [Place.find(schema, detail["loc"], detail["type"]) for detail in details]
     found = sorted(zip(places, details, strict=True), key=lambda each: source.line_of(each[0].path) or 0)
     problems = [source.problem(place.path, message_of(detail, place)) for place, detail in found[:MOST_PROBLEMS]]
-    if len(found) > MOST_PROBLEMS:
-        problems.append(SpecProblem(source.path, None, "", f"has {len(found) - MOST_PROBLEMS} more mistakes"))
+    if error.error_count() > MOST_PROBLEMS:
+        problems.append(SpecProblem(source.path, None, "", f"has {error.error_count() - MOST_PROBLEMS} more mistakes"))
     return problems
+
+
+@cache
+def _schema_of(model: type[BaseModel]) -> Schema:
+    return model.model_json_schema()
 
 
 def _child(value: Any, part: str | int) -> Any:

@@ -20,6 +20,9 @@ _WRITTEN = re.compile(r"\s*([+-]?(?:\d[\d_]*)(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*(\S.
 _PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 _BINARY = {"Ki": 1024.0, "Mi": 1024.0**2, "Gi": 1024.0**3}
 
+MOST_LISTED = 16
+"""Units that a message lists."""
+
 _OTHER_WORDS = {
     **{f"{prefix.lower()}{bits}": f"{prefix}bit/s" for prefix in _PREFIXES for bits in ("bps", "b/s")},
     **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
@@ -27,6 +30,10 @@ _OTHER_WORDS = {
     **dict.fromkeys(("m", "minute", "minutes"), "min"),
     **dict.fromkeys(("percent", "pct"), "%"),
     **dict.fromkeys(("joule", "joules", "ws"), "J"),
+    **dict.fromkeys(("byte", "bytes"), "B"),
+    **dict.fromkeys(("kilobyte", "kilobytes"), "kB"),
+    **dict.fromkeys(("megabyte", "megabytes"), "MB"),
+    **dict.fromkeys(("hertz", "/s", "per second"), "Hz"),
 }
 """What people also call units, in lower case."""
 
@@ -35,7 +42,7 @@ _OTHER_WORDS = {
 class Dimension:
     """A kind of quantity: factors of its units to the base unit, and what a number may be.
 
-    `plain`: a number alone will do; `zero`: 0 will, too; `most`: the largest.
+    `plain`: a number alone will do; `zero`: 0 will, too; `negative`: any will; `most`: the largest.
     """
 
     name: str
@@ -43,6 +50,7 @@ class Dimension:
     example: str
     plain: bool
     zero: bool = False
+    negative: bool = False
     most: float = math.inf
 
     def parse(self, written: Any) -> float:
@@ -50,9 +58,9 @@ class Dimension:
         if isinstance(written, bool) or not isinstance(written, str | int | float):
             raise QuantityError(f"must be a {self.name} such as {quoted(self.example)}, not {described(written)}")
         quantity = self._of_text(written) if isinstance(written, str) else self._of_number(written)
-        if not (math.isfinite(quantity) and (quantity > 0.0 or (self.zero and quantity == 0.0))):
-            least = "of at least 0" if self.zero else "above 0"
-            raise QuantityError(f"must be a finite {self.name} {least}, not {described(written)}")
+        if not (math.isfinite(quantity) and (self.negative or quantity > 0.0 or (self.zero and quantity == 0.0))):
+            least = "" if self.negative else " of at least 0" if self.zero else " above 0"
+            raise QuantityError(f"must be a finite {self.name}{least}, not {described(written)}")
         if quantity > self.most:
             raise QuantityError(f"must be a {self.name} of at most {self.most:g}, not {described(written)}")
         return quantity
@@ -72,7 +80,10 @@ class Dimension:
         """Return what to write for an unknown unit; a guess by likeness could be wrong by a factor of 8."""
         same = {known.lower(): known for known in self.units} | _OTHER_WORDS
         meant = same.get(unit.lower(), "")
-        return f"did you mean {quoted(meant)}?" if meant in self.units else f"known units: {listed(self.units)}"
+        if meant in self.units:
+            return f"did you mean {quoted(meant)}?"
+        few = len(self.units) <= MOST_LISTED
+        return f"known units: {listed(self.units)}" if few else f"write for example {quoted(self.example)}"
 
     def _of_number(self, number: float) -> float:
         if not self.plain:
@@ -96,7 +107,9 @@ DURATION = Dimension(
     "200 ms",
     plain=True,
 )
-FREQUENCY = Dimension("frequency", {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "1/min": 1 / 60}, "0.2 Hz", plain=False)
+FREQUENCY = Dimension(
+    "frequency", {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "1/s": 1.0, "1/min": 1 / 60}, "0.2 Hz", plain=False
+)
 AGE = replace(DURATION, zero=True)
 FRACTION = Dimension("fraction", {"%": 0.01}, "40 %", plain=True, most=1.0)
 JOULE = Dimension(
@@ -105,11 +118,19 @@ JOULE = Dimension(
     "0.5 J",
     plain=False,
 )
+PART = replace(FRACTION, zero=True)
+QUANTITY = Dimension(
+    "number or quantity",
+    {**DURATION.units, **SIZE.units, **RATE.units, **FREQUENCY.units, **FRACTION.units, **JOULE.units},
+    "500 kB",
+    plain=True,
+    negative=True,
+)
 
-Rate = Annotated[float, BeforeValidator(RATE.parse, json_schema_input_type=str)]
+Rate = Annotated[float, BeforeValidator(RATE.parse, json_schema_input_type=str), Field(examples=["2 Mbit/s"])]
 """[B/s], written with a unit: bits and bytes are mixed up too easily."""
 
-Size = Annotated[float, BeforeValidator(SIZE.parse, json_schema_input_type=str)]
+Size = Annotated[float, BeforeValidator(SIZE.parse, json_schema_input_type=str), Field(examples=["50 kB"])]
 """[B], written with a unit."""
 
 Duration = Annotated[
@@ -117,7 +138,7 @@ Duration = Annotated[
 ]
 """[s], written with a unit or as a number of seconds."""
 
-Frequency = Annotated[float, BeforeValidator(FREQUENCY.parse, json_schema_input_type=str)]
+Frequency = Annotated[float, BeforeValidator(FREQUENCY.parse, json_schema_input_type=str), Field(examples=["0.2 Hz"])]
 """[1/s], written with a unit."""
 
 Fraction = Annotated[
@@ -125,9 +146,17 @@ Fraction = Annotated[
 ]
 """A part of a whole, above 0 and at most 1, written in percent or as a number."""
 
-Joule = Annotated[float, BeforeValidator(JOULE.parse, json_schema_input_type=str)]
+Joule = Annotated[float, BeforeValidator(JOULE.parse, json_schema_input_type=str), Field(examples=["0.5 J"])]
 """[J], written with a unit: batteries are rated in watt hours, radios in millionths of a joule."""
 
 
 Age = Annotated[float, BeforeValidator(AGE.parse, json_schema_input_type=float | str), Field(examples=["200 ms"])]
 """[s], a duration that may be 0."""
+
+Part = Annotated[float, BeforeValidator(PART.parse, json_schema_input_type=float | str), Field(examples=["10 %"])]
+"""A fraction that may be 0."""
+
+Quantity = Annotated[
+    float, BeforeValidator(QUANTITY.parse, json_schema_input_type=float | str), Field(examples=["500 kB"])
+]
+"""Any number, or any quantity in its base unit: s, B, B/s, Hz, J, part of a whole."""

@@ -11,6 +11,9 @@ from planner.utility import Custom, Exponential, Linear, MessageUtility, Polynom
 from utility_specs.imports import imported
 from utility_specs.units import Age, Duration
 
+MOST_POINTS = 1000
+"""Points of a table."""
+
 Worth = Annotated[float, Field(gt=0.0)]
 Point = Annotated[tuple[Age, Annotated[float, Field(ge=0.0)]], Field(strict=False)]
 """Age [s] and value [1/s], written as an array of two."""
@@ -30,8 +33,8 @@ class LinearTable(UtilityTable):
     """`max(0, u0 − slope·age)`."""
 
     kind: Literal["linear"]
-    u0: Worth = 1.0
-    slope: float = Field(gt=0.0)
+    u0: Worth = Field(default=1.0, description="the value of a new sample")
+    slope: float = Field(gt=0.0, description="what the value loses in a second")
 
     def utility(self, features: Mapping[str, float]) -> MessageUtility:  # noqa: ARG002 - age alone matters
         """Return the planner's function."""
@@ -42,8 +45,8 @@ class ExponentialTable(UtilityTable):
     """`u0·exp(−age / tau)`."""
 
     kind: Literal["exponential"]
-    u0: Worth = 1.0
-    tau: Duration
+    u0: Worth = Field(default=1.0, description="the value of a new sample")
+    tau: Duration = Field(description="the age at which 37 % of the value is left")
 
     def utility(self, features: Mapping[str, float]) -> MessageUtility:  # noqa: ARG002 - age alone matters
         """Return the planner's function."""
@@ -54,8 +57,8 @@ class StepTable(UtilityTable):
     """`u0` while the age is less than `lifetime`, then 0."""
 
     kind: Literal["step"]
-    u0: Worth = 1.0
-    lifetime: Duration
+    u0: Worth = Field(default=1.0, description="the value of a new sample")
+    lifetime: Duration = Field(description="the age from which on a sample is worth nothing")
 
     def utility(self, features: Mapping[str, float]) -> MessageUtility:  # noqa: ARG002 - age alone matters
         """Return the planner's function."""
@@ -66,9 +69,11 @@ class PolynomialTable(UtilityTable):
     """`max(0, u0·(1 − (age / a1)^k))`."""
 
     kind: Literal["polynomial"]
-    u0: Worth = 1.0
-    a1: Duration
-    k: float = Field(default=2.0, gt=0.0)
+    u0: Worth = Field(default=1.0, description="the value of a new sample")
+    a1: Duration = Field(description="the age from which on a sample is worth nothing")
+    k: float = Field(
+        default=2.0, gt=0.0, description="how late the value falls: 2 for positions in the plane, 3 in space"
+    )
 
     def utility(self, features: Mapping[str, float]) -> MessageUtility:  # noqa: ARG002 - age alone matters
         """Return the planner's function."""
@@ -79,8 +84,10 @@ class VideoTable(UtilityTable):
     """1 up to the age `a0`, then falling with its logarithm to 0 at `a1`."""
 
     kind: Literal["video"]
-    a0: Duration = 1 / 30
-    a1: Duration = Field(default=10.0, validate_default=True)
+    a0: Duration = Field(default=1 / 30, description="the age up to which the value is 1")
+    a1: Duration = Field(
+        default=10.0, validate_default=True, description="the age from which on a sample is worth nothing"
+    )
 
     @field_validator("a1")
     @classmethod
@@ -99,7 +106,7 @@ class PowerTable(UtilityTable):
     """`(1 − beta)·age^(−beta)`, age in seconds."""
 
     kind: Literal["power"]
-    beta: float = Field(gt=0.0, lt=1.0)
+    beta: float = Field(gt=0.0, lt=1.0, description="how quickly the value falls, between 0 and 1")
 
     def utility(self, features: Mapping[str, float]) -> MessageUtility:  # noqa: ARG002 - age alone matters
         """Return the planner's function."""
@@ -110,7 +117,9 @@ class PointsTable(UtilityTable):
     """Straight lines through points of age and value; before the first and after the last, the value there."""
 
     kind: Literal["table"]
-    points: Annotated[list[Point], Field(min_length=1)]
+    points: Annotated[list[Point], Field(min_length=1, max_length=MOST_POINTS)] = Field(
+        description="pairs of age and value with rising ages; the last value holds for ever"
+    )
 
     @field_validator("points")
     @classmethod
@@ -129,8 +138,8 @@ class PythonTable(UtilityTable):
     """What a Python function returns for ages and features; from the age `until` on, what it returns there."""
 
     kind: Literal["python"]
-    function: str
-    until: Duration = 60.0
+    function: str = Field(description="package.module:name; it gets ages and features and returns values")
+    until: Duration = Field(default=60.0, description="the age from which on the last value holds")
 
     @field_validator("function")
     @classmethod

@@ -78,6 +78,9 @@ def message_of(detail: ErrorDetails, place: Place) -> str:
     if kind == "list_type" and isinstance(value, dict) and place.repeats:
         name = ".".join(map(str, place.path))
         return f"must be an array of tables: write [[{name}]] instead of [{name}]"
+    if _EXPECTED.get(kind) == "a table" and isinstance(value, list) and value and isinstance(value[0], dict):
+        name = ".".join(map(str, place.path))
+        return f"must be one table: write [{name}] instead of [[{name}]]"
     if kind in _EXPECTED:
         return f"must be {_EXPECTED[kind]}, not {described(value)}"
     if kind in _BOUNDS:
@@ -117,7 +120,8 @@ def _own(_value: Any, context: Mapping[str, Any], _place: Place) -> str:
 
 
 def _too_long(_value: Any, context: Mapping[str, Any], _place: Place) -> str:
-    return f"must hold at most {context['max_length']} values, not {context['actual_length']}"
+    actual = context.get("actual_length")
+    return f"must hold at most {context['max_length']} values" + (f", not {actual}" if actual else "")
 
 
 _OTHERS: dict[str, Callable[[Any, Mapping[str, Any], Place], str]] = {

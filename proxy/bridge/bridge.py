@@ -87,8 +87,9 @@ class Bridge:
             air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))
         fence = Fence(wake.set)
-        self._outward = Queries(apps, others.session, self.lanes[0], fence, rules.into, numbered=lambda _: sourced)
-        self._inward = Queries(others, apps.session, self.lanes[1], fence, rules.out, numbered=self._ingress.numbered)
+        near, far = (apps, others.session, self.lanes[0]), (others, apps.session, self.lanes[1])
+        self._outward = Queries(*near, fence, rules.into, dropped=self._dropped, numbered=lambda _: sourced)
+        self._inward = Queries(*far, fence, rules.out, dropped=self._dropped, numbered=self._ingress.numbered)
         self._links = Links(mesh, connect, clock.monotonic())
         routers = Links(app, app_connect, clock.monotonic(), "app")
         self._watch = Watch(
@@ -189,11 +190,16 @@ class Bridge:
     def _match(self, key: str) -> InformationType | None:
         return self._specs.match(key)
 
+    def _dropped(self, key: str) -> bool:
+        """Whether a spec drops the queries for a key."""
+        covering = self._match(key)
+        return covering is not None and covering.queries == "drop"
+
 
 def _pace(specs: Specs, mode: Mode) -> float | None:
-    """Return the rate of the tightest limit of the channel [B/s]; None: as fast as it goes."""
+    """Return the rate of the tightest limit of the channel [B/s]; None: as fast as it goes, as some of it must."""
     rate = min((constraint.measure.pace for constraint in specs.constraints), default=math.inf)
-    return rate if mode is Mode.ENFORCE and math.isfinite(rate) else None
+    return rate if mode is Mode.ENFORCE and "shadow" not in specs.modes and math.isfinite(rate) else None
 
 
 def _adaptive(specs: Specs) -> bool:

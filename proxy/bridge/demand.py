@@ -111,6 +111,10 @@ class Demand:
             count = counts[key] = sum(any(each.intersects(key) for each in wanted) for wanted in robots)
         return count + 1 if self._relayed else max(1, count)
 
+    def wanting(self, key: str) -> set[str]:
+        """Return the robots, by their sessions, that say they want `key`."""
+        return {zid for zid, wanted in self._robots.items() if any(each.intersects(key) for each in wanted)}
+
     def silent(self, key: str) -> bool:
         """Whether `key` must not be published: on a mesh session Zenoh sees to that itself, on the air it does not."""
         return self._broadcast and not self._matching.get(key, True)

@@ -183,7 +183,9 @@ class Egress:
         """Take a sample out of what waits; whether it may be dropped on links that have no room for it."""
         with self._wake:
             self._bytes -= held.size
-        return held.sample.congestion_control != zenoh.CongestionControl.DROP and self._patience.runs_out()
+        droppable = held.sample.congestion_control != zenoh.CongestionControl.DROP and self._patience.runs_out()
+        self._patience.hand(held.size, self._demand.wanting(held.key))
+        return droppable
 
     def _send(self, held: Held, *, droppable: bool = False) -> bool:
         sample = held.sample

@@ -5,9 +5,12 @@ socket of each link; while that is little, a publication returns at once, whatev
 """
 
 import ctypes
+import fcntl
 import ipaddress
 import socket
 import struct
+import sys
+import termios
 import threading
 from contextlib import suppress
 from pathlib import Path
@@ -26,6 +29,8 @@ _SINCE_SENT, _UNACKED, _RTT, _NOT_SENT, _LEAST_RTT, _RATE = (
 )
 """Places in `tcp_info` of <linux/tcp.h>: time since something was sent [ms], segments on their way, the time of a round
 trip [us], bytes that wait, the least time of a round trip [us], and what came through at last [B/s]."""
+_ACKED = struct.Struct("@120xQ")
+"""Place of the bytes that have arrived."""
 _TCP_INFO = 168
 """So much of it is needed [B]."""
 LATELY = 300
@@ -77,6 +82,11 @@ class Headroom:
         waits = ((zid, _wait(number)) for zid, number in self._ends)
         return tuple((zid, wait) for zid, wait in waits if wait is not None)
 
+    def sent(self) -> dict[str, int]:
+        """Return for each link that has room: the session at its other end, and what Zenoh wrote so far [B]."""
+        found = {zid: _written(number) for zid, number in self._ends if _room(number) >= LITTLE}
+        return {zid: written for zid, written in found.items() if written is not None}
+
     @property
     def clear(self) -> bool:
         """Whether no link has little room, as far as all of them can be seen."""
@@ -117,16 +127,35 @@ def _room(number: int) -> float:
     return USABLE * info[_SNDBUF] - max(info[_QUEUED], info[_ALLOCATED])
 
 
-def _wait(number: int) -> float | None:
-    """Return how long what is written into a socket now is on its way [s]; None when nothing was sent lately."""
+def _tcp_info(number: int) -> ctypes.Array[ctypes.c_char] | None:
+    """Return what the kernel knows of a connection; None when it is gone or the kernel is too old."""
     info = ctypes.create_string_buffer(_TCP_INFO)
     size = ctypes.c_uint32(_TCP_INFO)
-    if _libc.getsockopt(number, socket.IPPROTO_TCP, socket.TCP_INFO, info, ctypes.byref(size)) != 0:
+    failed = _libc.getsockopt(number, socket.IPPROTO_TCP, socket.TCP_INFO, info, ctypes.byref(size))
+    return None if failed or size.value < _TCP_INFO else info
+
+
+def _written(number: int) -> int | None:
+    """Return what was written into a socket so far [B]; None when it is gone."""
+    info = _tcp_info(number)
+    if info is None:
+        return None
+    try:
+        queued = fcntl.ioctl(number, termios.TIOCOUTQ, bytes(4))
+    except OSError:
+        return None
+    return int(_ACKED.unpack_from(info)[0]) + int.from_bytes(queued, sys.byteorder)
+
+
+def _wait(number: int) -> float | None:
+    """Return how long what is written into a socket now is on its way [s]; None when nothing was sent lately."""
+    info = _tcp_info(number)
+    if info is None:
         return None
     since, unacked, rtt, not_sent, least, rate = (
         place.unpack_from(info)[0] for place in (_SINCE_SENT, _UNACKED, _RTT, _NOT_SENT, _LEAST_RTT, _RATE)
     )
-    if size.value < _TCP_INFO or since > LATELY or not rate:
+    if since > LATELY or not rate:
         return None
     return float((rtt if unacked >= DENSE else least) / 1e6 + not_sent / rate)
 

@@ -24,7 +24,7 @@ from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC, OVERFL
 from proxy.bridge.rules import ADVANCED, Rules, Verdict
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
 from proxy.core.events import SamplePublished
-from proxy.core.mode import Mode
+from proxy.core.mode import Mode, in_force
 from utility_specs import InformationType
 
 log = logging.getLogger(__name__)
@@ -117,9 +117,9 @@ class Ingress:
 
         Not where some may be dropped on purpose: subscribers would fetch those.
         """
-        if self.mode is not Mode.ENFORCE or self._rules.outward(key) is not Verdict.ORDINARY:
+        if self._rules.outward(key) is not Verdict.ORDINARY:
             return self._sourced
-        return self._sourced and self._match(key) is None
+        return self._sourced and self._keeps_numbers(self._match(key))
 
     def release(self, number: int) -> Held | None:
         """Give out a held sample; None when it is not held (any more)."""
@@ -163,13 +163,14 @@ class Ingress:
             self._passed.add(HEARTBEAT, 0)
             return
         covering = self._match(key) if verdict is Verdict.ORDINARY else None
-        numbered = self._sourced and (covering is None or self.mode is not Mode.ENFORCE)
-        source = sample.source_info if numbered else None
+        if covering is not None and covering.bypass:
+            covering, verdict = None, Verdict.BYPASS
+        source = sample.source_info if self._sourced and self._keeps_numbers(covering) else None
         held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload), source)
         self._demand.note(key, sample, covered=covering is not None)
         if covering is None:
             self._egress.pass_on(BYPASS if verdict is Verdict.BYPASS else NO_SPEC, held)
-        elif self.mode is Mode.PASS:
+        elif in_force(self.mode, covering.mode) is Mode.PASS:
             self._egress.pass_on(MODE, held)
         else:
             self._hold(now, held, stamp, covering)
@@ -191,9 +192,14 @@ class Ingress:
             delete=held.sample.kind == zenoh.SampleKind.DELETE,
         )
         payload, attachment = held.sample.payload, held.sample.attachment
-        superseded = self._submit(published, covering, payload, attachment, each=self.mode is Mode.SHADOW)
+        each = in_force(self.mode, covering.mode) is Mode.SHADOW
+        superseded = self._submit(published, covering, payload, attachment, each=each)
         if superseded is not None:
             self.release(superseded)
+
+    def _keeps_numbers(self, covering: InformationType | None) -> bool:
+        """Whether none of the samples that a type covers is dropped on purpose."""
+        return covering is None or covering.bypass or in_force(self.mode, covering.mode) is not Mode.ENFORCE
 
     def _keep(self, number: int, held: Held) -> bool:
         """Hold a sample until `release`; whether there is room."""

@@ -2,10 +2,13 @@
 
 Zenoh publishes on one link after the other, and a full one holds up all behind it. Two routers would wait for as long
 as it takes, with everything of the robot behind that one link. Here the others wait no longer than `LONGEST`.
+
+What may be dropped on one link may be on all: Zenoh gives a link some pieces to hold, and drops what comes before its
+thread has had the time to write them. So from then on each sample waits until the links with room have the one before.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from proxy import clock
 from proxy.bridge.headroom import Headroom
@@ -16,6 +19,8 @@ REST = 5.0
 """How long nothing waits again for links that let it run out [s]."""
 _LOOK = 0.002
 """Time between two looks at the links [s]."""
+_SOON = 0.0002
+"""The same for links that have room [s]: their threads have only to be scheduled."""
 
 
 class Patience:
@@ -26,6 +31,8 @@ class Patience:
         self._wait = wait
         self._lost_at = -REST
         self._ended = False
+        self._due: dict[str, int] = {}
+        """What links will have sent when they have the sample before [B]."""
         self.lost = 0
         """How often it ran out."""
 
@@ -47,6 +54,21 @@ class Patience:
                 return True
             self._wait(_LOOK)
         return False
+
+    def hand(self, size: int, takers: Collection[str]) -> None:
+        """A sample is published next, to the sessions `takers` among others: wait until they have the one before."""
+        if clock.monotonic() - self._lost_at >= REST:
+            self._due = {}
+            return
+        until = clock.monotonic() + LONGEST
+        sent = self._headroom.sent()
+        while self._behind(sent) and not self._ended and clock.monotonic() < until:
+            self._wait(_SOON)
+            sent = self._headroom.sent()
+        self._due = {zid: done + size for zid, done in sent.items() if zid in takers}
+
+    def _behind(self, sent: dict[str, int]) -> bool:
+        return any(sent.get(zid, due) < due for zid, due in self._due.items())
 
     def _lost(self, now: float, until: float) -> bool:
         if now - self._lost_at < REST:

@@ -46,8 +46,9 @@ class Queries:
 
     What the voice `far` asks reaches all but itself, so a query never comes back to who mirrors it. A query is not
     asked on before `fence` says that what was declared before it is mirrored. `way` is the one that the answers go: a
-    query for what it denies is not answered, as if nobody did. Where the samples of a key are not `numbered` neither
-    are replies, and what has nothing but a number does not cross: nobody could tell that they have it already.
+    query for what it denies, or for keys whose queries are `dropped`, is not answered, as if nobody did. Where the
+    samples of a key are not `numbered` neither are replies, and what has nothing but a number does not cross: nobody
+    could tell that they have it already.
     """
 
     def __init__(
@@ -58,6 +59,7 @@ class Queries:
         fence: Fence,
         way: Way,
         *,
+        dropped: Callable[[str], bool],
         numbered: Callable[[str], bool],
     ) -> None:
         self._near = near
@@ -65,6 +67,7 @@ class Queries:
         self._lane = lane
         self._fence = fence
         self._way = way
+        self._dropped = dropped
         self._numbered = numbered
         self._owners = Owners()
         self._mirror = Mirror(self._declare, self._owners.discard)
@@ -103,13 +106,20 @@ class Queries:
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         asked = self._near.ledger.take(key, str(query.parameters))
-        if not self._way.admits("queries", key) or self._by_number(key, query):
+        if not self._admits(key) or self._by_number(key, query):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         self._pending[id(query)] = query
         if self.pending > MOST_PENDING or not self._lane.offer(partial(self._ask, query, asked, self._fence.mark())):
             query.reply_err("too many queries under way")
             self._end(query)
+
+    def _admits(self, key: str) -> bool:
+        """Whether a query for `key` crosses; it is counted when not."""
+        if not self._dropped(key.partition(ADVANCED)[0]):
+            return self._way.admits("queries", key)
+        self._way.count("queries")
+        return False
 
     def _by_number(self, key: str, query: zenoh.Query) -> bool:
         """Whether a query asks by numbers for what is not numbered here: it has been dropped on purpose."""

@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from pathlib import Path
+from typing import TextIO
 
 from proxy import exit_codes
 from proxy.config_loading import load_config
@@ -12,13 +13,18 @@ from utility_specs.check import check
 
 DESCRIPTION = """\
 Checks files of utility specs, or folders of them, as one set and without a daemon; with --config a configuration and
-the specs that it names. Every mistake is named with its file, line and key. The exit code is 0
-when there is none, else 1.
+the specs that it names. Every mistake is named with its file, line and key; so is, as a warning, what can be flown but
+hardly is meant: keys that an earlier type takes, features that nothing uses, samples that fill more than a window,
+limits that never bind. Guarantees that the limits cannot bear are mistakes, as far as forecast.size, forecast.streams
+and forecast.schedule tell.
+
+The exit code is 0 when there is no mistake, whatever the warnings, 1 with any, and 2 for a wrong command line.
 """
 EXAMPLES = """\
 examples:
   sendworthy check specs.d
   sendworthy check camera.toml lidar.toml
+  sendworthy check --json specs.d
   sendworthy check --config /etc/sendworthy/sendworthy.toml
 """
 
@@ -35,6 +41,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     )
     parser.add_argument("paths", metavar="FILE", nargs="*", type=Path, help="a file or a folder of *.toml")
     parser.add_argument("--config", metavar="FILE", type=Path, help="a configuration; its specs are checked, too")
+    parser.add_argument("--json", action="store_true", help="print what is found in specs as JSON")
     parser.set_defaults(run=run)
 
 
@@ -44,17 +51,17 @@ def run(arguments: argparse.Namespace) -> int:
         print("sendworthy check: give it a FILE or --config", file=sys.stderr)
         return exit_codes.USAGE
     try:
-        paths = [*arguments.paths, *_specs_of(arguments.config)]
+        paths = [*arguments.paths, *_specs_of(arguments.config, sys.stderr if arguments.json else sys.stdout)]
     except ConfigError as error:
         print(error)
         return exit_codes.FAILED
-    return check(paths, sys.stdout) if paths else exit_codes.OK
+    return check(paths, sys.stdout, as_json=arguments.json) if paths else exit_codes.OK
 
 
-def _specs_of(config: Path | None) -> list[Path]:
+def _specs_of(config: Path | None, out: TextIO) -> list[Path]:
     """Return where the specs of a configuration are, if it has any. Raises ConfigError."""
     if config is None:
         return []
     path = load_config(config, os.environ, {}).specs.path
-    print(f"{config}: right{'' if path.exists() else ', without specs'}")
+    print(f"{config}: right{'' if path.exists() else ', without specs'}", file=out)
     return [path] if path.exists() else []

@@ -38,4 +38,6 @@ class Asking:
 
     def next_at(self) -> float:
         """When the next question is due [s]; there may be none."""
-        return max(self._next, min((when for when, _ in self._open.values()), default=float("inf")))
+        if not self._open:
+            return float("inf")
+        return max(self._next, min(when for when, _ in self._open.values()))

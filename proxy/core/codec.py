@@ -40,6 +40,8 @@ MAX_SIZE = 2**30
 """Largest sample: that of Zenoh [B]."""
 MAX_PERIOD = 86_400.0
 """A stream that is slower is told as this slow [s]."""
+MOST_PHASES = 1_000_000
+"""What is further off a rhythm is told as so far off."""
 MAX_LATENCY = 3600.0
 MAX_LENT = 3_600_000
 MAX_SCALE = 1e15
@@ -90,17 +92,23 @@ def unpack_state(data: bytes, robot: str) -> State:
 
 
 def _stream_fields(sent: int, s: StreamDigest) -> list[Any]:
-    """The time of the last forwarded counts from that of the last generated, and is left out when there was none."""
+    """The time of the last forwarded counts from that of the last generated; neither it nor a rhythm need be there."""
     generated = ticks(s.t_generated)
     forwarded = ticks(s.t_forwarded) - generated if s.forwarded else 0
     unsent = max(0, s.generated - s.forwarded)
-    return [s.id, s.generated, unsent, sent - generated, forwarded, s.size, coded(s.scale), *map(_feature, s.features)]
+    told = [s.id, s.generated, unsent, sent - generated, forwarded, s.size, coded(s.scale)]
+    rhythm = [coded(min(s.period, MAX_PERIOD)), s.late, s.jitter] if s.period else [0] if s.features else []
+    return [*told, *rhythm, *map(_feature, s.features)]
 
 
 def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
     generated, unsent, age, forwarded = _count(f[1], MAX_SAMPLES), _count(f[2]), _whole(f[3]), _whole(f[4])
     if unsent > generated:
         raise MalformedWireError(f"{unsent} of {generated} samples were not sent")
+    period = _amount(f[7], MAX_PERIOD) if len(f) > 7 else 0.0
+    rhythm, features = (f[8:10], f[10:]) if period else ([0, 0], f[8:])
+    if len(rhythm) < 2:
+        raise MalformedWireError("a period without a phase")
     return StreamDigest(
         _count(f[0], 2**32),
         generated,
@@ -109,7 +117,10 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
         seconds(sent - age + forwarded) if generated > unsent else 0.0,
         _count(f[5], MAX_SIZE),
         _amount(f[6], MAX_SCALE),
-        tuple(_number(value) for value in f[7:]),
+        tuple(_number(value) for value in features),
+        period,
+        max(-MOST_PHASES, min(_whole(rhythm[0]), MOST_PHASES)),
+        min(_count(rhythm[1]), MOST_PHASES),
     )
 
 
@@ -165,7 +176,7 @@ def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -
         state=_count(f[3]),
         messages=_count(f[4]),
         bytes=_count(f[5]),
-        streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 7, 7 + 32)),
+        streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 7, 10 + 32)),
         grants=tuple(_grant(sent, grant) for grant in _each(grants, 4, 3 + 64)),
         echoes=_echoes(sent, echoes, own, ours),
         capacity=tuple(_amount(part, 1.0) for part in capacity),

@@ -38,9 +38,6 @@ from proxy.core.window import WindowBuilder
 from proxy.core.wire import Digest, StreamDigest, tag
 from utility_specs import Specs
 
-COVERED_FLOOR = 0.1
-"""Part of what we hold that traffic without a spec leaves to covered streams."""
-
 
 class Core:
     """One robot's decisions."""
@@ -51,7 +48,8 @@ class Core:
         self.view = SharedView(settings, specs)
         self.counts = Counts()
         limits = limits_of(specs, settings.allowance, 1)
-        self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=now + settings.settle)
+        settled_at = now + settings.settle
+        self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=settled_at, started=now)
         windows = WindowBuilder(self.view, now)
         self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
         self.layout = Layout(self.view, self.shares, self.gate, windows)
@@ -61,25 +59,29 @@ class Core:
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
         self.strangers = Strangers()
         self.clocks = WallClocks(self.view)
+        self._leader = ""
+        """Who lends, as the allowance was last shared out."""
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
         self._tickets = 0
-        self._taking_in = type(self).__dict__["_on"].dispatcher.dispatch
+        self._taking_in = dict(type(self).__dict__["_on"].dispatcher.registry)
         self._adopt_limits(now)
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order."""
-        commands: list[Command] = [*self._taking_in(type(event))(self, event), *self._advance(event.now)]
+        take_in = self._taking_in.get(type(event)) or self._taking_in[object]
+        commands: list[Command] = [*take_in(self, event), *self._advance(event.now)]
         self._forget_dropped(commands)
         return commands
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
-        times = [self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0]
+        due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
         if self.settings.coordination == "shares":
-            times.append(self.layout.due_at)
-        times += self.channel.capacity.wake_at(now)
-        return max(min(times), now)
+            due = min(due, self.shares.due_at(now))
+            if self.shares.confirmed(now):  # a plan that cannot be told yet is not made yet
+                due = min(due, max(self.layout.due_at, self._speaks_at(now)))
+        return max(min((due, *self.channel.capacity.wake_at(now))), now)
 
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
@@ -108,11 +110,12 @@ class Core:
         # A stream that is there may have another period by and by; a new one is news.
         known = stream is None or stream.generated
         self.telling.restate(event.now, soon=not known)
-        if stream is None or event.delete:
+        deletes = event.delete and (stream is None or stream.information_type.deletes == "bypass")
+        if stream is None or deletes:
             self._uncovered(event.now, 1, event.size)
         if stream is None:
-            return [self.gate.pass_on(event.sample, "passed:no-spec")]
-        if event.delete:
+            return [self.gate.pass_on(event.sample, self._unplanned(event.key))]
+        if deletes:
             return self.gate.delete(event.key, event.sample)
         waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
         return self.gate.put(self._valued(stream, waiting, event.features, stream.generated + event.superseded + 1))
@@ -125,7 +128,7 @@ class Core:
         stream = self.view.stream(event.now, self.settings.robot, waiting.key)
         if stream is None:
             self._uncovered(event.now, 1, waiting.size)
-            return [self.gate.pass_on(event.sample, "passed:no-spec")]
+            return [self.gate.pass_on(event.sample, self._unplanned(waiting.key))]
         # A stream that was not covered for a while has forgotten its samples.
         forgotten = stream.last is None or stream.last.t_gen < waiting.t_gen
         waiting = self._valued(stream, waiting, event.features, stream.generated + forgotten)
@@ -133,8 +136,12 @@ class Core:
         return self.gate.put(waiting) if superseded is None else superseded
 
     def _valued(self, stream: Stream, waiting: Waiting, extracted: Mapping[str, float], count: int) -> Waiting:
-        """Return a sample with its worth by the specs in force; it is number `count` of the stream."""
-        features = {name: feature(value) for name, value in extracted.items()}
+        """Return a sample with its worth by the specs in force; it is number `count` of the stream.
+
+        A delete that is decided shows nothing, so it has the features that samples have by default.
+        """
+        shown = extracted or stream.information_type.completed({})
+        features = {name: feature(value) for name, value in shown.items()}
         scale = rounded(stream.information_type.scale(features))
         generated = Generated(waiting.t_gen, waiting.size, scale, features)
         if count > stream.generated:
@@ -143,7 +150,7 @@ class Core:
             stream.renew(generated)
         self.telling.urgent |= self.telling.pacer.value_changed(stream) and self.view.receivers(stream) > 0
         # In shadow all go, so none gives way to a newer one.
-        markovian = stream.information_type.markovian and self.gate.mode is not Mode.SHADOW
+        markovian = stream.information_type.markovian and self.gate.mode_of(stream) is not Mode.SHADOW
         return replace(waiting, scale=scale, markovian=markovian, features=features)
 
     @_on.register
@@ -311,12 +318,18 @@ class Core:
         if self.settings.coordination != "shares":
             return
         self.shares.confirmed(now)
-        self.telling.set_rate()
-        if now >= self.telling.pacer.due(now, urgent=True, news=True, copies=1):
+        if self.shares.leader != self._leader:
+            self._leader = self.shares.leader
+            self.telling.set_rate()
+        if now >= self._speaks_at(now):
             self._tickets += 1
             before = self.layout.lent
             commands += self.layout.ask(now, self._tickets, self.gate.inbox)
             self.telling.urgent |= self.layout.lent > before
+
+    def _speaks_at(self, now: float) -> float:
+        """When the allowance has paid for a digest to one robot [s]."""
+        return self.telling.pacer.due(now, urgent=True, news=True, copies=1)
 
     def _hear(self, now: float, digest: Digest) -> list[Command]:
         """Take in a digest, if it is one that the robot can have sent."""
@@ -364,8 +377,15 @@ class Core:
             if isinstance(command, Drop):
                 self._keys.pop(command.sample, None)
 
+    def _unplanned(self, key: str) -> str:
+        """Why nobody decides on the samples of a key."""
+        covering = self.view.specs.match(key)
+        if covering is None:
+            return "passed:no-spec"
+        return "passed:bypass" if covering.bypass else "passed:mode"
+
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""
         each = use_of(-(-size // count), 1, self.gate.limits)
-        self.shares.use_at_most(now, tuple(count * use for use in each), 1.0 - COVERED_FLOOR)
+        self.shares.use_at_most(now, tuple(count * use for use in each), 1.0 - self.view.specs.floor)
         self.view.aired(count, size)

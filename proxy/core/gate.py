@@ -1,7 +1,7 @@
 """The gate: takes the next sample, has it decided, and forwards or drops it with a reason."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -11,12 +11,16 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
+from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
-from proxy.core.mode import Mode
+from proxy.core.mode import Mode, in_force
+from proxy.core.plenty import EACH, PACE, fits
+from proxy.core.rooms import Rooms
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Sent, Stream
+from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.window import WindowBuilder
 
@@ -24,10 +28,6 @@ LEAST_HELD = 1e-6
 """A constraint cannot be zero; this is as good."""
 PLAY = 0.005
 """What one robot lends comes back so much later than it was to be sent, at least [s]."""
-URGENT_PRIORITY = 4
-"""Zenoh priorities up to this one (`DATA_HIGH`) may use all that is free when the planner fails."""
-FALLBACK_PART = 0.5
-"""What the others may use of it then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +56,7 @@ class Gate:
         self.pending: Pending | None = None
         self.decisions = Decisions()
         self._complaint = ""
+        self._rooms = Rooms(view)
         self._deletions = Deletions()
         self.promised: Promises | None = None
         """What we let others send, where it is we who lend."""
@@ -65,8 +66,19 @@ class Gate:
         """When a sample that waits for room can be taken up [s]."""
         self._unsettled: dict[int, Waiting] = {}
         """Samples whose worth by the specs in force is not known yet."""
+        self._room = -math.inf, False
+        """Whether there is room for all that may be sent, and until when that is taken for true [s]."""
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
+
+    def mode_of(self, stream: Stream | None) -> Mode:
+        """What is done with decisions on a stream."""
+        return self.mode if stream is None else in_force(self.mode, stream.information_type.mode)
+
+    @property
+    def late(self) -> bool:
+        """Whether news take so long that each robot keeps to what is its own."""
+        return self._rooms.late
 
     def put(self, waiting: Waiting) -> list[Command]:
         """Queue a sample for its decision; it may evict another one."""
@@ -100,6 +112,8 @@ class Gate:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
         self.wakes_at = math.inf
+        if not self._sharing:
+            self._rooms.look(now, self.limits)
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
@@ -146,13 +160,15 @@ class Gate:
         return tuple(
             limit.name
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount)
+            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount) or self._no_room(now, k, amount)
         )
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem: the union's and, where others lend to us, what we hold of them."""
         shares = self._shares
         if not self._sharing:
+            if self._rooms.late:
+                return Limits(self.limits, self._held(self._rooms.held), shares.sent())
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads and not self.standing:
             play = [PLAY if limit.shared else 0.0 for limit in self.limits]
@@ -160,10 +176,8 @@ class Gate:
                 replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
-        held = [Constraint(_held(c), c.window, max(shares.held(now, k), LEAST_HELD)) for k, c in enumerate(self.limits)]
-        return Limits(
-            self.limits, tuple(held), shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now)
-        )
+        held = self._held(lambda k, _: shares.held(now, k))
+        return Limits(self.limits, held, shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now))
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
@@ -188,29 +202,70 @@ class Gate:
         if stream is None:
             return [self.pass_on(sample.sample, "passed:no-spec")]
         if self._view.receivers(stream) == 0:
-            return [self.pass_on(sample.sample, "passed:unwanted")]
+            return [self._unwanted(now, sample)]
         use = self._use(now, sample)
-        if not self.limits:
-            return [self._send(now, sample, use, "forwarded")]
-        if not self._view.gaining(stream):
+        if self.limits and not self._view.gaining(stream):
             return [self._refuse(now, sample, "dropped:once")]
+        must = guaranteed(stream) and self._owed(now, stream, sample)
         if lacking := self.lacking(now, use):
+            self.decisions.unkept += must
             return [self._refuse(now, sample, "dropped:constraint", lacking)]
+        if must:
+            self.decisions.owed += 1
+        elif self._roomy(now):
+            self.decisions.unneeded += bool(self.limits)
+        else:
+            return [self._search(now, sample, ticket)]
+        return [self._send(now, sample, use, "forwarded")]
+
+    def _search(self, now: float, sample: Waiting, ticket: int) -> Command:
+        """Have a sample decided."""
         problem = self._windows.build(now, sample, self.inbox, self.problem_limits(now))
         self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints))
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
-        return [Decide(ticket, problem, ticket, min(budget, self._settings.iterations))]
+        return Decide(ticket, problem, ticket, min(budget, self._settings.iterations))
+
+    def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Whether a guarantee of the stream demands the sample."""
+        return any(owed(stream, [sample.t_gen], self._view.audiences.of(now, stream).slowest))
+
+    def _roomy(self, now: float) -> bool:
+        """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
+        until, roomy = self._room
+        if not self.limits:
+            return True
+        if now >= until:
+            alone = self._sharing or self._rooms.late
+            view = self._view
+            streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
+            held = [self._shares.held(now, k) if self._sharing else limit.limit for k, limit in enumerate(self.limits)]
+            if self._rooms.late and not self._sharing:
+                held = [self._rooms.held(k, limit) for k, limit in enumerate(self.limits)]
+            roomy = fits(view, streams, self.limits, held)
+            self._room = now + max(PACE, EACH * len(streams)), roomy
+        return roomy
+
+    def _unwanted(self, now: float, sample: Waiting) -> Command:
+        """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
+        silent = sum(peer.state is None for peer in self._view.peers.values())
+        if not silent or not self._sharing:
+            return self.pass_on(sample.sample, "passed:unwanted")
+        use = use_of(sample.size, 1 if is_broadcast(self._settings.transport) else silent, self.limits)
+        if lacking := [k for k, amount in enumerate(use) if amount > self._shares.free(now, k)]:
+            return self._refuse(now, sample, "dropped:constraint", tuple(_held(self.limits[k]) for k in lacking))
+        self._shares.use(now, use)
+        return self.pass_on(sample.sample, "passed:unwanted")
 
     def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
         """The static rule for when the planner fails: priority, and a part of what is free."""
-        use = self._use(now, pending.sample)
-        doubled = tuple(amount / FALLBACK_PART for amount in use)
-        urgent = pending.sample.priority <= URGENT_PRIORITY
+        rule, use = self._view.specs.fallback, self._use(now, pending.sample)
+        more = tuple(amount / rule.part for amount in use)
+        urgent = pending.sample.priority <= rule.urgent
         commands: list[Command] = []
         if error != self._complaint:
             commands.append(Notice("error", f"the planner failed, a static rule decides: {error}"))
         self._complaint = error
-        lacking = self.lacking(now, use if urgent else doubled)
+        lacking = self.lacking(now, use if urgent else more)
         if not lacking:
             return [*commands, self._send(now, pending.sample, use, "passed:fallback")]
         return [*commands, self._refuse(now, pending.sample, "dropped:fallback", lacking)]
@@ -229,10 +284,14 @@ class Gate:
     def _refuse(self, now: float, sample: Waiting, reason: str, lacking: tuple[str, ...] = ()) -> Command:
         """Drop what was decided against; in `shadow` it goes all the same, and only its traffic is told."""
         self.decisions.refused(lacking)
-        if self.mode is not Mode.SHADOW:
+        stream = self._own(now, sample)
+        if self.mode_of(stream) is not Mode.SHADOW:
             return self._drop(sample.sample, reason)
         self.decisions.would_drop += 1
-        self._tell(self._own(now, sample), sample.size)
+        self._tell(stream, sample.size)
+        specs = self._view.specs
+        if "enforce" in specs.modes or self.mode is Mode.ENFORCE:  # what is enforced has to do with what is left
+            self._shares.use_at_most(now, self._use(now, sample), 1.0 - specs.floor)
         return self.pass_on(sample.sample, "passed:shadow")
 
     def _tell(self, stream: Stream | None, size: int) -> None:
@@ -270,7 +329,7 @@ class Gate:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
         if self._deletions.holds(sample):
             return True
-        if not self._sharing or not self.limits or self.mode is Mode.SHADOW:
+        if not self._sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
             return False
         use = self._use(now, sample)
         if self._shares.fits(now, use):
@@ -294,6 +353,15 @@ class Gate:
         """What we know to be sent, by anybody, within the window that ends now."""
         since = now - limit.window
         return sum(use[k] for t, use in sent if t >= since) + self._shares.used(now, k)
+
+    def _no_room(self, now: float, k: int, amount: float) -> bool:
+        """Whether a message is more than what is ours; one larger than any limit may go where all is."""
+        held = self._rooms.held(k, self.limits[k])
+        return held < self.limits[k].limit and amount > held - self._shares.used(now, k)
+
+    def _held(self, held: Callable[[int, Limit], float]) -> tuple[Constraint, ...]:
+        """Return what we hold of each limit, as constraints."""
+        return tuple(Constraint(_held(c), c.window, max(held(k, c), LEAST_HELD)) for k, c in enumerate(self.limits))
 
     def _others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
         """What we know others to have sent within the longest window, as (time, use)."""

@@ -72,7 +72,9 @@ class Inbox:
 
     def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
         """Remove and return the next sample to decide; one that is `held` back has to wait."""
-        ready = [w for w in self if not held(w)]
+        if not self._waiting:
+            return None
+        ready = [w for w in self._waiting.values() if not held(w)]
         if not ready:
             return None
         return self._waiting.pop(min(ready, key=lambda w: (w.priority, w.t_gen, w.sample)).sample)

@@ -69,13 +69,6 @@ class LatencyFit:
         self._newest = now
         self._stale = True
 
-    def forget_since(self, moment: float) -> None:
-        """What was observed after `moment` was wrong."""
-        for taken in self._classes:
-            while taken and taken[-1].at > moment:
-                taken.pop()
-        self._stale = True
-
     @property
     def line(self) -> Latency | None:
         """What messages take; None while too few were observed."""

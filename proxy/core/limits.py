@@ -89,7 +89,7 @@ def allowance_of(specs: Specs, allowance: float, robots: int) -> float:
 
 def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = True) -> tuple[float, ...]:
     """Return what a message uses of each constraint; `own`: whether this robot sends it."""
-    return tuple(limit.measure.use(size, copies, own=own) for limit in limits)
+    return tuple([limit.measure.use(size, copies, own=own) for limit in limits])
 
 
 def _limit(spec: ConstraintSpec, allowance: float, robots: int) -> Limit:

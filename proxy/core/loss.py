@@ -16,6 +16,11 @@ class Loss:
     def __init__(self) -> None:
         self._read: deque[tuple[int, int]] = deque(maxlen=MEMORY)
 
+    @property
+    def begun(self) -> bool:
+        """Whether there was a reading since the last restart."""
+        return bool(self._read)
+
     def read(self, sent: int, received: int) -> None:
         """So many were sent so far, and so many received."""
         if self._read and (sent < self._read[-1][0] or received < self._read[-1][1]):

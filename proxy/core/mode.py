@@ -12,3 +12,8 @@ class Mode(StrEnum):
     """Decides, counts and explains, but forwards everything."""
     ENFORCE = "enforce"
     """Decides and acts on it."""
+
+
+def in_force(daemon: Mode, said: str | None) -> Mode:
+    """Return the mode of a type of which a spec says so: the daemon's own if nothing, and where that is `pass`."""
+    return daemon if said is None or daemon is Mode.PASS else Mode(said)

@@ -26,7 +26,13 @@ UNHEARD = 2.0
 STREAMS = 1024
 """Streams of one peer that samples are counted of."""
 RECENT = 64
-"""Samples whose age is looked at anew when a step of the wall clock is told."""
+"""Samples whose timestamps are not read yet."""
+READ = 8192.0
+"""Timestamps are read to this part of a second, which is coarser than what a wall clock of today tells as a number."""
+LOOK = 0.5
+"""What samples take is worked out anew this often while they come [s]."""
+SET = 5e-4
+"""A wall clock that moved by less was not set [s]."""
 WAITS = 5
 """Waits looked back on."""
 
@@ -89,8 +95,8 @@ class Peer:
     """Samples handed to the mesh for it."""
     latency_out: Latency | None = None
     """What our samples take to it, as it tells; None while unknown."""
-    hears: dict[str, Latency] = field(default_factory=dict)
-    """What the samples of other robots, by tag, take to it."""
+    heard_by: dict[str, Latency] = field(default_factory=dict)
+    """What its samples take to other robots, by tag, as these tell."""
     _marks: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=64))
     """Send times of our last digests, and `sent` then."""
     _incoming: dict[str, Incoming] = field(default_factory=dict)
@@ -99,6 +105,8 @@ class Peer:
     _digests: LatencyFit = field(default_factory=LatencyFit)
     _out: Loss = field(default_factory=Loss)
     _in: Loss = field(default_factory=Loss)
+    _usual: Latency | None = None
+    _looked: float = 0.0
     _due: int = 0
     _came: int = 0
     name: str = ""
@@ -159,9 +167,12 @@ class Peer:
             self.restart_losses()
         self.mode, self.specs = state.mode, state.specs
         self.transport = state.transport
-        before, self.wall_offset = self.wall_offset, state.wall_offset
-        if before is not None and before != state.wall_offset:
-            self._look_anew(now - UNHEARD, before, state.wall_offset)
+        before = self.wall_offset
+        if before is not None and abs(before - state.wall_offset) > SET:
+            self._read(now - UNHEARD)
+            self.wall_offset = state.wall_offset
+            self._read(now, before)
+        self.wall_offset = state.wall_offset
 
     def postpone(self, news: StreamDigest) -> None:
         """Keep news of a stream whose key is not known yet."""
@@ -197,25 +208,26 @@ class Peer:
     def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> float | None:
         """A sample of the peer arrived; `stamp` is on its wall clock [s].
 
-        Return when it was generated, on our clock [s]; None where its timestamp cannot tell.
+        Return when it was generated, on our clock [s], by what samples take and how long they wait; None while that is
+        not known. Its timestamp serves to find what samples take, once it is sure that the clock was not set meanwhile.
         """
         self.samples += 1
         incoming = self._of(key)
         if incoming is None:
             return None
         incoming.heard += 1
-        if stamp is None or self.wall_offset is None or not self.offset.known:
-            return None
-        stands, incoming.stamp = abs(stamp - incoming.stamp) < STANDS, stamp
-        heard = _Heard(now, size, stamp + (median(incoming.waits) if incoming.waits else 0.0))
-        if not stands:
-            self._recent.append(heard)
-        took = None if stands else self._took(heard, self.wall_offset)
-        if took is None:
-            self.implausible += 1
-            return None
-        self._samples.observe(now, size, took)
-        return self.offset.ours(stamp - self.wall_offset)
+        wait = median(incoming.waits) if incoming.waits else 0.0
+        if stamp is not None and self.wall_offset is not None and self.offset.known:
+            stands, incoming.stamp = abs(stamp - incoming.stamp) < STANDS, stamp
+            if stands:
+                self.implausible += 1
+            else:
+                if len(self._recent) == RECENT:
+                    self._read(self._recent[0].at)
+                self._recent.append(_Heard(now, size, stamp + wait))
+        self._read(now - UNHEARD)
+        line = self._usually(now)
+        return None if line is None else now - line.of(size) - wait
 
     def heard_news(self, key: str, news: StreamDigest, *, wanted: bool) -> None:
         """The peer tells of a stream, of which we get every sample if it is `wanted` here."""
@@ -224,7 +236,8 @@ class Peer:
             return
         before, incoming.told = incoming.told, (news.forwarded, incoming.heard) if wanted else None
         if before is not None and wanted and news.forwarded >= before[0]:
-            self._in.read(self._due, self._came)
+            if not self._in.begun:
+                self._in.read(self._due, self._came)
             self._due += news.forwarded - before[0]
             self._came += incoming.heard - before[1]
             self._in.read(self._due, self._came)
@@ -241,19 +254,30 @@ class Peer:
 
     def _took(self, heard: _Heard, wall_offset: float) -> float | None:
         """The time from sending to receipt of a sample [s]; None when it cannot be right."""
-        took = heard.at - self.offset.ours(heard.shown - wall_offset)
+        took = round(READ * (heard.at - self.offset.ours(heard.shown - wall_offset))) / READ
         return max(0.0, took) if -EARLY - self.offset.uncertainty(heard.at) <= took < MOST_AGE else None
 
-    def _look_anew(self, since: float, *wall_offsets: float) -> None:
-        """The wall clock was set from one offset to another some time `since`: what came before shows the first one.
+    def _read(self, until: float, *others: float) -> None:
+        """Read the timestamps of samples that came until then: had the wall clock been set, that was told by now.
 
-        By the wrong one a sample is the older or was never sent, so the shorter time that can be is right.
+        `others` are offsets that it may have had, too: the likeliest reading counts.
         """
-        self._samples.forget_since(since)
-        for heard in self._recent:
-            times = [took for offset in wall_offsets if (took := self._took(heard, offset)) is not None]
-            if heard.at > since and times:
-                self._samples.observe(heard.at, heard.size, min(times))
+        while self._recent and self._recent[0].at <= until:
+            heard = self._recent.popleft()
+            line = self._usually(heard.at)
+            usual = line.of(heard.size) if line else 0.0
+            offsets = (*others, *([] if self.wall_offset is None else [self.wall_offset]))
+            times = [took for offset in offsets if (took := self._took(heard, offset)) is not None]
+            if times:
+                self._samples.observe(heard.at, heard.size, min(times, key=lambda took: abs(took - usual)))
+            else:
+                self.implausible += 1
+
+    def _usually(self, now: float) -> Latency | None:
+        """What samples take to us, looked at anew now and then."""
+        if self._usual is None or now >= self._looked + LOOK:
+            self._usual, self._looked = self.line_in, now
+        return self._usual
 
     def _of(self, key: str) -> Incoming | None:
         """Return how a stream comes in; None when there are too many."""

@@ -34,7 +34,7 @@ def objection(now: float, peer: Peer, digest: Digest, known: Callable[[StreamDig
         if news.t_generated > latest or news.t_forwarded > latest:
             return "digest:time"
     for news in digest.streams:
-        if _leaps(now, news, known(news)):
+        if news.generated > FASTEST * BURST and _leaps(now, news, known(news)):
             return "digest:counts"
     if peer.digest is None or now - peer.digest_received > PATIENCE:
         return ""

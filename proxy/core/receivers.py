@@ -1,8 +1,8 @@
 """Who gets the messages of a stream, how much later than the first of them, and how surely."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 from planner import Receiver
 
@@ -12,8 +12,7 @@ ALIKE = 1e-3
 """Latencies that round to the same multiple of this are one group [s]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Way:
+class Way(NamedTuple):
     """The way of a message to one robot: it takes `latency` [s] and gets there with the chance `share`."""
 
     latency: float

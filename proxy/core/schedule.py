@@ -66,6 +66,7 @@ class Schedule:
         self._judged = -MEMORY
         self._periodic = True
         self._numbered = True
+        self._follows = False
 
     @property
     def period(self) -> float:
@@ -84,6 +85,12 @@ class Schedule:
         """How the stream generates, in a word for other robots; empty while not known."""
         pattern = self._recognised()
         return "" if pattern is None else pattern.kind
+
+    @property
+    def rhythm(self) -> Rhythm | None:
+        """That of a periodic stream; None where it has none, or is not known."""
+        pattern = self._recognised()
+        return pattern.rhythm if isinstance(pattern, Periodic) else None
 
     @property
     def last(self) -> float | None:
@@ -111,23 +118,29 @@ class Schedule:
             self._rule, self._pattern, self._patience = rule, None, None
         self._failed = failed
 
-    def observe(self, count: int | None, t_gen: float) -> None:
+    def observe(self, count: int | None, t_gen: float, told: Rhythm | None = None) -> None:
         """Take in that sample number `count` was generated at `t_gen`; None: some may have been lost before it.
 
-        Older news is ignored.
+        Older news is ignored. A rhythm that the stream's robot `told` holds: it sees every sample.
         """
         before, last = self._past[-1] if self._past else (0, -math.inf)
         if count is not None and count <= before:
             return
         if t_gen <= last:
-            if t_gen == last or not self._goes_back(count, t_gen):
+            if told is not None:
+                self._past = deque([p for p in self._past if p[1] < t_gen], maxlen=MEMORY)
+            elif t_gen == last or not self._goes_back(count, t_gen):
                 return
             before, last = self._past[-1] if self._past else (0, -math.inf)
-        self._numbered = count is not None
+        self._numbered, self._follows = count is not None, told is not None
         number = before + 1 if count is None else count
         gap = t_gen - last
-        if self._past and gap >= self._silence(self._pause):
+        paused = bool(self._past) and gap >= self._silence(self._pause)
+        if paused:
             self._resumed = self._seen
+        if told is not None:
+            self._tracker.follow(told)
+        elif paused:
             self._tracker.resume(count, t_gen)
         elif count is None:
             self._tracker.hear(t_gen)
@@ -140,12 +153,13 @@ class Schedule:
         self._pattern, self._patience, self._back = None, None, 0
         self._seen += 1
 
-    def assume(self, period: float, kind: str = "") -> None:
-        """Use what the stream's robot tells: it sees every sample, we perhaps a few."""
+    def assume(self, period: float, kind: str = "") -> bool:
+        """Use what the stream's robot tells: it sees every sample, we perhaps a few; return whether it is news."""
         if (kind, period) == self._told or not (math.isfinite(period) and period > 0.0):
-            return
+            return False
         self._told, self._pattern, self._patience = (kind, period), None, None
         self._tracker.tell(period)
+        return True
 
     def forecast(self, after: float, until: float, most: int, now: float | None = None) -> list[float]:
         """Generation times expected in (after, until], at most `most` of them, in order, as things are at `now`."""
@@ -177,7 +191,8 @@ class Schedule:
 
     def _recognised(self) -> Pattern | None:
         if self._pattern is None and self._past and self._first:
-            self._pattern = self._recognise(self._first, self._past[-1][1])
+            followed = self._tracker.rhythm if self._follows else None
+            self._pattern = Periodic(followed) if followed else self._recognise(self._first, self._past[-1][1])
             self._pause = self._pattern.pause if self._pattern else 0.0
         return self._pattern
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from proxy.core.features import Outlook
 from proxy.core.fixed import rounded
 from proxy.core.schedule import Schedule
+from proxy.core.schedules.rhythm import Rhythm
 from utility_specs import InformationType
 
 SCALE = "scale"
@@ -63,7 +64,7 @@ class Stream:
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
     changes: int = 0
-    """How often anything was noted of the stream, or it was covered anew."""
+    """How often anything was noted of the stream, its schedule or who has it, or it was covered anew."""
     _outlook: Outlook | None = None
     _steady: bool = True
     _expected: dict[int, Generated] = field(default_factory=dict)
@@ -87,13 +88,16 @@ class Stream:
             self._steady = True
         self._expected.clear()
 
-    def note_generated(self, count: int, last: Generated, *, numbered: bool = True) -> None:
-        """Sample number `count` of the stream was generated; when not `numbered`, some before it may be lost."""
+    def note_generated(self, count: int, last: Generated, *, numbered: bool = True, told: Rhythm | None = None) -> None:
+        """Sample number `count` of the stream was generated; when not `numbered`, some before it may be lost.
+
+        A rhythm that its robot `told` holds.
+        """
         if count <= self.generated:
             return
         self.generated = count
         self.changes += 1
-        self.schedule.observe(count if numbered else None, last.t_gen)
+        self.schedule.observe(count if numbered else None, last.t_gen, told)
         self.last = last
         self.mean_size += (last.size - self.mean_size) * (0.1 if self.mean_size else 1.0)
         if self._outlook is not None:
@@ -143,13 +147,25 @@ class Stream:
     def reach(self, names: tuple[str, ...]) -> None:
         """Those robots were sent a sample; mostly they are the same as those before."""
         if names is not self._sent_to:
+            self.changes += 1
             self.reached.update(names)
             self._sent_to = names
 
     def miss(self, names: Iterable[str]) -> None:
         """Those robots were not sent a sample after all."""
+        self.changes += 1
         self.reached.difference_update(names)
         self._sent_to = ()
+
+    def match(self, *, matching: bool) -> None:
+        """Whether anybody on the mesh wants the stream, as Zenoh says."""
+        self.changes += 1
+        self.matching = matching
+
+    def assume(self, period: float, kind: str) -> None:
+        """The stream's robot tells of its schedule."""
+        if self.schedule.assume(period, kind):
+            self.changes += 1
 
     def expected(self, t_gen: float) -> Generated:
         """What the sample generated at `t_gen` [s] will be like; its own `t_gen` tells of when that was known."""

@@ -8,6 +8,7 @@ from proxy.core.events import SampleHeard
 from proxy.core.interest import Interest
 from proxy.core.latency import Latency
 from proxy.core.peer import Peer, latency_of
+from proxy.core.schedules.told import heard
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
 from proxy.core.transport import is_broadcast
@@ -52,9 +53,12 @@ class SharedView:
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0
         self.bytes = 0
+        self.revision = 0
+        """How often anything changed that concerns more than one stream: which there are, and who wants them."""
         self.evicted = 0
         self.sends: deque[tuple[float, int, int]] = deque(maxlen=MOST_SENDS)
         """What other robots sent within the longest window, as (time, size, copies)."""
+        self._tag = tag(settings.zid)
         self._streams: dict[tuple[str, str], Stream] = {}
         self._owned: dict[str, dict[tuple[str, str], Stream]] = {}
         """The same by owner, the one not heard of for longest first; all plain nodes are one owner."""
@@ -73,6 +77,7 @@ class SharedView:
     def set_interest(self, keys: tuple[str, ...]) -> None:
         """The apps of this robot now subscribe to these key expressions."""
         self.interest = keys
+        self.revision += 1
         self._interest.set(tag(self.settings.zid), keys)
 
     def set_matching(self, key: str, *, matching: bool) -> None:
@@ -85,7 +90,7 @@ class SharedView:
                 self.evicted += 1
         stream = self._streams.get((self.settings.robot, key))
         if stream is not None:
-            stream.matching = matching
+            stream.match(matching=matching)
 
     def aired(self, messages: int, size: int) -> None:
         """So many messages of so many bytes in all, copies counted, go on the air."""
@@ -101,11 +106,11 @@ class SharedView:
         return iter(self._owned.get(self.settings.robot, {}).values())
 
     def stream(self, now: float, robot: str, key: str) -> Stream | None:
-        """The stream of a robot and key, made when new; None when no spec covers the key."""
+        """The stream of a robot and key, made when new; None when no spec plans for the key."""
         found = self._streams.get((robot, key))
         if found is None:
             information_type = self.specs.match(key)
-            if information_type is None:
+            if information_type is None or not information_type.planned:
                 return None
             if robot == self.settings.robot:
                 self._ids += 1
@@ -129,7 +134,7 @@ class SharedView:
         self.specs = specs
         for stream in list(self._streams.values()):
             information_type = specs.match(stream.key)
-            if information_type is None:
+            if information_type is None or not information_type.planned:
                 self._forget(stream)
             else:
                 stream.cover(information_type)
@@ -183,12 +188,17 @@ class SharedView:
         return 1 + sum(name != "" for name in self.wanting(stream))
 
     def competes(self, now: float, stream: Stream) -> bool:
-        """Whether more of the stream is worth anything to somebody, and more is to be expected."""
-        return self._gaining_more(now, stream) > 0
+        """Whether more of the stream is worth anything to somebody, and more is to be expected.
 
-    def competing(self, now: float) -> list[tuple[Stream, int]]:
-        """All streams that compete, and to how many robots more of each is worth anything."""
-        return [(s, gaining) for s in self._streams.values() if (gaining := self._gaining_more(now, s))]
+        How long it is silent only its robot's news tells.
+        """
+        if stream.last is None or stream.schedule.over(self.told_at(stream.robot, now)):
+            return False
+        return len(self.gaining(stream)) > 0
+
+    def told_at(self, robot: str, otherwise: float) -> float:
+        """When the last digest of a robot came [s]; `otherwise` where none tells of its streams."""
+        return self._told_at.get(robot, otherwise)
 
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
@@ -285,12 +295,13 @@ class SharedView:
         peer.take_state(now, whole)
         self._note_broadcasting()
         if peer.subscriptions != subscriptions:
+            self.revision += 1
             self._interest.set(tag(peer.zid), peer.subscriptions)
         if peer.origins != origins:
             self._note_origins()
         for key, told in peer.told.items():
             if (stream := self._streams.get((peer.robot, key))) is not None:
-                stream.schedule.assume(told.period, told.schedule)
+                stream.assume(told.period, told.schedule)
         for number in [n for n in peer.pending if n in peer.keys]:
             self._take(now, peer, peer.pending.pop(number))
         return True
@@ -321,9 +332,10 @@ class SharedView:
         peer = self.peers.pop(tag(zid), None)
         if peer is None:
             return
+        self.revision += 1
         self._interest.set(tag(zid), ())
         for other in self.peers.values():
-            other.hears.pop(tag(zid), None)
+            other.heard_by.pop(tag(zid), None)
         for stream in self.streams():
             stream.miss((tag(zid),))
         for stream in list(self._owned.get(peer.robot, {}).values()):
@@ -368,10 +380,10 @@ class SharedView:
                 self.peers[name].sent += 1
 
     def _heard_echo(self, now: float, peer: Peer, echo: Echo) -> None:
-        if echo.peer == tag(self.settings.zid):
+        if echo.peer == self._tag:
             peer.heard_echo(now, echo)
         elif echo.peer in self.peers and (line := latency_of(echo)) is not None:
-            peer.hears[echo.peer] = line
+            self.peers[echo.peer].heard_by[tag(peer.zid)] = line
 
     def _note_origins(self) -> None:
         """Who claims an origin first has it, unless it is a robot's own id; no plain node has its streams any more."""
@@ -379,6 +391,7 @@ class SharedView:
         claimed = {origin: peer.robot for peer in reversed(self.peers.values()) for origin in peer.origins}
         self._robots = claimed | ids
         self._tags = self.tags()
+        self.revision += 1
         for stream in list(self._owned.get(PLAIN, {}).values()):
             robot = self._robots.get(stream.robot.removeprefix(PLAIN))
             if robot is not None:
@@ -416,6 +429,7 @@ class SharedView:
 
     def _admit(self, stream: Stream) -> None:
         """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""
+        self.revision += 1
         self._streams[stream.robot, stream.key] = stream
         self._owned.setdefault(_owner(stream.robot), {})[stream.robot, stream.key] = stream
         if len(self._streams) > self.settings.streams:
@@ -426,6 +440,7 @@ class SharedView:
             self.evicted += 1
 
     def _forget(self, stream: Stream) -> None:
+        self.revision += 1
         owner = _owner(stream.robot)
         del self._streams[stream.robot, stream.key]
         del self._owned[owner][stream.robot, stream.key]
@@ -435,7 +450,10 @@ class SharedView:
     def _note_broadcasting(self) -> None:
         transports = {peer.robot: peer.transport for peer in self.peers.values()}
         transports[self.settings.robot] = self.settings.transport
-        self._broadcasting = {robot for robot, transport in transports.items() if is_broadcast(transport)}
+        broadcasting = {robot for robot, transport in transports.items() if is_broadcast(transport)}
+        if broadcasting != self._broadcasting:
+            self.revision += 1
+            self._broadcasting = broadcasting
 
     def _take(self, now: float, peer: Peer, news: StreamDigest) -> None:
         key = peer.keys.get(news.id)
@@ -445,26 +463,18 @@ class SharedView:
         stream = self.stream(now, peer.robot, key)
         if stream is None:
             return
-        wanted = peer.robot in self._broadcasting or tag(self.settings.zid) in self.wanting(stream)
+        wanted = peer.robot in self._broadcasting or self._tag in self.wanting(stream)
         peer.heard_news(key, news, wanted=wanted)
         told = peer.told.get(key)
         if told is not None:
-            stream.schedule.assume(told.period, told.schedule)
+            stream.assume(told.period, told.schedule)
         t_gen = min(peer.offset.ours(news.t_generated), now)
         features = stream.information_type.heard(news.features)
-        stream.note_generated(news.generated, Generated(t_gen, news.size, news.scale, features))
+        last, rhythm = Generated(t_gen, news.size, news.scale, features), heard(news, peer.offset.ours)
+        stream.note_generated(news.generated, last, told=rhythm)
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
             self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
-
-    def _gaining_more(self, now: float, stream: Stream) -> int:
-        """To how many robots more of a stream is worth anything; none when no more is to be expected.
-
-        How long it is silent only its robot's news tells.
-        """
-        if stream.last is None or stream.schedule.over(self._told_at.get(stream.robot, now)):
-            return 0
-        return len(self.gaining(stream))
 
 
 def _owner(robot: str) -> str:

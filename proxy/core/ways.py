@@ -32,19 +32,7 @@ def ways(view: SharedView, stream: Stream, size: float, lost: float | None = Non
 
     Those of which nothing is known are one way, with the sum of their shares.
     """
-    gaining = view.gaining(stream)
-    if not gaining:
-        return []
-    share = 1.0 - (mean_loss(view) if lost is None else lost)
-    known = _known_from_us(view) if stream.robot == view.settings.robot else _known_from(view, stream.robot)
-    found = [known[name] for name in gaining if name in known]
-    mean = _mean(line for line, _ in known.values() if line is not None).of(size)
-    ways = [
-        Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(MOST_LOSS, loss))
-        for line, loss in found
-    ]
-    unknown = len(gaining) - len(found)
-    return [*ways, Way(mean, unknown * share)] if unknown else ways
+    return _ways(_From(view, stream.robot), view.gaining(stream), size, mean_loss(view) if lost is None else lost)
 
 
 def latency(view: SharedView, robot: str, size: float) -> float:
@@ -54,8 +42,7 @@ def latency(view: SharedView, robot: str, size: float) -> float:
 
 def line(view: SharedView, robot: str) -> Latency:
     """Return what a robot's samples take, in the mean of its ways; nothing when nothing is known."""
-    known = _known_from_us(view) if robot == view.settings.robot else _known_from(view, robot)
-    return _mean(line for line, _ in known.values() if line is not None)
+    return _From(view, robot).mean
 
 
 def mean_loss(view: SharedView) -> float:
@@ -69,6 +56,14 @@ _Known = Mapping[str, tuple[Latency | None, float | None]]
 """What is known of ways, by the tags of the receivers: time and loss; None where it is not."""
 
 
+class _From:
+    """What is known of the ways of a robot's samples, and the mean time they take."""
+
+    def __init__(self, view: SharedView, robot: str) -> None:
+        self.known = _known_from_us(view) if robot == view.settings.robot else _known_from(view, robot)
+        self.mean = _mean(line for line, _ in self.known.values() if line is not None)
+
+
 def _known_from_us(view: SharedView) -> _Known:
     return {name: (peer.line_out, peer.loss_out) for name, peer in view.peers.items()}
 
@@ -78,9 +73,25 @@ def _known_from(view: SharedView, robot: str) -> _Known:
     sender = view.peer_called(robot)
     if sender is None:
         return {}
-    its = tag(sender.zid)
-    known = {name: (line, None) for name, peer in view.peers.items() if (line := peer.hears.get(its)) is not None}
-    return {**known, tag(view.settings.zid): (sender.line_in, sender.loss_in)}
+    heard = sender.heard_by
+    known: dict[str, tuple[Latency | None, float | None]] = {
+        name: (heard[name], None) for name in (view.peers if heard else ()) if name in heard
+    }
+    known[tag(view.settings.zid)] = sender.line_in, sender.loss_in
+    return known
+
+
+def _ways(sender: _From, gaining: tuple[str, ...], size: float, lost: float) -> list[Way]:
+    if not gaining:
+        return []
+    share, mean = 1.0 - lost, sender.mean.of(size)
+    found = [known for name in gaining if (known := sender.known.get(name)) is not None]
+    ways = [
+        Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(MOST_LOSS, loss))
+        for line, loss in found
+    ]
+    unknown = len(gaining) - len(found)
+    return [*ways, Way(mean, unknown * share)] if unknown else ways
 
 
 def _mean(lines: Iterable[Latency]) -> Latency:
@@ -134,14 +145,22 @@ class Audiences:
         self._lost, self._lost_at = 0.0, -math.inf
 
     def of(self, now: float, stream: Stream) -> Audience:
-        """Return those that gain by a stream as they are now."""
+        """Return those that gain by each message of a stream as they are now."""
+        return self.of_each(now, (stream,))[0]
+
+    def of_each(self, now: float, streams: Iterable[Stream]) -> list[Audience]:
+        """Return those that gain by each of the streams as they are now; those of one robot mostly have the same."""
+        look = _Look(self._view, self._loss(now))
+        return [self._of(now, stream, look) for stream in streams]
+
+    def _of(self, now: float, stream: Stream, look: _Look) -> Audience:
         gaining, place = self._view.gaining(stream), (stream.robot, stream.key)
         known = self._known.get(place)
         if known is not None and now < known[0] and (gaining is known[1] or gaining == known[1]):
             return known[2]
         if len(self._known) > self._view.settings.streams:
             self._known.clear()
-        audience = _audience(self._view, stream, self._loss(now))
+        audience = look.audience(stream, gaining)
         self._known[place] = now + REFRESH * max(1.0, len(self._view.peers) / MANY), gaining, audience
         return audience
 
@@ -152,7 +171,25 @@ class Audiences:
         return self._lost
 
 
-def _audience(view: SharedView, stream: Stream, lost: float) -> Audience:
-    size, mean = stream.newest.size, line(view, stream.robot)
-    first, receivers = grouped(ways(view, stream, size, lost) or [Way(mean.of(size))])
-    return Audience(size, first, mean.per_byte, receivers)
+class _Look:
+    """One look at the ways of several streams: what streams have in common is worked out once."""
+
+    def __init__(self, view: SharedView, lost: float) -> None:
+        self._view = view
+        self._lost = lost
+        self._senders: dict[str, _From] = {}
+        self._audiences: dict[tuple[str, int, tuple[str, ...]], Audience] = {}
+
+    def audience(self, stream: Stream, gaining: tuple[str, ...]) -> Audience:
+        """Return those that gain by a stream."""
+        size = stream.newest.size
+        found = self._audiences.get((stream.robot, size, gaining))
+        if found is None:
+            sender = self._senders.get(stream.robot)
+            if sender is None:
+                sender = self._senders[stream.robot] = _From(self._view, stream.robot)
+            ways = _ways(sender, gaining, size, self._lost)
+            first, receivers = grouped(ways or [Way(sender.mean.of(size))])
+            found = Audience(size, first, sender.mean.per_byte, receivers)
+            self._audiences[stream.robot, size, gaining] = found
+        return found

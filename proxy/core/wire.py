@@ -31,6 +31,11 @@ class StreamDigest:
     """Value of the last generated: weight times the scale expression over its features."""
     features: tuple[float, ...] = ()
     """Its features in the order of its type, where others need them to value it; else nothing."""
+    period: float = 0.0
+    """The period of its rhythm as its robot finds [s]; 0.0 where it has none."""
+    late: int = 0
+    """How much later than due the last one was generated, and by how much they are off [`PHASES` of the period]."""
+    jitter: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +55,8 @@ class Echo:
     """What every byte of a sample of the peer adds to that [s/B]."""
 
 
+PHASES = 100
+"""A period has so many parts where times within it are told."""
 PARTS = 100_000
 """A limit is given away in so many parts, whatever its unit is."""
 

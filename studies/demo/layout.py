@@ -1,10 +1,10 @@
 """Who is there and where each listens: the operator and the robots, and which pairs of them are linked."""
 
+import random
 import socket
 from collections.abc import Iterator
-from contextlib import ExitStack
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, islice
 
 OPERATOR = "operator"
 
@@ -44,8 +44,17 @@ def pairs(nodes: tuple[Node, ...]) -> Iterator[tuple[Node, Node]]:
 
 def free_ports(count: int) -> list[int]:
     """Return ports of localhost that nobody listens at now."""
-    with ExitStack() as held:
-        sockets = [held.enter_context(socket.socket()) for _ in range(count)]
-        for sock in sockets:
-            sock.bind(("127.0.0.1", 0))
-        return [int(sock.getsockname()[1]) for sock in sockets]
+    return list(islice(filter(_is_free, random.SystemRandom().sample(_PORTS, len(_PORTS))), count))
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket() as probe:
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError:
+            return False
+        return True
+
+
+_PORTS = range(10_000, 12_000)
+"""Below those that the kernel gives to outgoing connections: none of those takes a port before its listener does."""

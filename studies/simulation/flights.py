@@ -1,5 +1,7 @@
 """A mission flown by a team of the daemon's cores."""
 
+from typing import TypeVar
+
 from planner import SearchSettings
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import UNICAST, broadcast
@@ -8,13 +10,19 @@ from studies.simulation.medium import Medium
 from studies.simulation.missions import Mission
 from studies.simulation.team import Team
 
+T = TypeVar("T", bound=Team)
 GROUP = "224.0.0.226:7449"
 """On which all broadcast."""
 
 
 def team(flown: Mission, how: Conditions, seed: int) -> Team:
     """Return a team that is ready to fly the mission."""
-    return Team(
+    return crew(Team, flown, how, seed)
+
+
+def crew(kind: type[T], flown: Mission, how: Conditions, seed: int) -> T:
+    """Return a team of this kind that is ready to fly the mission."""
+    return kind(
         flown.specs,
         flown.interests,
         Medium(

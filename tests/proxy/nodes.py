@@ -1,5 +1,6 @@
 """Zenoh nodes for tests: plain applications and endpoints nobody else uses."""
 
+import itertools
 import json
 import socket
 import threading
@@ -11,6 +12,7 @@ import pytest
 import zenoh
 
 from tests.ports import free_port
+from tests.waiting import wait_until
 
 
 def free_endpoint() -> str:
@@ -91,6 +93,25 @@ def closing(stack: ExitStack, session: zenoh.Session) -> zenoh.Session:
     """Close `session` with `stack`."""
     stack.callback(session.close)
     return session
+
+
+def pass_fence(declarer: zenoh.Session, *others: zenoh.Session) -> None:
+    """Wait until all that `declarer` has declared is known to `others`: links keep the order."""
+    key = f"@fence/{next(_fences)}"
+    token = declarer.liveliness().declare_token(key)
+    for other in others:
+        wait_until(lambda other=other: list(other.liveliness().get(key, timeout=5.0)), what="a fence")
+    token.undeclare()
+
+
+_fences = itertools.count()
+
+
+def wait_matching(session: zenoh.Session, key: str) -> None:
+    """Wait until `session` knows of another's subscriber to `key`: before, what it publishes goes nowhere."""
+    probe = session.declare_publisher(key, allowed_destination=zenoh.Locality.REMOTE)
+    wait_until(lambda: probe.matching_status.matching, what=f"a subscriber to {key}")
+    probe.undeclare()
 
 
 def answers(session: zenoh.Session, selector: str, **options: Any) -> Iterator[str]:

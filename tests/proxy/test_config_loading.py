@@ -230,6 +230,13 @@ BROKEN = {
         '[app.zenoh]\nmode = "boss"',
         ("2: app.zenoh.mode: Zenoh refuses it: unknown variant `boss`, expected one of `router`, `peer`, `client`"),
     ),
+    "nobody overhears in unicast": (
+        '[log]\n[planner]\ncoordination = "overhear"',
+        (
+            '2: planner: coordination = "overhear" needs mesh.transport = "broadcast": in unicast nobody hears what'
+            " others send, and together they would exceed every limit several times over"
+        ),
+    ),
     "no TOML": ("robot = r1", "1: not valid TOML: Invalid value (column 9)"),
     "key twice": (
         'robot = "a"\nrobot = "b"\n[log]',

@@ -27,7 +27,7 @@ class Type:
         self.attached = []
 
     def extract(self, key, payload, attachment, _background):
-        assert self.gate.wait(5.0)
+        assert self.gate.wait(60.0)
         self.extracted.append((key, bytes(payload)))
         self.attached.append(attachment)
         return {"n": float(bytes(payload) or -1)}
@@ -52,6 +52,7 @@ class Loop:
         self.due = []
         self.posted = []
         self.covering = None
+        self._turn = threading.Lock()
 
     def post_at(self, when, job):
         self.due.append((when, job))
@@ -60,8 +61,9 @@ class Loop:
 
     def run(self):
         """Take up all that waits."""
-        due, self.due = self.due, []
-        self.posted += [job() for _, job in due]
+        with self._turn:
+            while self.due:
+                self.posted.append(self.due.pop(0)[1]())
 
 
 @pytest.fixture

@@ -251,5 +251,5 @@ def test_an_application_that_scouts_finds_the_daemon_and_is_said_when_others_can
     app = closing(stack, scouting(group, f"tcp/{outside()}:0"))
     wait_until(app.info.routers_zid, what="the daemon to be found")
     everything_crosses(app, second.app(), "scouted")
-    first.daemon._lookout.look()
-    assert f"peer {app.zid()} on this robot answers everybody" in first.warnings()
+    said = f"peer {app.zid()} on this robot answers everybody"
+    wait_until(lambda: first.daemon._lookout.look() or said in first.warnings(), what="the warning")

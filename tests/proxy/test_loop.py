@@ -2,6 +2,7 @@
 
 import threading
 from contextlib import ExitStack
+from functools import partial
 
 import pytest
 
@@ -63,16 +64,18 @@ def test_jobs_run_on_the_loops_thread_and_may_make_events(loop, executed):
     assert texts(executed) == ["robot r2 is on the mesh"]
 
 
-def test_jobs_run_when_their_time_has_come(loop):
+def test_jobs_run_when_their_time_has_come(loop, monkeypatch):
     """In the order of their times, not of their posting, and after what is due at once."""
-    ran = []
-    now = clock.monotonic()
-    for delay in (0.04, 0.02, 0.02):
-        loop.post_at(now + delay, lambda delay=delay: ran.append((delay, clock.monotonic())))
-    loop.post(lambda: ran.append((0.0, clock.monotonic())))
-    wait_until(lambda: len(ran) == 4, what="all jobs")
-    assert [delay for delay, _ in ran] == [0.0, 0.02, 0.02, 0.04]
-    assert all(at >= now + delay for delay, at in ran)
+    now, ran = clock.monotonic(), []
+    monkeypatch.setattr("proxy.clock.monotonic", lambda: now)
+    for name, delay in (("last", 0.04), ("first", 0.02), ("second", 0.02)):
+        loop.post_at(now + delay, partial(ran.append, name))
+    loop.post(partial(ran.append, "at once"))
+    wait_until(lambda: ran == ["at once"], what="what is due at once")
+    now += 0.03
+    wait_until(lambda: ran == ["at once", "first", "second"], what="what is due then")
+    now += 0.03
+    wait_until(lambda: ran == ["at once", "first", "second", "last"], what="the last one")
 
 
 def test_what_cannot_be_handled_is_counted_and_the_loop_goes_on(loop, executed, caplog):

@@ -58,7 +58,7 @@ def test_specs_are_put_in_force(robot):
     outcome = robot.obeyed["specs"](pack({"new.toml": OTHER}))
     specs = robot.reloading.loaded.specs
     assert (outcome.obeyed, outcome.said) == (True, (f"specs {specs.generation} in force",))
-    assert specs.types[0].weight == 2.0
+    assert specs.types[0].scale({}) == 2.0
     assert contents(robot.folder) == {"new.toml": OTHER}
 
 
@@ -80,7 +80,7 @@ def test_specs_with_mistakes_change_nothing(robot, raw, said):
         said
     )
     assert contents(robot.folder) == {"old.toml": GOOD}
-    assert robot.reloading.loaded.specs.types[0].weight == 1.0
+    assert robot.reloading.loaded.specs.types[0].scale({}) == 1.0
 
 
 def test_specs_that_cannot_be_in_force_are_taken_back(robot):

@@ -57,7 +57,7 @@ def test_clones_that_meet_later_part_and_meet_again(stack, specs, caplog):
     relay.mend()
     for number, robot in enumerate(robots):
         mine, other = (f"covered/{number}", f"covered/{1 - number}")
-        truth = streams(robots[1 - number])[("r1", other)]
+        publisher = robots[1 - number]
         wait_until(
             lambda robot=robot, mine=mine, other=other: (
                 set(streams(robot)) == {("r1", mine), (shown[id(robot)], other)}
@@ -65,7 +65,9 @@ def test_clones_that_meet_later_part_and_meet_again(stack, specs, caplog):
             what="the same streams as before",
         )
         wait_until(
-            lambda robot=robot, other=other, truth=truth: streams(robot)[(shown[id(robot)], other)] == truth,
+            lambda robot=robot, other=other, publisher=publisher: (
+                streams(robot)[(shown[id(robot)], other)] == streams(publisher)[("r1", other)]
+            ),
             what="what was published meanwhile",
         )
         assert robot.status()["counts"]["conserved"]

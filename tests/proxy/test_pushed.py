@@ -22,7 +22,7 @@ OTHER = GOOD.replace(b"1.0", b"2.0")
 
 
 def weight(folder):
-    return load_specs(folder).types[0].weight
+    return load_specs(folder).types[0].scale({})
 
 
 def contents(path):

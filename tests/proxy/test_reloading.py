@@ -31,11 +31,11 @@ class Files:
         self.reloading = Reloading(loaded, self.config, read, self._apply)
 
     def _apply(self, loaded, changed):
-        self.applied.append((loaded.specs.types[0].weight, [".".join(change.path) for change in changed]))
+        self.applied.append((loaded.specs.types[0].scale({}), [".".join(change.path) for change in changed]))
 
     @property
     def weight(self):
-        return self.reloading.loaded.specs.types[0].weight
+        return self.reloading.loaded.specs.types[0].scale({})
 
     def looked(self):
         """Look until a change would have been noticed."""

@@ -5,6 +5,7 @@ from contextlib import ExitStack
 
 import pytest
 
+from proxy import clock
 from proxy.bridge import keys
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
 from proxy.core.mode import Mode
@@ -221,9 +222,11 @@ def test_commands_bypass_a_channel_that_is_used_up(behind_daemons):
         robot.publish("/cmd_vel", b"0")
         return viewer.heard["/camera/image_raw"] and viewer.heard["/cmd_vel"]
 
+    started = clock.monotonic()
     wait_until(both_cross, what="both topics to cross")
     for i in range(1, 51):
-        robot.publish("/camera/image_raw", frame)
+        for _ in range(5):
+            robot.publish("/camera/image_raw", frame)
         robot.publish("/cmd_vel", b"%d" % i)
         # All at once would not fit into the queue of the node's own session, which then drops the last ones.
         wait_until(lambda i=i: viewer.heard["/cmd_vel"][-1][0] == b"%d" % i, what="the command")
@@ -233,4 +236,5 @@ def test_commands_bypass_a_channel_that_is_used_up(behind_daemons):
         what="frames to be dropped",
     )
     wait_until(lambda: sites[0].counts()["passed:bypass"] >= 51, what="the count of commands")
-    assert len(viewer.heard["/camera/image_raw"]) < 25
+    # Two frames in any half a second, however long a busy machine took.
+    assert len(viewer.heard["/camera/image_raw"]) <= 2 * (2 * (clock.monotonic() - started) + 2)

@@ -10,8 +10,8 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
 
-RATE = 100
-"""Samples a second."""
+RATE = 300
+"""Samples a second; none may be dropped on its way to a robot that keeps up."""
 SLACK = 0.75
 """What two cores that run three robots may add [s]."""
 
@@ -32,10 +32,7 @@ def hinder(request):
 
 
 def test_one_slow_robot_delays_the_others_by_a_bounded_time(team, hinder):
-    """Samples that may not be dropped reach a robot that keeps up, in order and none late.
-
-    All of them, unless the machine is so busy that Zenoh's own threads wait while the slow robot is given up.
-    """
+    """Samples that may not be dropped reach a robot that keeps up, all of them and none late."""
     speaking, listening, slow = team()
     heard = [robot.hear("bulk") for robot in (listening, slow)]
     speaker = speaking.say("bulk", size=5000, rate=RATE, block=True)
@@ -46,8 +43,8 @@ def test_one_slow_robot_delays_the_others_by_a_bounded_time(team, hinder):
     total = speaker.stop()
     wait_until(lambda: heard[0].numbers("bulk")[-1] == total - 1, what="the last sample")
     numbers = heard[0].numbers("bulk")
-    assert numbers == sorted(set(numbers))
-    assert len(numbers) >= 0.98 * (total - numbers[0])
+    print(f"lost {sorted(set(range(numbers[0], total)) - set(numbers))}")
+    assert numbers == list(range(numbers[0], total))
     late = max(sample["heard"] - sample["sent"] for sample in heard[0].heard("bulk"))
     print(f"longest delay {late:.3f} s")
     assert late < LONGEST + SLACK

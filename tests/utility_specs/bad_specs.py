@@ -116,11 +116,12 @@ CORPUS = [
         ':12: constraint "air": name: "air" is already the name of the one at FILE:8'),
     # the file
     bad("[[constraint]]", "version = 2\n[[constraint]]", ":1: version: must be 1, not 2"),
-    bad("[[constraint]]", 'version = "1"\n[[constraint]]', ':1: version: must be 1, not "1"'),
+    bad("[[constraint]]", 'version = "1"\n[[constraint]]', ':1: version: must be the whole number 1, not "1"'),
     bad("[[constraint]]", "verison = 1\n[[constraint]]",
         ':1: verison: unknown key (did you mean "version"?)'),
     bad("[[constraint]]", "colour = 1\n[[constraint]]",
-        ':1: colour: unknown key (known keys: "version", "constraint", "information_type")'),
+        ':1: colour: unknown key (known keys: "version", "floor", "fallback", "constants", "constraint", '
+            '"information_type")'),
     bad(GOOD, "", ": information_type: is missing; a spec needs at least one"),
     bad(GOOD, "information_type = []", ": information_type: is missing; a spec needs at least one"),
     bad(GOOD, "information_type = 3", ":1: information_type: must be an array, not 3"),
@@ -187,9 +188,11 @@ CORPUS = [
     bad("1.0", "-1", camera(10, "weight", "must be at least 0, not -1")),
     bad("1.0", "nan", camera(10, "weight", "must be a finite number, not nan")),
     bad("1.0", "inf", camera(10, "weight", "must be a finite number, not inf")),
-    bad("1.0", '"1"', camera(10, "weight", 'must be a number, not "1"')),
-    bad("1.0", "true", camera(10, "weight", "must be a number, not true")),
-    bad("1.0", "0x" + "f" * 5000, camera(10, "weight", "must be a number, not a huge number")),
+    bad("1.0", '"one"', camera(10, "weight", 'unknown feature "one" (known: "red")')),
+    bad("1.0", '"-"', camera(10, "weight", "is not an expression: invalid syntax (at its end)")),
+    bad("1.0", '["red"]', camera(10, "weight", "must be a number or an expression, not an array")),
+    bad("1.0", "true", camera(10, "weight", "must be a number or an expression, not true")),
+    bad("1.0", "0x" + "f" * 5000, camera(10, "weight", "must be a finite number, not a huge number")),
     bad("weight", "wieght", camera(10, "wieght", 'unknown key (did you mean "weight"?)')),
     bad('utility = { kind = "video" }\n', "", camera(6, "utility", "is missing")),
     bad('{ kind = "video" }', '"video"', camera(11, "utility", 'must be a table, not "video"')),
@@ -236,7 +239,7 @@ CORPUS = [
     bad("10 * red", "mx(red, 1)", camera(12, "scale", 'unknown function "mx" (did you mean "max"?)')),
     bad("10 * red", "max(red)", camera(12, "scale", "max takes at least 2 arguments, not 1")),
     bad('"1 + 10 * red"', '""', camera(12, "scale", "is empty")),
-    bad('"1 + 10 * red"', '"1 / 0"', camera(12, "scale", "has no value: float division by zero")),
+    bad('"1 + 10 * red"', '"1 / 0"', camera(12, "scale", '"1 / 0" divides by zero')),
     bad('"1 + 10 * red"', "2", camera(12, "scale", "must be a string, not 2")),
     bad('features.red = { kind = "color_fraction", color = "red" }\n', "",
         camera(12, "scale", 'unknown feature "red" (this type has no features)')),
@@ -305,6 +308,6 @@ CORPUS = [
     bad('weight = 1.0\nutility = { kind = "video" }', 'weight = -1\nutility = { kind = "v" }\nx = 1',
         camera(10, "weight", "must be at least 0, not -1"),
         camera(11, "utility.kind", f'unknown kind "v" (known: {UTILITIES})'),
-        camera(12, "x", 'unknown key (known keys: "name", "keys", "aggregation", "weight", "utility", '
-            '"features", "scale", "forecast")')),
+        camera(12, "x", 'unknown key (known keys: "name", "keys", "mode", "bypass", "min_rate", "max_age", '
+            '"deletes", "queries", "aggregation", "utility", "features", "weight", "scale", "forecast")')),
 ]  # fmt: skip

@@ -1,6 +1,7 @@
 """What `sendworthy check` says."""
 
 import io
+import json
 
 import pytest
 
@@ -17,13 +18,13 @@ def test_good_specs_are_summed_up(tmp_path):
     """Per file: its types with keys and worth, its constraints in bytes per window."""
     path, limits = tmp_path / "camera.toml", tmp_path / "limits.toml"
     path.write_text(GOOD)
-    limits.write_text('[[constraint]]\nkind = "throughput"\nname = "air"\nlimit = "1 kB/s"\nwindow = 2\n')
+    limits.write_text('[[constraint]]\nkind = "throughput"\nname = "air"\nlimit = "4 Mbit/s"\nwindow = 0.1\n')
     summary = (
         f"{path}: 1 information type, 1 constraint\n"
         '  information_type "camera": robot/*/camera (video, most_recent, scale 1 × (1 + 10 * red))\n'
         '  constraint "throughput": 125000 B in any 0.5 s (2 Mbit/s)\n'
         f"{limits}: 0 information types, 1 constraint\n"
-        '  constraint "air": 2000 B in any 2 s (0.008 Mbit/s)\n'
+        '  constraint "air": 50000 B in any 0.1 s (4 Mbit/s)\n'
     )
     assert run(path, limits) == (0, summary)
     assert run(tmp_path) == (0, summary)
@@ -88,3 +89,47 @@ def test_bad_specs_are_named_line_by_line(tmp_path):
         f'{bad}:2: constraint #1: kind: unknown kind "air" (did you mean "airtime"?)\n'
     )
     assert run(good, bad, tmp_path / "none.toml") == (1, problems)
+
+
+def test_warnings_follow_the_summary_and_leave_specs_fit(tmp_path):
+    """The exit code is that of good specs."""
+    path = tmp_path / "camera.toml"
+    path.write_text("constants.x = 1\n" + GOOD)
+    code, out = run(path)
+    assert code == 0
+    assert out.splitlines()[0] == f"{path}: 1 information type, 1 constraint"
+    assert out.splitlines()[-1] == f"warning: {path}:1: constants.x: nothing in this file uses this constant"
+
+
+def test_guarantees_that_nobody_can_keep_are_mistakes(tmp_path):
+    """Then there is no summary."""
+    path = tmp_path / "camera.toml"
+    path.write_text(GOOD.replace('{ features = "last" }', '{ size = "1 MB" }') + 'min_rate = "1 Hz"\n')
+    code, out = run(path)
+    assert code == 1
+    assert [line.partition(":")[0] for line in out.splitlines()] == [str(path), "warning"]
+    assert 'limit: is less than what is guaranteed: "camera" (400 %)' in out
+
+
+def test_everything_can_be_had_as_json(tmp_path):
+    """For scripts: problems with their places, and what the files say."""
+    path, out = tmp_path / "camera.toml", io.StringIO()
+    path.write_text("constants.x = 1\n" + GOOD)
+    assert check([path], out, as_json=True) == 0
+    unused = "nothing in this file uses this constant"
+    assert json.loads(out.getvalue()) == {
+        "fit": True,
+        "errors": [],
+        "warnings": [{"file": str(path), "line": 1, "key": "constants.x", "message": unused}],
+        "files": [
+            {
+                "file": str(path),
+                "information_types": {"camera": ["robot/*/camera"]},
+                "constraints": {"throughput": "125000 B in any 0.5 s (2 Mbit/s)"},
+            }
+        ],
+    }
+    path.write_text("x =")
+    out = io.StringIO()
+    assert check([path], out, as_json=True) == 1
+    assert [each["line"] for each in json.loads(out.getvalue())["errors"]] == [1]

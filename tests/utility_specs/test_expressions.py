@@ -9,10 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from utility_specs.errors import ExpressionError
-from utility_specs.expressions import CONSTANTS, DEEPEST, FUNCTIONS, LONGEST, Expression
+from utility_specs.expressions import CONSTANTS, DEEPEST, FUNCTIONS, LONGEST, Expression, Names
 
 FEATURES = ("red", "size")
-ALLOWED = "write numbers, features, + - * / % **, comparisons, and, or, not, if … else, " + ", ".join(FUNCTIONS)
+ALLOWED = (
+    "write numbers, features, captured chunks, constants, + - * / % **, comparisons, and, or, not, if … else, "
+    + ", ".join(FUNCTIONS)
+)
 
 
 def refusal(text: str, features=FEATURES) -> str:
@@ -57,7 +60,7 @@ def test_an_expression_knows_the_features_it_uses():
         ("1 ++* red", "is not an expression: invalid syntax (column 5)"),
         (
             "x = 1",
-            "is not an expression: invalid syntax (column 3)",
+            "is not an expression: invalid syntax (column 3); == compares",
         ),
         ("1or 2", "is not an expression: invalid decimal literal (column 1)"),
         ("\0", "is not an expression: source code string cannot contain null bytes (at its end)"),
@@ -72,13 +75,20 @@ def test_an_expression_knows_the_features_it_uses():
         ("sqrt()", "sqrt takes 1 argument, not 0"),
         ("clamp(1, 2)", "clamp takes 3 arguments, not 2"),
         ("min", "min is a function: write min(…)"),
-        ("1 / 0", "has no value: float division by zero"),
+        ("1 / 0", '"1 / 0" divides by zero'),
+        ("red / (1 - 1)", '"red / (1 - 1)" divides by zero'),
+        ("red % sqrt(0)", '"red % sqrt(0)" divides by zero'),
+        ("'red'", '"red" is text; text can only be compared, with a captured chunk'),
+        ("max('a', 1)", '"a" is text; text can only be compared, with a captured chunk'),
+        ("red == 'high'", '"red" is a number, not text; text can only be compared with a captured chunk'),
+        ("redd == 'high'", 'unknown feature "redd" (did you mean "red"?)'),
+        ("'a' < 'b'", "\"'a' < 'b'\" orders text; text can only be compared by == and !="),
         ("(-1) ** 0.5", "has no value: math domain error"),
         ("9 ** 9 ** 9", "has no value: math range error"),
         ("1e999", "has no finite value: inf"),
         ("red.real", f'"red.real" is not arithmetic; {ALLOWED}'),
         ("red[0]", f'"red[0]" is not arithmetic; {ALLOWED}'),
-        ("'a' * 9", f"\"'a'\" is not arithmetic; {ALLOWED}"),
+        ("'a' * 9", '"a" is text; text can only be compared, with a captured chunk'),
         ("True", f'"True" is not arithmetic; {ALLOWED}'),
         ("1j", f'"1j" is not arithmetic; {ALLOWED}'),
         ("~1", f'"~1" is not arithmetic; {ALLOWED}'),
@@ -223,3 +233,49 @@ def test_any_text_is_an_expression_or_refused(text):
 def test_any_words_of_the_language_are_an_expression_or_refused(text):
     """What looks like an expression never surprises either."""
     survives(text)
+
+
+KNOWN = Names(frozenset({"red"}), frozenset({"robot", "n"}), {"bonus": 10.0})
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("bonus * n", 30.0),
+        ("robot == 'r1'", 1.0),
+        ("'r1' != robot", 0.0),
+        ("2 if n == 3 else 1", 2.0),
+        ("2 if n == '3' else 1", 2.0),
+        ("robot == n", 0.0),
+        ("robot != n == '3'", 1.0),
+        ("red * (robot == 'r2') + n", 3.0),
+    ],
+)
+def test_captured_chunks_are_text_beside_text_and_numbers_else(text, value):
+    """Each side of a comparison tells which is meant."""
+    values = {"red": 0.5, "robot:text": "r1", "n:text": "3", "n": 3.0}
+    assert Expression.compile(text, KNOWN).evaluate(values) == value
+
+
+def test_a_chunk_that_is_no_number_has_no_value_as_one():
+    """Then the expression has none."""
+    expression = Expression.compile("robot + 1", KNOWN)
+    with pytest.raises(ExpressionError, match="has no value: 'robot' is not defined"):
+        expression.evaluate({"robot:text": "r1"})
+
+
+def test_what_always_has_the_same_value_is_computed_once():
+    """An expression of constants needs nothing, and whether it has a value is known when it is compiled."""
+    assert Expression.compile("bonus ** 2", KNOWN).evaluate({}) == 100.0
+    with pytest.raises(ExpressionError, match="has no finite value: inf"):
+        Expression.compile("bonus * 1e308", KNOWN)
+
+
+def test_names_of_all_kinds_are_suggested():
+    """Whatever the name might have meant."""
+    with pytest.raises(ExpressionError, match=r'unknown feature "robt" \(did you mean "robot"\?\)'):
+        Expression.compile("robt == 'r1'", KNOWN)
+    with pytest.raises(ExpressionError, match=r'known: "bonus", "n", "red", "robot"'):
+        Expression.compile("zzzz", KNOWN)
+    with pytest.raises(ExpressionError, match=r"red is no function; write red \* \(…\) to multiply"):
+        Expression.compile("red(2)", KNOWN)

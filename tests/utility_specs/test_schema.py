@@ -6,7 +6,14 @@ from utility_specs.schema import SpecFile
 def test_the_schema_can_be_handed_to_editors():
     """It is a JSON Schema that knows every table and refuses unknown keys."""
     schema = SpecFile.model_json_schema()
-    assert set(schema["properties"]) == {"version", "constraint", "information_type"}
+    assert set(schema["properties"]) == {
+        "version",
+        "floor",
+        "fallback",
+        "constants",
+        "constraint",
+        "information_type",
+    }
     assert all(table["additionalProperties"] is False for table in schema["$defs"].values())
 
 

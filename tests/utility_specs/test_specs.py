@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 from planner.problem import Aggregation
 from planner.utility import Custom, Video
-from utility_specs import InformationType, Specs
+from utility_specs import InformationType, Specs, load_specs
 from utility_specs.expressions import Expression
 from utility_specs.features import Feature, Sample, Size
 from utility_specs.forecast import FeatureForecast
+from utility_specs.key_formats import KeyFormat
 from utility_specs.specs import MATCHES_KEPT, UTILITIES_KEPT
 
 
@@ -59,9 +60,9 @@ class Broken:
 def information_type(name="t", keys=("t/**",), weight=1.0, scale="1", **features) -> InformationType:
     return InformationType(
         name=name,
-        keys=keys,
+        formats=tuple(map(KeyFormat.parse, keys)),
         aggregation=Aggregation.MOST_RECENT,
-        weight=weight,
+        weighing=Expression.compile(str(weight), features),
         utility=Video(),
         expression=Expression.compile(scale, features),
         features=tuple(features.items()),
@@ -216,3 +217,54 @@ def test_a_payload_that_cannot_be_copied_fails_the_features_that_read_it():
     each = information_type(size=Size(default=7.0), length=KeyLength())
     assert each.extract("t", Broken()) == {"size": 7.0, "length": 1.0}
     assert each.failures.counts() == {"size": 1}
+
+
+CAPTURING = """\
+[[information_type]]
+name = "camera"
+keys = ["robot/${robot:*}/camera/${n:*}", "**/${robot:*}/spare/${n:*}"]
+utility = { kind = "python", function = "tests.utility_specs.worths:by_number" }
+weight = "2 if robot == 'r1' else 1"
+scale = "10 - n"
+features.size = { kind = "size" }
+"""
+
+
+def test_captured_chunks_are_known_to_weight_scale_and_utility(tmp_path):
+    """Each key has a type that knows its chunks; keys with the same ones share it."""
+    (tmp_path / "spec.toml").write_text(CAPTURING)
+    specs = load_specs(tmp_path)
+    first, other = specs.match("robot/r1/camera/3"), specs.match("robot/r2/camera/4")
+    assert (first.weight, specs.types[0].weight) == (2.0, 1.0)
+    assert first.scale({}) == 14.0
+    assert other.scale({}) == 6.0
+    assert first.utility_of({}).features == {"size": 0.0, "n": 3.0}
+    assert first.extract("robot/r1/camera/3", b"12") == {"size": 2.0}
+    assert first is specs.match("robot/r1/camera/3")
+    assert specs.match("a/b/r1/spare/3") is specs.match("c/r1/spare/3")
+    assert first.failures is other.failures
+
+
+def test_a_chunk_that_is_no_number_is_counted_as_a_failure(tmp_path):
+    """Then the scale is 1."""
+    (tmp_path / "spec.toml").write_text(CAPTURING)
+    front = load_specs(tmp_path).match("robot/r1/camera/front")
+    assert front.scale({}) == 2.0
+    assert front.failures.counts() == {"scale": 1}
+    assert front.utility_of({}) is front.utility
+    assert front.failures.counts() == {"scale": 1, "utility": 1}
+
+
+def test_a_weight_without_a_value_counts_as_1():
+    """And is counted by its own name."""
+    each = information_type(weight="1 / size", size=Size(default=0.0))
+    assert each.scale({"size": 4.0}) == 0.25
+    assert each.scale({}) == 1.0
+    assert each.failures.counts() == {"weight": 1}
+
+
+def test_a_product_beyond_all_numbers_is_the_weight():
+    """Weight and scale may each have a value, and both together none."""
+    each = information_type(weight="size", scale="size", size=Size(default=1e200))
+    assert each.scale({}) == 1e200
+    assert each.failures.counts() == {"scale": 1}

@@ -13,7 +13,8 @@ README = (Path(__file__).parents[2] / "utility_specs" / "README.md").read_text()
 
 
 def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    manual = README[README.index("## `[[constraint]]`") :]  # what stands before has tests of its own
+    return re.findall(rf"```{language}\n(.*?)```", manual, re.DOTALL)
 
 
 def spec(line) -> str:

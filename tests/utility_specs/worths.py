@@ -16,3 +16,8 @@ def by_blue(age, features):
 def two_lines(_age, _features):
     """Complain at length."""
     raise RuntimeError("one\ntwo")
+
+
+def by_number(age, features):
+    """Cameras with higher numbers matter for longer."""
+    return np.exp(-age / features["n"])

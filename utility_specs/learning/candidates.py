@@ -10,6 +10,7 @@ from utility_specs.learning.formats import ros_type
 from utility_specs.learning.image_features import image_table
 from utility_specs.learning.leaves import Leaf, Shown
 from utility_specs.learning.naming import feature_name
+from utility_specs.learning.patterns import ROBOT
 from utility_specs.learning.stream import Stream
 from utility_specs.learning.toml_text import toml_string
 
@@ -71,7 +72,7 @@ def candidates_of(streams: Sequence[Stream]) -> Found:
         if why and not (isinstance(shown, Leaf) and shown.reduce == "length"):
             left_out.append((_called(shown), why))
         elif not why:
-            name = _name(shown, word, {each.name for each in candidates})
+            name = _name(shown, word, {ROBOT, *(each.name for each in candidates)})
             candidates.append(Candidate(name, _table(shown, word, streams[0]), tuple(numbers)))
     candidates.sort(key=lambda each: -each.variation)
     return Found(tuple(candidates), tuple(left_out))

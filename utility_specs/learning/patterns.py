@@ -24,6 +24,8 @@ FEW = 4
 """So many samples tell no rate."""
 MOST_KEYS = 64
 """Keys of one type, where no pattern will do."""
+ROBOT = "robot"
+"""What chunks that are names of robots are captured as."""
 
 _NUMBER = re.compile(r"\d+")
 _ID = re.compile(r"[0-9a-fA-F-]{8,}")
@@ -53,7 +55,7 @@ class Kind:
 
 
 def kinds_of(streams: Sequence[Stream], robots: Collection[str] = ()) -> list[Kind]:
-    """Return the kinds of streams; chunks that are names in `robots` stand for all robots."""
+    """Return the kinds of streams; chunks that are names in `robots` stand for all robots, and are captured."""
     groups: dict[Form, list[list[Stream]]] = defaultdict(list)
     for stream in streams:
         _join(groups[_form(stream.key, robots)], stream)
@@ -149,11 +151,21 @@ def _kind(group: Sequence[Stream], others: Iterable[str], robots: Collection[str
         pattern = zenoh.KeyExpr(text)
         alone = not any(map(pattern.includes, taken))
         if all(map(pattern.includes, own)) and (alone or len(each) > MOST_KEYS):
-            keys, yields = (text,), not alone
+            keys, yields = (_captured(text, chunks, robots),), not alone
     inner = range(1, len(chunks) - 2) if topic is not None else range(len(chunks))
     words = [place for place in inner if not differ[place]]
     last = max((place for place in inner if differ[place]), default=inner[-1] - 1)
     return Kind(keys, tuple(group), tuple(chunks[p][0] for p in words), max(1, sum(p > last for p in words)), yields)
+
+
+def _captured(text: str, chunks: Sequence[Sequence[str]], robots: Collection[str]) -> str:
+    """Give the first chunk a name that stands for a robot, if any is known to."""
+    written = text.split("/")
+    for place, column in enumerate(chunks):
+        if written[place] == "*" and any(chunk in robots for chunk in column):
+            written[place] = f"${{{ROBOT}:*}}"
+            break
+    return "/".join(written)
 
 
 def _any(column: Sequence[str]) -> str:  # noqa: ARG001 - whatever it is

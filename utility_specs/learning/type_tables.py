@@ -55,6 +55,9 @@ def type_table(each: Learned, duration: float) -> Iterator[str]:
     yield commented(f"utility = {worth.utility}", worth.why)
     if worth.schedule:
         yield commented(f"forecast.schedule = {worth.schedule}", "clearly at random")
+    middle = median(look for stream in kind.streams for look in stream.sizes)
+    yield commented(f'forecast.size = "{size(max(1.0, middle))}"', "what `sendworthy check` judges limits by")
+    yield f"forecast.streams = {len(kind.streams)}"
     yield from _features(each.found)
     if kind.streams[0].format == "cdr" and not any(stream.shows for stream in kind.streams):
         yield from prose(UNREAD)

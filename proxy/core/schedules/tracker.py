@@ -97,6 +97,13 @@ class Tracker:
             self._since = REFIT
         self._take(number, t)
 
+    def follow(self, rhythm: Rhythm) -> None:
+        """Take over the rhythm that the stream's robot found; what was seen before counts no more."""
+        self.rhythm = rhythm
+        self._line = [(rhythm.number, rhythm.origin)]
+        self._suspects.clear()
+        self._times.clear()
+
     def tell(self, period: float) -> None:
         """Use a period that the stream's robot found [s]: if it differs, what was seen before it is over."""
         self.told = period

@@ -2,7 +2,6 @@
 
 import json
 import os
-import socket
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from studies.demo.layout import free_ports
 from studies.demo.processes import Process, Troupe
 
 ARRANGEMENTS = ("direct", "router", "pass", "enforce", "covered")
@@ -69,7 +69,7 @@ class Line:
 @contextmanager
 def arranged(name: str) -> Iterator[Line]:
     """Start the processes of an arrangement; end them afterwards."""
-    app, mesh = _endpoint(), _endpoint()
+    app, mesh = (f"tcp/127.0.0.1:{port}" for port in free_ports(2))
     with TemporaryDirectory(prefix="sendworthy-bench-") as folder, Troupe(Path(folder)) as troupe:
         between = None if name == "direct" else _between(troupe, name, app, mesh, Path(folder))
         if between is None:
@@ -111,10 +111,3 @@ def _wait_until_linked(line: Line) -> None:
         if time.monotonic() > deadline:
             raise TimeoutError("nothing gets through")
         line.publish(size=64, seconds=0.2, rate=50.0)
-
-
-def _endpoint() -> str:
-    """Return an endpoint on loopback that is free."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"

@@ -4,11 +4,13 @@ import os
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from statistics import fmean
 
 from studies.simulation.conditions import WARM_UP, Conditions
-from studies.simulation.flights import team
+from studies.simulation.flights import crew, team
 from studies.simulation.forecasts import Probe
 from studies.simulation.missions import Mission, draw
+from studies.simulation.replay import Recorded, decided_alike
 from studies.simulation.scores import Yardsticks, measure, reached, same_decisions, sent
 from studies.simulation.usage import Usage, usage
 from studies.workload import SCENARIOS
@@ -60,6 +62,8 @@ class Flown:
     sends: frozenset[int]
     central_messages: float
     """Messages per second that the central decider sends."""
+    alike: float | None = None
+    """Of wrong clocks: the part of decisions of the flight with right ones that fall alike, each by itself."""
 
     def same_as(self, other: "Flown") -> float:
         """Return the part of all decisions that are the same in a flight of the same course."""
@@ -105,4 +109,16 @@ def _fly(flight: Flight, marks: Yardsticks) -> Flown:
         others=probe.others.summary(),
         sends=sent(mission, flying),
         central_messages=sum(mission.frames[i].t_gen >= WARM_UP for i in marks.sends) / flight.how.seconds,
+        alike=_alike(mission, flight) if flight.how.clocks else None,
     )
+
+
+def _alike(mission: Mission, flight: Flight) -> float:
+    """Fly with right clocks, and let every robot live through it again with those of the flight.
+
+    A quick flight is mostly warm-up: no more than half as much again as is scored of it is worth the time.
+    """
+    right = crew(Recorded, mission, replace(flight.how, clocks={}), flight.course.seed)
+    until = min(mission.problem.t_end, 1.5 * flight.how.seconds)
+    right.run(mission.frames, until)
+    return fmean(decided_alike(right, flight.how.clocks, until))

@@ -55,7 +55,7 @@ class Extent:
 
 
 QUICK = Extent(
-    seeds=2, seconds=3.0, robots=3, iterations=50, scenarios=(1,), limits=(2,), usual=2, latencies=(1.0,), losses=(0.3,)
+    seeds=1, seconds=3.0, robots=3, iterations=50, scenarios=(1,), limits=(2,), usual=2, latencies=(1.0,), losses=(0.3,)
 )
 
 

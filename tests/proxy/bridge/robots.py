@@ -1,6 +1,5 @@
 """Robots whose decisions the test makes: two sessions and the bridge between them, without a core."""
 
-import itertools
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, TypeVar
@@ -14,7 +13,7 @@ from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, BridgeConfig, MeshConfig
 from proxy.core.events import Event, SamplePublished
 from proxy.core.mode import Mode
-from tests.proxy.nodes import closing, free_endpoint, plain_session
+from tests.proxy.nodes import closing, free_endpoint, pass_fence, plain_session
 from tests.waiting import wait_until
 from utility_specs import InformationType, Specs, load_specs
 
@@ -135,20 +134,9 @@ def observes(robot: Robot, key: str) -> bool:
 
 def fence(robot: Robot, *others: Robot) -> None:
     """Wait until all that `robot` has declared on the mesh is known to `others`: links keep the order."""
-    _pass_fence(robot.mesh, *(other.mesh for other in others))
+    pass_fence(robot.mesh, *(other.mesh for other in others))
 
 
 def fence_apps(robot: Robot) -> None:
     """Wait until all that is mirrored for the apps of `robot` is known to their router."""
-    _pass_fence(robot.voice, robot.app)
-
-
-def _pass_fence(declarer: zenoh.Session, *others: zenoh.Session) -> None:
-    key = f"@fence/{next(_fences)}"
-    token = declarer.liveliness().declare_token(key)
-    for other in others:
-        wait_until(lambda other=other: list(other.liveliness().get(key, timeout=5.0)), what="a fence")
-    token.undeclare()
-
-
-_fences = itertools.count()
+    pass_fence(robot.voice, robot.app)

@@ -17,7 +17,7 @@ from proxy.errors import SessionError
 from tests.ports import free_port
 from tests.proxy.bridge import robots
 from tests.proxy.bridge.robots import wait_interest
-from tests.proxy.nodes import Heard, closing, plain_session
+from tests.proxy.nodes import Heard, closing, pass_fence, plain_session
 from tests.waiting import wait_until
 
 LOOPBACK = "lo"
@@ -82,7 +82,8 @@ def test_each_sample_arrives_once_where_it_is_wanted_and_the_core_hears_it_every
     wait_until(lambda: len(heard.samples) == 40, what="all delivered")
     for key in ("free/a", "covered/a"):
         assert [s.payload.to_string() for s in heard.samples if str(s.key_expr) == key] == [str(i) for i in range(20)]
-    assert [robot.bridge.describe()["delivered"] for robot in team] == [0, 40, 0]
+    delivered = [0, 40, 0]
+    wait_until(lambda: [r.bridge.describe()["delivered"] for r in team] == delivered, what="the count")
     event = team[2].posted(SampleHeard)[0]
     assert (event.key, event.size, event.origin) == ("covered/a", 1, str(team[0].mesh.zid()))
 
@@ -124,6 +125,7 @@ def test_what_nobody_wants_is_not_transmitted(stack, team, group):
     wait_until(lambda: listener.describe()["heard"] == 3, what="the robots")
     app, block = team[0].node(), zenoh.CongestionControl.BLOCK
     app.put("free/a", "before anybody wants it", congestion_control=block)
+    pass_fence(app, team[0].app)
     other = Heard(team[1].node(), "free/*")
     wait_interest(team[1], team[0], keys=("free/*",))
     wait_until(lambda: app.put("free/a", "wanted") or ("free/a", "wanted") in heard, what="the sample")
@@ -131,6 +133,7 @@ def test_what_nobody_wants_is_not_transmitted(stack, team, group):
     other.subscriber.undeclare()
     wait_until(lambda: team[0].bridge.demand.silent("free/a"), what="the end of the wish")
     app.put("free/a", "unwanted", congestion_control=block)
+    pass_fence(app, team[0].app)
     Heard(team[2].node(), "free/*")
     wait_interest(team[2], team[0], keys=("free/*",))
     wait_until(lambda: app.put("free/a", "wanted again") or ("free/a", "wanted again") in heard, what="the last one")

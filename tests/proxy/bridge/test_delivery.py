@@ -7,7 +7,7 @@ from proxy.bridge.delivery import Delivery
 from proxy.bridge.rules import Rules
 from proxy.config import BridgeConfig
 from proxy.core.events import SampleHeard
-from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
+from tests.proxy.nodes import Heard, closing, free_endpoint, pass_fence, plain_session, wait_matching
 from tests.waiting import wait_until
 
 
@@ -22,15 +22,15 @@ def test_only_covered_samples_are_told_to_the_core(stack):
     )
     stack.callback(delivery.close)
     delivery.update({"**": False})
-    heard = Heard(closing(stack, plain_session("client", connect=(inside,))), "**")
+    node = closing(stack, plain_session("client", connect=(inside,)))
+    heard = Heard(node, "**")
+    pass_fence(node, app)
     other = closing(stack, plain_session("peer", connect=(endpoint,)))
-    probe = other.declare_publisher("**")
-    wait_until(lambda: probe.matching_status.matching, what="the mirrored subscription")
-    probe.undeclare()
+    wait_matching(other, "**")
     for key, stamp in (("free", None), ("covered/a", None), ("covered/b", other.new_timestamp())):
         other.put(key, b"123", timestamp=stamp, congestion_control=zenoh.CongestionControl.BLOCK)
-    wait_until(lambda: len(heard.samples) == 3, what="all three")
-    assert delivery.delivered == 3
+    wait_until(lambda: len(heard.samples) == delivery.delivered == 3, what="all three")
+    wait_until(lambda: len(events) == 2, what="the core to be told")
     assert [(type(e), e.key, e.size, e.origin) for e in events] == [
         (SampleHeard, "covered/a", 3, None),
         (SampleHeard, "covered/b", 3, str(other.zid())),
@@ -49,6 +49,7 @@ def test_heartbeats_are_delivered_where_numbers_are(stack, numbered):
     delivery.update({"a": False, "a/@adv/**": False})
     node = closing(stack, plain_session("client", connect=(inside,)))
     heard, beats = Heard(node, "a"), Heard(node, "a/@adv/**")
+    pass_fence(node, app)
     other = closing(stack, plain_session("peer", connect=(endpoint,), stamps=True))
     publisher = other.declare_publisher("a")
     wait_until(lambda: publisher.matching_status.matching, what="the mirrored subscription")
@@ -70,7 +71,9 @@ def test_a_covered_sample_that_is_denied_is_heard_all_the_same(stack):
     delivery = Delivery(app, mesh, lambda key: key, rules, events.append)
     stack.callback(delivery.close)
     delivery.update({"*": False})
-    heard = Heard(closing(stack, plain_session("client", connect=(inside,))), "*")
+    node = closing(stack, plain_session("client", connect=(inside,)))
+    heard = Heard(node, "*")
+    pass_fence(node, app)
     publishers = [closing(stack, plain_session("peer", connect=(endpoint,))).declare_publisher(key) for key in "ab"]
     for publisher in publishers:
         wait_until(lambda publisher=publisher: publisher.matching_status.matching, what="the mirrored subscription")

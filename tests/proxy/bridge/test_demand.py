@@ -99,8 +99,10 @@ def test_copies_are_the_robots_that_say_they_want_it(demand):
     demand.told("z2", ["**"])
     demand.told("z3", ["other"])
     assert demand.copies("k/a") == 2
+    assert demand.wanting("k/a") == {"z1", "z2"}
     demand.told("z2", ())
     assert demand.copies("k/a") == 1
+    assert demand.wanting("k/a") == {"z1"}
 
 
 def test_relayed_copies_are_one_more_than_the_robots(mesh):

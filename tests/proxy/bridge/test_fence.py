@@ -23,8 +23,9 @@ def test_a_look_that_began_before_the_mark_does_not_count(monkeypatch):
     assert len(woken) == 1
 
 
-def test_whoever_waits_goes_on_when_all_is_mirrored():
+def test_whoever_waits_goes_on_when_all_is_mirrored(monkeypatch):
     """Waiting ends with the end of the next look."""
+    monkeypatch.setattr(fence_module, "PATIENCE", 60.0)
     fence = Fence(lambda: None)
     passed = []
     mark = fence.mark()

@@ -78,13 +78,13 @@ def test_a_peer_that_stops_reading_is_noticed_before_anybody_waits(mesh, listene
     publisher = session.declare_publisher("k", congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: publisher.matching_status.matching, what="the subscription")
     os.kill(listener.pid, signal.SIGSTOP)
-    taken = 0
-    while headroom.takes(1000):
-        publisher.put(b"x" * 1000)
-        taken += 1
-        assert taken < 100_000
-    assert taken > 0
-    assert headroom.slow() == (1, 1)
+
+    def full():
+        while headroom.takes(1000):
+            publisher.put(b"x" * 1000)
+        return headroom.slow() == (1, 1)
+
+    wait_until(full, what="an end of the headroom")
     os.kill(listener.pid, signal.SIGCONT)
     wait_until(lambda: headroom.takes(1000), what="room again")
 
@@ -99,6 +99,23 @@ def test_a_link_whose_socket_cannot_be_found_counts_as_full(stack):
     headroom.refresh()
     assert not headroom.takes(1)
     assert not headroom.clear
+
+
+@pytest.mark.usefixtures("listener")
+def test_a_link_tells_what_was_sent(mesh):
+    """Every byte that was published, and what it comes with; nothing of links without room, or that are gone."""
+    session, _ = mesh
+    headroom = Headroom(session)
+    wait_until(lambda: linked(headroom, 1), what="the link")
+    publisher = session.declare_publisher("k", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: publisher.matching_status.matching, what="the subscription")
+    ((peer, before),) = headroom.sent().items()
+    assert peer == str(*session.info.peers_zid())
+    publisher.put(b"x" * 30_000)
+    wait_until(lambda: headroom.sent().get(peer, 0) >= before + 30_000, what="all of it")
+    assert headroom.sent()[peer] < before + 40_000
+    session.close()
+    assert headroom.sent() == {}
 
 
 @pytest.mark.usefixtures("listener")

@@ -5,7 +5,7 @@ import zenoh
 
 from proxy.bridge import ingress as ingress_module
 from proxy.core.events import SamplesPassed
-from tests.proxy.bridge.robots import wait_interest
+from tests.proxy.bridge.robots import fence_apps, team, wait_interest
 from tests.proxy.nodes import Heard
 from tests.waiting import wait_until
 
@@ -23,6 +23,7 @@ def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     """When the core does not answer, samples beyond the bound are dropped, counted, and local apps still hear all."""
     monkeypatch.setattr(ingress_module, "MOST_HELD", 3)
     local = Heard(pair[0].node(), "covered/**")
+    wait_interest(pair[0], keys=("covered/**",))
     publisher = pair[0].node()
     for i in range(5):
         publisher.put("covered/a", str(i), congestion_control=zenoh.CongestionControl.BLOCK)
@@ -149,3 +150,45 @@ def test_what_left_for_the_mesh_and_came_back_around_the_daemons_stays(pair):
     wait_until(lambda: pair[0].asked, what="the new one")
     assert [sample.key for sample in pair[0].asked] == ["covered/b"]
     assert pair[0].bridge.describe()["returned"] == 1
+
+
+OWN_RULES = """
+version = 1
+[[information_type]]
+name = "urgent"
+keys = ["urgent/**"]
+bypass = true
+queries = "drop"
+utility = { kind = "video" }
+[[information_type]]
+name = "plain"
+keys = ["plain/**"]
+mode = "pass"
+utility = { kind = "video" }
+[[information_type]]
+name = "rest"
+keys = ["**"]
+utility = { kind = "video" }
+"""
+
+
+def test_types_that_are_not_planned_go_at_once_and_are_counted(stack, tmp_path):
+    """Only the rest is asked for; queries for keys of which a spec drops them are not answered."""
+    near, far = team(stack, tmp_path, size=2, specs=OWN_RULES)
+    heard = Heard(far.node(), "*/a")
+    wait_interest(far, near, keys=("*/a",))
+    app = near.node()
+    for name in ("urgent", "plain", "rest"):
+        app.put(f"{name}/a", name)
+    wait_until(lambda: len(heard.samples) == 2 and near.asked, what="what passes, and what is asked")
+    assert sorted(heard.payloads) == ["plain", "urgent"]
+    assert [event.key for event in near.asked] == ["rest/a"]
+    wait_until(lambda: len(near.posted(SamplesPassed)) >= 2, what="the counts")
+    assert {event.reason for event in near.posted(SamplesPassed)} == {"passed:bypass", "passed:mode"}
+    for name in ("urgent", "plain"):
+        app.declare_queryable(f"{name}/q", lambda query: query.reply(query.key_expr, b"here"))
+    wait_until(lambda: len(far.bridge.describe()["queryables"]["outward"]) == 2, what="the queryables")
+    fence_apps(far)
+    asker = far.node()
+    assert [len(list(asker.get(f"{name}/q", timeout=5.0))) for name in ("plain", "urgent")] == [1, 0]
+    assert far.bridge.describe()["denied"]["in"]["queries"] == 1

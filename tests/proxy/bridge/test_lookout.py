@@ -20,7 +20,7 @@ def test_who_answers_scouts_on_the_network_is_found_and_forgotten(stack, group):
     app = scouting(group, f"tcp/{outside()}:0")
     ours = closing(stack, scouting(group, f"tcp/{outside()}:0"))
     lookout = Lookout("auto", [str(ours.zid())], group)
-    lookout.look()
+    wait_until(lambda: lookout.look() or lookout.warnings(), what="the answer of the application")
     (warning,) = lookout.warnings()
     assert warning.startswith(f"the Zenoh peer {app.zid()} on this robot answers everybody on the radio, at tcp/")
     assert "deploy/apps/client.json5" in warning

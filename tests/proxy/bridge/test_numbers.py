@@ -12,7 +12,7 @@ from proxy.core.events import SamplesPassed
 from proxy.core.mode import Mode
 from tests.proxy.bridge import robots
 from tests.proxy.bridge.robots import fence, fence_apps, wait_interest
-from tests.proxy.nodes import Heard, closing
+from tests.proxy.nodes import Heard, closing, wait_matching
 from tests.waiting import wait_until
 
 NONE, ANY = zenoh.ConsolidationMode.NONE, zenoh.ReplyKeyExpr.ANY
@@ -100,9 +100,11 @@ def wait_cache(robot):
 @pytest.mark.parametrize("recovery", [HEARTBEAT, PERIODIC], ids=["heartbeat", "periodic queries"])
 def test_what_was_lost_is_recovered_once(pair, stack, stamps, recovery):
     """A gap and the last sample are fetched from the other robot, in order, and never again; nothing is missed."""
-    publisher = publisher_of(lossy(stack, pair[1], stamps=stamps), "free/a")
+    app = lossy(stack, pair[1], stamps=stamps)
+    publisher = publisher_of(app, "free/a")
     recovered = Recovered(pair[0], "free/a", recovery)
     wait_interest(pair[0], pair[1], keys=("free/a",))
+    wait_matching(app, "free/a")
     wait_cache(pair[0])
     expected = ["0    ", "1 xxx", "2    ", "3 xxx"]
     for text in expected:
@@ -203,9 +205,11 @@ def test_what_is_dropped_on_purpose_is_not_fetched(pair, stamps, recovery):
     """A subscriber that recovers hears what the decisions forwarded, and misses nothing; also when it knew numbers."""
     for robot in pair:
         robot.bridge.switch(Mode.PASS)
-    publisher = publisher_of(pair[1].node(stamps=stamps), "covered/a")
+    app = pair[1].node(stamps=stamps)
+    publisher = publisher_of(app, "covered/a")
     recovered = Recovered(pair[0], "covered/a", recovery)
     wait_interest(pair[0], pair[1], keys=("covered/a",))
+    wait_matching(app, "covered/a")
     wait_cache(pair[0])
     publisher.put("before")
     wait_until(lambda: recovered.heard, what="a sample with a number")
@@ -254,9 +258,11 @@ def test_when_replies_cannot_have_numbers_nothing_has(stack, tmp_path):
     pair = robots.team(stack, tmp_path, size=2, rules=({}, {}), **SMALL_PIECES)
     for there, here in (pair, pair[::-1]):
         key = f"free/{there.mesh.zid()}"
-        publisher = publisher_of(there.node(), key)
+        app = there.node()
+        publisher = publisher_of(app, key)
         heard, beats = Heard(here.node(), key), Heard(here.node(), f"{key}/@adv/**")
         wait_interest(here, there, keys=(key, f"{key}/@adv/**"))
+        wait_matching(app, key)
         publisher.put("x")
         wait_until(lambda heard=heard: heard.samples, what="the sample")
         wait_until(lambda there=there: passed(there, "dropped:heartbeat") > 2, what="heartbeats")

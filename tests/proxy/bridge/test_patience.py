@@ -1,5 +1,7 @@
 """Nobody waits long for a link that is slower than the others."""
 
+import pytest
+
 from proxy.bridge.patience import LONGEST, REST, Patience
 
 
@@ -10,8 +12,13 @@ class Links:
         self.state = slow, links
         self.waits = 0
 
+        self.written = {}
+
     def slow(self):
         return self.state
+
+    def sent(self):
+        return dict(self.written)
 
 
 def test_nobody_waits_where_all_links_have_room_or_there_is_no_other():
@@ -72,3 +79,60 @@ def test_it_runs_out_once_and_rests(monkeypatch):
     now[0] += REST
     assert patience.runs_out()
     assert patience.lost == 2
+
+
+@pytest.fixture
+def lost(monkeypatch):
+    """A patience that has run out, its links, and what to do while it waits."""
+    now, doing = [100.0], []
+    monkeypatch.setattr("proxy.clock.monotonic", lambda: now[0])
+
+    def wait(seconds):
+        now[0] += seconds
+        links.waits += 1
+        for do in doing:
+            do()
+
+    links = Links(1, 3)
+    patience = Patience(links, wait)
+    assert patience.runs_out()
+    links.waits = 0
+    links.written = {"keeps up": 1000, "another": 50}
+    return patience, links, doing, now
+
+
+def test_where_samples_may_be_dropped_each_waits_until_links_with_room_have_the_one_before(lost):
+    """Only links to those who want them count, and only for as long as they have room."""
+    patience, links, doing, _ = lost
+    patience.hand(500, {"keeps up", "slow"})
+    assert links.waits == 0
+    doing.append(lambda: links.written.update({"keeps up": 1000 + 100 * links.waits}))
+    patience.hand(500, {"keeps up", "slow"})
+    assert links.waits == 5
+    doing.clear()
+    del links.written["keeps up"]
+    patience.hand(500, {"keeps up"})
+    assert links.waits == 5
+
+
+def test_a_link_that_sends_nothing_is_not_waited_for_longer_than_ever(lost):
+    """Who no longer wants the samples, say; and at the end nobody waits."""
+    patience, links, doing, now = lost
+    patience.hand(500, {"another"})
+    before = now[0]
+    patience.hand(500, {"another"})
+    assert LONGEST <= now[0] - before < LONGEST + 0.01
+    doing.append(patience.end)
+    links.waits = 0
+    patience.hand(500, {"another"})
+    assert links.waits == 1
+
+
+def test_after_its_rest_nothing_is_looked_at(lost):
+    """All links take what comes."""
+    patience, links, _, now = lost
+    patience.hand(500, {"another"})
+    now[0] += REST
+    patience.hand(500, {"another"})
+    patience.hand(500, {"another"})
+    assert links.waits == 0

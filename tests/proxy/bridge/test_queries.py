@@ -211,7 +211,7 @@ def test_a_query_that_is_never_answered_ends_with_the_askers_timeout(pair):
     pair[0].node().get("s/mute", timeout=0.2)
     wait_until(lambda: kept, what="the query")
     directions = (pair[0].bridge._outward, pair[1].bridge._inward)
-    wait_until(lambda: not any(queries.pending for queries in directions), timeout=5.0, what="its end")
+    wait_until(lambda: not any(queries.pending for queries in directions), what="its end")
 
 
 def test_a_query_whose_asker_has_gone_ends_with_its_answer(pair):
@@ -226,7 +226,7 @@ def test_a_query_whose_asker_has_gone_ends_with_its_answer(pair):
     with kept.pop() as query:
         query.reply("s/slow", "x")
     del query
-    wait_until(lambda: not pair[0].bridge._outward.pending, timeout=5.0, what="its end")
+    wait_until(lambda: not pair[0].bridge._outward.pending, what="its end")
 
 
 def test_when_it_is_not_known_how_was_asked_everybody_is(pair):
@@ -264,7 +264,7 @@ def open_fence():
 def declared(stack, far, lane, fence):
     """A mirrored queryable for `service/a`, and what asks there."""
     near, endpoint = near_side(stack)
-    queries = Queries(near, far, lane, fence, Way(("**",), ()), numbered=lambda _: True)
+    queries = Queries(near, far, lane, fence, Way(("**",), ()), dropped=lambda _: False, numbered=lambda _: True)
     queries.update({"service/a": False})
     stack.callback(queries.close)
     asker = closing(stack, plain_session("client", connect=(endpoint,)))

@@ -84,6 +84,8 @@ def test_only_named_endpoints_are_dialled(stack):
     middle = closing(stack, open_session(mesh(endpoints[0]), "mesh"))
     ends = [closing(stack, open_session(mesh(endpoint, endpoints[:1]), "mesh")) for endpoint in endpoints[1:]]
     wait_until(lambda: len(middle.info.peers_zid()) == 2, what="both links")
+    for end in ends:
+        wait_until(end.info.peers_zid, what="its end of the link")
     heard = [str(zid) for end in ends for zid in end.info.peers_zid()]
     assert heard == [str(middle.zid())] * 2
 

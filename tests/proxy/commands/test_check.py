@@ -1,5 +1,7 @@
 """`sendworthy check`."""
 
+import json
+
 from proxy import exit_codes
 from proxy.cli import main
 
@@ -52,3 +54,14 @@ def test_nothing_to_check_is_a_mistake(capsys):
     """Neither files nor a configuration."""
     assert main(["check"]) == exit_codes.USAGE
     assert capsys.readouterr().err == "sendworthy check: give it a FILE or --config\n"
+
+
+def test_scripts_get_json_and_nothing_else(tmp_path, capsys):
+    """What is said of the configuration goes to standard error."""
+    (tmp_path / "camera.toml").write_text(GOOD)
+    config = tmp_path / "sendworthy.toml"
+    config.write_text(f'[specs]\npath = "{tmp_path}/camera.toml"\n')
+    assert main(["check", "--json", "--config", str(config)]) == exit_codes.OK
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["fit"]
+    assert shown.err == f"{config}: right\n"

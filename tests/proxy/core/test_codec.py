@@ -29,6 +29,7 @@ count = st.integers(0, 2**53)
 samples = st.integers(0, MAX_SAMPLES)
 size = st.integers(0, MAX_SIZE)
 amount = st.floats(0.0, 3600.0).map(rounded)
+period = st.floats(1e-4, 3600.0).map(rounded)
 part = st.floats(0.0, 1.0).map(rounded)
 feature = st.one_of(st.integers(-(2**53), 2**53).map(float), st.floats(-1e30, 1e30).map(single))
 name = st.text(max_size=20)
@@ -51,6 +52,7 @@ def stream_digests(draw):
         draw(size),
         draw(amount),
         tuple(draw(st.lists(feature, max_size=3))),
+        *draw(st.one_of(st.just(()), st.tuples(period, st.integers(-(10**6), 10**6), st.integers(0, 10**6)))),
     )
 
 

@@ -89,15 +89,6 @@ def test_a_size_that_is_seldom_sent_is_not_forgotten_because_of_the_others():
     assert fit.line == Latency(0.1, 0.0)
 
 
-def test_what_turns_out_wrong_is_forgotten():
-    """As when a clock was set meanwhile."""
-    fit = fitted([(100, 0.1)] * 20)
-    for number in range(10):
-        fit.observe(2.1 + number * 0.1, 100, 3.0)
-    fit.forget_since(2.05)
-    assert fit.line == Latency(0.1, 0.0)
-
-
 def test_the_weighted_median_halves_the_weight():
     """Between two values that share the middle lies their mean."""
     assert weighted_median([(1.0, 1.0), (2.0, 1.0)]) == 1.5

@@ -1,7 +1,11 @@
 """As leader, what others should send is planned, and lent to them ahead of time."""
 
+from collections import Counter
+
 from proxy.core.commands import SendDigest
-from studies.simulation.conditions import Conditions
+from proxy.core.core import Core
+from proxy.core.events import TimePassed
+from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly
 from studies.simulation.missions import draw, scenario
 from studies.simulation.usage import usage
@@ -34,6 +38,20 @@ def test_in_a_team_without_a_channel_nobody_plans(make_talk):
     talk.publish(0.1)
     assert not talk.core.layout.pending
     assert not [command for command in talk.said if isinstance(command, SendDigest) and command.to]
+
+
+def test_who_may_not_lend_yet_is_not_woken_without_end(monkeypatch):
+    """Until others follow, or what is told of a plan can be paid for, time alone is no reason to look at once again."""
+    handle, woken = Core.handle, Counter()
+
+    def counted(core, event):
+        woken[core] += isinstance(event, TimePassed)
+        return handle(core, event)
+
+    monkeypatch.setattr(Core, "handle", counted)
+    how = Conditions(limit=2, seconds=1.0, robots=3, coordination="shares", transport="broadcast")
+    fly(mission_of(how), how, 0)
+    assert max(woken.values()) < 100 * (WARM_UP + how.seconds)
 
 
 def test_where_clocks_are_known_badly_slots_are_lent():

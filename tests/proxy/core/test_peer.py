@@ -55,7 +55,7 @@ def test_digests_tell_as_long_as_there_are_no_samples(peer):
     for at in (2.0, 3.0):
         hear_digest(peer, at)
     assert peer.latency_in.fixed == pytest.approx(0.01, abs=1e-3)
-    for at in (4.0, 5.0, 6.0):
+    for at in (4.0, 5.0, 6.0, 8.5):
         hear(peer, at, 0.1)
     assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
 
@@ -85,31 +85,61 @@ def test_the_wait_before_sending_is_no_latency(peer):
 
 @pytest.mark.parametrize("error", [10.0, -10.0, 60.0, -60.0, -1e9])
 def test_a_step_of_its_wall_clock_makes_no_sample_older(peer, error):
-    """Ages that cannot be are counted until it tells; from then on samples count again."""
+    """Ages that cannot be are counted if it tells too late; else samples are read by what the clock showed."""
     for at in range(2, 12):
         hear(peer, float(at), 0.1)
     for at in range(12, 15):
         hear(peer, float(at), 0.1, error=error)
-    assert peer.implausible == 3
+    assert peer.implausible == 1
     assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
     peer.take_state(15.0, state(1000.0 + error))
     for at in range(15, 32):
         hear(peer, float(at), 0.2, error=error)
-    assert peer.implausible == 3
+    assert peer.implausible == 1
     assert peer.latency_in.fixed == pytest.approx(0.2, abs=1e-3)
 
 
 @pytest.mark.parametrize("error", [-3.0, 3.0])
 def test_a_step_of_its_wall_clock_is_looked_at_anew_when_told(peer, error):
-    """What it made of samples before is put right, those that could not be are used after all."""
+    """Samples of the last two seconds are read only then, by the clock that tells the likelier age."""
     for at in range(2, 12):
         hear(peer, float(at), 0.1)
     for at in range(7):
         hear(peer, 13.1 + 0.1 * at, 0.1 + 0.1 * at, size=10_000, error=error)
-    peer.take_state(14.0, state(1000.0 + error))
-    assert peer.implausible == (7 if error > 0.0 else 0)
+    peer.take_state(14.5, state(1000.0 + error))
+    assert peer.implausible == 0
     assert peer.line_in.of(100) == pytest.approx(0.1, abs=1e-3)
     assert peer.line_in.of(10_000) == pytest.approx(0.4, abs=1e-3)
+
+
+@pytest.mark.parametrize("error", [0.0, 0.3, -0.3, 60.0])
+def test_when_a_sample_was_generated_no_timestamp_tells(peer, error):
+    """What samples take and how long they wait does, so a clock that was set alters nothing."""
+    for at in range(2, 12):
+        hear(peer, float(at), 0.25)
+        peer.heard_news(KEY, news(at, at, float(at), at + 0.05), wanted=True)
+    stamp = 12.0 - 100.0 + 1000.0 + error
+    assert peer.heard_sample(12.25, KEY, 100, stamp) == pytest.approx(12.0, abs=1e-3)
+    assert peer.heard_sample(13.25, KEY, 100, None) == pytest.approx(13.0, abs=1e-3)
+
+
+def test_a_small_step_is_not_taken_for_a_quicker_way(peer):
+    """The reading nearest to what such samples take is the likelier one."""
+    for at in range(2, 12):
+        hear(peer, float(at), 0.12)
+    hear(peer, 12.0, 0.12)
+    peer.take_state(13.0, state(1000.0 - 0.1))
+    hear(peer, 13.5, 0.12, error=-0.1)
+    hear(peer, 17.0, 0.12, error=-0.1)
+    assert peer.implausible == 0
+    assert peer.latency_in.fixed == pytest.approx(0.12, abs=1e-3)
+
+
+def test_many_samples_are_read_sooner(peer):
+    """What waits to be read is bounded."""
+    for k in range(70):
+        hear(peer, 2.0 + 0.01 * k, 0.1)
+    assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
 
 
 def test_timestamps_that_stand_still_say_nothing(peer):

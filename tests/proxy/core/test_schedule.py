@@ -9,6 +9,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from proxy.core.schedule import STALE, Schedule
+from proxy.core.schedules.rhythm import Rhythm
 from tests.proxy.core.streams import bursts, errors, observe, periodic, poisson
 from tests.utility_specs import outlooks
 from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, TimesRule
@@ -268,6 +269,23 @@ def test_what_kind_of_stream_it_is_its_robot_knows():
     assert schedule.forecast(24.5, 25.3, 9) == pytest.approx([24.8, 24.85, 24.9, 24.95, 25.0])
     schedule.assume(1.0, "periodic")
     assert schedule.kind == "periodic"
+
+
+def test_the_rhythm_that_its_robot_tells_holds():
+    """Whatever a few samples seem to tell, and from where it says; without one, what is seen counts again."""
+    schedule = observe(Schedule(), [0.0, 1.3, 1.9, 3.2, 4.1])
+    assert schedule.rhythm.jitter > 0.0
+    schedule.observe(8, 7.1, Rhythm(1.0, 7.0, 8, 0.1, 16))
+    assert schedule.rhythm == Rhythm(1.0, 7.0, 8, 0.1, 16)
+    assert schedule.forecast(7.1, 9.5, 5) == pytest.approx([8.0, 9.0])
+    schedule.observe(9, 7.05, Rhythm(1.0, 7.0, 9, 0.1, 16))
+    assert schedule.last == 7.05
+    schedule.observe(29, 99.0, Rhythm(2.0, 99.0, 29, 0.0, 16))
+    assert schedule.forecast(99.0, 101.5, 5) == pytest.approx([101.0])
+    schedule.assume(3.0, "poisson")
+    assert schedule.kind == "periodic"
+    schedule.observe(30, 101.1)
+    assert (schedule.kind, schedule.rhythm) == ("poisson", None)
 
 
 def test_old_news_changes_nothing():

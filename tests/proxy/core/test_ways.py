@@ -62,8 +62,9 @@ def test_ways_of_others_are_what_their_receivers_tell(view):
     assert view.wanting(camera) == ("z-r1", "z-r3", "z-r4")
     assert latency(view, "r2", 100) == pytest.approx(0.25)
     assert latency(view, "nobody", 100) == 0.0
-    view.gone("z-r2")
-    assert view.peers["z-r3"].hears == {}
+    assert view.peers["z-r2"].heard_by == {"z-r3": Latency(0.3, 1e-3)}
+    view.gone("z-r3")
+    assert view.peers["z-r2"].heard_by == {}
 
 
 def test_loss_is_of_each_way_and_the_mean_where_unknown(view):

@@ -3,7 +3,7 @@
 import pytest
 
 from planner import Problem
-from studies.benchmarks.designs import FLOWN_LONG, Mission, fly, measure_designs, search
+from studies.benchmarks.designs import FLOWN_LONG, Mission, fly, search
 from studies.benchmarks.quality import RuleBrokenError
 from studies.designs.catalogue import AS_IT_IS, catalogue
 from studies.designs.design import Decider, Design
@@ -11,9 +11,9 @@ from studies.designs.design import Decider, Design
 NAMES = [design.name for design in catalogue()]
 
 
-def test_tables_have_a_row_for_each_design():
+def test_tables_have_a_row_for_each_design(measured):
     """Losses by point and their mean, then the work; windows for those that maximise the objective."""
-    short, long, windows = measure_designs(quick=True)
+    short, long, windows = measured("designs")
     assert [row[0] for row in short.rows] == NAMES
     assert sorted(row[0] for row in long.rows) == sorted(FLOWN_LONG)
     assert set(NAMES) - {row[0] for row in windows.rows} == {

@@ -2,7 +2,7 @@
 
 from planner import Constraint, SearchSettings
 from planner.definition import utility
-from studies.benchmarks.grid import contenders, measure_grid
+from studies.benchmarks.grid import contenders
 from studies.benchmarks.missions import LIMITS
 from studies.central import CentralDecider
 from studies.oracle import upper_bound
@@ -10,9 +10,9 @@ from studies.policies import Planned
 from studies.workload import MOST_IMPORTANT, SCENARIOS, mission
 
 
-def test_a_table_for_each_contender_has_a_row_for_each_limit():
+def test_a_table_for_each_contender_has_a_row_for_each_limit(measured):
     """Every cell is a share of the bound, its worst mission beside it; who keeps the limits stays below the bound."""
-    results = measure_grid(quick=True)
+    results = measured("grid")
     charts, tables = results[:3], results[3:]
     assert [len(chart.series) for chart in charts] == [len(contenders()) - 1] * 3
     assert [table.title for table in tables] == [contender.name for contender in contenders()]

@@ -1,11 +1,11 @@
 """The grids with latency."""
 
-from studies.benchmarks.latency import LATENCIES, WORKLOADS, measure_latency
+from studies.benchmarks.latency import LATENCIES, WORKLOADS
 
 
-def test_every_workload_has_a_table_for_each_latency():
+def test_every_workload_has_a_table_for_each_latency(measured):
     """They are told apart by their titles."""
-    chart, *tables = measure_latency(quick=True)
+    chart, *tables = measured("latency")
     assert all(len(series.values) == len(LATENCIES) for series in chart.series)
     titles = [table.title for table in tables]
     assert len(set(titles)) == len(LATENCIES) * len(WORKLOADS)

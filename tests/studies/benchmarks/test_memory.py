@@ -3,12 +3,10 @@
 import subprocess
 import sys
 
-from studies.benchmarks.memory import measure_memory
 
-
-def test_both_tables_are_measured():
+def test_both_tables_are_measured(measured):
     """Every search names its iterations, nodes and memory; decisions leave next to nothing behind."""
-    searches, growth = measure_memory(quick=True)
+    searches, growth = measured("memory")
     assert [row[0] for row in searches.rows] == ["best", "paper", "paper, reduction paper", "paper, reduction exact"]
     assert all(float(row[3]) <= 8.0 for row in searches.rows)
     assert all(float(row[2]) <= 1.0 for row in growth.rows)

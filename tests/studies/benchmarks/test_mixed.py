@@ -1,12 +1,11 @@
 """The mixed grid."""
 
-from studies.benchmarks.mixed import measure_mixed
 from studies.mixed_workload import BYTE_LIMITS
 
 
-def test_every_contender_has_a_row_for_each_byte_limit():
+def test_every_contender_has_a_row_for_each_byte_limit(measured):
     """Best mode comes first, the paper's search last; then what whole messages can reach."""
-    results = measure_mixed(quick=True)
+    results = measured("mixed")
     charts, tables = results[:3], results[3:]
     assert all(len(chart.places) == len(BYTE_LIMITS) for chart in charts)
     assert [table.title.split(" mode")[0] for table in tables[:4]] == ["best", "best", "best", "paper"]

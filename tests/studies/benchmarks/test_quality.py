@@ -4,7 +4,7 @@ import pytest
 
 from planner.constraints import violations
 from studies.benchmarks import quality
-from studies.benchmarks.quality import Candidate, RuleBrokenError, candidates, measure_mission, measure_quality
+from studies.benchmarks.quality import Candidate, RuleBrokenError, candidates, measure_mission
 from studies.central import CentralDecider
 from studies.workload import FEW_IMPORTANT, SCENARIOS, mission
 
@@ -29,9 +29,9 @@ def test_a_policy_that_breaks_a_constraint_is_not_measured(monkeypatch):
         list(measure_mission(FEW_IMPORTANT, mission(FEW_IMPORTANT, seed=0, seconds=3.0)))
 
 
-def test_table_has_a_row_for_each_candidate():
+def test_table_has_a_row_for_each_candidate(measured):
     """Losses by scenario, their mean, the worst, and the mean against the bound."""
-    (table,) = measure_quality(quick=True)
+    (table,) = measured("quality")
     assert [row[0] for row in table.rows] == [candidate.name for candidate in candidates()]
     assert table.columns[1:4] == ("few important", "mixed", "most important")
     for row in table.rows:

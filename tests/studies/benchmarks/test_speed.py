@@ -1,11 +1,11 @@
 """The speed benchmark measures what it says; how fast it is belongs to no test."""
 
-from studies.benchmarks.speed import TEAMS, measure_speed
+from studies.benchmarks.speed import TEAMS
 
 
-def test_both_tables_are_measured():
+def test_both_tables_are_measured(measured):
     """Every search on both engines has a rate and decision times, p50 <= p99 <= max."""
-    alone, chart, ratios, decisions = measure_speed(quick=True)
+    alone, chart, ratios, decisions = measured("speed")
     assert [row[0] for row in alone.rows] == ["paper, native", "best, native", "paper, python", "best, python"]
     assert all(float(row[1].split()[0].replace(",", "")) > 0 for row in alone.rows)
     assert [len(series.values) for series in chart.series] == [2] * 4

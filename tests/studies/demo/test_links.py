@@ -20,7 +20,7 @@ def test_a_connection_between_two_processes_is_found(tmp_path):
     """Both ends are named by their owners, once."""
     with Troupe(tmp_path) as troupe:
         other = troupe.start("other", "-c", LISTENER)
-        with socket.create_connection(("127.0.0.1", other.hear(10.0))):
+        with socket.create_connection(("127.0.0.1", other.hear(60.0))):
             owners = {os.getpid(): "tests", other.pid: "other"}
             found = [("other", "tests")]
             wait_until(lambda: links.connections(owners) == found, what="the connection to be seen")

@@ -18,7 +18,7 @@ import sys, time
 from pathlib import Path
 from studies.demo.processes import Troupe
 with Troupe(Path(sys.argv[1])) as troupe:
-    print(troupe.start("child", "-c", sys.argv[2]).hear(10.0)["pid"], flush=True)
+    print(troupe.start("child", "-c", sys.argv[2]).hear(60.0)["pid"], flush=True)
     time.sleep(60)
 """
 
@@ -36,7 +36,7 @@ def test_a_process_is_heard_told_and_ended(tmp_path):
     """What it says comes back as data; leaving the troupe ends it."""
     with Troupe(tmp_path) as troupe:
         process = troupe.start("child", "-c", SAY_AND_WAIT)
-        assert process.hear(10.0) == {"pid": process.pid}
+        assert process.hear(60.0) == {"pid": process.pid}
         process.tell(1.5)
         troupe.check()
     assert not alive(process.pid)
@@ -46,7 +46,7 @@ def test_a_stubborn_process_is_killed(tmp_path):
     """Ignoring SIGTERM does not keep a process alive."""
     with Troupe(tmp_path, patience=0.2) as troupe:
         process = troupe.start("child", "-c", STUBBORN)
-        process.hear(10.0)
+        process.hear(60.0)
     assert not alive(process.pid)
 
 
@@ -55,7 +55,7 @@ def test_a_process_that_fails_is_named_with_its_last_words(tmp_path):
     with Troupe(tmp_path) as troupe:
         process = troupe.start("child", "-c", "import sys; sys.exit('no such radio')")
         with pytest.raises(DemoError, match=r"child did not get ready .* no such radio"):
-            process.hear(10.0)
+            process.hear(60.0)
 
         def ended():
             try:

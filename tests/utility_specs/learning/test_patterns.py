@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.utility_specs.learning.team import json_bytes, regular, streams_of
+from utility_specs.key_formats import KeyFormat
 from utility_specs.learning.patterns import MOST_KEYS, kinds_of
 from utility_specs.learning.writing import named
 
@@ -73,8 +74,11 @@ def test_a_pattern_covers_nobody_else():
 
 
 def test_robots_whose_names_are_known_stand_for_all():
-    """Even if only one of them was seen."""
-    assert keys_of(sent("robot/alice/battery"), robots=["alice"]) == [("robot/*/battery",)]
+    """Even if only one of them was seen; the first chunk that names one has a name itself."""
+    assert keys_of(sent("robot/alice/battery"), robots=["alice"]) == [("robot/${robot:*}/battery",)]
+    names = ("alice", "bob")
+    links = [sent(f"robot/{a}/link/{b}/quality") for a in names for b in names]
+    assert keys_of(*links, robots=names) == [("robot/${robot:*}/link/*/quality",)]
     assert keys_of(sent("robot/alice/battery")) == [("robot/alice/battery",)]
 
 
@@ -134,5 +138,5 @@ def test_every_stream_is_covered_by_its_kind_alone(all_chunks, robots):
     for kind in kinds:
         assert len(kind.keys) <= MOST_KEYS
         for stream in streams:
-            covers = any(zenoh.KeyExpr(key).includes(stream.key) for key in kind.keys)
+            covers = any(zenoh.KeyExpr(KeyFormat.parse(key).expression).includes(stream.key) for key in kind.keys)
             assert covers == (stream in kind.streams)

@@ -32,6 +32,7 @@ def test_it_says_what_was_seen_and_why():
         "weight": 1.0,
         "aggregation": "most_recent",
         "utility": {"kind": "linear", "slope": 0.1},
+        "forecast": {"size": "16 B", "streams": 2},
     }
     (weight,) = [line for line in lines if line.startswith("weight")]
     assert weight.endswith("# SET WHAT MATTERS MOST HERE, against the other types")

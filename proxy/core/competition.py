@@ -1,0 +1,94 @@
+"""Who competes for the channel: the streams of which more is worth anything to somebody, and is to be expected.
+
+A large team has far more streams than a window has places, and most of them are what they were at the last decision. So
+what is asked of a stream is kept in arrays, and worked out anew only where something was noted of it since.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from proxy.core.limits import Promises
+from proxy.core.stream import Stream
+
+if TYPE_CHECKING:
+    from proxy.core.view import SharedView
+
+
+Rows = npt.NDArray[np.intp]
+Floats = npt.NDArray[np.float64]
+
+
+class Competition:
+    """The streams of a view as rows, by robot and key, so that a row's number orders it among equals."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self._revision = -1
+        self._set_rows([])
+
+    def chosen(self, now: float, most: int, promised: Promises) -> list[Stream]:
+        """Return those streams that compete for which a window of `most` messages has places, by robot and key.
+
+        Half of the places are for those worth most per byte on the air, half for those that generate next what is not
+        `promised` yet. Both are only estimated: a look at each stream has to do.
+        """
+        rows = self._competing(now)
+        if len(rows) > most:
+            due = self._due(now, promised)[rows]
+            order = np.lexsort((due, self._cheapness[rows]))
+            best, rest = order[: most // 2], np.sort(order[most // 2 :])
+            soonest = rest[np.argsort(due[rest], kind="stable")[: most - len(best)]]
+            rows = rows[np.sort(np.concatenate((best, soonest)))]
+        return [self._streams[row] for row in rows.tolist()]
+
+    def _competing(self, now: float) -> Rows:
+        """Return the rows that compete. How long a stream is silent only its robot's news tells."""
+        self._renew()
+        told = np.array([self._view.told_at(robot, now) for robot in self._robots])
+        return np.flatnonzero((told[self._owner] - self._last < self._patience) & self._wanted)
+
+    def _due(self, now: float, promised: Promises) -> Floats:
+        """About when each stream generates next what is not promised yet [s]; never, while no period is known."""
+        due = np.maximum(now, self._next)
+        for place, messages in promised.items():
+            row = self._row.get(place)
+            if row is not None and messages:
+                due[row] = max(due[row], messages[-1].t_gen + self._streams[row].schedule.period)
+        return due
+
+    def _renew(self) -> None:
+        """Work out anew the rows of which something was noted, or all when it concerns all."""
+        if self._revision != self._view.revision:
+            self._revision = self._view.revision
+            self._set_rows(sorted(self._view.streams(), key=lambda stream: (stream.robot, stream.key)))
+        for row, (stream, seen) in enumerate(zip(self._streams, self._seen, strict=True)):
+            if stream.changes != seen:
+                self._look(row, stream)
+
+    def _set_rows(self, streams: list[Stream]) -> None:
+        count = len(streams)
+        self._streams = streams
+        self._row = {(stream.robot, stream.key): row for row, stream in enumerate(streams)}
+        self._seen = [-1] * count
+        self._robots = sorted({stream.robot for stream in streams})
+        places = {robot: place for place, robot in enumerate(self._robots)}
+        self._owner = np.array([places[stream.robot] for stream in streams], dtype=np.intp)
+        self._wanted = np.zeros(count, dtype=np.bool_)
+        self._cheapness, self._last, self._patience, self._next = np.zeros((4, count))
+
+    def _look(self, row: int, stream: Stream) -> None:
+        """Take in what there is to know of a stream: `_cheapness` is what a byte of it is worth, less than nothing."""
+        self._seen[row] = stream.changes
+        schedule, last = stream.schedule, stream.last
+        gaining = 0 if last is None else len(self._view.gaining(stream))
+        self._wanted[row] = gaining > 0
+        self._last[row] = -math.inf if schedule.last is None else schedule.last
+        self._patience[row] = schedule.patience
+        self._next[row] = schedule.due(-math.inf)
+        if last is not None:
+            self._cheapness[row] = -last.scale * gaining / max(last.size * self._view.copies(stream), 1)

@@ -1,0 +1,14 @@
+"""Each benchmark is measured once, for all tests that look at its tables."""
+
+from functools import cache
+
+import pytest
+
+from studies.benchmarks.__main__ import BENCHMARKS
+
+
+@pytest.fixture(scope="session")
+def measured():
+    """What a quick run of a benchmark returns, by its name."""
+    benchmarks = dict(BENCHMARKS)
+    return cache(lambda name: benchmarks[name][1](True))
