@@ -82,8 +82,8 @@ def _constraint(traffic: Traffic, types: Sequence[Learned], robots: Sequence[str
         f" copy of each sample; in unicast each robot that wants it costs one, up to {copies} here."
     )
     yield from prose(
-        f"As it stands, the limit follows the channel, up to {MARGIN:g} times that. If you know what the"
-        f' channel can carry, for all robots, write 90 % of it, such as limit = "{rate(guess)}", without ceiling.'
+        f"As it stands, the limit follows the channel, up to {MARGIN:g} times that. If you know what the channel can"
+        f' carry, for all robots, write 90 % of that and no ceiling; limit = "{rate(guess)}" is what is usual here.'
     )
     yield from ("[[constraint]]", 'kind = "throughput"', 'limit = "adaptive"', f'ceiling = "{rate(ceiling)}"')
     yield f"window = {WINDOW:g}"
