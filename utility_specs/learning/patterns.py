@@ -75,8 +75,9 @@ def _is_id(chunk: str) -> bool:
 
 def _join(groups: list[list[Stream]], stream: Stream) -> None:
     """Put a stream to those like it; streams of one key stay together, whoever publishes them."""
-    for group in groups:
-        if any(stream.key == other.key for other in group) or alike(stream, group[0], SIMILAR):
+    at_home = [group for group in groups if any(stream.key == other.key for other in group)]
+    for group in at_home or groups:
+        if at_home or alike(stream, group[0], SIMILAR):
             group.append(stream)
             return
     groups.append([stream])

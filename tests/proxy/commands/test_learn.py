@@ -1,10 +1,9 @@
 """`sendworthy learn`, live at a daemon or a router, and from recordings."""
 
+import os
 import re
 import shlex
 import signal
-import subprocess
-import sys
 import threading
 from contextlib import contextmanager
 from pathlib import Path
@@ -112,27 +111,26 @@ def test_the_command_in_the_readme_learns(daemon, tmp_path, capsys, monkeypatch)
     assert "written" in capsys.readouterr().out
 
 
-def test_some_keys_of_a_router_are_learned_until_ctrl_c(stack, tmp_path):
+def test_some_keys_of_a_router_are_learned_until_ctrl_c(stack, tmp_path, capsys):
     """Without any daemon; what was heard until then counts."""
     endpoint, kept = free_endpoint(), tmp_path / "kept.rec"
     router = stack.enter_context(plain_session("router", listen=(endpoint,)))
     publishers = [router.declare_publisher(f"robot/alice/{name}") for name in ("pose", "battery")]
-    command = [sys.executable, "-m", "proxy.cli", "learn", "--connect", endpoint, "--keys", "robot/*/battery"]
-    process = subprocess.Popen([*command, "--record", str(kept)], cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    try:
+
+    def interrupt():
         wait_until(lambda: publishers[1].matching_status.matching, what="the subscriber")
         for publisher in publishers:
             publisher.put(b'{"charge": 0.5}')
         wait_until(lambda: b"charge" in kept.read_bytes(), what="the sample in the recording")
-        process.send_signal(signal.SIGINT)
-        out, _ = process.communicate(timeout=20)
-    finally:
-        process.kill()
-        process.wait()
-    assert (process.returncode, re.findall(r"^keys = .*$", out, re.MULTILINE)) == (
-        0,
-        ['keys = ["robot/alice/battery"]'],
-    )
+        os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    words = ["learn", "--connect", endpoint, "--keys", "robot/*/battery", "--record", str(kept), "--seconds", "60"]
+    assert main(words) == exit_codes.OK
+    thread.join()
+    keys = re.findall(r"^keys = .*$", capsys.readouterr().out, re.MULTILINE)
+    assert keys == ['keys = ["robot/alice/battery"]']
 
 
 def test_listening_ends_when_memory_is_full(daemon, capsys, monkeypatch):

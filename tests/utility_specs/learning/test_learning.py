@@ -123,7 +123,7 @@ SAMPLES = st.lists(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(SAMPLES, st.sets(NAMES, max_size=2))
 def test_whatever_comes_what_is_learned_loads(tmp_path_factory, samples, robots):
     """Whatever the keys, payloads and times are, as it stands and with all that it proposes."""

@@ -115,6 +115,7 @@ def test_words_tell_what_it_is():
 def test_one_key_is_of_one_kind():
     """Whoever publishes it, and whatever."""
     assert keys_of(sent("map"), sent("map", POSE, 20.0)) == [("map",)]
+    assert keys_of(sent("r/1"), sent("r/2", POSE), sent("r/2")) == [("r/1",), ("r/2",)]
 
 
 def test_more_keys_than_a_type_may_have_yield_to_others():
