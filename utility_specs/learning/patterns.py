@@ -92,7 +92,7 @@ def alike(a: Stream, b: Stream, factor: float) -> bool:
         content = 2 * len(shows & other) >= len(shows | other)
     else:
         content = a.format != "raw" or _within(a.size, b.size, max(UNIFORM, factor / SAME))
-    rates = min(a.count, b.count) <= FEW or _within(a.timing.period, b.timing.period, factor)
+    rates = min(a.count, b.count) <= FEW or _within(a.interval, b.interval, factor)
     often = factor > SAME or max(a.count, b.count) <= FEW * SIMILAR or min(a.count, b.count) > FEW
     return content and rates and often and _within(a.size, b.size, factor)
 

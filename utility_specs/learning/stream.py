@@ -1,7 +1,9 @@
 """What is seen of one stream: how much, how often, of what format, and the numbers in it."""
 
+import math
 from collections import Counter
 from dataclasses import dataclass
+from itertools import pairwise
 from statistics import median
 from typing import Protocol
 
@@ -53,6 +55,8 @@ class Stream:
         self.count = 0
         self.bytes = 0
         self.looks: list[Look] = []
+        self._first = math.inf
+        self._last = -math.inf
         self._stride = 1
         self._images: ImageFeatures | None = None
 
@@ -61,6 +65,7 @@ class Stream:
         self.count += 1
         self.bytes += len(sample.payload)
         self.timing.observe(self.count, sample.time)
+        self._first, self._last = min(self._first, sample.time), max(self._last, sample.time)
         if (self.count - 1) % self._stride == 0:
             self.looks.append(self._look(sample))
         if len(self.looks) > MOST_LOOKS:
@@ -75,6 +80,16 @@ class Stream:
         else:
             values = {} if document is None else leaves(document)
         return Look(sample.time, len(sample.payload), form, values)
+
+    @property
+    def interval(self) -> float:
+        """Mean time between its samples [s]; 0.0 of a single one."""
+        return (self._last - self._first) / (self.count - 1) if self.count > 1 else 0.0
+
+    @property
+    def gaps(self) -> list[float]:
+        """Times from one sample looked into to the next [s]."""
+        return [b.time - a.time for a, b in pairwise(self.looks)]
 
     @property
     def format(self) -> Format:

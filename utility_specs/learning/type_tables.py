@@ -77,7 +77,7 @@ def _told(each: Learned, duration: float) -> str:
 
 def pace(each: Learned) -> str:
     """Say how often a stream of a type comes, as a rule."""
-    apart = period(each.kind.streams)
+    apart = period(each.kind.streams, each.coming)
     if each.coming == "once" or apart <= 0.0:
         return "once"
     manner = {"events": " at random", "random": " at random", "bursts": " in bursts"}.get(each.coming, "")

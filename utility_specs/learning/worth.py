@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from statistics import median
 from typing import Literal
 
@@ -16,7 +15,9 @@ Coming = Literal["once", "periodic", "events", "random", "bursts"]
 FEW = 4
 """With fewer samples nothing is known of when they come, unless their gaps are alike."""
 STEADY = 0.25
-"""Gaps are alike that differ by less than this part of the longest."""
+"""Gaps are alike that differ from their median by at most this part of it."""
+MOSTLY = 0.5
+"""So many gaps of a periodic stream are alike, whatever is lost; of one at random one in six."""
 FAR_APART = 1.0
 """Random samples farther apart are events [s]."""
 LIVES = 10.0
@@ -49,24 +50,29 @@ def coming(streams: Sequence[Stream]) -> Coming:
 
 
 def _coming(stream: Stream) -> Coming:
-    timing = stream.timing
+    """Return how samples of a stream of more than one come, by all of them: its timing goes by the last ones."""
+    gaps, kind = stream.gaps, stream.timing.kind
+    middle = median(gaps)
+    regular = sum(abs(gap - middle) <= STEADY * middle for gap in gaps) / len(gaps)
     if stream.count < FEW:
-        gaps = [b.time - a.time for a, b in pairwise(stream.looks)]
-        steady = len(gaps) > 1 and max(gaps) - min(gaps) <= STEADY * max(gaps)
-        return "periodic" if steady else "events"
-    if timing.kind == "poisson":
-        return "events" if timing.period > FAR_APART else "random"
-    return "bursts" if timing.kind.startswith("bursts") else "periodic"
+        return "periodic" if len(gaps) > 1 and regular == 1.0 else "events"
+    if kind.startswith("bursts") and stream.count >= SURE:
+        return "bursts"
+    if kind == "poisson" or regular < MOSTLY:
+        return "events" if stream.interval > FAR_APART else "random"
+    return "periodic"
 
 
-def period(streams: Sequence[Stream]) -> float:
-    """Return the median period of those streams that have one [s]; 0.0 if none has."""
-    return median([stream.timing.period for stream in streams if stream.timing.period > 0.0] or [0.0])
+def period(streams: Sequence[Stream], how: Coming) -> float:
+    """Return how far apart samples of most streams are that come so [s]; 0.0 if all came once."""
+    often = [stream for stream in streams if stream.count > 1]
+    return median([stream.timing.period if how == "periodic" else stream.interval for stream in often] or [0.0])
 
 
 def worth_of(streams: Sequence[Stream]) -> Worth:
     """Propose what samples of streams of one kind are worth."""
-    how, apart = coming(streams), period(streams)
+    how = coming(streams)
+    apart = period(streams, how)
     if how == "once":
         return Worth(
             '{ kind = "step", lifetime = "10 min" }',
@@ -102,7 +108,7 @@ def _video(apart: float) -> str:
 def _schedule(streams: Sequence[Stream], apart: float) -> str | None:
     """Return the schedule of streams that are clearly random, all at about one rate."""
     for stream in streams:
-        alike = apart / CLEAR <= stream.timing.period <= apart * CLEAR
+        alike = apart / CLEAR <= stream.interval <= apart * CLEAR
         if stream.timing.kind != "poisson" or stream.count < SURE or not alike:
             return None
     return f'{{ kind = "poisson", interval = "{duration(apart)}" }}'

@@ -1,5 +1,7 @@
 """What samples are probably worth."""
 
+import random
+
 import pytest
 
 from tests.utility_specs.learning.team import PICTURES, at_random, regular, streams_of
@@ -15,6 +17,12 @@ def randomly(interval, seed=1, seconds=60.0):
     return at_random("k", interval, lambda _: b"{}", seed, seconds)
 
 
+def shaken():
+    """A period of 0.2 s with jitter, and every fifth sample lost."""
+    rng = random.Random(1)
+    return [Observed(0.2 * i + rng.gauss(0, 0.02), "k", b"{}") for i in range(100) if i % 5]
+
+
 def bursts():
     return [Observed(10.0 * burst + 0.1 * member, "k", b"{}") for burst in range(8) for member in range(4)]
 
@@ -24,6 +32,7 @@ def bursts():
     [
         (streams_of(ticks(10.0)), "periodic"),
         (streams_of(ticks(0.1, 30.0)), "periodic"),
+        (streams_of(shaken()), "periodic"),
         (streams_of(ticks(1.0, 1.0)), "once"),
         (streams_of(ticks(1.0, 1.0), ticks(1.0, 2.0)), "events"),
         (streams_of([Observed(t, "k", b"") for t in (1.0, 2.0, 19.0)]), "events"),
@@ -39,9 +48,10 @@ def test_samples_come_in_five_ways(streams, how):
 
 
 def test_the_period_is_that_of_most():
-    """Streams of one sample have none."""
-    assert period(streams_of(ticks(1.0), ticks(1.0), ticks(5.0))) == pytest.approx(1.0)
-    assert period(streams_of(ticks(1.0, 1.0))) == 0.0
+    """Streams of one sample have none; of others than periodic ones it is the mean time between samples."""
+    assert period(streams_of(ticks(1.0), ticks(1.0), ticks(5.0)), "periodic") == pytest.approx(1.0)
+    assert period(streams_of(ticks(1.0, 1.0)), "once") == 0.0
+    assert period(streams_of([Observed(t, "k", b"") for t in (0.0, 1.0, 6.0)]), "events") == 3.0
 
 
 @pytest.mark.parametrize(
@@ -53,7 +63,7 @@ def test_the_period_is_that_of_most():
         (ticks(1.0), '{ kind = "linear", slope = 0.1 }', "most_recent"),
         (ticks(1.0, 1.0), '{ kind = "step", lifetime = "10 min" }', "once"),
         (ticks(1.0, 2.0), '{ kind = "step", lifetime = "10 s" }', "sum"),
-        (bursts(), '{ kind = "exponential", tau = "12 s" }', "most_recent"),
+        (bursts(), '{ kind = "exponential", tau = "11 s" }', "most_recent"),
     ],
 )
 def test_utilities_suit_how_samples_come(samples, utility, aggregation):
