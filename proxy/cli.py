@@ -20,10 +20,11 @@ Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  #
 Command = Callable[[Subparsers], None]
 
 GROUP = "sendworthy.commands"
-BUILT_IN = ("run", "check", "schema", "status", "mode", "push")
+BUILT_IN = ("run", "check", "schema", "status", "mode", "push", "learn")
 
 EXAMPLES = """\
 examples:
+  sendworthy learn -o specs.d/learned.toml         a first spec, from the traffic of 30 s
   sendworthy check specs.d/*.toml                  are these utility specs right?
   sendworthy run --config sendworthy.toml          run the daemon of this robot
   sendworthy run --robot r1 --mode shadow          the same without a file

@@ -58,6 +58,8 @@ def test_the_daemon_runs_and_answers_as_it_says(tmp_path):
         daemon.wait_for("robot r1")
         for line in [line for line in commands() if line.startswith("sendworthy ")]:
             words = shlex.split(line)[1:]
+            if words[0] == "learn":
+                continue  # needs samples: tests/proxy/commands/test_learn.py
             where = [] if words[0] == "check" else ["--connect", daemon.endpoint]
             run = [sys.executable, "-m", "proxy.cli", *words, *where]
             done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False, env=environment())

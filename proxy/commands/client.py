@@ -3,7 +3,7 @@
 import argparse
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 import zenoh
@@ -85,6 +85,17 @@ class Client:
         if len(robots) > 1:
             raise NoAnswerError(f"several daemons answer at {self._where}: choose with --robot {'|'.join(robots)}")
         return robots[0]
+
+    @contextmanager
+    def listening(self, expressions: Sequence[str], take: Callable[[zenoh.Sample], object]) -> Iterator[None]:
+        """Have `take` called with every sample on keys of these expressions, on threads of Zenoh, for a while."""
+        handler = zenoh.handlers.Callback(take, indirect=False)
+        subscribers = [self._session.declare_subscriber(each, handler) for each in expressions]
+        try:
+            yield
+        finally:
+            for subscriber in subscribers:
+                subscriber.undeclare()  # type: ignore[no-untyped-call]
 
     def _ask(self, key: str, payload: str | bytes | None, timeout: float = TIMEOUT) -> list[str]:
         replies = self._session.get(
