@@ -20,7 +20,7 @@ Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  #
 Command = Callable[[Subparsers], None]
 
 GROUP = "sendworthy.commands"
-BUILT_IN = ("run", "check", "schema", "status", "mode", "push")
+BUILT_IN = ("run", "check", "schema", "status", "mode", "push", "explain")
 
 EXAMPLES = """\
 examples:
@@ -30,6 +30,7 @@ examples:
   sendworthy status                                what the daemon here does
   sendworthy mode enforce                          switch it live
   sendworthy push specs.d                          put these specs in force on all robots
+  sendworthy explain robot/r1/camera image.jpg     why is this sample worth what it is?
 
 `sendworthy COMMAND --help` tells more.
 """

@@ -5,10 +5,11 @@ import json
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from queue import Empty, SimpleQueue
 
 import zenoh
 
-from proxy import exit_codes
+from proxy import clock, exit_codes
 from proxy.bridge import keys
 from proxy.bridge.fleet import PATIENCE, Outcome, read_outcomes
 from proxy.config_values import endpoint, robot_name
@@ -78,6 +79,18 @@ class Client:
     def order(self, robot: str, order: str, payload: bytes) -> list[Outcome]:
         """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""
         return read_outcomes(self._ask(keys.to_fleet(robot, order), payload, PATIENCE + TIMEOUT)[0].encode())
+
+    def next_sample(self, key: str, timeout: float) -> zenoh.Sample:
+        """Return the next sample that is put under a key expression. Raises NoAnswerError after so many seconds."""
+        samples: SimpleQueue[zenoh.Sample] = SimpleQueue()
+        end = clock.monotonic() + timeout
+        with self._session.declare_subscriber(key, zenoh.handlers.Callback(samples.put, indirect=False)):
+            try:
+                while (sample := samples.get(timeout=max(0.0, end - clock.monotonic()))).kind != zenoh.SampleKind.PUT:
+                    pass
+            except Empty:
+                raise NoAnswerError(f"no sample of {key} came within {timeout:g} s at {self._where}") from None
+        return sample
 
     def only_robot(self) -> str:
         """Return the name of the one robot whose daemon answers. Raises NoAnswerError."""
