@@ -36,7 +36,7 @@ def described(explanation: Explanation, style: Style) -> Iterator[str]:
         yield f"{what}: no information type covers this key"
         yield "  so its samples pass at once, undecided; they lower what the limits leave to all others"
         for near in explanation.near:
-            yield f"  {near.expression} nearly covers it, but {', '.join(near.differences)}"
+            yield f"  near is {near.expression}, but {', '.join(near.differences)}"
     else:
         yield f"{what}: information type {quoted(worth.type.name)}"
         yield from _matched(worth)

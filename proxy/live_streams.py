@@ -10,16 +10,13 @@ from utility_specs.specs import Specs
 from utility_specs.suggestions import quoted
 
 REASONS: Mapping[str, str] = {
-    "forwarded": "sent",
-    "dropped:planner": "dropped, other samples are worth more for the room there is",
-    "dropped:constraint": "dropped, no room",
-    "dropped:once": "dropped, who wants it has one already",
-    "dropped:superseded": "dropped, a newer one came",
-    "dropped:overflow": "dropped, too many waited",
-    "passed:no-spec": "passed, no spec",
-    "passed:unwanted": "passed, nobody wants it",
+    "dropped:planner": "others are worth more for what is left",
+    "dropped:constraint": "a limit has no room for it",
+    "dropped:once": "all who want it have one",
+    "dropped:fallback": "the planner failed, and there is little room",
+    "passed:fallback": "the planner failed",
 }
-"""What became of samples, in words."""
+"""What was decided on samples, in words."""
 
 
 def streams_of(status: Status, key: str) -> list[Status]:
@@ -85,6 +82,11 @@ def _stream(each: Status, *, several: bool) -> Iterator[tuple[str, str]]:
     yield ("  wanted by", f"{each.get('receivers', 0)} robots")
 
 
+def _reason(reason: str) -> str:
+    """What became of a sample, in words where it has some."""
+    return f"{reason} ({REASONS[reason]})" if reason in REASONS else reason
+
+
 def _ago(seconds: float | None) -> str:
     return "never" if seconds is None else f"{duration(max(0.0, seconds))} ago"
 
@@ -97,7 +99,7 @@ def _decision(status: Status, key: str) -> Iterator[tuple[str, str]]:
     if last.get("key") != key:
         yield ("  decided", f"the last decision, {_ago(last.get('age'))}, was on {last.get('key', UNKNOWN)}")
         return
-    yield ("  decided", f"{REASONS.get(str(last.get('reason')), last.get('reason'))}, {_ago(last.get('age'))}")
+    yield ("  decided", f"{_reason(str(last.get('reason')))}, {_ago(last.get('age'))}")
     did, otherwise = ("sent", "dropped") if last.get("send") else ("dropped", "sent")
     plans = f"{number(last.get('utility'))} with it {did}, {number(last.get('opposite'))} with it {otherwise}"
     yield ("", f"the team's best plan is worth {plans}")

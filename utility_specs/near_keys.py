@@ -10,8 +10,8 @@ import zenoh
 from utility_specs.key_formats import KeyFormat
 from utility_specs.suggestions import quoted
 
-FAR = 1.2
-"""What differs by more is not near: a chunk too many, too few or of another name, and a misspelt one beside it."""
+FAR = 2.0
+"""What differs by more is not near: two chunks too many, too few or of another name."""
 BESIDE = 0.3
 """What differs by so much more than the nearest is not told beside it."""
 LONGEST = 64
