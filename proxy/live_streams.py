@@ -79,7 +79,9 @@ def _stream(each: Status, *, several: bool) -> Iterator[tuple[str, str]]:
         "  samples",
         f"{made} made, {sent} sent, {made - sent} not; the last sent {_ago(each.get('last_forwarded'))}",
     )
-    yield ("  wanted by", f"{each.get('receivers', 0)} robots")
+    yield from (("", f"{count} {_reason(reason)}") for reason, count in each.get("by_reason", {}).items())
+    wanted = each.get("receivers", 0)
+    yield ("  wanted by", f"{wanted} robot{'s' * (wanted != 1)}")
 
 
 def _reason(reason: str) -> str:
@@ -94,10 +96,7 @@ def _ago(seconds: float | None) -> str:
 def _decision(status: Status, key: str) -> Iterator[tuple[str, str]]:
     """Why the last decision was what it was, where it was one on this key."""
     last = status.get("decisions", {}).get("last") or {}
-    if not last:
-        return
     if last.get("key") != key:
-        yield ("  decided", f"the last decision, {_ago(last.get('age'))}, was on {last.get('key', UNKNOWN)}")
         return
     yield ("  decided", f"{_reason(str(last.get('reason')))}, {_ago(last.get('age'))}")
     did, otherwise = ("sent", "dropped") if last.get("send") else ("dropped", "sent")

@@ -54,8 +54,7 @@ def typical_sizes(specs: SpecSet) -> dict[str, float]:
 
 def ranked(competitors: Sequence[Competitor]) -> tuple[Competitor, ...]:
     """Return them by value for bytes, those of which that is not known last."""
-    unknown = -1.0
-    return tuple(sorted(competitors, key=lambda each: -(unknown if (n := each.per_kilobyte) is None else n)))
+    return tuple(sorted(competitors, key=_worthiness, reverse=True))
 
 
 def rules(of: InformationType) -> str:
@@ -63,6 +62,10 @@ def rules(of: InformationType) -> str:
     if of.bypass:
         return "bypasses the planner"
     return "always passes" if of.mode == "pass" else ""
+
+
+def _worthiness(each: Competitor) -> float:
+    return -1.0 if each.per_kilobyte is None else each.per_kilobyte
 
 
 def _typical(of: InformationType, size: float | None) -> Competitor:

@@ -223,20 +223,14 @@ def _includes(format_: KeyFormat, key: str) -> bool:
 def _feature(of: InformationType, name: str, feature: Feature, sample: Sample) -> FeatureValue:
     """Measure a feature as the daemon does, but keep the reason where that fails."""
     used = isinstance(of.utility, Custom) or name in of.expression.names | of.weighing.names
-    if isinstance(feature, Change):
-        why = "there is no image before it to compare it with"
-        try:
-            feature.measure(sample)
-        except Exception as error:  # noqa: BLE001 - as in specs
-            why = reason_of(error, feature, sample)
-        return FeatureValue(name, feature.default, why, used)
+    first = isinstance(feature, Change) and not feature.compares(sample.key)
     try:
         value = float(feature.measure(sample))
     except Exception as error:  # noqa: BLE001 - payloads are broken in every way
         return FeatureValue(name, feature.default, reason_of(error, feature, sample), used)
     if not isfinite(value):
         return FeatureValue(name, feature.default, f"{value} is no finite number", used)
-    return FeatureValue(name, value, None, used)
+    return FeatureValue(name, value, "there is no image before it to compare it with" if first else None, used)
 
 
 def _worked(expression: Expression, values: Mapping[str, float | str]) -> Worked:

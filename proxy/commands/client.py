@@ -3,7 +3,7 @@
 import argparse
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from queue import Empty, SimpleQueue
 
@@ -80,17 +80,18 @@ class Client:
         """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""
         return read_outcomes(self._ask(keys.to_fleet(robot, order), payload, PATIENCE + TIMEOUT)[0].encode())
 
-    def next_sample(self, key: str, timeout: float) -> zenoh.Sample:
-        """Return the next sample that is put under a key expression. Raises NoAnswerError after so many seconds."""
-        samples: SimpleQueue[zenoh.Sample] = SimpleQueue()
+    def samples(self, key: str, timeout: float) -> Generator[zenoh.Sample, None, None]:
+        """Yield what is put under a key expression from now on. Raises NoAnswerError after so many seconds."""
+        taken: SimpleQueue[zenoh.Sample] = SimpleQueue()
         end = clock.monotonic() + timeout
-        with self._session.declare_subscriber(key, zenoh.handlers.Callback(samples.put, indirect=False)):
-            try:
-                while (sample := samples.get(timeout=max(0.0, end - clock.monotonic()))).kind != zenoh.SampleKind.PUT:
-                    pass
-            except Empty:
-                raise NoAnswerError(f"no sample of {key} came within {timeout:g} s at {self._where}") from None
-        return sample
+        with self._session.declare_subscriber(key, zenoh.handlers.Callback(taken.put, indirect=False)):
+            while True:
+                try:
+                    sample = taken.get(timeout=max(0.0, end - clock.monotonic()))
+                except Empty:
+                    raise NoAnswerError(f"no sample of {key} came within {timeout:g} s at {self._where}") from None
+                if sample.kind == zenoh.SampleKind.PUT:
+                    yield sample
 
     def only_robot(self) -> str:
         """Return the name of the one robot whose daemon answers. Raises NoAnswerError."""

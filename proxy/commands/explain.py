@@ -5,6 +5,7 @@ import json
 import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,9 @@ from utility_specs import Specs, SpecsError
 from utility_specs.competing import Competitor, competitors, typical_sizes
 from utility_specs.errors import QuantityError
 from utility_specs.explaining import Explanation, explain
+from utility_specs.features.change import Change
 from utility_specs.loader import SpecSet, load_set
-from utility_specs.suggestions import quoted
+from utility_specs.suggestions import hint, quoted
 from utility_specs.terminal_plot import ASCII, BRAILLE, Style
 from utility_specs.units import DURATION, SIZE, Dimension
 
@@ -133,7 +135,11 @@ def _offline(arguments: argparse.Namespace, specs: SpecSet, status: Status | Non
     key = _checked(arguments.key)
     if "*" in key:
         raise ExplainError(f"{quoted(key)} stands for many keys; a sample has one of them")
-    sizes = typical_sizes(specs) | {name: size for name, size in arguments.size if name}
+    said = {name: size for name, size in arguments.size if name}
+    types = [each.name for each in specs.specs.types]
+    for name in said.keys() - set(types):
+        raise ExplainError(f"--size: there is no information type {quoted(name)}{hint(name, types)}")
+    sizes = typical_sizes(specs) | said
     given = next((size for name, size in arguments.size if not name), None)
     payload = _payload(arguments)
     if payload is None and given is None:
@@ -150,9 +156,13 @@ def _offline(arguments: argparse.Namespace, specs: SpecSet, status: Status | Non
     rivals = competitors(specs, explanation, sizes)
     remark = _other_specs(status, specs) if status else []
     if arguments.json:
-        return [_json(explanation, rivals, {"same_specs": not remark})]
-    competition = "what it competes with, by what its bytes are worth in the first second; the others by their defaults"
-    lines = [*described(explanation, _style(arguments)), *remark, "", competition, *ranking(rivals, "TYPE")]
+        return [_json(explanation, rivals, {"same_specs": not remark} if status else {})]
+    lines = [*described(explanation, _style(arguments)), *remark, ""]
+    if all(each.this for each in rivals):
+        return [*lines, "no other type of these specs competes with it, only samples of its own"]
+    what = "what it competes with" if explanation.worth else "what is decided on beside it"
+    lines.append(f"{what}, by what its bytes are worth in the first second; others by their defaults")
+    lines += ranking(rivals, "TYPE")
     if any(each.size is None for each in rivals):
         lines.append('sizes are those of forecast.size; or say --size "TYPE=50 kB"')
     return lines
@@ -160,8 +170,16 @@ def _offline(arguments: argparse.Namespace, specs: SpecSet, status: Status | Non
 
 def _live(arguments: argparse.Namespace, specs: SpecSet, daemon: Client, status: Status) -> list[str]:
     """Explain the next sample, with what the daemon knows of its stream."""
-    sample = daemon.next_sample(_checked(arguments.key), arguments.timeout)
-    key = str(sample.key_expr)
+    with closing(daemon.samples(_checked(arguments.key), arguments.timeout)) as samples:
+        sample = next(samples)
+        key = str(sample.key_expr)
+        if _compares(specs, key, sample):
+            try:
+                sample = next(each for each in samples if str(each.key_expr) == key)
+            except NoAnswerError:
+                raise ExplainError(
+                    f"{key} has a feature that compares two samples, and only one came in time"
+                ) from None
     status = _decided(daemon, status, key)
     wanted = max((each.get("receivers", 0) for each in streams_of(status, key)), default=0)
     copies = arguments.receivers or wanted or 1
@@ -172,9 +190,19 @@ def _live(arguments: argparse.Namespace, specs: SpecSet, daemon: Client, status:
         return [_json(explanation, rivals, {"same_specs": not remark, "daemon": live_data(status, key)})]
     lines = [*described(explanation, _style(arguments)), "", *known(status, key), *remark]
     if rivals:
-        competition = "what it competes with, by what the bytes of last samples are worth in their first second"
-        lines += ["", competition, *ranking(rivals, "STREAM")]
+        what = "what it competes with" if explanation.worth else "what is decided on beside it"
+        lines += ["", f"{what}, by what the bytes of last samples are worth in their first second"]
+        lines += ranking(rivals, "STREAM")
     return lines
+
+
+def _compares(specs: SpecSet, key: str, sample: zenoh.Sample) -> bool:
+    """Whether a feature compares a sample with the one before; that is this one from now on."""
+    of = specs.specs.match(key)
+    if of is None or not any(isinstance(feature, Change) for _, feature in of.features):
+        return False
+    of.extract(key, sample.payload, sample.attachment)
+    return True
 
 
 def _decided(daemon: Client, status: Status, key: str) -> Status:
