@@ -11,6 +11,9 @@ from utility_specs.suggestions import hint, quoted
 LONGEST = 160
 """Characters of an error's own text."""
 
+ABSENT = "the sample has no attachment"
+"""What samples say of themselves."""
+
 _NAMES = {"json": "JSON", "msgpack": "MessagePack"}
 
 
@@ -33,9 +36,10 @@ def _of_document(error: Exception, feature: Document, sample: Sample) -> str:
         document = feature.document(sample)
     except Exception as broken:  # noqa: BLE001 - payloads are broken in every way
         words = _words(broken, sample)
-        _, _, cause = words.partition(": ")
+        if words == ABSENT:
+            return words
         what = "attachment" if feature.attached else "payload"
-        return f"the {what} is no {_NAMES[feature.format]}: {cause}" if cause else words
+        return f"the {what} is no {_NAMES[feature.format]}: {words.partition(': ')[2] or words}"
     lacking = _lacking(document, feature)
     return _words(error, sample) if lacking is None else lacking
 
@@ -45,12 +49,14 @@ def _lacking(document: Any, feature: Document) -> str | None:
     where, value = "the document", document
     for step in feature.reading.steps:
         match value:
-            case Mapping() if isinstance(step, str) and step not in value:
-                return f"no field {quoted(step)} in {where}{hint(step, list(map(str, value))[:16], 'it has')}"
+            case Mapping() if step is not None and step not in value:
+                return f"no field {quoted(str(step))} in {where}{hint(str(step), list(map(str, value))[:16], 'it has')}"
             case list() if isinstance(step, int) and not -len(value) <= step < len(value):
                 return f"no element {step} in {where}: it has {len(value)}"
-            case Mapping() | list() if step is not None:
-                where, value = quoted(str(step)), value[step]  # type: ignore[index]
+            case Mapping() if step is not None:
+                where, value = quoted(str(step)), value[step]
+            case list() if isinstance(step, int):
+                where, value = f"element {step}", value[step]
             case _:
                 return None
     return None
@@ -58,7 +64,9 @@ def _lacking(document: Any, feature: Document) -> str | None:
 
 def _words(error: Exception, sample: Sample) -> str:
     """Return an error's text on one line, without the key of the sample, with its kind where the text says little."""
-    text = " ".join(str(error).split()).removeprefix(f"{sample.key}: ")
-    kind = type(error).__name__
-    said = text if kind == "FeatureError" else f"{kind}: {text}" if text else kind
+    text, kind = " ".join(str(error).split()), type(error).__name__
+    while text.startswith(outer := (f"{sample.key}: ", "FeatureError: ")):
+        text = text.removeprefix(outer[0]).removeprefix(outer[1])
+    said = text if kind == "FeatureError" else f"{kind}: {text}"
+    said = said.removesuffix(": ").removesuffix(":")
     return said if len(said) <= LONGEST else f"{said[: LONGEST - 1]}…"

@@ -14,6 +14,10 @@ FAR = 2.0
 """What differs by more is not near: two chunks too many, too few or of another name."""
 BESIDE = 0.3
 """What differs by so much more than the nearest is not told beside it."""
+ALIKE = 0.6
+"""Chunks that are less alike have nothing in common: short ones often share a letter."""
+MISSING = (1.0, 0.95)
+"""What a missing chunk counts, and one that may be any: which of two is missing is told by the names."""
 LONGEST = 64
 """Chunks of keys and expressions that are compared."""
 
@@ -42,15 +46,16 @@ def nearest(key: str, expressions: Iterable[str], most: int) -> tuple[Near, ...]
     """Return the expressions that come nearest to covering a key that none covers, the nearest first."""
     chunks = key.split("/")
     apart = [(_apart(chunks, KeyFormat.parse(each).expression.split("/")), each) for each in expressions]
-    near = sorted(apart, key=lambda each: each[0].cost)[:most]
-    furthest = min(FAR, near[0][0].cost + BESIDE) if near else 0.0
+    near = sorted((each for each in apart if each[0].cost < FAR), key=lambda each: each[0].cost)[:most]
+    furthest = near[0][0].cost + BESIDE if near else 0.0
     return tuple(Near(expression, found.differences) for found, expression in near if found.cost <= furthest)
 
 
 def _apart(key: list[str], expression: list[str]) -> _Apart:
     """Return by what a key misses an expression: the least that has to be changed, chunk by chunk."""
+    named = sum("*" not in chunk for chunk in expression)
     if max(len(key), len(expression)) > LONGEST:
-        return _Apart(FAR + 1.0)
+        return _Apart(FAR)
 
     @cache
     def rest(i: int, j: int) -> _Apart:
@@ -62,14 +67,15 @@ def _apart(key: list[str], expression: list[str]) -> _Apart:
             if i < len(key):
                 ways.append(rest(i + 1, j))
         elif j < len(expression):
-            ways.append(rest(i, j + 1).more(1.0, f"{quoted(expression[j])} is missing"))
+            ways.append(rest(i, j + 1).more(MISSING[expression[j] == "*"], f"{quoted(expression[j])} is missing"))
             if i < len(key):
                 ways.append(rest(i + 1, j + 1).more(*_unlike(key[i], expression[j])))
         if i < len(key):
             ways.append(rest(i + 1, j).more(1.0, f"{quoted(key[i])} is one chunk too many"))
         return min(ways)
 
-    return rest(0, 0)
+    found = rest(0, 0)
+    return found if found.cost < max(1, named) else _Apart(FAR)  # or nothing that has a name is alike
 
 
 def _unlike(chunk: str, wanted: str) -> tuple[float, str]:
@@ -77,4 +83,4 @@ def _unlike(chunk: str, wanted: str) -> tuple[float, str]:
     if zenoh.KeyExpr(wanted).includes(zenoh.KeyExpr(chunk)):
         return 0.0, ""
     likeness = SequenceMatcher(None, chunk, wanted).ratio()
-    return 1.0 - likeness, f"{quoted(chunk)} is not {quoted(wanted)}"
+    return 1.0 - likeness * (likeness >= ALIKE), f"{quoted(chunk)} is not {quoted(wanted)}"

@@ -85,9 +85,8 @@ def _line(rows: Sequence[int]) -> list[tuple[int, int]]:
 
 def _spread(labels: Sequence[str], width: int) -> str:
     """Return the labels on one line: the first at the left end, the last at the right one, the others between."""
-    line = ""
+    line, gaps = "", max(1, len(labels) - 1)
     for number, label in enumerate(labels):
-        place = number * (width - 1) / max(1, len(labels) - 1)
-        start = round(place - len(label) * number / max(1, len(labels) - 1))
-        line = line.ljust(start) + label
+        start = round((width - len(label)) * number / gaps)
+        line = line.ljust(max(start, len(line) + bool(line))) + label
     return line
