@@ -4,7 +4,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -171,15 +171,8 @@ def _offline(arguments: argparse.Namespace, specs: SpecSet, status: Status | Non
 def _live(arguments: argparse.Namespace, specs: SpecSet, daemon: Client, status: Status) -> list[str]:
     """Explain the next sample, with what the daemon knows of its stream."""
     with closing(daemon.samples(_checked(arguments.key), arguments.timeout)) as samples:
-        sample = next(samples)
-        key = str(sample.key_expr)
-        if _compares(specs, key, sample):
-            try:
-                sample = next(each for each in samples if str(each.key_expr) == key)
-            except NoAnswerError:
-                raise ExplainError(
-                    f"{key} has a feature that compares two samples, and only one came in time"
-                ) from None
+        sample = _taken(samples, specs)
+    key = str(sample.key_expr)
     status = _decided(daemon, status, key)
     wanted = max((each.get("receivers", 0) for each in streams_of(status, key)), default=0)
     copies = arguments.receivers or wanted or 1
@@ -196,13 +189,18 @@ def _live(arguments: argparse.Namespace, specs: SpecSet, daemon: Client, status:
     return lines
 
 
-def _compares(specs: SpecSet, key: str, sample: zenoh.Sample) -> bool:
-    """Whether a feature compares a sample with the one before; that is this one from now on."""
+def _taken(samples: Iterator[zenoh.Sample], specs: SpecSet) -> zenoh.Sample:
+    """Return the next sample, and the one after it where a feature compares the two. Raises ExplainError."""
+    sample = next(samples)
+    key = str(sample.key_expr)
     of = specs.specs.match(key)
     if of is None or not any(isinstance(feature, Change) for _, feature in of.features):
-        return False
+        return sample
     of.extract(key, sample.payload, sample.attachment)
-    return True
+    try:
+        return next(each for each in samples if str(each.key_expr) == key)
+    except NoAnswerError:
+        raise ExplainError(f"{key} has a feature that compares two samples, and only one came in time") from None
 
 
 def _decided(daemon: Client, status: Status, key: str) -> Status:
@@ -210,20 +208,21 @@ def _decided(daemon: Client, status: Status, key: str) -> Status:
     for look in range(LOOKS):
         time.sleep(PAUSE if look else 0.0)
         status = daemon.status(str(status["robot"]))[0]
-        if live_data(status, key)["last_decision"] or status.get("mode") == "pass":
+        wanted = any(each.get("receivers") for each in streams_of(status, key))
+        if live_data(status, key)["last_decision"] or status.get("mode") == "pass" or not wanted:
             break
     return status
 
 
 def _path_of_specs(status: Status) -> Path:
     """Return where the specs of a daemon are. Raises ExplainError where nothing is there."""
-    robot, path = status["robot"], Path(str(status.get("daemon", {}).get("specs", "")))
+    robot, path = status["robot"], status.get("daemon", {}).get("specs")
     if status.get("specs") == Specs.empty().generation:
         raise ExplainError(f"robot {robot} has no specs, so all samples pass at once; choose others with --specs")
-    if not path.exists():
-        where = f"are in {path}, which is not on this machine" if path.name else "are not known"
+    if path is None or not Path(path).exists():
+        where = "are not known" if path is None else f"are in {path}, which is not on this machine"
         raise ExplainError(f"the specs of robot {robot} {where}; choose a copy with --specs")
-    return path
+    return Path(path)
 
 
 def _other_specs(status: Status, specs: SpecSet) -> list[str]:
