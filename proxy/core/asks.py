@@ -12,6 +12,8 @@ PATIENCE = 0.25
 """A sample waits so long at most for what is lent to us from then on [s]."""
 ANSWERED = 0.06
 """Who asks hears the answer so much later at most, besides the latency there and back [s]."""
+NEAR = 2.0
+"""A stream whose period is so many of these times can use for its next sample what is lent for the last one."""
 SPREADS = 2.0
 """A message may be so many standard deviations of its generation time off."""
 SPARE = 4.0
@@ -23,7 +25,7 @@ def asks(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...
 
     `other` is who leads, or where we do, that robot.
     """
-    delay = 2.0 * other.offset.latency + ANSWERED
+    delay = _delay(other)
     if delay > PATIENCE:
         return False
     schedule = stream.schedule
@@ -32,3 +34,13 @@ def asks(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...
     rate = max(LEAST_ALLOWANCE, min(rates, default=0.0))
     unforeseen = schedule.kind == "poisson" or SPREADS * schedule.jitter > delay
     return unforeseen and schedule.period * rate > SPARE * LEAST_DIGEST
+
+
+def serves(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...]) -> bool:
+    """Whether what is lent for a sample that is generated already is of use: it waits, or the next one is near."""
+    return stream.schedule.period <= NEAR * _delay(other) or asks(view, stream, other, limits)
+
+
+def _delay(other: Peer) -> float:
+    """When who asks has heard the answer [s]."""
+    return 2.0 * other.offset.latency + ANSWERED

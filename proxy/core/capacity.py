@@ -11,12 +11,13 @@ much all use together. The others tell it what they see themselves, and take no 
 is lent nothing.
 """
 
+import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from proxy.core.arrivals import HELPED, LOST, SPAN, Arrivals
-from proxy.core.delays import Queue, Ways, queue
+from proxy.core.delays import NEW, Queue, Ways, queue
 from proxy.core.estimate import Estimate
 from proxy.core.hearing import Hearing
 from proxy.core.limits import Limit
@@ -33,14 +34,18 @@ FRESH = 5.0
 """What a robot tells counts for so long [s]."""
 USED, HALF_USED = 0.85, 0.5
 """A limit is used when this part of it is, or the lesser part, and samples had to be dropped."""
-MOSTLY = 0.75
+MOSTLY = 0.6
 """Who uses so much of a limit uses it."""
 AHEAD = 1.3
 """An estimate above the limit in force is not tested: it grows no further than so many times that."""
 BEAT = 0.25
 """Digests of ours are so far apart at most while the channel is in use [s], if the allowance lets them."""
-RECENT = 1.5
+RECENT = 0.8
 """Delays are as old as this at most [s], or as twice the time between digests."""
+WIDEST = 0.5
+"""Bursts of limits with longer windows are taken for queues [s]."""
+LATELY = 2.5
+"""The others say something often if much was used so long ago [s]."""
 FADING = 1.0
 """Silence decreases the estimates this often [s]."""
 SAID = 64
@@ -101,6 +106,7 @@ class Capacity:
         self._queue: Queue | None = None
         self._why = "nobody is there"
         self._leader = ""
+        self._used_at = -math.inf
 
     def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
         """The constraints in force are now these; estimates of limits of the same name stay."""
@@ -158,15 +164,15 @@ class Capacity:
         self._note_drops(now, seen.dropped)
         bearable = BEARABLE + min(seen.longest, LONGEST)
         recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
-        settled = max((recent, *(estimate.settled_at for estimate in self._estimates)))
-        self._queue = self._worst(now, seen.receivers, recent, bearable)
-        new = self._worst(now, seen.receivers, settled, bearable)
+        settled = max(estimate.settled_at for estimate in self._estimates)
+        self._queue = self._worst(now, seen.receivers, -math.inf, recent, bearable)
+        new = self._worst(now, seen.receivers, settled, recent, bearable)
         used = self._used = self._use(now)
+        self._used_at = now if self._in_use else self._used_at
         if not self._ways:
             self._why = "nobody is there"
-        elif not self._follows and self._hearing.silent(now):
-            self._why = "silence"
-            self._fade(now)
+        elif self._hears_nothing(now):
+            self._queue = None
         elif new is not None and new.delay > bearable:
             self._why = "delay"
             self._trial = None
@@ -199,10 +205,7 @@ class Capacity:
 
     def speak(self, now: float) -> bool:
         """Whether it is time for a digest of ours for its way alone: the channel is in use, and that tells of it."""
-        if not self._estimates:
-            return False
-        used = any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
-        return used and bool(self._ways) and now >= self._hearing.last_said + BEAT
+        return self._in_use and bool(self._ways) and now >= self._hearing.last_said + BEAT
 
     def news(self, now: float) -> bool:
         """Whether the others should hear at once what we would tell them."""
@@ -249,16 +252,37 @@ class Capacity:
             self._pressed_until = now + 1.0
             self._most_dropped = dropped
 
-    def _worst(self, now: float, receivers: Collection[str], since: float, bearable: float) -> Queue | None:
-        """The longest that stands before what comes here, or before what we send to those whom it matters to."""
+    def _worst(
+        self, now: float, receivers: Collection[str], since: float, recent: float, bearable: float
+    ) -> Queue | None:
+        """The longest that stands before what comes here, or before what we send to those whom it matters to.
+
+        A limit lets what it bears in its window be sent at once: a queue stands if it outlasts that.
+        """
+        span = min(max(NEW, *(limit.window for limit in self._limits)), WIDEST)
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
         links = [ways.link for ways in outward]
         inward = list(self._ways.values())
         if self._follows:
             outward = inward = [self._ways[self._leader]]
         groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
-        found = [queue(now, ways, since, bearable / 2.0) for ways in groups]
+        found = [queue(now, ways, since, bearable / 2.0, recent=recent, span=span) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
+
+    def _hears_nothing(self, now: float) -> bool:
+        """Whether nothing comes through, or what is overdue may wait in a queue; then less is sent."""
+        if self._follows:
+            return False
+        if self._hearing.silent(now):
+            self._why = "silence"
+            self._fade(now)
+            return True
+        if now < self._used_at + LATELY and self._hearing.overdue(now):
+            self._why = "overdue"
+            for estimate in self._estimates:
+                estimate.hold(now)
+            return True
+        return False
 
     def _fade(self, now: float) -> None:
         if now >= self._faded_at + FADING:
@@ -326,6 +350,11 @@ class Capacity:
             if (peer in receivers) is inside
         )
         return words[min(1, len(words) - 1)] if words else 1.0
+
+    @property
+    def _in_use(self) -> bool:
+        """Whether much of any limit in force is used."""
+        return any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
 
     @property
     def _follows(self) -> bool:

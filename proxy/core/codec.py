@@ -27,7 +27,7 @@ from proxy.core.wire import (
     StreamState,
 )
 
-VERSION = 3
+VERSION = 4
 MAX_DIGEST = 8192
 """Largest digest [B]."""
 MAX_BYTES = 262_144

@@ -48,7 +48,8 @@ class Core:
         self.view = SharedView(settings, specs)
         self.counts = Counts()
         limits = limits_of(specs, settings.allowance, 1)
-        self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=now + settings.settle)
+        settled_at = now + settings.settle
+        self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=settled_at, started=now)
         windows = WindowBuilder(self.view, now)
         self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
         self.layout = Layout(self.view, self.shares, self.gate, windows)
@@ -77,8 +78,9 @@ class Core:
         """When `TimePassed` is due at the latest [s, our clock]."""
         due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
         if self.settings.coordination == "shares":
-            # A plan that cannot be told yet is not made yet.
-            due = min(due, max(self.layout.due_at, self._speaks_at(now)))
+            due = min(due, self.shares.due_at(now))
+            if self.shares.confirmed(now):  # a plan that cannot be told yet is not made yet
+                due = min(due, max(self.layout.due_at, self._speaks_at(now)))
         return max(min((due, *self.channel.capacity.wake_at(now))), now)
 
     def status(self, now: float) -> dict[str, Any]:

@@ -51,13 +51,18 @@ class Decisions:
     """Statistics of all decisions since the start.
 
     `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
-    ones, whose gap is known [utility·s]. `binding` counts by constraint the dropped samples that it was in the way of.
+    ones, whose gap is known [utility·s]. `unneeded` are samples that were sent while there was room for all; `owed`
+    those that a guarantee demanded, `unkept` those of them for which the limits left no room. `binding` counts by
+    constraint the dropped samples that it was in the way of.
     """
 
     def __init__(self) -> None:
         self.made = 0
         self.iterations = 0
         self.would_drop = 0
+        self.unneeded = 0
+        self.owed = 0
+        self.unkept = 0
         self.seconds = 0.0
         self.longest = 0.0
         self.proven = 0
@@ -92,6 +97,9 @@ class Decisions:
             "made": self.made,
             "iterations": self.iterations,
             "would_drop": self.would_drop,
+            "unneeded": self.unneeded,
+            "owed": self.owed,
+            "unkept": self.unkept,
             "seconds": self.seconds,
             "longest": self.longest,
             "proven": self.proven,

@@ -5,6 +5,7 @@ is waiting in queues. A queue that only holds what was just sent is empty now an
 the newest few: the part of it that *stands*.
 """
 
+import math
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -52,19 +53,22 @@ class OneWay:
             self._newest.popleft()
         return True
 
-    def waits(self, since: float) -> list[tuple[float, float]]:
-        """When each came that went into the queue since then, and how long it waited [s]."""
-        waits = [(t, took - self._least[0][1]) for t, _, took in self._newest]
+    def waits(self, since: float, recent: float) -> list[tuple[float, float]]:
+        """When each came that went into the queue since then and is so recent, and how long it waited [s]."""
+        waits = [(t, took - self._least[0][1]) for t, _, took in self._newest if t >= recent]
         return [(t, wait) for t, wait in waits if t - wait >= since]
 
-    def share(self, since: float, waited: float) -> float:
-        """How much of what was sent came through since they waited less than that: 1 if the queue does not grow."""
+    def share(self, since: float, waited: float, span: float) -> float:
+        """How much of what was sent came through since they waited less than that: 1 if the queue does not grow.
+
+        What was sent at once in a `span` [s] is no more than what was sent in that time.
+        """
         least = self._least[0][1]
         last_sent, last_took = self._newest[-1][1:]
         short = [(s, took) for t, s, took in self._newest if t >= since and took - least < waited]
         if not short or short[-1][0] >= last_sent:
             return 1.0
-        apart = last_sent - short[-1][0]
+        apart = max(span, last_sent - short[-1][0])
         return apart / (apart + max(0.0, last_took - short[-1][1]))
 
 
@@ -85,23 +89,27 @@ class Queue:
     share: float
 
 
-def queue(now: float, ways: Iterable[OneWay], since: float, bearable: float) -> Queue | None:
+def queue(
+    now: float, ways: Iterable[OneWay], since: float, bearable: float, *, recent: float = -math.inf, span: float = NEW
+) -> Queue | None:
     """What stands in front of several ways of one direction since then; None while two new times do not tell.
 
-    Where there are several ways these are of two: one robot that is far away is no channel that is full.
+    It stands when it was there all the `span` [s]; nothing counts that came before the `recent` past [s]. Where
+    something came several ways these are of two: one robot that is far away is no channel that is full.
     """
     ways = [way for way in ways if way.known]
-    waits = [(t, wait, way) for way in ways for t, wait in way.waits(since)]
+    waits = [(t, wait, way) for way in ways for t, wait in way.waits(since, recent)]
     waits.sort(key=lambda each: -each[0])
+    several = len({id(way) for *_, way in waits})
     new: list[tuple[float, float, OneWay]] = []
     for t, wait, way in waits:
-        if t < now - NEW and _tell(new, len(ways)):
+        if t < now - span and _tell(new, several):
             break
         new.append((t, wait, way))
-    if not _tell(new, len(ways)):
+    if not _tell(new, several):
         return None
     _, delay, way = min(new, key=lambda each: each[1])
-    return Queue(delay, way.share(since, bearable))
+    return Queue(delay, way.share(since, bearable, span))
 
 
 def _tell(new: list[tuple[float, float, OneWay]], ways: int) -> bool:

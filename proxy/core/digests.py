@@ -5,7 +5,6 @@ are paid for later: until then half of what comes in goes there, and no other st
 turn: of echoes, of grants and of news that may have been lost, each digest has a few.
 """
 
-from collections import Counter
 from collections.abc import Iterable
 
 from proxy.core.fixed import feature, rounded
@@ -28,8 +27,6 @@ MOST_ECHOES = 8
 """Peers echoed in one digest."""
 MOST_GRANTS = 48
 """Grants in one digest."""
-TOLD = 1
-"""So often each grant is told."""
 DEBT = 2.0
 """So many digests new streams may be told ahead of the allowance."""
 ECHO = 23
@@ -38,8 +35,6 @@ ECHOING = 0.25
 """... and the part of the allowance that echoes may take in the long run."""
 HEAD_START = 210.0
 """What echoes may take ahead of that [B]: without any nobody knows how long the way is."""
-FEW = 3
-"""Where the way is long, each peer is echoed so often at the price of one copy, and once in advance."""
 REFRESH = 10.0
 """What was told of a stream is told again after this time: it may have been lost [s]."""
 MOST_REFRESHED = 2
@@ -64,15 +59,14 @@ class DigestPacer:
         self._last = now - SLOW
         self._echoing = HEAD_START
         self._echoed: dict[str, float] = {}
-        self._echoes: Counter[str] = Counter()
-        """How often each peer was echoed."""
-        self._far = False
         self._ever: set[str] = set()
         """Own keys that were told of at all."""
         self._granted: dict[Grant, int] = {}
         """How often each grant that still holds was told."""
         self._offered: tuple[Grant, ...] = ()
         """The grants that still hold."""
+        self.again = False
+        """Whether the grant to be told next was told before: that is not urgent."""
         self._told: dict[str, tuple[float, StreamDigest]] = {}
         """What was last told of each own stream, by its key, and when."""
         self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
@@ -144,42 +138,35 @@ class DigestPacer:
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)
 
-    def echoes(self, now: float, echoes: Iterable[Echo], *, far: bool = False) -> tuple[Echo, ...]:
-        """Some of the echoes: of those peers that were not echoed for longest; more where others are `far`.
-
-        Far means on the air, where one copy is for all, and over a way that takes long.
-        """
+    def echoes(self, now: float, echoes: Iterable[Echo], copies: int) -> tuple[Echo, ...]:
+        """Some of the echoes, in a digest of so many copies: of those peers that were not echoed for longest."""
         known = {echo.peer: echo for echo in echoes}
         self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
         due = [peer for peer in known if now >= self._echoed.get(peer, now - SLOW) + SLOW]
         self._fill(now)
-        if far and not self._far:
-            self._echoing += ECHO * len(known)
-        self._far = far
-        self._echoes = Counter({peer: count for peer, count in self._echoes.items() if peer in known})
-        chosen: list[str] = []
-        for peer in sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:MOST_ECHOES]:
-            cost = ECHO * (1 if far and self._echoes[peer] < FEW else len(known))
-            if self._echoing < cost:
-                break
-            self._echoing -= cost
-            chosen.append(peer)
+        most = min(MOST_ECHOES, int(self._echoing / (ECHO * max(1, copies))))
+        chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:most]
+        self._echoing -= ECHO * copies * len(chosen)
         self._echoed.update(dict.fromkeys(chosen, now))
-        self._echoes.update(chosen)
         return tuple(known[peer] for peer in chosen)
 
-    def addressee(self, grants: Iterable[Grant]) -> str:
-        """Who is to be told of a grant next: of the one that begins first; nobody when all are told."""
+    def addressee(self, grants: Iterable[Grant], often: int = 1) -> str:
+        """Who is to be told of a grant next: of the one told least often that begins first; nobody when all are told.
+
+        Each is told so `often`, as digests may be lost.
+        """
         offered = tuple(grants)
         if offered != self._offered:
             self._granted = {grant: self._granted.get(grant, 0) for grant in offered}
             self._offered = offered
-        untold = [grant for grant, times in self._granted.items() if times < TOLD]
-        return min(untold, key=lambda grant: (grant.begins, grant.peer)).peer if untold else ""
+        untold = [(times, grant) for grant, times in self._granted.items() if times < often]
+        times, grant = min(untold, key=lambda each: (each[0], each[1].begins, each[1].peer), default=(0, None))
+        self.again = times > 0
+        return grant.peer if grant else ""
 
-    def grants(self, to: str) -> tuple[Grant, ...]:
+    def grants(self, to: str, often: int = 1) -> tuple[Grant, ...]:
         """What of the grants a digest `to` this robot tells, or to all: those told least often, that begin first."""
-        concerned = [g for g, times in self._granted.items() if times < TOLD and to in ("", g.peer)]
+        concerned = [g for g, times in self._granted.items() if times < often and to in ("", g.peer)]
         chosen = sorted(concerned, key=lambda g: (self._granted[g], g.begins, g.peer))[:MOST_GRANTS]
         self._granted.update({grant: self._granted[grant] + 1 for grant in chosen})
         return tuple(chosen)
@@ -204,8 +191,6 @@ class DigestPacer:
         """Somebody new is there: everything is news again."""
         self.revision += 1
         self._told.clear()
-        self._granted.clear()
-        self._offered = ()
 
     def _digest(self, stream: Stream) -> StreamDigest | None:
         """Return what there is to tell of a stream; it is made when the stream has changed."""

@@ -5,16 +5,16 @@ queue grew, then lower for the time that the queue needs to drain: who hears of 
 the reason for another decrease.
 """
 
+import math
+
 INITIAL = 0.25
 """Where an estimate starts, as a part of the ceiling."""
-STEP = 0.02
-"""Part of the ceiling that an estimate grows by in a second."""
-STEEPEST = 0.1
-"""Part of itself that it grows by in a second at most."""
+STEP = 0.025
+"""Part of the ceiling that an estimate grows by in a second, and so much more for each second that is calm."""
 PROBING = 0.5
-"""The same until the first decrease, after silence, and up to what the others know to be borne."""
-QUIET = 5.0
-"""When nothing stood in the way for so long, it grows twice as fast, or as fast as others know to be borne [s]."""
+"""Part of itself that it grows by at most, and until the first decrease, after silence, and up to what others bear."""
+QUIET = 3.0
+"""So long after a decrease it is calm [s]."""
 LESS, LEAST_CUT, DEEPEST_CUT, AGAIN = 0.95, 0.9, 0.5, 0.7
 """A decrease: to so much of what came through; at least and at most to so much; to so much when the last one failed."""
 DRAIN, LEFT = 0.5, 0.35
@@ -61,20 +61,20 @@ class Estimate:
     def grow(self, now: float, elapsed: float, most: float, others: float) -> None:
         """It was used and nothing stood in the way for `elapsed` [s]; it grows to `most` at most.
 
-        It grows fast as long as all the `others` say that the channel bears more, unless a decrease says otherwise.
+        It grows fast as long as all the `others` say that the channel bears more, unless a decrease says otherwise;
+        where they say nothing, what counts is known to us alone, and it grows no faster for being calm.
         """
-        calm = now >= self._cut_at + QUIET
-        if self._probing or (calm and self.part < others):
-            step = PROBING * self.part
-        else:
-            step = min(STEP * (2.0 if calm else 1.0), STEEPEST * self.part)
+        calm = now - self._cut_at - QUIET
+        step = fastest = PROBING * self.part
+        if not self._probing and (calm < 0.0 or self.part >= others):
+            step = min(STEP * (1.0 + max(0.0, calm if others > 0.0 else 0.0)), fastest)
         self.part = max(self.part, min(self.part + step * elapsed, most, 1.0))
 
     def cut(self, now: float, used: float, share: float, delay: float) -> None:
         """A queue of `delay` [s] grew while `used` was sent, of which `share` came through."""
         failed = not self._probing and now < self._settled_at + AGAIN_WITHIN
-        factor = min(max(LESS * share, DEEPEST_CUT), AGAIN if failed else LEAST_CUT)
-        self.part = max(self.floor, factor * min(self.part, used))
+        factor = min(max(LESS * share, DEEPEST_CUT), LEAST_CUT)
+        self.part = max(self.floor, min(factor * used, (AGAIN if failed else factor) * self.part))
         self._probing = False
         self._cut_at = now
         self._cut_for = delay
@@ -83,13 +83,19 @@ class Estimate:
         self._settled_at = self._drained_at + SETTLE
 
     def linger(self, now: float, delay: float) -> None:
-        """A queue still stands: if we decreased for it, it takes longer to drain, and more if it has doubled since."""
+        """A queue still stands: if we decreased for it, it drains longer, and once more if it has doubled since."""
         if not self._cut_at < now < min(self._drained_at + SETTLE, self._cut_at + LONGEST_DRAIN):
             return
         if delay > 2.0 * self._cut_for:
-            self._cut_for = delay
+            self._cut_for = math.inf
             self.part = max(self.floor, AGAIN * self.part)
         self._draining = min(self._draining, max(LEFT, 1.0 - delay / DRAIN))
+        self._drained_at = max(self._drained_at, now + SETTLE)
+        self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
+
+    def hold(self, now: float) -> None:
+        """What tells of the channel is overdue: that may be a queue, so little is sent until something comes."""
+        self._draining = LEFT
         self._drained_at = max(self._drained_at, now + SETTLE)
         self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
 

@@ -11,13 +11,16 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
+from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
+from proxy.core.plenty import EACH, PACE, fits
 from proxy.core.rooms import Rooms
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Sent, Stream
+from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.window import WindowBuilder
 
@@ -63,6 +66,8 @@ class Gate:
         """When a sample that waits for room can be taken up [s]."""
         self._unsettled: dict[int, Waiting] = {}
         """Samples whose worth by the specs in force is not known yet."""
+        self._room = -math.inf, False
+        """Whether there is room for all that may be sent, and until when that is taken for true [s]."""
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
 
@@ -197,18 +202,59 @@ class Gate:
         if stream is None:
             return [self.pass_on(sample.sample, "passed:no-spec")]
         if self._view.receivers(stream) == 0:
-            return [self.pass_on(sample.sample, "passed:unwanted")]
+            return [self._unwanted(now, sample)]
         use = self._use(now, sample)
-        if not self.limits:
-            return [self._send(now, sample, use, "forwarded")]
-        if not self._view.gaining(stream):
+        if self.limits and not self._view.gaining(stream):
             return [self._refuse(now, sample, "dropped:once")]
+        must = guaranteed(stream) and self._owed(now, stream, sample)
         if lacking := self.lacking(now, use):
+            self.decisions.unkept += must
             return [self._refuse(now, sample, "dropped:constraint", lacking)]
+        if must:
+            self.decisions.owed += 1
+        elif self._roomy(now):
+            self.decisions.unneeded += bool(self.limits)
+        else:
+            return [self._search(now, sample, ticket)]
+        return [self._send(now, sample, use, "forwarded")]
+
+    def _search(self, now: float, sample: Waiting, ticket: int) -> Command:
+        """Have a sample decided."""
         problem = self._windows.build(now, sample, self.inbox, self.problem_limits(now))
         self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints))
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
-        return [Decide(ticket, problem, ticket, min(budget, self._settings.iterations))]
+        return Decide(ticket, problem, ticket, min(budget, self._settings.iterations))
+
+    def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Whether a guarantee of the stream demands the sample."""
+        return any(owed(stream, [sample.t_gen], self._view.audiences.of(now, stream).slowest))
+
+    def _roomy(self, now: float) -> bool:
+        """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
+        until, roomy = self._room
+        if not self.limits:
+            return True
+        if now >= until:
+            alone = self._sharing or self._rooms.late
+            view = self._view
+            streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
+            held = [self._shares.held(now, k) if self._sharing else limit.limit for k, limit in enumerate(self.limits)]
+            if self._rooms.late and not self._sharing:
+                held = [self._rooms.held(k, limit) for k, limit in enumerate(self.limits)]
+            roomy = fits(view, streams, self.limits, held)
+            self._room = now + max(PACE, EACH * len(streams)), roomy
+        return roomy
+
+    def _unwanted(self, now: float, sample: Waiting) -> Command:
+        """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
+        silent = sum(peer.state is None for peer in self._view.peers.values())
+        if not silent or not self._sharing:
+            return self.pass_on(sample.sample, "passed:unwanted")
+        use = use_of(sample.size, 1 if is_broadcast(self._settings.transport) else silent, self.limits)
+        if lacking := [k for k, amount in enumerate(use) if amount > self._shares.free(now, k)]:
+            return self._refuse(now, sample, "dropped:constraint", tuple(_held(self.limits[k]) for k in lacking))
+        self._shares.use(now, use)
+        return self.pass_on(sample.sample, "passed:unwanted")
 
     def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
         """The static rule for when the planner fails: priority, and a part of what is free."""

@@ -5,14 +5,21 @@ expects to hear seldom.
 """
 
 from collections import deque
+from collections.abc import Iterable
 from itertools import pairwise
 
+OVERDUE, SPARE = 0.6, 2.0
+"""Where much is sent something is overdue after so long [s], and after so many times what lies between our digests."""
 SILENCE = 2.5
 """Robots say something every second if they may: silence is at least this long [s]."""
 GAPS = 3.0
 """And so many times what lies between two digests of ours."""
 ECHOES = 1.6
-"""That our own digests arrived is told more rarely, by so much."""
+"""That our own digests arrived is told more rarely, by so much at least,"""
+RARELY = 2.0
+"""and so many times what lay between the last times that it was told;"""
+LONGEST = 10.0
+"""but silence is no longer than this for that [s]."""
 
 
 class Hearing:
@@ -21,7 +28,7 @@ class Hearing:
     def __init__(self, now: float) -> None:
         self._said: deque[float] = deque((now,), maxlen=5)
         self._heard = now
-        self._heard_by = now
+        self._heard_by: deque[float] = deque((now,), maxlen=5)
 
     @property
     def last_said(self) -> float:
@@ -38,17 +45,28 @@ class Hearing:
 
     def heard_by(self, now: float) -> None:
         """Another robot tells that a digest of ours arrived which it had not told of before."""
-        self._heard_by = now
+        self._heard_by.append(now)
 
     def restart(self, now: float) -> None:
         """Nobody was there to be heard until now."""
-        self._heard = self._heard_by = now
+        self._heard = now
+        self._heard_by = deque((now,), maxlen=5)
 
     def gap(self, now: float) -> float:
         """The longest time between two of our last digests [s]; the others' are as far apart."""
-        return max(after - before for before, after in pairwise((*self._said, now)))
+        return _longest((*self._said, now))
+
+    def overdue(self, now: float) -> bool:
+        """Whether the others should have been heard by now: what they said waits somewhere."""
+        return now - self._heard > max(OVERDUE, SPARE * self.gap(now))
 
     def silent(self, now: float) -> bool:
         """Whether nothing gets through, one way or the other."""
         patience = max(SILENCE, GAPS * self.gap(now))
-        return now - self._heard > patience or now - self._heard_by > ECHOES * patience
+        rarely = max(ECHOES * patience, min(RARELY * _longest(self._heard_by), LONGEST))
+        return now - self._heard > patience or now - self._heard_by[-1] > rarely
+
+
+def _longest(times: Iterable[float]) -> float:
+    """The longest time between two of these that follow each other [s]."""
+    return max((after - before for before, after in pairwise(times)), default=0.0)

@@ -16,11 +16,12 @@ from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
+from proxy.core.plenty import Plenty
 from proxy.core.shares import Lent, Shares
 from proxy.core.slots import MARGIN, STANDING, Demand, Place, allot, demands
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
-from proxy.core.window import Ahead, Expected, WindowBuilder
+from proxy.core.window import Expected, Outlook, WindowBuilder
 from proxy.core.wire import tag
 
 PACE = 0.1
@@ -53,13 +54,14 @@ class Layout:
         self._shares = shares
         self._gate = gate
         self._windows = windows
+        self._plenty = Plenty(view, shares)
         self._promised: dict[tuple[str, str], list[Promise]] = {}
         self._off: dict[tuple[str, str], _Off] = {}
         self._slots: dict[Place, list[Lent]] = {}
         self._asked_at = -math.inf
         self._hurried = False
         self._ticket: int | None = None
-        self._ahead: Ahead = {}
+        self._outlook = Outlook(None, {}, ())
         self.lent = 0
 
     def ask(self, now: float, ticket: int, waiting: Iterable[Waiting]) -> list[Decide]:
@@ -73,18 +75,22 @@ class Layout:
             return []
         self._asked_at, self._hurried = now, False
         self._forget(now)
-        self._gate.standing = self._vague(now)
+        plenty = self._plenty.there(now, [limit for limit in self._gate.limits if limit.shared])
+        self._gate.standing = plenty or self._vague(now)
         if self._gate.standing:
             self._gate.promised, self._ticket = None, None
             self._promised.clear()
-            self._stand(now)
+            if plenty:
+                self.lent += self._plenty.lend(now)
+            else:
+                self._stand(now)
             return []
-        found = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
-        if found is None or not found[1]:
+        self._outlook = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
+        if self._outlook.problem is None or not self._outlook.ahead:
+            self._promise_all(now, self._outlook.demanded, now + 2.0 * PACE)
             return []
-        problem, self._ahead = found
         self._ticket = ticket
-        return [Decide(ticket, problem, ticket, self._view.settings.iterations)]
+        return [Decide(ticket, self._outlook.problem, ticket, self._view.settings.iterations)]
 
     @property
     def due_at(self) -> float:
@@ -106,7 +112,11 @@ class Layout:
         self._ticket = None
         if plan is None:
             return False
-        chosen = [self._ahead[place] for place in plan.sends if place in self._ahead]
+        ahead = self._outlook.ahead
+        chosen = [*self._outlook.demanded, *(ahead[place] for place in plan.sends if place in ahead)]
+        return self._promise_all(now, chosen, until)
+
+    def _promise_all(self, now: float, chosen: Iterable[Expected], until: float) -> bool:
         due = [e for e in chosen if e.message.t_gen <= (now if self._asks(e.stream) else until)]
         return sum(self._promise(now, expected) for expected in due) > 0
 
@@ -163,11 +173,11 @@ class Layout:
     def _promise(self, now: float, expected: Expected) -> bool:
         stream, message = expected.stream, expected.message
         peer = self._view.peer_called(stream.robot)
-        if peer is None:
+        if peer is None or not peer.offset.known:
             return False
         shared = tuple(limit for limit in self._gate.limits if limit.shared)
         use = tuple(MARGIN * amount for amount in use_of(message.size, expected.copies, shared))
-        slack, center = self._slack(stream, peer), message.t_gen
+        slack, center = self._slack(now, stream, peer), message.t_gen
         if center <= now:
             center, slack = now, 2.0 * peer.offset.latency + ANSWERED
         lent = self._shares.lend(now, tag(peer.zid), center - slack, center + slack, use)
@@ -179,10 +189,10 @@ class Layout:
         self.lent += 1
         return True
 
-    def _slack(self, stream: Stream, peer: Peer) -> float:
+    def _slack(self, now: float, stream: Stream, peer: Peer) -> float:
         off = self._off.get((stream.robot, stream.key))
         deviation = max(spread(stream), 0.0 if off is None else off.deviation)
-        return LEAST_SLACK + SPREADS * deviation + peer.offset.latency
+        return LEAST_SLACK + SPREADS * deviation + peer.offset.uncertainty(now)
 
     def _look_back(self) -> None:
         """How far off what was expected came, as far as we are told."""

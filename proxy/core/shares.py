@@ -7,34 +7,25 @@ uses only what it was told, and takes the times narrower by what it may be wrong
 use never exceeds the limit, however late digests are and however many are lost: a grant that nobody hears is wasted,
 and one that ends needs no message. What is not shared, such as a robot's own energy, everybody holds whole.
 
-Who leads is agreed on by *epochs*, which only grow: a term, and a hash of the leader and the limits. A robot enters
-the greatest epoch it hears of whose leader it knows, and forgets what it held before. A new leader lends once
-all robots it knows have said that they are in its epoch, and what they sent before has left the windows. The leader
-stays until it is gone; then the robot with the least tag leads, in the next term. A newcomer has a part of the floor
-until it enters its first epoch. A robot not heard keeps what it was lent; nobody else was lent that. Two teams that
-meet have two leaders until they hear each other, and for one window more.
+Who leads is agreed on by *epochs* (`epochs.py`). A newcomer has a part of the floor until it enters its first epoch. A
+robot not heard keeps what it was lent; nobody else was lent that. Two teams that meet have two leaders until they hear
+each other, and for one window more.
 """
 
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from zlib import crc32
 
+from proxy.core.epochs import EDGE, NEWCOMERS, Epochs
 from proxy.core.limits import Limit
 from proxy.core.wire import PARTS, Grant
 
 HOLDABLE = 0.98
 """Part of a limit that one robot can come to hold: all but the floor, and some room."""
-NEWCOMERS = 4
-"""So many robots may be new to all others at the same time: each has that part of the floor."""
-EDGE = 1e-3
-"""What one robot lends, the next one may use so much later [s]: windows are closed, and times are rounded."""
 MOST_GRANTS = 1024
 """Grants that can be alive at the same time."""
 STAYS = 2.5
 """What is lent for so long at once is lent for more than one message [s]."""
-TERMS = 1 << 20
-"""Terms are counted up to here."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,18 +50,21 @@ class Lent:
 class Shares:
     """What this robot holds, uses and lends of every constraint. Peers are named by their tags."""
 
-    def __init__(self, own: str, limits: tuple[Limit, ...], *, floor: float, settled_at: float) -> None:
+    def __init__(
+        self,
+        own: str,
+        limits: tuple[Limit, ...],
+        *,
+        floor: float,
+        settled_at: float,
+        started: float | None = None,
+    ) -> None:
         self.own = own
-        self.epoch = 0
-        self.leader = ""
-        """Who lends in our epoch; nobody while empty."""
         self._limits = limits
         self._floor = floor
-        self._settled_at = settled_at
-        self._members: frozenset[str] = frozenset((own,))
-        self._epochs: dict[str, int] = {}
-        self._awaited: set[str] = set()
-        self._ready_at = 0.0
+        self._epochs = Epochs(
+            own, limits, settled_at=settled_at, started=started, turned=self._turned, left_at=self._left_at
+        )
         self._lent: list[Lent] = []
         self._told: dict[Grant, float] = {}
         """Grants that we made, or heard of: these are remembered for as long as they could come again."""
@@ -80,25 +74,37 @@ class Shares:
         self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
 
     @property
+    def epoch(self) -> int:
+        """The epoch that we are in; 0: none."""
+        return self._epochs.epoch
+
+    @property
+    def leader(self) -> str:
+        """Who lends in our epoch; nobody while empty."""
+        return self._epochs.leader
+
+    @property
     def members(self) -> frozenset[str]:
         """Tags of the robots that share, our own included."""
-        return self._members
+        return self._epochs.members
 
     @property
     def leads(self) -> bool:
         """Whether it is we who lend."""
-        return self.leader == self.own
+        return self._epochs.leads
 
     @property
     def stragglers(self) -> list[str]:
         """Robots that are not known to be in our epoch."""
-        return sorted(m for m in self._members if m != self.own and self._epochs.get(m) != self.epoch)
+        return self._epochs.stragglers
+
+    def due_at(self, now: float) -> float:
+        """When time alone changes who lends [s]."""
+        return self._epochs.due_at(now)
 
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
-        self._members = frozenset(members) | {self.own}
-        self._awaited &= self._members
-        self._seek(now)
+        self._epochs.set_members(now, members)
 
     def set_limits(self, now: float, limits: tuple[Limit, ...]) -> None:
         """The constraints are now these; what we sent still counts. Other ceilings need another epoch."""
@@ -108,15 +114,8 @@ class Shares:
         places = [before.get(_identity(limit)) for limit in limits]
         self._sent = deque((t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in self._sent)
         self._factors = [1.0 if k is None else self._factors[k] for k in places]
-        ceilings = self._ceilings()
         self._limits = limits
-        if ceilings != self._ceilings():
-            alone = self.leads and not self.lent(now) and len(self._members) == 1
-            self._follow("")
-            if self.epoch:
-                self._seek(now, again=True)
-            if alone:
-                self._ready_at = now
+        self._epochs.set_limits(now, limits, free=not self.lent(now))
 
     def set_factor(self, k: int, factor: float) -> None:
         """Of constraint `k` this part is in force, from 0 to 1: who leads lends no more, and nobody uses more.
@@ -136,30 +135,17 @@ class Shares:
         uncertainty: float = 0.0,
     ) -> None:
         """Take in that `peer` is in `epoch`, and what it lends there; `ours` maps its clock to ours, give or take."""
-        if peer not in self._members:
-            return
-        self._epochs[peer] = epoch
-        if epoch > self.epoch and (leader := self._leader_of(epoch)):
-            if leader == self.own:
-                self._propose(now, epoch)
-            else:
-                self._enter(epoch, leader)
-        if self.leads:
-            self._confirm(now, peer, epoch)
-        elif epoch == self.epoch and peer == self.leader:
+        if self._epochs.heard(now, peer, epoch):
             for grant in grants:
                 self._borrow(now, grant, ours, uncertainty)
-        self._seek(now)
 
     def forget(self, peer: str) -> None:
         """A robot left: what it last said of its epoch no longer counts."""
-        self._epochs.pop(peer, None)
-        self._awaited.discard(peer)
+        self._epochs.forget(peer)
 
     def confirmed(self, now: float) -> bool:
         """Whether somebody lends; if it is we, whether we may."""
-        self._seek(now)
-        return self.leader in self._members and (not self.leads or (not self._awaited and now >= self._ready_at))
+        return self._epochs.confirmed(now)
 
     def held(self, now: float, k: int) -> float:
         """What we may use of constraint `k` within the window that ends now [its units]."""
@@ -237,7 +223,7 @@ class Shares:
 
         It may from as early on as can be, but not before `earliest` [s].
         """
-        if not self.leads or not self.confirmed(now) or peer not in self._members - {self.own}:
+        if not self.leads or not self.confirmed(now) or peer not in self.members - {self.own}:
             return None
         parts = tuple(self._parts(k, amount) for k, amount in enumerate(use))
         amounts = tuple(self._amount(k, part) for k, part in enumerate(parts))
@@ -380,54 +366,18 @@ class Shares:
     def _stretched(self, k: int, amount: float) -> float:
         """The window in which a message may be alone, if all robots send such messages [s]; at least the window."""
         limit = self._limits[k]
-        users = len(self._members) if limit.shared else 1
+        users = len(self.members) if limit.shared else 1
         return limit.window * max(1.0, amount * users / max(self._in_force(k), 1e-9))
 
-    def _seek(self, now: float, *, again: bool = False) -> None:
-        """Lead, if nobody does whom we know of and it falls to us: to the least tag of those who are there."""
-        if (self.leader in self._members and not again) or now < self._settled_at or self.own != min(self._members):
-            return
-        others = self._members - {self.own}
-        heard = [self._epochs.get(other, 0) for other in others]
-        led = any(self._leader_of(epoch) in others for epoch in heard if epoch >= self.epoch)
-        if not led and (all(other in self._epochs for other in others) or not any(self._epochs.values())):
-            self._propose(now, max([self.epoch, *self._epochs.values()]))
+    def _turned(self) -> None:
+        """What was lent before counts no more."""
+        self._lent, self._told, self._borrowed = [], {}, {}
 
-    def _propose(self, now: float, before: int) -> None:
-        """Lead in the term after an epoch."""
-        term = min((before >> 32) + 1, TERMS)
-        self._enter(term << 32 | self._hash(self.own), self.own)
-        self._awaited = set(self._members - {self.own})
-        quiet = term == 1 and len(self._members) <= NEWCOMERS
-        self._ready_at = now if quiet else now + max(self._windows(), default=0.0) + EDGE
-
-    def _confirm(self, now: float, peer: str, epoch: int) -> None:
-        """As leader, note whether a robot follows us; one that followed another leader still has sends of then."""
-        if epoch == self.epoch and peer in self._awaited:
-            self._awaited.discard(peer)
-            if self.epoch >> 32 > 1:
-                self._ready_at = max(self._ready_at, now + max(self._windows(), default=0.0) + EDGE)
-        elif epoch not in (0, self.epoch):
-            self._awaited.add(peer)
-
-    def _enter(self, epoch: int, leader: str) -> None:
-        self.epoch = epoch
-        self._follow(leader)
-
-    def _follow(self, leader: str) -> None:
-        self.leader = leader
-        self._lent, self._told, self._borrowed, self._awaited = [], {}, {}, set()
-
-    def _leader_of(self, epoch: int) -> str:
-        """Who of those we know leads an epoch under the limits as we know them; empty when nobody does."""
-        number = epoch & 0xFFFFFFFF
-        return next((m for m in sorted(self._members) if epoch and self._hash(m) == number), "")
-
-    def _hash(self, leader: str) -> int:
-        return crc32(f"{leader}|{self._ceilings()}".encode())
-
-    def _ceilings(self) -> str:
-        return ",".join(f"{c.name}:{c.window!r}:{c.measure!r}" for c in self._limits if c.shared)
+    def _left_at(self, now: float) -> float:
+        """When all that we sent of what is shared has left the windows [s]."""
+        shared = [k for k, limit in enumerate(self._limits) if limit.shared]
+        longest = max(self._windows(), default=0.0) + EDGE
+        return max((t + longest for t, use in self._sent if any(use[k] > 0.0 for k in shared)), default=now)
 
 
 def _identity(limit: Limit) -> tuple[str, str]:

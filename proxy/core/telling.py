@@ -30,16 +30,22 @@ ALL_PACE = 30.0
 """... and they are told at least this often [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
+LOSSES = (0.04, 0.2)
+"""Where more than this part is lost, what is lent is told once more, as far as the allowance goes."""
 STRAGGLER_PACE = 0.3
 """Those who do not say that they follow are told of who leads this often [s]."""
-ECHO_PACE = 5.0
+ECHO_PACE = 2.0
 """Digests that concern one robot echo its own this often [s]."""
+VAGUE = 0.03
+"""... and more often where clocks are not known to this [s]."""
 MOST_AT_ONCE = 8
 """Digests that go out at the same time."""
 HELLO = 0.5
 """So long after it settled a robot waits with its first digest for somebody to lead [s]."""
 STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
+ON_ITS_WAY = 0.3
+"""An update of a state may come so much later than a digest that speaks of it [s]."""
 RESTATE = 1.0
 """While samples come, our state is looked at this often: whether the periods are still right [s]."""
 
@@ -107,8 +113,10 @@ class Telling:
     def look_for_state(self, now: float, name: str) -> None:
         """Ask a robot for its state if its digests speak of another one than we have."""
         peer = self._view.peers[name]
-        if peer.state is None or (peer.digest is not None and peer.digest.state not in (0, peer.number)):
+        if peer.state is None:
             self.asking.want(now, name)
+        elif peer.digest is not None and peer.digest.state > peer.number:
+            self.asking.want(now + ON_ITS_WAY, name)
         else:
             self.asking.done(name)
 
@@ -168,14 +176,14 @@ class Telling:
             retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
             return max(now, min(retold, all_due))
         speak = self._channel.capacity.speak(now)
-        news = speak or self._news
+        news = speak or self.pacer.again or self._news
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
         copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
         due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
-        return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
+        return due if urgent or speak or not to or self.pacer.again else max(due, self._told_at + NEWS_PACE)
 
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""
@@ -187,6 +195,9 @@ class Telling:
 
     def _send_digest(self, now: float) -> Command:
         to = self._addressee(now)
+        if self._told_epoch != self._shares.epoch:
+            self.pacer.forget()  # who leads now has perhaps not heard what concerned who led before
+        copies = 1 if to else self._digest_copies()
         self._told_at = now
         if not to:
             self._told_all_at = now
@@ -198,16 +209,16 @@ class Telling:
             messages=self._view.messages,
             bytes=self._view.bytes,
             streams=self.pacer.changed(now, list(self._view.own())),
-            grants=self.pacer.grants(to),
-            echoes=self.pacer.echoes(now, self._echoes(to), far=self._view.settings.digests_on_air and self._gate.late),
+            grants=self.pacer.grants(to, self._often()),
+            echoes=self.pacer.echoes(now, self._echoes(to), copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
         )
         self._channel.capacity.told(digest)
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
-        self.pacer.sent(now, self._size_of(digest), 1 if to else self._digest_copies())
-        self.urgent = bool(self.pacer.addressee(self._shares.grants(now)))
+        self.pacer.sent(now, self._size_of(digest, to), copies)
+        self.urgent = bool(self.pacer.addressee(self._shares.grants(now), self._often())) and not self.pacer.again
         return SendDigest(digest, to)
 
     def _addressee(self, now: float) -> str:
@@ -221,9 +232,15 @@ class Telling:
         if shares.leads:
             if self._told_epoch != shares.epoch:
                 return ""
-            to = self.pacer.addressee(shares.grants(now)) or self._straggler(now) or self._next_to_time(now)
+            granted = self.pacer.addressee(shares.grants(now), self._often())
+            to = granted or self._straggler(now) or self._next_to_time(now)
             return to if to in peers else ""
         return shares.leader if shares.leader in peers and now < self._told_all_at + self._all_pace() else ""
+
+    def _often(self) -> int:
+        """How often it is told what is lent: once, or more where much gets lost."""
+        lost = [part for peer in self._view.peers.values() for part in (peer.loss_in, peer.loss_out) if part]
+        return 1 + sum(max(lost, default=0.0) > most for most in LOSSES)
 
     def _straggler(self, now: float) -> str:
         """Who has to be told again who leads: each in its turn."""
@@ -239,9 +256,10 @@ class Telling:
         """What a digest echoes: of whom it is sent to alone, or of all."""
         if not to:
             return self._view.echoes()
-        known = self._view.peers[to].offset.known
-        pace = SLOW if self._channel.capacity.factors else ECHO_PACE
-        if known and self._told_at - self._echoed_at.get(to, -math.inf) < pace:
+        offset = self._view.peers[to].offset
+        vague = offset.uncertainty(self._told_at) > VAGUE
+        pace = SLOW if self._channel.capacity.factors or vague else ECHO_PACE
+        if offset.known and self._told_at - self._echoed_at.get(to, -math.inf) < pace:
             return ()
         self._echoed_at[to] = self._told_at
         return tuple(echo for echo in self._view.echoes() if echo.peer == to)
@@ -250,11 +268,10 @@ class Telling:
         """How often all are told what concerns only some [s]."""
         return min(ALL_PACE, max(SLOW, self._digest_copies() * self.pacer.interval / ALL_PART))
 
-    def _size_of(self, digest: Digest) -> int:
-        """The size of a digest [B]; on the air its key has no number to stand for it."""
-        return len(pack_digest(digest)) + (
-            ON_AIR + len(self._view.settings.robot) if self._view.settings.digests_on_air else 0
-        )
+    def _size_of(self, digest: Digest, to: str) -> int:
+        """The size of a digest [B]; on the air, where one for all goes, its key has no number to stand for it."""
+        on_air = self._view.settings.digests_on_air and not to
+        return len(pack_digest(digest)) + (ON_AIR + len(self._view.settings.robot) if on_air else 0)
 
     def _digest_copies(self) -> int:
         """How often a digest for all is transmitted."""

@@ -7,7 +7,7 @@ the air, half for those that generate next, so that what is imminent competes wi
 somebody wants compete, and where robots hold shares only our own, because then no other stream can gain by what we
 leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
 or the last few where the stream does not go by the most recent one. Everything sent within a constraint window is
-traffic, for what it uses.
+traffic, for what it uses. What guarantees demand of the future is a fact and traffic like that.
 """
 
 import math
@@ -20,7 +20,9 @@ from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
+from proxy.core.asks import serves
 from proxy.core.competition import Competition
+from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
 from proxy.core.stream import Sent, Stream
@@ -95,6 +97,18 @@ Ahead = Mapping[int, Expected]
 """What the messages of a problem are, by their places."""
 
 
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """What others are expected to generate: a `problem`, if there is anything to decide, and what it is about.
+
+    `demanded` is what guarantees demand whatever the problem's solution is.
+    """
+
+    problem: Problem | None
+    ahead: Ahead
+    demanded: tuple[Expected, ...]
+
+
 class WindowBuilder:
     """Builds the problem of one decision from the shared view."""
 
@@ -105,27 +119,25 @@ class WindowBuilder:
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
         """Return the problem of deciding `current` while others of our own samples are `waiting`."""
-        found = self._build(now, current, waiting, limits)
-        if found is None:
-            raise LookupError(f"{current.key} has no stream")
-        return found[0]
+        return self._problem(now, *self._opened(now, current, waiting, limits), limits)[0]
 
-    def ahead(self, now: float, waiting: Iterable[Waiting], limits: Limits) -> tuple[Problem, Ahead] | None:
-        """Return the problem of what others should send, and what its messages are; None when nothing is expected.
+    def ahead(self, now: float, waiting: Iterable[Waiting], limits: Limits) -> Outlook:
+        """Return what others are expected to generate. The current message of the problem is just the first."""
+        candidates, opened, owed = self._opened(now, None, waiting, limits)
+        demanded = tuple(expected for m in owed if (expected := self._expected(m)) is not None)
+        if not opened:
+            return Outlook(None, {}, demanded)
+        problem, places = self._problem(now, candidates, opened, owed, limits)
+        ahead = {place: expected for place, m in places.items() if (expected := self._expected(m)) is not None}
+        return Outlook(problem, ahead, demanded)
 
-        Its current message is just the first.
-        """
-        found = self._build(now, None, waiting, limits)
-        if found is None:
-            return None
-        problem, opened = found
-        return problem, {place: expected for place, m in opened.items() if (expected := self._expected(m)) is not None}
-
-    def _build(
+    def _opened(
         self, now: float, current: Waiting | None, waiting: Iterable[Waiting], limits: Limits
-    ) -> tuple[Problem, dict[int, _Open]] | None:
+    ) -> tuple[list[_Candidate], list[_Open], list[_Open]]:
+        """Return who competes, the messages to decide, and those that guarantees demand anyway."""
         candidates = self._candidates(now, "" if current is None else current.key, limits)
         end = self._forecast(now, candidates, limits)
+        demanded = [m for c in candidates if guaranteed(c.stream) for m in self._owed(c, limits)]
         for candidate in candidates:
             candidate.times = _bounded(candidate, [t for t in candidate.times if t <= end])
         _thin(candidates, self._view.settings.horizon)
@@ -135,21 +147,26 @@ class WindowBuilder:
             for w in (*_competing(waiting, ours), *([] if current is None else [current]))
             for c in (ours[w.key],)
         ]
-        opened += [
-            _Open(t, c, like.size, like.scale, like.features)
-            for c in candidates
-            for t in c.times
-            for like in (c.stream.expected(t),)
-        ]
+        opened += [_expect(c, t) for c in candidates for t in c.times]
         opened += [m for c in candidates for m in self._asking(now, c, limits)]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
-        opened = [m for m in opened if m.current or self._possible(m, limits)]
-        return self._problem(now, candidates, opened, limits) if opened else None
+        return candidates, [m for m in opened if m.current or self._possible(m, limits)], demanded
+
+    def _owed(self, c: _Candidate, limits: Limits) -> list[_Open]:
+        """Take what its guarantee demands out of the forecasts of a stream."""
+        promised = (limits.promised or {}).get((c.stream.robot, c.stream.key), ())
+        last = promised[-1].t_gen if promised else None
+        times = list(owed(c.stream, c.times, c.audience.slowest, last))
+        c.times = [t for t in c.times if t not in times]
+        return [_expect(c, t) for t in times]
 
     def _asking(self, now: float, c: _Candidate, limits: Limits) -> list[_Open]:
         """Where we lend, return what another robot has generated, told us of, and waits with."""
         stream, last = c.stream, c.stream.newest
         if limits.promised is None or stream.robot == self._view.settings.robot or now - last.t_gen > ASKED:
+            return []
+        peer = self._view.peer_called(stream.robot)
+        if peer is None or not serves(self._view, stream, peer, limits.union):
             return []
         promised = limits.promised.get((stream.robot, stream.key), ())
         known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
@@ -215,7 +232,9 @@ class WindowBuilder:
         half = 0.5 * stream.schedule.period
         if limits.promised is not None:
             promised = limits.promised.get((stream.robot, stream.key), ())
-            return max([now + c.audience.latency + LEAD, *(p.t_gen + half for p in promised[-1:])])
+            peer = view.peer_called(stream.robot)
+            told = now + LEAD + (peer.offset.latency if peer is not None else 0.0)
+            return max([told, *(p.t_gen + half for p in promised[-1:])])
         heard = max(stream.schedule.last or now, stream.sent.t_gen + half if stream.sent else 0.0)
         if not view.overhears(stream):
             return max(heard, now - longest)
@@ -230,19 +249,19 @@ class WindowBuilder:
         return max(line.of(c.stream.newest.size), sender.offset.latency)
 
     def _problem(
-        self, now: float, candidates: list[_Candidate], opened: list[_Open], limits: Limits
+        self, now: float, candidates: list[_Candidate], opened: list[_Open], demanded: list[_Open], limits: Limits
     ) -> tuple[Problem, dict[int, _Open]]:
         constraints = (*limits.union, *limits.held)
+        nothing = (0.0,) * len(constraints)
         messages: list[tuple[Message, _Open | None]] = [
-            (fact, None) for c in candidates for fact in _facts(c, now, len(constraints), limits.promised or {})
+            (fact, None) for c in candidates for fact in _facts(c, now, nothing, limits.promised or {})
         ]
+        messages += [(_fact(m.of, _sent(m, now), 0.0, nothing), None) for m in demanded]
         t_sent = 0.0
         for m in opened:
             own = m.of.stream.robot == self._view.settings.robot
             t_sent = max(t_sent, m.t_gen, now if own or limits.promised is not None else 0.0)
-            use = use_of(m.size, m.of.copies, limits.union, own=own)
-            held = use if own else (0.0,) * len(use)
-            messages.append((_message(m, t_sent, (*use, *held[: len(limits.held)])), m))
+            messages.append((_message(m, t_sent, self._use(m, limits)), m))
         robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
         messages.sort(key=lambda entry: (entry[0].t_gen, entry[0].stream))
         places = {place: m for place, (_, m) in enumerate(messages) if m is not None}
@@ -255,18 +274,25 @@ class WindowBuilder:
             messages=tuple(message for message, _ in messages),
             current=current,
             constraints=constraints,
-            traffic=self._traffic(now, limits),
+            traffic=self._traffic(now, demanded, limits),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.audience.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
             goes_on=limits.stays,
         )
         return problem, places
 
-    def _traffic(self, now: float, limits: Limits) -> tuple[Traffic, ...]:
+    def _use(self, m: _Open, limits: Limits) -> tuple[float, ...]:
+        """What a message uses of all constraints of a problem: of what we hold only our own do."""
+        own = m.of.stream.robot == self._view.settings.robot
+        use = use_of(m.size, m.of.copies, limits.union, own=own)
+        return (*use, *(use if own else (0.0,) * len(use))[: len(limits.held)])
+
+    def _traffic(self, now: float, demanded: list[_Open], limits: Limits) -> tuple[Traffic, ...]:
         """Return everything known to be sent that the windows still count; where robots hold shares only our own."""
         longest = max(c.window for c in limits.union)
         traffic = [Traffic(t, use) for t, use in limits.others if t >= now - longest]
         traffic += [Traffic(t, (*use, *use[: len(limits.held)])) for t, use in limits.sent]
+        traffic += [Traffic(max(m.t_gen, now), self._use(m, limits)) for m in demanded]
         return tuple(sorted(traffic, key=lambda sent: sent.t_sent))
 
 
@@ -275,13 +301,22 @@ def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
     return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.audience.latency_of(m.size), utility, m.scale, use)
 
 
-def _facts(c: _Candidate, now: float, constraints: int, promised: Promises) -> list[Message]:
+def _expect(c: _Candidate, t_gen: float) -> _Open:
+    like = c.stream.expected(t_gen)
+    return _Open(t_gen, c, like.size, like.scale, like.features)
+
+
+def _sent(m: _Open, now: float) -> Sent:
+    return Sent(m.t_gen, max(m.t_gen, now), m.size, m.scale, m.features)
+
+
+def _facts(c: _Candidate, now: float, nothing: tuple[float, ...], promised: Promises) -> list[Message]:
     """Return what was sent of a stream as far as it matters for what comes; its use counts as traffic.
 
     Nothing where messages add up, or where whom the first one reached is no receiver any more. Of `best`, what was
     received counts from now on: what it was worth before no decision can change.
     """
-    stream, nothing = c.stream, (0.0,) * constraints
+    stream = c.stream
     kind = stream.information_type.aggregation
     if kind in (Aggregation.SUM, Aggregation.ONCE):
         return []

@@ -34,6 +34,7 @@ class Membership:
         self._make = make
         self._groups: tuple[frozenset[str], ...] | None = None
         self._known: dict[tuple[Member, Member], None] = {}
+        self._met: set[tuple[Member, Member]] = set()
 
     def start(self, happenings: Sequence[Happening]) -> None:
         """Let the members there are know of each other, and everything happen in its time."""
@@ -46,6 +47,10 @@ class Membership:
     def linked(self, member: Member) -> list[Member]:
         """Return all who can hear the member now."""
         return [o for o in self._members.values() if o is not member and self._together(member, o)]
+
+    def met(self, one: Member, other: Member) -> bool:
+        """Whether a member noticed another one: before, its daemon takes no samples from the apps for it."""
+        return (one, other) in self._met
 
     def _together(self, one: Member, other: Member) -> bool:
         if not (one.running and other.running):
@@ -96,6 +101,7 @@ class Membership:
         """`one` notices `other`."""
         if (one, other) not in self._known:
             return
+        self._met.add((one, other))
         self._feed(one, t, ev.PeerAppeared(one.now(t), other.robot, other.zid))
 
     def ask(self, one: Member, robot: str, t: float) -> None:
@@ -116,4 +122,5 @@ class Membership:
     def _miss(self, one: Member, other: Member, t: float) -> None:
         if not self._together(one, other) and (one, other) in self._known:
             del self._known[one, other]
+            self._met.discard((one, other))
             self._feed(one, t, ev.PeerGone(one.now(t), other.robot, other.zid))

@@ -168,6 +168,8 @@ class Team:
     def _transmit(self, member: Member, t: float, frame: Frame) -> None:
         linked = {other.robot: other for other in self.membership.linked(member)}
         wanting = [robot for robot, other in linked.items() if self._wants(other, frame.key)]
+        if not any(self.membership.met(member, linked[robot]) for robot in wanting):
+            return
         if self._broadcast:
             arrivals = self.medium.broadcast(t, frame.size, member.robot, linked)
         else:

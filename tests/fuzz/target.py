@@ -104,7 +104,7 @@ def seeds():
     streams = (StreamState(1, "robot/evil/camera", "camera", 0.5, 0.01, 900, "periodic"),)
     state = State("evil", EVIL[0], "enforce", "s", streams, ("robot/**",), 1e6, (EVIL[0], "feed"), number=1)
     update = State("evil", EVIL[0], "", "", (StreamState(2, "robot/x/camera", "camera", 0.1),), number=2, since=1)
-    news = (StreamDigest(1, 5, 3, 0.4, 0.3, 900, 2.0, (0.5,)), StreamDigest(2, 1, 0, 0.4, 0.0, 90, 1.0))
+    news = (StreamDigest(1, 5, 3, 0.4, 0.3, 900, 2.0, (0.5,), 0.5, 10, 3), StreamDigest(2, 1, 0, 0.4, 0.0, 90, 1.0))
     grants, echoes = (Grant("00000000", 0.6, 0.9, (700,)),), (Echo("00000000", 0.05, 0.45, 3, 0.01, 1e-6),)
     digest = Digest("evil", tag(EVIL[0]), 0.5, 7, 9, 999, news, grants, echoes, 2, (0.5,))
     meet = message("appear", b"\x00evil")

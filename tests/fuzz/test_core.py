@@ -109,7 +109,7 @@ class Siege(RuleBasedStateMachine):
         zid, robot = data.draw(st.sampled_from(self.tokens))
         robot = robot if other is None else other
         rest = ["enforce", "s", 10**13, "broadcast x", subscriptions, origins]
-        fields = [3, zid, number, since, streams, *rest]
+        fields = [4, zid, number, since, streams, *rest]
         self.hear(zid, robot, fields, unpack=lambda data, robot, _: unpack_state(data, robot), make=ev.StateHeard)
 
     @rule(key=KEYS, origin=st.one_of(st.none(), ZIDS), stamp=st.one_of(st.none(), st.floats(0, 1e10)), size=COUNTS)

@@ -1,7 +1,8 @@
 """Adaptive limits on a medium whose rate is halved and doubled, beside limits that are right from the start."""
 
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from statistics import median
 
 from planner import Linear, Message, Problem, SearchSettings, Stream
@@ -14,7 +15,6 @@ from studies.simulation.medium import Medium
 from studies.simulation.missions import OPERATOR, specs_of
 from studies.simulation.records import Frame
 from studies.simulation.team import Team
-from utility_specs.errors import SpecsError
 
 RATE = 100_000.0
 """Of the medium before it is halved, and after it is doubled again [B/s]."""
@@ -25,8 +25,12 @@ SETTLED = 2.0
 ASKED = 0.85
 """Of what constant limits reach."""
 DELAY = 0.02
-SIZE, PACE, SLOPE = 20_000, 5.0, 0.5
-"""Samples of all robots: bytes, Hz, how fast they fade [1/s]."""
+STARTED = 5.0
+"""After this time a team knows what a constant medium bears [s]."""
+CALM, LOOK = 0.5, 1.0
+"""Without a queue samples are late by this at most in the middle of so long [s]; one takes 0.4 s at half the rate."""
+SIZE, PACE, SLOPE = 20_000, 20.0, 0.5
+"""Samples: bytes, Hz of all robots together, how fast they fade [1/s]."""
 ARRANGEMENTS: tuple[tuple[Coordination, Transport], ...] = (("overhear", "broadcast"), ("shares", "unicast"))
 
 ADAPTIVE = 'limit = "adaptive"\nceiling = "200 kB/s"'
@@ -48,70 +52,114 @@ Row = tuple[str, str, str, str]
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """So many robots; the medium is halved and doubled again at these times, and the flight ends [s]."""
+    """Teams of so many robots; the medium is halved and doubled again at these times, and the flight ends [s]."""
 
-    robots: int = 4
-    halved: float = 20.0
-    doubled: float = 35.0
-    end: float = 50.0
+    teams: tuple[int, ...] = (2, 5, 8)
+    halved: float = 15.0
+    doubled: float = 25.0
+    end: float = 35.0
 
-    def frames(self) -> list[Frame]:
+    def frames(self, robots: int) -> list[Frame]:
         """What apps publish; robots take turns."""
         count = int(self.end * PACE)
-        return [
-            Frame(f"r{robot}", f"r{robot}/data", (i + robot / self.robots) / PACE, SIZE, {})
-            for i in range(count)
-            for robot in range(self.robots)
-        ]
+        return [Frame(f"r{i % robots}", f"r{i % robots}/data", i / PACE, SIZE, {}) for i in range(count)]
 
     def phases(self) -> tuple[tuple[str, float, float, float], ...]:
         """Name what happened, from when to when it has to be right, and the rate then."""
         return (
+            ("constant", STARTED, self.halved, RATE),
             ("halved", self.halved + SETTLED, self.doubled, RATE / 2.0),
             ("doubled", self.doubled + SETTLED, self.end, RATE),
         )
 
 
-QUICK = Course(robots=2, halved=4.0, doubled=8.0, end=12.0)
+QUICK = Course(teams=(2,), halved=8.0, doubled=13.0, end=18.0)
 
 
 def adaptive_rows(course: Course) -> Iterator[Row]:
-    """Yield a row for each arrangement and change of the rate."""
-    changes = ((course.halved, RATE / 2.0), (course.doubled, RATE))
+    """Yield a row for each arrangement, size of the team and change of the rate."""
     for coordination, transport in ARRANGEMENTS:
-        for what, since, until, rate in course.phases():
-            name = f'Rate {what}, limit = "adaptive": {coordination}, {transport}'
-            asked = f"after {SETTLED:g} s ≥ {100 * ASKED:g} % of a constant limit"
-            try:
-                team = _team(course, coordination, transport, ADAPTIVE, Medium(RATE, DELAY, rates=changes))
-            except SpecsError:
-                yield name, asked, "this version has no adaptive limits", "not measured"
-                continue
-            right = _team(course, coordination, transport, f'limit = "{PART * rate} B/s"', Medium(rate, DELAY))
-            measured, share = _beside(team, right, course, since, until)
-            yield name, asked, measured, "yes" if share >= ASKED else "no"
+        for robots in course.teams:
+            yield from _Flights(course, robots, coordination, transport).rows()
 
 
-def _beside(team: Team, right: Team, course: Course, since: float, until: float) -> tuple[str, float]:
-    """Fly both; say what the first reaches beside the other between these times, and the share."""
-    for each in (team, right):
-        each.run(course.frames(), course.end)
-    share = _worth(team, since, until) / _worth(right, since, until)
-    late = [d.t_rcv - d.t_sent for d in team.deliveries if d.t_rcv is not None and since <= d.t_sent < until]
-    delay = f"delay {1000 * median(late):.0f} ms" if late else "nothing sent"
-    return f"{100 * share:.1f} %, {delay}", share
+@dataclass
+class _Flights:
+    """One team that adapts, and one with the right limit for each rate, flown when they are asked for."""
+
+    course: Course
+    robots: int
+    coordination: Coordination
+    transport: Transport
+    _right: dict[float, Team] = field(default_factory=dict)
+
+    def rows(self) -> Iterator[Row]:
+        """Yield a row for each phase."""
+        changes = ((self.course.halved, RATE / 2.0), (self.course.doubled, RATE))
+        team = self._fly(ADAPTIVE, Medium(RATE, DELAY, rates=changes))
+        asked = f"after {SETTLED:g} s ≥ {100 * ASKED:g} % of a constant limit"
+        for what, since, until, rate in self.course.phases():
+            if rate not in self._right:
+                self._right[rate] = self._fly(f'limit = "{PART * rate} B/s"', Medium(rate, DELAY))
+            share = _worth(team, since, until) / _worth(self._right[rate], since, until)
+            measured = [f"{100 * share:.1f} %", f"{100 * _used(team, since, until) / rate:.0f} % of the link"]
+            measured.append(_delay(team, since, until))
+            if what == "constant":
+                measured.append(f"least robot {100 * _fairness(team, since, until, self.robots):.0f} % of the most")
+            else:
+                measured.append(_calm(team, since - SETTLED, until))
+            name = f'Rate {what}, limit = "adaptive", {self.robots} robots: {self.coordination}, {self.transport}'
+            yield name, asked, ", ".join(measured), "yes" if share >= ASKED else "no"
+
+    def _fly(self, limit: str, medium: Medium) -> Team:
+        team = _team(self.robots, self.coordination, self.transport, limit, medium)
+        team.run(self.course.frames(self.robots), self.course.end)
+        return team
 
 
-def _team(course: Course, coordination: Coordination, transport: Transport, limit: str, medium: Medium) -> Team:
-    """Return a team under this limit; raise `SpecsError` when this version has no such limit."""
+def _used(team: Team, since: float, until: float) -> float:
+    """Samples on the air [B/s]."""
+    return sum(sent.size for sent in team.on_air if sent.frame and since <= sent.t < until) / (until - since)
+
+
+def _late(team: Team, since: float, until: float) -> list[float]:
+    """How long samples were on their way that were sent then [s]."""
+    return [d.t_rcv - d.t_sent for d in team.deliveries if d.t_rcv is not None and since <= d.t_sent < until]
+
+
+def _delay(team: Team, since: float, until: float) -> str:
+    late = _late(team, since, until)
+    return f"delay {1000 * median(late):.0f} ms" if late else "nothing sent"
+
+
+def _calm(team: Team, since: float, until: float) -> str:
+    """Say after what time samples are not late for two seconds, in the middle; none sent is no calm."""
+    spans = [since + LOOK * i for i in range(int((until - since) / LOOK))]
+    calm = [median(_late(team, t, t + LOOK) or [2.0 * CALM]) <= CALM for t in spans]
+    for i, t in enumerate(spans):
+        if all(calm[i : i + 2]):
+            return f"calm after {t - since:.1f} s"
+    return "never calm"
+
+
+def _fairness(team: Team, since: float, until: float, robots: int) -> float:
+    """What the robot that sent least sent of what the one that sent most did."""
+    sent = Counter(each.robot for each in team.on_air if each.frame and since <= each.t < until)
+    return min(sent[f"r{i}"] for i in range(robots)) / max(sent.values(), default=1)
+
+
+def _team(robots: int, coordination: Coordination, transport: Transport, limit: str, medium: Medium) -> Team:
+    """Return a team under this limit."""
     nothing: tuple[str, ...] = ()
-    interests = dict.fromkeys([f"r{i}" for i in range(course.robots)], nothing) | {OPERATOR: ("*/data",)}
+    interests = dict.fromkeys([f"r{i}" for i in range(robots)], nothing) | {OPERATOR: ("*/data",)}
     how = UNICAST if transport == "unicast" else broadcast(GROUP)
     return Team(
         specs_of(SPEC.format(limit=limit, slope=SLOPE)),
         interests,
         medium,
-        settings=CoreSettings("", "", coordination=coordination, transport=how),
+        settings=CoreSettings(
+            "", "", coordination=coordination, transport=how, digests_on_air=transport == "broadcast"
+        ),
         search=SearchSettings(search="best"),
         iterations=100,
     )

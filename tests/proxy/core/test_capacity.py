@@ -83,7 +83,7 @@ def test_a_growing_queue_decreases_the_limit_at_once_and_not_again_while_it_drai
     channel = Channel().run(20.0)
     channel.capacity.told(Digest("us", "us", channel.now, 0, 0, 0, capacity=(1.0,)))
     assert not channel.capacity.news(channel.now)
-    for wait in (0.05, 0.1, 0.15, 0.2):
+    for wait in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35):
         channel.waits["op"] = wait
         channel.run(0.1)
     assert channel.why in ("delay", "settling")
@@ -108,6 +108,16 @@ def test_silence_is_no_good_news(silent):
     assert channel.why == "silence"
     channel.waits["op"], channel.hears_us = 0.0, True
     assert channel.run(10.0).factor > 0.5
+
+
+def test_what_is_overdue_is_waited_for():
+    """It may stand in a queue: little is sent until it comes."""
+    channel = Channel().run(20.0)
+    channel.waits["op"] = None
+    assert channel.run(1.0).factor <= 0.4
+    assert channel.why == "overdue"
+    channel.waits["op"] = 0.0
+    assert channel.run(2.0).factor == 1.0
 
 
 def test_one_robot_that_is_far_away_decreases_nothing():
@@ -232,7 +242,7 @@ def test_a_follower_sees_a_queue_before_its_leader_alone():
     channel = Channel(peers=("op", "a", "b"))
     channel.leader, channel.tells_use = "op", (1.0,)
     channel.run(20.0).waits |= {"a": None, "b": None}
-    for wait in (0.05, 0.1, 0.15, 0.2):
+    for wait in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35):
         channel.waits["op"] = wait
         channel.run(0.1)
     assert channel.factor <= 0.7

@@ -164,11 +164,11 @@ def test_a_field_of_another_kind_is_refused_or_harmless(digest, place, value):
         (b"\x00" * (MAX_DIGEST + 1), "more than the"),
         (b"", "no msgpack"),
         (msgpack.packb({"a": 1}), "no msgpack"),
-        (msgpack.packb([2, "r"]), "not version 3"),
-        (msgpack.packb([3.0, "r"]), "not version 3"),
-        (msgpack.packb([3, "r"]), "2 fields where 6 are due"),
+        (msgpack.packb([3, "r"]), "not version 4"),
+        (msgpack.packb([4.0, "r"]), "not version 4"),
+        (msgpack.packb([4, "r"]), "2 fields where 6 are due"),
         (b"\x91" * 5000, "no msgpack"),
-        (msgpack.packb([3, [0] * 8000]), "2 fields"),
+        (msgpack.packb([4, [0] * 8000]), "2 fields"),
     ],
 )
 def test_a_refusal_says_why(data, message):
@@ -177,16 +177,16 @@ def test_a_refusal_says_why(data, message):
         heard(data)
 
 
-BASE = [3, 10_000, 1, 1, 1, 1]
+BASE = [4, 10_000, 1, 1, 1, 1]
 STREAM = [1, 5, 1, 10, 20, 300, 1]
 
 
 @pytest.mark.parametrize(
     "fields",
     [
-        [3, 10**17, *BASE[2:]],
-        [3, 1, -1, *BASE[3:]],
-        [3, 1, True, *BASE[3:]],
+        [4, 10**17, *BASE[2:]],
+        [4, 1, -1, *BASE[3:]],
+        [4, 1, True, *BASE[3:]],
         [*BASE[:5], 2**60],
         [*BASE, 5],
         [*BASE, [1]],
@@ -214,7 +214,7 @@ def test_absurd_digests_are_refused(fields):
         heard(msgpack.packb(fields))
 
 
-WHOLE = [3, b"ab", 1, 0, [], 0, "enforce", "s", "unicast", [], []]
+WHOLE = [4, b"ab", 1, 0, [], 0, "enforce", "s", "unicast", [], []]
 
 
 @pytest.mark.parametrize(

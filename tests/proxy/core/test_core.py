@@ -20,6 +20,7 @@ from proxy.core.commands import (
 )
 from proxy.core.fixed import rounded, single
 from proxy.core.mode import Mode
+from proxy.core.telling import ON_ITS_WAY
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
@@ -628,12 +629,15 @@ def test_a_lost_state_is_asked_for(make_talk):
     talk.tell(ev.StateHeard(1.0, State("op", "zz-op", "enforce", "", (), ("a/*",), number=3)))
     told_by(talk, 1.1, number=3)
     assert len(talk.all(AskState)) == asked
+    told_by(talk, 1.15, number=2)
     told_by(talk, 1.2, number=5)
+    assert len(talk.all(AskState)) == asked
+    talk.tell(ev.TimePassed(1.25 + ON_ITS_WAY))
     assert len(talk.all(AskState)) == asked + 1
     update = State("op", "zz-op", "", "", (StreamState(1, "b", "x", 1.0),), number=5, since=4)
-    talk.tell(ev.StateHeard(1.3, update))
+    talk.tell(ev.StateHeard(1.6, update))
     assert talk.core.view.peers["zz-op"].number == 3
-    talk.tell(ev.StateHeard(1.4, State("op", "zz-op", "enforce", "", (), ("b/*",), number=5)))
+    talk.tell(ev.StateHeard(1.7, State("op", "zz-op", "enforce", "", (), ("b/*",), number=5)))
     assert talk.core.view.peers["zz-op"].subscriptions == ("b/*",)
     talk.tell(ev.TimePassed(60.0))
     assert len(talk.all(AskState)) == asked + 1

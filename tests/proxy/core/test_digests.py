@@ -160,9 +160,9 @@ def test_each_peer_is_echoed_about_once_a_second():
     """If the allowance is large."""
     pacer = DigestPacer(0.0)
     pacer.set_rate(1e6)
-    assert [e.peer for e in pacer.echoes(1.0, [echo("a"), echo("b")])] == ["a", "b"]
-    assert pacer.echoes(1.9, [echo("a")]) == ()
-    assert {e.peer for e in pacer.echoes(2.0, [echo("a"), echo("b")])} == {"a", "b"}
+    assert [e.peer for e in pacer.echoes(1.0, [echo("a"), echo("b")], 2)] == ["a", "b"]
+    assert pacer.echoes(1.9, [echo("a")], 2) == ()
+    assert {e.peer for e in pacer.echoes(2.0, [echo("a"), echo("b")], 2)} == {"a", "b"}
 
 
 def test_of_many_peers_a_few_are_echoed_in_turn():
@@ -170,23 +170,15 @@ def test_of_many_peers_a_few_are_echoed_in_turn():
     peers = [echo(f"p{number:02}") for number in range(40)]
     pacer = DigestPacer(0.0)
     pacer.set_rate(1e6)
-    told = [e.peer for now in (1.0, 1.1, 1.2, 1.3, 1.4) for e in pacer.echoes(now, peers)]
+    told = [e.peer for now in (1.0, 1.1, 1.2, 1.3, 1.4) for e in pacer.echoes(now, peers, 40)]
     assert told == [e.peer for e in peers]
     assert len(told) == 5 * MOST_ECHOES
     poor = DigestPacer(0.0)
-    told = [e.peer for now in range(1, 101) for e in poor.echoes(float(now), peers[:4])]
+    told = [e.peer for now in range(1, 101) for e in poor.echoes(float(now), peers[:4], 4)]
     assert 100.0 * 100.0 / 4.0 * 0.8 <= len(told) * 23 * 4 <= 100.0 * 100.0 / 4.0 * 1.1
     assert all(abs(told.count(e.peer) - len(told) / 4) <= 1 for e in peers[:4])
-
-
-def test_far_peers_are_echoed_at_the_price_of_one_copy_until_their_clocks_are_known():
-    """Where one copy is for all: each a few times, and once as soon as it shows that they are far."""
-    peers = [echo(f"p{number}") for number in range(8)]
-    pacer = DigestPacer(0.0)
-    assert len(pacer.echoes(0.0, peers)) == 1
-    assert {e.peer for e in pacer.echoes(0.5, peers, far=True)} == {e.peer for e in peers[1:]}
-    few = [e.peer for now in range(2, 30) for e in pacer.echoes(float(now), peers, far=True)]
-    assert all(few.count(e.peer) in (2, 3) for e in peers)
+    broadcast = DigestPacer(0.0)
+    assert len([e for now in range(1, 101) for e in broadcast.echoes(float(now), peers[:4], 1)]) > 3 * len(told)
 
 
 def test_grants_are_told_to_whom_they_concern_the_first_ones_first():
@@ -199,6 +191,8 @@ def test_grants_are_told_to_whom_they_concern_the_first_ones_first():
     assert pacer.grants("") == (early,)
     assert pacer.addressee([late, early]) == ""
     assert pacer.grants("") == ()
+    assert (pacer.addressee([late, early], 2), pacer.again) == ("a", True)
+    assert pacer.grants("a", 2) == (early,)
     many = [Grant(f"p{number:02}", 0.0, float(number), (10,)) for number in range(60)]
     assert pacer.addressee(many) == "p00"
     assert len(pacer.grants("")) == MOST_GRANTS

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.estimate import INITIAL, STEP, Estimate
+from proxy.core.estimate import INITIAL, QUIET, STEP, Estimate
 
 DEEDS = st.lists(
     st.one_of(
@@ -42,14 +42,16 @@ def settled(part=0.5):
 
 
 def test_it_grows_by_addition_once_it_was_cut():
-    """By as much each second, more when nothing stood in its way for long; before, and up to what others know, fast."""
+    """By as much each second, more the longer nothing stands in its way; before, and up to what others know, fast."""
     estimate = settled()
-    estimate.grow(2.0, 1.0, 1.0, 0.0)
+    estimate.grow(2.0, 1.0, 1.0, 0.1)
     assert estimate.part == pytest.approx(0.5 + STEP)
-    estimate.grow(9.0, 1.0, 1.0, 0.0)
-    assert estimate.part == pytest.approx(0.5 + 3 * STEP)
+    estimate.grow(1.0 + QUIET + 2.0, 1.0, 1.0, 0.1)
+    assert estimate.part == pytest.approx(0.5 + 4 * STEP)
+    estimate.grow(9.0, 0.1, 1.0, 0.0)
+    assert estimate.part == pytest.approx(0.5 + 4.1 * STEP)
     estimate.grow(10.0, 1.0, 1.0, 0.8)
-    assert estimate.part == pytest.approx(1.5 * (0.5 + 3 * STEP))
+    assert estimate.part == pytest.approx(1.5 * (0.5 + 4.1 * STEP))
     first = Estimate(0.0, 0.05)
     first.grow(1.0, 1.0, 1.0, 0.0)
     assert first.part == pytest.approx(1.5 * INITIAL)
@@ -95,7 +97,7 @@ def test_after_silence_it_may_grow_fast():
 
 
 def test_a_queue_that_still_stands_drains_longer():
-    """At less, for two seconds at most; and one that has doubled meanwhile is reason for another decrease."""
+    """At less, for two seconds at most; and one that has doubled meanwhile is reason for one other decrease."""
     estimate = settled(0.9)
     estimate.cut(10.0, 0.9, 1.0, 0.1)
     before = estimate.part
@@ -109,13 +111,24 @@ def test_a_queue_that_still_stands_drains_longer():
     estimate.linger(20.2, 0.5)
     estimate.linger(20.3, 0.5)
     assert estimate.part == pytest.approx(0.7 * before)
+    estimate.linger(20.35, 1.5)
+    assert estimate.part == pytest.approx(0.7 * before)
     assert estimate.told(20.4) == pytest.approx(0.35 * estimate.part)
+
+
+def test_while_nothing_tells_of_the_channel_little_is_sent():
+    """Until something comes; then all of it again."""
+    estimate = settled(0.5)
+    estimate.hold(10.0)
+    assert estimate.part == pytest.approx(0.5)
+    assert estimate.told(10.1) == pytest.approx(0.35 * 0.5)
+    assert estimate.told(estimate.drained_at) == pytest.approx(0.5)
 
 
 def test_what_others_know_is_older_than_a_decrease():
     """Until nothing stood in the way for long, it grows no faster for what the others say."""
     estimate = settled(0.3)
     estimate.grow(2.0, 1.0, 1.0, 1.0)
-    assert estimate.part == pytest.approx(0.32)
+    assert estimate.part == pytest.approx(0.3 + STEP)
     estimate.grow(8.0, 1.0, 1.0, 1.0)
-    assert estimate.part == pytest.approx(0.48)
+    assert estimate.part == pytest.approx(1.5 * (0.3 + STEP))

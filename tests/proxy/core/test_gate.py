@@ -171,7 +171,7 @@ def test_the_status_explains_the_last_decision_and_counts_what_bound(make_aggreg
     talk = make_aggregated("most_recent", coordination="shares", settle=0.0)
     talk.tell(ev.PeerGone(0.05, "op", "zz-op"))
     talk.tell(ev.MatchingChanged(0.05, "robot/r1/camera", matching=True))
-    _, commands = talk.publish(0.1)
+    _, commands = talk.publish(5.1)
     plan = Plan(
         send=False,
         sends=(),
@@ -185,10 +185,10 @@ def test_the_status_explains_the_last_decision_and_counts_what_bound(make_aggreg
         binding=("throughput (held)",),
         seconds=0.004,
     )
-    talk.tell(ev.DecisionReady(0.2, only(commands)[0].ticket, plan))
-    talk.tell(ev.SamplesPassed(0.25, "passed:no-spec", 1, 6000))
-    talk.publish(0.3, size=6000)
-    decisions = talk.core.status(1.2)["decisions"]
+    talk.tell(ev.DecisionReady(5.2, only(commands)[0].ticket, plan))
+    talk.tell(ev.SamplesPassed(5.25, "passed:no-spec", 1, 6000))
+    talk.publish(5.3, size=6000)
+    decisions = talk.core.status(6.2)["decisions"]
     last = decisions.pop("last")
     assert (last["age"], last["key"], last["reason"]) == (1.0, "robot/r1/camera", "dropped:planner")
     assert last["prices"] == {"throughput": 0.0}
@@ -196,6 +196,9 @@ def test_the_status_explains_the_last_decision_and_counts_what_bound(make_aggreg
         "made": 1,
         "iterations": 7,
         "would_drop": 0,
+        "unneeded": 0,
+        "owed": 0,
+        "unkept": 0,
         "seconds": 0.004,
         "longest": 0.004,
         "proven": 0,
@@ -213,3 +216,15 @@ def test_constraints_that_leave_no_room_are_counted_by_name(make_aggregated):
     talk.answer(0.11, only(commands)[0], send=True)
     talk.publish(0.2, size=6000)
     assert talk.core.status(0.3)["decisions"]["binding"] == {"throughput": 1}
+
+
+def test_until_all_said_what_they_want_what_nobody_wants_counts(make_talk):
+    """It may be for who is new; what we hold then has to do."""
+    talk = make_talk(coordination="shares", settle=0.0)
+    talk.tell(ev.PeerAppeared(0.1, "r9", "z-r9"))
+    talk.publish(5.2)
+    assert dict(talk.core.counts.by_reason) == {"dropped:constraint": 1}
+    for robot, zid in (("r9", "z-r9"), ("op", "zz-op")):
+        talk.tell(ev.StateHeard(5.3, State(robot, zid, "enforce", "", number=1)))
+    talk.publish(5.4)
+    assert [command.sample for command in talk.all(Forward)] == [2]

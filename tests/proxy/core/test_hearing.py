@@ -33,6 +33,35 @@ def test_silence_is_when_nobody_hears_us():
     assert not hearing.silent(25.5)
 
 
+def test_what_is_overdue_is_noticed_before_silence():
+    """Where all speak often; who seldom speaks does not expect much."""
+    hearing = spoken(0.2, 20.0)
+    assert not hearing.overdue(20.3)
+    hearing.said(20.3)
+    hearing.said(20.6)
+    assert hearing.overdue(20.7)
+    assert not hearing.silent(20.7)
+    assert not spoken(4.0, 40.0).overdue(43.0)
+
+
+def test_how_rarely_we_are_told_that_we_are_heard_is_learnt():
+    """Where there are many each is told in its turn, but nobody waits for ever."""
+    hearing = Hearing(0.0)
+    for second in range(1, 41):
+        hearing.said(float(second))
+        hearing.heard(float(second))
+        if second % 4 == 0:
+            hearing.heard_by(float(second))
+    for second in range(41, 48):
+        hearing.said(float(second))
+        hearing.heard(float(second))
+    assert not hearing.silent(47.0)
+    for second in range(48, 60):
+        hearing.said(float(second))
+        hearing.heard(float(second))
+    assert hearing.silent(59.0)
+
+
 def test_who_may_seldom_speak_expects_to_hear_seldom():
     """The allowance is the same for all."""
     hearing = spoken(4.0, 40.0)

@@ -349,9 +349,9 @@ def test_one_forecast_of_every_stream_is_kept(make_specs):
 
 def chosen(view, limits):
     """Return the periods of the streams in the window: each has one of its own."""
-    problem, expected = WindowBuilder(view, 0.0).ahead(10.0, (), limits)
-    assert len(problem.streams) == len({e.stream.key for e in expected.values()})
-    return {round(e.stream.schedule.period, 3) for e in expected.values()}
+    outlook = WindowBuilder(view, 0.0).ahead(10.0, (), limits)
+    assert len(outlook.problem.streams) == len({e.stream.key for e in outlook.ahead.values()})
+    return {round(e.stream.schedule.period, 3) for e in outlook.ahead.values()}
 
 
 def test_of_too_many_streams_the_best_and_the_next_ones_have_places(make_specs):

@@ -48,12 +48,12 @@ def test_a_crash_is_noticed_late_and_a_farewell_at_once(fly):
 
 
 def test_who_comes_again_has_a_new_id(fly):
-    """And sends again; the others know it and its streams."""
+    """And sends again; the others know it, and who leads its streams."""
     flying = fly(12.0, Crash(3.0, "r1"), Join(7.0, "r1"))
     zid = flying.members["r1"].zid
     assert zid != "z-r1"
     assert tag(zid) in flying.cores["op"].view.peers
-    assert any(stream.robot == "r1" for stream in flying.cores["r0"].view.streams())
+    assert any(stream.robot == "r1" for stream in flying.cores["op"].view.streams())
     assert flying.cores["r1"].counts.received > 0
 
 

@@ -1,0 +1,114 @@
+"""Plenty: while the limits have room for all that robots generate, each is lent what it needs, and more, for long.
+
+Then nothing has to be planned for anybody else, no sample waits for what it takes to be lent, and none needs a search.
+When streams come or grow until there is no plenty any more, what was lent so is not lengthened, and runs out.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+
+from proxy.core.limits import Limit, use_of
+from proxy.core.shares import Lent, Shares
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+
+ENOUGH = 0.5
+"""There is plenty when all together need no more than this part of every limit..."""
+STAYS = 0.7
+"""... and still when they need a little more."""
+SPARED = 0.9
+"""So much of the rest is given out, too; each robot gets the same of it."""
+PACE = 0.25
+"""What robots need is worked out this often [s]..."""
+EACH = 1e-3
+"""... where many streams compete only after so long for each of them [s]."""
+LOOK = 1.0
+"""What is lent is lengthened so long before it ends [s]..."""
+RENEWED = 2.0
+"""... by so much more [s]."""
+LONGEST = 600.0
+"""Nothing is lent for longer; then it is lent anew [s]."""
+
+KNOWN = 8
+"""Of a stream that generated fewer samples nobody can say what it needs."""
+
+Amounts = tuple[float, ...]
+
+
+def need(view: SharedView, stream: Stream, limits: Sequence[Limit]) -> Amounts:
+    """Return what a stream takes of each limit in any window when all its samples are sent."""
+    uses = use_of(stream.newest.size, view.copies(stream), tuple(limits))
+    period = max(stream.schedule.period, 1e-3)
+    # In any window there may be one more than fit into it evenly.
+    return tuple(use * (limit.window / period + 1.0) for use, limit in zip(uses, limits, strict=True))
+
+
+def fits(view: SharedView, streams: Iterable[Stream], limits: Sequence[Limit], held: Sequence[float]) -> bool:
+    """Whether all samples of these streams fit easily into what is held of each limit: none has to be dropped."""
+    left = [STAYS * amount for amount in held]
+    for stream in streams:
+        left = [amount - needed for amount, needed in zip(left, need(view, stream, limits), strict=True)]
+        if stream.generated < KNOWN or min(left, default=0.0) < 0.0:
+            return False
+    return True
+
+
+class Plenty:
+    """Whether there is plenty, and what we lend of it as leader."""
+
+    def __init__(self, view: SharedView, shares: Shares) -> None:
+        self._view = view
+        self._shares = shares
+        self._due = -math.inf
+        self._there = False
+        self._needs: dict[str, Amounts] = {}
+        self._lent: dict[str, list[Lent]] = {}
+
+    def there(self, now: float, limits: Sequence[Limit]) -> bool:
+        """Whether the limits that robots share have room for all that is wanted of anybody."""
+        if now < self._due:
+            return self._there
+        streams = [stream for stream in self._view.streams() if self._view.competes(now, stream)]
+        self._due = now + max(PACE, EACH * len(streams))
+        self._needs = {}
+        for stream in streams:
+            known = self._needs.get(stream.robot, (0.0,) * len(limits))
+            self._needs[stream.robot] = _sum(known, need(self._view, stream, limits))
+        part = STAYS if self._there else ENOUGH
+        self._there = bool(streams) and all(left >= 1.0 - part for left in self._left(len(limits)))
+        return self._there
+
+    def lend(self, now: float) -> int:
+        """Lend each robot what it needs and a part of the rest, and lengthen that; return how often."""
+        alive, done = set(self._shares.lent(now)), 0
+        limits = len(next(iter(self._needs.values()), ()))
+        spare = tuple(
+            SPARED * left * self._shares.whole(k) / (len(self._view.peers) + 1)
+            for k, left in enumerate(self._left(limits))
+        )
+        for tag, peer in self._view.peers.items():
+            if not peer.offset.known:
+                continue
+            lent = self._lent[tag] = [each for each in self._lent.get(tag, ()) if each in alive]
+            until = now + peer.offset.latency + peer.offset.uncertainty(now) + LOOK
+            for each in [each for each in lent if each.ends < until and each.ends - each.begins < LONGEST]:
+                if (longer := self._shares.lengthen(now, each, until + RENEWED)) is not None:
+                    lent[lent.index(each)] = longer
+                    done += 1
+            needed = self._needs.get(peer.robot, (0.0,) * limits)
+            held = _sum((0.0,) * limits, *(each.amounts for each in lent if each.ends >= until))
+            if not lent or any(have < amount for have, amount in zip(held, needed, strict=True)):
+                wanted = tuple(max(0.0, n + s - h) for n, s, h in zip(needed, spare, held, strict=True))
+                if (new := self._shares.lend(now, tag, now, until + RENEWED, wanted)) is not None:
+                    lent.append(new)
+                    done += 1
+        return done
+
+    def _left(self, limits: int) -> list[float]:
+        """What part of each limit nobody needs."""
+        needed = _sum((0.0,) * limits, *self._needs.values())
+        return [1.0 - amount / max(self._shares.whole(k), 1e-9) for k, amount in enumerate(needed)]
+
+
+def _sum(*amounts: Amounts) -> Amounts:
+    return tuple(map(sum, zip(*amounts, strict=True)))
