@@ -9,6 +9,9 @@ from utility_specs.lifetimes import integral
 from utility_specs.specs import Specs
 from utility_specs.suggestions import quoted
 
+MEANT = {"shadow": ": it decides, but sends all", "pass": ": it sends all, and decides nothing"}
+"""What the daemon's mode means for what is decided."""
+
 REASONS: Mapping[str, str] = {
     "dropped:planner": "others are worth more for what is left",
     "dropped:constraint": "a limit has no room for it",
@@ -28,7 +31,8 @@ def streams_of(status: Status, key: str) -> list[Status]:
 def known(status: Status, key: str) -> Iterator[str]:
     """Yield what the daemon knows of the streams of a key, line by line."""
     robot = status.get("robot", UNKNOWN)
-    yield f"what robot {robot} knows (mode {status.get('mode', UNKNOWN)})"
+    mode = status.get("mode", UNKNOWN)
+    yield f"what robot {robot} knows (mode {mode}{MEANT.get(mode, '')})"
     streams = streams_of(status, key)
     if not streams:
         yield "  nothing of this key: no type of the specs in force covers it, or nobody on another robot wants it"
@@ -79,7 +83,8 @@ def _stream(each: Status, *, several: bool) -> Iterator[tuple[str, str]]:
         "  samples",
         f"{made} made, {sent} sent, {made - sent} not; the last sent {_ago(each.get('last_forwarded'))}",
     )
-    yield from (("", f"{count} {_reason(reason)}") for reason, count in each.get("by_reason", {}).items())
+    for place, (reason, count) in enumerate(each.get("by_reason", {}).items()):
+        yield ("" if place else "  decided on", f"{count} {_reason(reason)}")
     wanted = each.get("receivers", 0)
     yield ("  wanted by", f"{wanted} robot{'s' * (wanted != 1)}")
 
@@ -98,7 +103,7 @@ def _decision(status: Status, key: str) -> Iterator[tuple[str, str]]:
     last = status.get("decisions", {}).get("last") or {}
     if last.get("key") != key:
         return
-    yield ("  decided", f"{_reason(str(last.get('reason')))}, {_ago(last.get('age'))}")
+    yield ("  last one", f"{_reason(str(last.get('reason')))}, {_ago(last.get('age'))}")
     did, otherwise = ("sent", "dropped") if last.get("send") else ("dropped", "sent")
     plans = f"{number(last.get('utility'))} with it {did}, {number(last.get('opposite'))} with it {otherwise}"
     yield ("", f"the team's best plan is worth {plans}")

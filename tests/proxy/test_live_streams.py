@@ -65,16 +65,16 @@ def test_a_stream_is_told_as_the_daemon_knows_it():
     status = STATUS | {"streams": [CAMERA]}
     assert list(known(status, "robot/r1/camera")) == [
         "what robot r1 knows (mode enforce)",
-        "  generates  periodic ±2%, every 100 ms, the last 34 ms ago",
-        "  next ones  expected red by trend",
-        "  samples    120 made, 80 sent, 40 not; the last sent never",
-        "             30 dropped:planner (others are worth more for what is left)",
-        "             80 forwarded",
-        "  wanted by  1 robot",
-        "  decided    dropped:planner (others are worth more for what is left), 500 ms ago",
-        "             the team's best plan is worth 5.42 with it dropped, 5.35 with it sent",
-        "             scarce: throughput, energy",
-        "  all keys   200 passed:no-spec, 80 forwarded",
+        "  generates   periodic ±2%, every 100 ms, the last 34 ms ago",
+        "  next ones   expected red by trend",
+        "  samples     120 made, 80 sent, 40 not; the last sent never",
+        "  decided on  30 dropped:planner (others are worth more for what is left)",
+        "              80 forwarded",
+        "  wanted by   1 robot",
+        "  last one    dropped:planner (others are worth more for what is left), 500 ms ago",
+        "              the team's best plan is worth 5.42 with it dropped, 5.35 with it sent",
+        "              scarce: throughput, energy",
+        "  all keys    200 passed:no-spec, 80 forwarded",
     ]
 
 
@@ -84,15 +84,15 @@ def test_several_robots_may_have_a_key():
     lines = list(known(STATUS, "robot/r1/camera"))
     assert lines[1] == "  of r1"
     assert "  of r2" in lines
-    assert "  next ones  expected to be like the last one" in lines
-    assert "  wanted by  2 robots" in lines
+    assert "  next ones   expected to be like the last one" in lines
+    assert "  wanted by   2 robots" in lines
 
 
 def test_an_unknown_key_is_said_to_be_one():
     """What covers nothing, or is wanted by nobody, is no stream; another key's decision is not told."""
     lines = list(known(STATUS, "other"))
     assert lines[1].startswith("  nothing of this key: ")
-    assert not any("decided" in line for line in lines)
+    assert not any("last one" in line for line in lines)
     assert len(list(known({"robot": "r1"}, "other"))) == 2
 
 
@@ -100,8 +100,8 @@ def test_a_decision_to_send_is_told_the_other_way_round():
     """Without scarcity nothing is said of it."""
     last = STATUS["decisions"]["last"] | {"send": True, "reason": "forwarded", "prices": {}, "binding": []}
     lines = list(known(STATUS | {"decisions": {"last": last}}, "robot/r1/camera"))
-    assert "  decided    forwarded, 500 ms ago" in lines
-    assert "             the team's best plan is worth 5.42 with it sent, 5.35 with it dropped" in lines
+    assert "  last one    forwarded, 500 ms ago" in lines
+    assert "              the team's best plan is worth 5.42 with it sent, 5.35 with it dropped" in lines
     assert not any("scarce" in line for line in lines)
 
 
@@ -114,6 +114,14 @@ def test_streams_compete_by_what_their_bytes_are_worth(specs):
         ("robot/r1/camera of r1", 4.5, 40_000, True, ""),
         ("robot/r1/old of r1", None, 40_000, False, 'type "old" is not in these specs'),
     ]
+
+
+def test_what_decisions_do_is_told_with_the_mode():
+    """In shadow all is sent, whatever is decided."""
+    assert (
+        next(known(STATUS | {"mode": "shadow"}, "a")) == "what robot r1 knows (mode shadow: it decides, but sends all)"
+    )
+    assert "decides nothing" in next(known(STATUS | {"mode": "pass"}, "a"))
 
 
 def test_scripts_get_what_the_daemon_said():
