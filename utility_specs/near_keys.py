@@ -12,7 +12,7 @@ from utility_specs.suggestions import quoted
 
 FAR = 2.0
 """What differs by more is not near: two chunks too many, too few or of another name."""
-BESIDE = 0.3
+BESIDE = 0.15
 """What differs by so much more than the nearest is not told beside it."""
 ALIKE = 0.6
 """Chunks that are less alike have nothing in common: short ones often share a letter."""

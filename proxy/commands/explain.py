@@ -110,6 +110,9 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
 
 def run(arguments: argparse.Namespace) -> int:
     """Explain and print; return the exit code."""
+    if arguments.live and (arguments.attachment or arguments.size):
+        print("sendworthy explain: with --live the sample has its own size and attachment", file=sys.stderr)
+        return exit_codes.USAGE
     try:
         if arguments.live or not arguments.specs:
             with connected(arguments.connect) as daemon:

@@ -172,6 +172,13 @@ def test_flags_that_make_no_sense_are_refused(flag, specs, capsys):
     assert flag.split()[0] in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("flag", ["--size=5 B", "--attachment=x"])
+def test_a_live_sample_brings_all_with_it(explained, specs, flag):
+    """What would be ignored is refused."""
+    shown = explained("a", "--live", flag, "--specs", specs, code=exit_codes.USAGE)
+    assert shown.err == "sendworthy explain: with --live the sample has its own size and attachment\n"
+
+
 def test_wrong_specs_are_named_with_file_line_and_key(explained, tmp_path):
     """As `sendworthy check` does."""
     file = tmp_path / "wrong.toml"
