@@ -20,7 +20,7 @@ Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  #
 Command = Callable[[Subparsers], None]
 
 GROUP = "sendworthy.commands"
-BUILT_IN = ("run", "check", "schema", "status", "mode", "push", "learn")
+BUILT_IN = ("run", "learn", "check", "schema", "explain", "status", "mode", "push")
 
 EXAMPLES = """\
 examples:
@@ -31,6 +31,7 @@ examples:
   sendworthy status                                what the daemon here does
   sendworthy mode enforce                          switch it live
   sendworthy push specs.d                          put these specs in force on all robots
+  sendworthy explain robot/r1/camera image.jpg     why is this sample worth what it is?
 
 `sendworthy COMMAND --help` tells more.
 """

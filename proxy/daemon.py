@@ -293,6 +293,7 @@ class Daemon:
                 "looks": self._lookout.looks,
                 "features": {"superseded": self._extractor.superseded},
                 "reloads": self.reloading.describe(),
+                "specs": str(self.reloading.loaded.config.specs.path.resolve()),
                 **self._bridge.describe(),
                 **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
             },

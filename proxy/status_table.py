@@ -50,7 +50,7 @@ def _counts(counts: Status) -> str:
         ("", reason, str(n), amount(sizes[reason], "B") if reason in sizes else "")
         for reason, n in sorted(reasons.items(), key=lambda pair: -pair[1])
     ]
-    return "\n".join([f"samples  {counts.get('in', 0)} in = {law}", *_columns(rows, "llrr")])
+    return "\n".join([f"samples  {counts.get('in', 0)} in = {law}", *columns(rows, "llrr")])
 
 
 def _denied(denied: Mapping[str, Status]) -> str:
@@ -80,7 +80,7 @@ def _decisions(decisions: Status) -> str:
         rows.append(("quality", f"{share(decisions.get('proven'), made)} proven optimal, {_loss(decisions)}"))
     if decisions.get("binding"):
         rows.append(("scarce", ", ".join(f"{name} ({count} drops)" for name, count in decisions["binding"].items())))
-    return "\n".join(_columns([*rows, *_last(decisions.get("last") or {})], "ll"))
+    return "\n".join(columns([*rows, *_last(decisions.get("last") or {})], "ll"))
 
 
 def _loss(decisions: Status) -> str:
@@ -249,10 +249,10 @@ def _warnings(status: Status) -> str:
 
 
 def _section(head: Row, alignment: str, rows: Sequence[Row]) -> str:
-    return "\n".join(_columns([head, *rows], alignment)) if rows else ""
+    return "\n".join(columns([head, *rows], alignment)) if rows else ""
 
 
-def _columns(rows: Sequence[Row], alignment: str) -> list[str]:
+def columns(rows: Sequence[Row], alignment: str) -> list[str]:
     """Align columns, "l" left and "r" right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from tests.daemons import Running
@@ -48,11 +50,12 @@ def test_the_spec_in_it_loads(tmp_path):
 
 
 def test_the_daemon_runs_and_answers_as_it_says(tmp_path):
-    """`run` with the sample configuration, then `check`, `status` and `mode shadow`."""
+    """`run` with the sample configuration, then `check`, `explain`, `status` and `mode shadow`."""
     specs = tmp_path / "specs.d"
     specs.mkdir()
     shutil.copy(ROOT / "utility_specs" / "surveillance.toml", specs)
     config = shutil.copy(ROOT / "deploy" / "sendworthy.toml", tmp_path)
+    (tmp_path / "image.jpg").write_bytes(cv2.imencode(".jpg", np.zeros((48, 64, 3), np.uint8))[1].tobytes())
     daemon = Running("--config", str(config), "--robot", "r1", "--planner.iterations", "500")
     try:
         daemon.wait_for("robot r1")

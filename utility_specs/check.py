@@ -8,9 +8,8 @@ from typing import Any, Self, TextIO
 
 from planner.airtime import Airtime
 from planner.measures import Energy, Measure, Throughput
-from planner.problem import Aggregation, AggregationModel
-from planner.utility import Custom, MessageUtility
 from utility_specs.errors import SpecProblem, SpecsError
+from utility_specs.explaining import combined, kind_of
 from utility_specs.findings import findings
 from utility_specs.loader import LoadedFile, load_set
 from utility_specs.specs import ConstraintSpec, InformationType
@@ -85,18 +84,8 @@ def _summary(file: LoadedFile) -> list[str]:
 
 def _type_line(each: InformationType) -> str:
     scale = f"scale {each.weighing.text.removesuffix('.0')} × ({each.expression.text})"
-    worth = f"{_kind(each.utility)}, {_combined(each.aggregation)}, {scale}"
+    worth = f"{kind_of(each.utility)}, {combined(each.aggregation)}, {scale}"
     return f'  information_type "{each.name}": {", ".join(each.keys)} ({worth})'
-
-
-def _kind(utility: MessageUtility) -> str:
-    return f"python {utility.name}" if isinstance(utility, Custom) else type(utility).__name__.lower()
-
-
-def _combined(aggregation: Aggregation | AggregationModel) -> str:
-    if isinstance(aggregation, Aggregation):
-        return str(aggregation)
-    return f"python {type(aggregation).__module__}:{type(aggregation).__qualname__}"
 
 
 def _constraint_line(each: ConstraintSpec) -> str:

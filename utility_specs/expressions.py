@@ -121,6 +121,16 @@ class Expression:
             raise ExpressionError(f"has no finite value: {value}")
         return value
 
+    def filled(self, values: Mapping[str, float | str], write: Callable[[float | str], str]) -> str:
+        """Return the text with values in place of the names that have some, as `write` writes them."""
+        known = {**self._known, **values}
+        names = [node for node in ast.walk(self._tree) if isinstance(node, ast.Name) and node.id not in CONSTANTS]
+        line = " ".join(self.text.split()).encode()  # places count bytes
+        for node in sorted(names, key=lambda node: node.col_offset, reverse=True):
+            if node.id in known:
+                line = line[: node.col_offset] + write(known[node.id]).encode() + line[node.end_col_offset :]
+        return line.decode()
+
 
 def _evaluator(names: Mapping[str, float]) -> SimpleEval:
     functions = {name: function for name, (function, _, _) in FUNCTIONS.items()}

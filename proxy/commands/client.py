@@ -3,12 +3,13 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
+from queue import Empty, SimpleQueue
 
 import zenoh
 
-from proxy import exit_codes
+from proxy import clock, exit_codes
 from proxy.bridge import keys
 from proxy.bridge.fleet import PATIENCE, Outcome, read_outcomes
 from proxy.config_values import endpoint, robot_name
@@ -78,6 +79,19 @@ class Client:
     def order(self, robot: str, order: str, payload: bytes) -> list[Outcome]:
         """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""
         return read_outcomes(self._ask(keys.to_fleet(robot, order), payload, PATIENCE + TIMEOUT)[0].encode())
+
+    def samples(self, key: str, timeout: float) -> Generator[zenoh.Sample, None, None]:
+        """Yield what is put under a key expression from now on. Raises NoAnswerError after so many seconds."""
+        taken: SimpleQueue[zenoh.Sample] = SimpleQueue()
+        end = clock.monotonic() + timeout
+        with self._session.declare_subscriber(key, zenoh.handlers.Callback(taken.put, indirect=False)):
+            while True:
+                try:
+                    sample = taken.get(timeout=max(0.0, end - clock.monotonic()))
+                except Empty:
+                    raise NoAnswerError(f"no sample of {key} came within {timeout:g} s at {self._where}") from None
+                if sample.kind == zenoh.SampleKind.PUT:
+                    yield sample
 
     def only_robot(self) -> str:
         """Return the name of the one robot whose daemon answers. Raises NoAnswerError."""

@@ -277,6 +277,7 @@ class Gate:
             if stream.information_type.aggregation is Aggregation.ONCE:
                 self._first[sample.sample] = stream, self._view.gaining(stream)
             self._view.note_sent(stream, stream.forwarded + 1, sent)
+            stream.fates[reason] += 1
         self._tell(stream, sample.size)
         self._shares.use(now, use)
         return self.pass_on(sample.sample, reason)
@@ -285,6 +286,8 @@ class Gate:
         """Drop what was decided against; in `shadow` it goes all the same, and only its traffic is told."""
         self.decisions.refused(lacking)
         stream = self._own(now, sample)
+        if stream is not None:
+            stream.fates[reason] += 1
         if self.mode_of(stream) is not Mode.SHADOW:
             return self._drop(sample.sample, reason)
         self.decisions.would_drop += 1

@@ -103,6 +103,7 @@ def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
         "scale": last.scale if last else 0.0,
         "generated": stream.generated,
         "forwarded": stream.forwarded,
+        "by_reason": dict(sorted(stream.fates.items())),
         "receivers": core.view.receivers(stream),
         "last_generated": now - last.t_gen if last else None,
         "last_forwarded": now - sent.t_sent if sent else None,

@@ -1,7 +1,7 @@
 """What is known of one stream: the samples of one key from one robot."""
 
 from bisect import bisect_left
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -57,6 +57,8 @@ class Stream:
     recent: deque[Sent] = field(default_factory=lambda: deque(maxlen=512))
     matching: bool = False
     touched: float = 0.0
+    fates: Counter[str] = field(default_factory=Counter)
+    """What was decided on samples of ours, by reason."""
     reached: set[str] = field(default_factory=set)
     """Tags of the robots that were sent a sample."""
     mean_size: float = 0.0

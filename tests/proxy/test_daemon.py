@@ -9,6 +9,7 @@ import sys
 import threading
 from contextlib import suppress
 from functools import partial
+from pathlib import Path
 
 import pytest
 import zenoh
@@ -184,6 +185,7 @@ def test_the_status_tells_of_the_daemon(pair):
     assert set(daemon["sessions"]) == {"app", "mesh"}
     assert [link["zid"] for link in daemon["links"]] == [pair[1].status()["zid"]]
     assert daemon["faults"] == 0
+    assert Path(daemon["specs"]).is_absolute()
     assert daemon["egress"] == {"decided": 0, "passing": 0, "bytes": 0}
 
 

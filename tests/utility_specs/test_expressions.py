@@ -279,3 +279,19 @@ def test_names_of_all_kinds_are_suggested():
         Expression.compile("zzzz", KNOWN)
     with pytest.raises(ExpressionError, match=r"red is no function; write red \* \(…\) to multiply"):
         Expression.compile("red(2)", KNOWN)
+
+
+@pytest.mark.parametrize(
+    ("text", "filled"),
+    [
+        ("1 + 10 * red", "1 + 10 * <0.5>"),
+        ("red +\n  red*bonus", "<0.5> + <0.5>*<7.0>"),
+        ("2 if robot == 'é' and red > n else max(red, pi)", "2 if <r1> == 'é' and <0.5> > n else max(<0.5>, pi)"),
+        ("5", "5"),
+    ],
+)
+def test_values_stand_in_place_of_names(text, filled):
+    """Of constants, too, and of text where text is compared; what is not known keeps its name."""
+    known = Names(frozenset(["red"]), frozenset(["robot", "n"]), {"bonus": 7.0})
+    values = {"red": 0.5, "robot:text": "r1"}
+    assert Expression.compile(text, known).filled(values, lambda value: f"<{value}>") == filled

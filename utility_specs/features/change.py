@@ -26,6 +26,10 @@ class Change(Feature):
     image: Image = field(default_factory=Image)
     _last: OrderedDict[str, Pixels] = field(default_factory=OrderedDict, init=False, repr=False, compare=False)
 
+    def compares(self, key: str) -> bool:
+        """Whether there is an image of the stream to compare the next one with."""
+        return key in self._last
+
     def measure(self, sample: Sample) -> float:
         """Return the change, and remember the image; raises FeatureError when there is none."""
         cv2, _ = opencv()

@@ -24,8 +24,12 @@ class Document(Feature):
 
     def measure(self, sample: Sample) -> float:
         """Return the number; any exception means that there is none."""
+        return self.reading.of(self.document(sample))
+
+    def document(self, sample: Sample) -> Any:
+        """Return the document that it is read from; any exception means that there is none."""
         raw = sample.attachment if self.attached else sample.payload
-        return self.reading.of(sample.once((self.format, self.attached), lambda: _DECODED[self.format](raw)))
+        return sample.once((self.format, self.attached), lambda: _DECODED[self.format](raw))
 
 
 class JsonTable(PathTable):

@@ -66,7 +66,7 @@ def _rows(types: Sequence[Learned], traffic: Traffic) -> Iterator[str]:
     for each in types:
         streams, part = each.kind.streams, 100.0 * each.kind.bytes / max(1, traffic.bytes)
         middle = size(median(look for stream in streams for look in stream.sizes))
-        table.append((each.name, str(len(streams)), pace(each), middle, f"{part:.2g} %"))
+        table.append((each.name, str(len(streams)), pace(each), middle, f"{float(f'{part:.2g}'):g} %"))
     widths = [max(len(row[place]) for row in table) for place in range(len(table[0]))]
     for row in table:
         yield "#   " + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

@@ -1,8 +1,12 @@
 """Asking daemons, also those that answer strangely."""
 
+import threading
+from contextlib import closing
+
 import pytest
 
 from proxy.commands.client import NoAnswerError, connected
+from tests.proxy.nodes import plain_session, wait_matching
 
 
 def test_a_refusal_is_told_in_the_daemons_words(stand_in):
@@ -40,3 +44,23 @@ def test_what_is_no_status_is_no_answer(stand_in):
     with connected(where) as client, pytest.raises(NoAnswerError) as refused:
         client.status(None)
     assert str(refused.value) == f"what answers at {where} is no daemon of this version"
+
+
+def test_samples_are_what_is_put_until_the_time_is_over(stand_in):
+    """Deletes are none, and nobody waits for ever."""
+    where, key = stand_in({}), "robot/r1/pose"
+
+    def publish():
+        with plain_session("client", connect=[where]) as app:
+            wait_matching(app, key)
+            app.delete(key)
+            app.put(key, "here")
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    with connected(where) as client:
+        with closing(client.samples(key, 60.0)) as samples:
+            assert next(samples).payload.to_string() == "here"
+        thread.join()
+        with pytest.raises(NoAnswerError, match=f"no sample of {key} came within"):
+            next(client.samples(key, 0.01))

@@ -89,6 +89,8 @@ def test_in_shadow_what_once_makes_worthless_goes_all_the_same(make_aggregated):
     second, commands = talk.publish(0.3)
     assert only(commands) == [Forward(second)]
     assert talk.core.status(0.4)["decisions"]["would_drop"] == 1
+    (stream,) = talk.core.status(0.4)["streams"]
+    assert stream["by_reason"] == {"dropped:once": 1, "forwarded": 1}
 
 
 def test_a_deletion_waits_for_all_samples_before_it_and_holds_those_after_it(make_aggregated):

@@ -1,0 +1,133 @@
+"""What a status says of one stream."""
+
+import pytest
+
+from proxy.live_streams import competing, known, live_data, streams_of
+from utility_specs import load_specs
+
+CAMERA = {
+    "robot": "r1",
+    "key": "robot/r1/camera",
+    "type": "camera",
+    "schedule": "periodic",
+    "period": 0.1,
+    "jitter": 0.002,
+    "forecast": {"red": "trend"},
+    "size": 40_000,
+    "scale": 4.5,
+    "generated": 120,
+    "forwarded": 80,
+    "by_reason": {"dropped:planner": 30, "forwarded": 80},
+    "receivers": 1,
+    "last_generated": 0.034,
+    "last_forwarded": None,
+}
+STATUS = {
+    "robot": "r1",
+    "mode": "enforce",
+    "specs": "abc",
+    "streams": [
+        CAMERA | {"robot": "r2", "receivers": 2, "forecast": {}, "by_reason": {}},
+        CAMERA,
+        CAMERA | {"key": "robot/r1/stop", "type": "stop", "size": 50, "receivers": 0},
+        CAMERA | {"key": "robot/r1/old", "type": "old"},
+    ],
+    "decisions": {
+        "last": {
+            "key": "robot/r1/camera",
+            "reason": "dropped:planner",
+            "send": False,
+            "age": 0.5,
+            "utility": 5.42,
+            "opposite": 5.35,
+            "prices": {"throughput": 0.1, "airtime": 0.0},
+            "binding": ["energy"],
+        }
+    },
+    "counts": {"by_reason": {"forwarded": 80, "passed:no-spec": 200}},
+}
+
+
+@pytest.fixture
+def specs(tmp_path):
+    """Cameras, and what bypasses."""
+    file = tmp_path / "specs.toml"
+    file.write_text(
+        '[[information_type]]\nname = "camera"\nkeys = ["robot/*/camera"]\nutility = { kind = "step", lifetime = 2 }\n'
+        '[[information_type]]\nname = "stop"\nkeys = ["robot/*/stop"]\nutility = { kind = "step", lifetime = 2 }\n'
+        "bypass = true\n"
+    )
+    return load_specs(file)
+
+
+def test_a_stream_is_told_as_the_daemon_knows_it():
+    """Its schedule, its forecast, what became of its samples, and why the last decision was what it was."""
+    status = STATUS | {"streams": [CAMERA]}
+    assert list(known(status, "robot/r1/camera")) == [
+        "what robot r1 knows (mode enforce)",
+        "  generates   periodic ±2%, every 100 ms, the last 34 ms ago",
+        "  next ones   expected red by trend",
+        "  samples     120 made, 80 sent, 40 not; the last sent never",
+        "  decided on  30 dropped:planner (others are worth more for what is left)",
+        "              80 forwarded",
+        "  wanted by   1 robot",
+        "  last one    dropped:planner (others are worth more for what is left), 500 ms ago",
+        "              the team's best plan is worth 5.42 with it dropped, 5.35 with it sent",
+        "              scarce: throughput, energy",
+        "  all keys    200 passed:no-spec, 80 forwarded",
+    ]
+
+
+def test_several_robots_may_have_a_key():
+    """The daemon's own comes first, each by its robot."""
+    assert [each["robot"] for each in streams_of(STATUS, "robot/r1/camera")] == ["r1", "r2"]
+    lines = list(known(STATUS, "robot/r1/camera"))
+    assert lines[1] == "  of r1"
+    assert "  of r2" in lines
+    assert "  next ones   expected to be like the last one" in lines
+    assert "  wanted by   2 robots" in lines
+
+
+def test_an_unknown_key_is_said_to_be_one():
+    """What covers nothing, or is wanted by nobody, is no stream; another key's decision is not told."""
+    lines = list(known(STATUS, "other"))
+    assert lines[1].startswith("  nothing of this key: ")
+    assert not any("last one" in line for line in lines)
+    assert len(list(known({"robot": "r1"}, "other"))) == 2
+
+
+def test_a_decision_to_send_is_told_the_other_way_round():
+    """Without scarcity nothing is said of it."""
+    last = STATUS["decisions"]["last"] | {"send": True, "reason": "forwarded", "prices": {}, "binding": []}
+    lines = list(known(STATUS | {"decisions": {"last": last}}, "robot/r1/camera"))
+    assert "  last one    forwarded, 500 ms ago" in lines
+    assert "              the team's best plan is worth 5.42 with it sent, 5.35 with it dropped" in lines
+    assert not any("scarce" in line for line in lines)
+
+
+def test_streams_compete_by_what_their_bytes_are_worth(specs):
+    """By what their last samples showed; what these specs do not know comes last."""
+    found = competing(STATUS, specs, "robot/r1/camera")
+    assert [(each.name, each.value, each.size, each.this, each.note) for each in found] == [
+        ("robot/r1/stop of r1", 4.5, 50, False, "bypasses the planner, nobody wants it"),
+        ("robot/r1/camera of r2", 4.5, 40_000, False, ""),
+        ("robot/r1/camera of r1", 4.5, 40_000, True, ""),
+        ("robot/r1/old of r1", None, 40_000, False, 'type "old" is not in these specs'),
+    ]
+
+
+def test_what_decisions_do_is_told_with_the_mode():
+    """In shadow all is sent, whatever is decided."""
+    assert (
+        next(known(STATUS | {"mode": "shadow"}, "a")) == "what robot r1 knows (mode shadow: it decides, but sends all)"
+    )
+    assert "decides nothing" in next(known(STATUS | {"mode": "pass"}, "a"))
+
+
+def test_scripts_get_what_the_daemon_said():
+    """The decision only where it was one on the key."""
+    data = live_data(STATUS, "robot/r1/camera")
+    assert [each["robot"] for each in data["streams"]] == ["r1", "r2"]
+    assert data["last_decision"]["reason"] == "dropped:planner"
+    assert live_data(STATUS, "other")["last_decision"] is None
+    assert live_data({}, "other")["streams"] == []
