@@ -23,6 +23,7 @@ from proxy.core.inbox import SUPERSEDED, Waiting
 from proxy.core.layout import Layout
 from proxy.core.limits import limits_of, use_of
 from proxy.core.mode import Mode
+from proxy.core.outsiders import Outsiders
 from proxy.core.plausible import PATIENCE, objection, objection_to_state
 from proxy.core.report import report
 from proxy.core.settings import CoreSettings
@@ -59,6 +60,7 @@ class Core:
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
         self.strangers = Strangers()
         self.clocks = WallClocks(self.view)
+        self.outsiders = Outsiders(self.view)
         self._leader = ""
         """Who lends, as the allowance was last shared out."""
         self._keys: dict[int, str] = {}
@@ -304,6 +306,9 @@ class Core:
         if (pace := self.channel.follow()) is not None:
             self.telling.set_rate()
             commands.append(pace)
+        if self.outsiders.look(now):
+            self._membership(now)
+            commands += [Notice("error", warning) for warning in self.outsiders.warnings()]
         self._lay_out(now, commands)
         if self.gate.pending is None:
             self._tickets += 1
@@ -355,13 +360,14 @@ class Core:
             grants = digest.grants if peer.offset.known else ()
             uncertainty = peer.offset.uncertainty(now) if grants else 0.0
             self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
+            self.outsiders.note(now, digest.tag, known=self.shares.knows(digest.epoch, self.view.peers))
             self.channel.capacity.heard(now, digest)
             self.telling.look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)
-        self.shares.set_members(now, self.view.peers)
+        self.shares.set_members(now, self.view.peers.keys() - self.outsiders.found)
         self.telling.urgent = True
 
     def _adopt_limits(self, now: float) -> None:

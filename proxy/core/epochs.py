@@ -88,6 +88,11 @@ class Epochs:
         times = [self._enters_at] if self._next[1] else []
         return min((t for t in (*times, self._ready_at if self.leads else now) if t > now), default=math.inf)
 
+    def knows(self, epoch: int, names: Iterable[str]) -> bool:
+        """Whether an epoch is one of our limits, with one of these robots, or us, as the one who leads."""
+        number = epoch & 0xFFFFFFFF
+        return not epoch or epoch == self.epoch or any(self._hash(name) == number for name in (self.own, *names))
+
     def set_members(self, now: float, members: Iterable[str]) -> None:
         """The robots on the mesh are now these (ours is added)."""
         before, self.members, self._behind = self.members, frozenset(members) | {self.own}, None

@@ -35,6 +35,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "warnings": [
             *namesake_warnings(core.view),
             *transport_warnings(core.view),
+            *core.outsiders.warnings(),
             *cast_warnings(core.gate.limits, core.settings.transport),
             *clock_warnings(core.view),
         ],

@@ -98,6 +98,10 @@ class Shares:
         """Robots that are not known to be in our epoch."""
         return self._epochs.stragglers
 
+    def knows(self, epoch: int, names: Iterable[str]) -> bool:
+        """Whether an epoch is one of our limits, with one of these robots, or us, as the one who leads."""
+        return self._epochs.knows(epoch, names)
+
     def due_at(self, now: float) -> float:
         """When time alone changes who lends [s]."""
         return self._epochs.due_at(now)
