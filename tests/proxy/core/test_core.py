@@ -25,18 +25,6 @@ from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
 
-WEIGHED = """
-[[constraint]]
-kind = "messages"
-limit = 20
-window = 1.0
-[[information_type]]
-name = "any"
-keys = ["robot/r1/*"]
-weight = {}
-utility = {{ kind = "linear", slope = 0.5 }}
-"""
-
 
 def test_a_sample_is_decided_and_forwarded(make_talk):
     """Publish, decide, forward, hand over: counted once, as forwarded."""
@@ -459,71 +447,6 @@ def test_an_answer_is_checked_against_the_constraints_in_force(make_talk, make_s
         decided = only(talk.answer(0.4, decided, send=True))[0]
     assert decided == Forward(sample)
     assert len(talk.core.status(0.4)["budget"]) == len(talk.core.gate.limits)
-
-
-def test_no_decision_mixes_two_generations_of_specs(make_talk, make_specs):
-    """Whatever a window holds is worth what the specs in force say: facts, the sample itself, those that wait."""
-    talk = make_talk(make_specs(text=WEIGHED.format(1)))
-    for name in ("a", "b"):
-        talk.tell(ev.MatchingChanged(0.0, f"robot/r1/{name}", matching=True))
-    decides = []
-    for i in range(60):
-        t = 0.1 * i
-        for name in ("a", "b"):
-            _, commands = talk.publish(t, key=f"robot/r1/{name}")
-            decides += only(commands, Decide)
-        if i % 7 == 6:
-            for command in only(talk.tell(ev.SpecsChanged(t, make_specs(text=WEIGHED.format(10**i)))), Reread):
-                decides += only(talk.tell(ev.SampleReread(t, command.sample, {})), Decide)
-        if i % 3 == 0:
-            while talk.core.gate.pending is not None:
-                ticket = talk.core.gate.pending.ticket
-                (asked,) = (each for each in decides if each.ticket == ticket)
-                decides += only(talk.answer(t, asked, send=i % 2 == 0), Decide)
-    scales = [{message.scale for message in command.problem.messages} for command in decides]
-    assert {len(each) for each in scales} == {1}
-    assert len(set.union(*scales)) > 3
-
-
-def test_what_waits_is_read_again_when_specs_change(make_talk, make_specs):
-    """It keeps its place; it passes when nothing covers it any more, and when the mode becomes `pass` meanwhile."""
-    talk = make_talk(make_specs(text=WEIGHED.format(1)))
-    for name in ("a", "b", "c"):
-        talk.tell(ev.MatchingChanged(0.0, f"robot/r1/{name}", matching=True))
-    samples = [talk.publish(0.1, key=f"robot/r1/{name}")[0] for name in ("a", "b", "c")]
-    reread = only(talk.tell(ev.SpecsChanged(0.2, make_specs(text=WEIGHED.format(2).replace("*", "a")))), Reread)
-    assert sorted(command.sample for command in reread) == samples
-    assert talk.core.counts.queued == 3
-    assert only(talk.tell(ev.SampleReread(0.2, samples[1], {})), Forward) == [Forward(samples[1])]
-    again = only(talk.tell(ev.SpecsChanged(0.3, make_specs(text=WEIGHED.format(3)))), Reread)
-    assert sorted(command.sample for command in again) == [samples[0], samples[2]]
-    released = only(talk.tell(ev.ModeChanged(0.4, Mode.PASS)), Forward)
-    assert sorted(command.sample for command in released) == [samples[0], samples[2]]
-    assert only(talk.tell(ev.SampleReread(0.5, samples[0], {}))) == []
-    assert talk.core.counts.by_reason["passed:no-spec"] == 0
-    assert talk.core.counts.conserved
-
-
-def test_a_sample_that_is_gone_when_it_is_read_again_is_counted(make_talk, make_specs):
-    """Nothing waits for it any more."""
-    talk = make_talk(make_specs(text=WEIGHED.format(1)))
-    talk.tell(ev.MatchingChanged(0.0, "robot/r1/a", matching=True))
-    sample, _ = talk.publish(0.1, key="robot/r1/a")
-    talk.tell(ev.SpecsChanged(0.2, make_specs(text=WEIGHED.format(2))))
-    talk.tell(ev.SampleRefused(0.3, sample))
-    assert (talk.core.counts.queued, talk.core.counts.by_reason) == (0, {"dropped:egress": 1})
-    assert only(talk.tell(ev.SpecsChanged(0.4, make_specs(text=WEIGHED.format(3)))), Reread) == []
-
-
-def test_a_newer_sample_supersedes_one_that_is_read_again(make_talk, make_specs):
-    """As it does while samples wait for their decisions."""
-    talk = make_talk(make_specs(text=WEIGHED.format(1)))
-    talk.tell(ev.MatchingChanged(0.0, "robot/r1/a", matching=True))
-    older, _ = talk.publish(0.1, key="robot/r1/a")
-    talk.tell(ev.SpecsChanged(0.2, make_specs(text=WEIGHED.format(2))))
-    talk.publish(0.3, key="robot/r1/a")
-    assert only(talk.tell(ev.SampleReread(0.4, older, {})), Drop) == [Drop(older, "dropped:superseded")]
-    assert talk.core.counts.conserved
 
 
 def test_others_are_told_how_streams_generate(make_talk):
