@@ -63,6 +63,8 @@ class DigestPacer:
         """Own keys that were told of at all."""
         self._granted: dict[Grant, int] = {}
         """How often each grant that still holds was told."""
+        self._all_told = 0
+        """So often all of these were told, at least."""
         self._offered: tuple[Grant, ...] = ()
         """The grants that still hold."""
         self.again = False
@@ -156,13 +158,20 @@ class DigestPacer:
         Each is told so `often`, as digests may be lost.
         """
         offered = tuple(grants)
-        if offered != self._offered:
+        if offered is not self._offered and offered != self._offered:
             self._granted = {grant: self._granted.get(grant, 0) for grant in offered}
-            self._offered = offered
+            self._all_told = 0
+        self._offered = offered
+        if self._all_told >= often:
+            self.again = False
+            return ""
         untold = [(times, grant) for grant, times in self._granted.items() if times < often]
         times, grant = min(untold, key=lambda each: (each[0], each[1].begins, each[1].peer), default=(0, None))
         self.again = times > 0
-        return grant.peer if grant else ""
+        if grant is None:
+            self._all_told = often
+            return ""
+        return grant.peer
 
     def grants(self, to: str, often: int = 1) -> tuple[Grant, ...]:
         """What of the grants a digest `to` this robot tells, or to all: those told least often, that begin first."""

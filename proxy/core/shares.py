@@ -12,6 +12,7 @@ robot not heard keeps what it was lent; nobody else was lent that. Two teams tha
 each other, and for one window more.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -66,6 +67,9 @@ class Shares:
             own, limits, settled_at=settled_at, started=started, turned=self._turned, left_at=self._left_at
         )
         self._lent: list[Lent] = []
+        self._offered: tuple[Grant, ...] = ()
+        self._offered_until = -math.inf
+        """Until then these are the grants for the digest, unless others come [s]."""
         self._told: dict[Grant, float] = {}
         """Grants that we made, or heard of: these are remembered for as long as they could come again."""
         self._borrowed: dict[tuple[float, tuple[int, ...]], Lent] = {}
@@ -241,6 +245,7 @@ class Shares:
                 lent = Lent(peer, begins, ends, amounts)
                 self._lent.append(lent)
                 self._told[Grant(peer, begins, ends, parts)] = ends
+                self._offered_until = -math.inf
                 return lent
         return None
 
@@ -259,6 +264,7 @@ class Shares:
             parts = tuple(round(amount * PARTS / limit) for amount, limit in zip(lent.amounts, limits, strict=False))
             self._told = {g: e for g, e in self._told.items() if (g.peer, g.begins) != (lent.robot, lent.begins)}
             self._told[Grant(lent.robot, lent.begins, longer.ends, parts)] = longer.ends
+            self._offered_until = -math.inf
             return longer
         self._lent.append(lent)
         return None
@@ -273,8 +279,10 @@ class Shares:
         """All that we lend and that can still be used, for the digest."""
         if not self.leads:
             return ()
-        self._told = {grant: ends for grant, ends in self._told.items() if ends > now}
-        return tuple(self._told)
+        if now >= self._offered_until:
+            self._told = {grant: ends for grant, ends in self._told.items() if ends > now}
+            self._offered, self._offered_until = tuple(self._told), min(self._told.values(), default=math.inf)
+        return self._offered
 
     def _free(self, t: float, now: float, k: int) -> float:
         """What may be sent at `t` of constraint `k`, if until then nothing is: the least room of the window after."""
@@ -376,6 +384,7 @@ class Shares:
     def _turned(self) -> None:
         """What was lent before counts no more."""
         self._lent, self._told, self._borrowed = [], {}, {}
+        self._offered_until = -math.inf
 
     def _left_at(self, now: float) -> float:
         """When all that we sent of what is shared has left the windows [s]."""

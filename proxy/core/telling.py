@@ -32,6 +32,8 @@ NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
 LOSSES = (0.04, 0.2)
 """Where more than this part is lost, what is lent is told once more, as far as the allowance goes."""
+LOSSES_PACE = 0.5
+"""How much gets lost is looked at this often [s]."""
 STRAGGLER_PACE = 0.3
 """Those who do not say that they follow are told of who leads this often [s]."""
 ECHO_PACE = 2.0
@@ -80,6 +82,7 @@ class Telling:
         self._next_digest = -math.inf
         """When the next digest is due, as things are since the last event [s]."""
         self._looked_at = (0, 0, -1)
+        self._lost_at, self._times = -math.inf, 1
         """Of which changes of our streams and of what was told of them it is known whether they are news."""
         self._unknown = self._news = False
 
@@ -209,7 +212,7 @@ class Telling:
             messages=self._view.messages,
             bytes=self._view.bytes,
             streams=self.pacer.changed(now, list(self._view.own())),
-            grants=self.pacer.grants(to, self._often()),
+            grants=self.pacer.grants(to, self._often(now)),
             echoes=self.pacer.echoes(now, self._echoes(to), copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
@@ -218,7 +221,7 @@ class Telling:
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
         self.pacer.sent(now, self._size_of(digest, to), copies)
-        self.urgent = bool(self.pacer.addressee(self._shares.grants(now), self._often())) and not self.pacer.again
+        self.urgent = bool(self.pacer.addressee(self._shares.grants(now), self._often(now))) and not self.pacer.again
         return SendDigest(digest, to)
 
     def _addressee(self, now: float) -> str:
@@ -232,15 +235,17 @@ class Telling:
         if shares.leads:
             if self._told_epoch != shares.epoch:
                 return ""
-            granted = self.pacer.addressee(shares.grants(now), self._often())
+            granted = self.pacer.addressee(shares.grants(now), self._often(now))
             to = granted or self._straggler(now) or self._next_to_time(now)
             return to if to in peers else ""
         return shares.leader if shares.leader in peers and now < self._told_all_at + self._all_pace() else ""
 
-    def _often(self) -> int:
-        """How often it is told what is lent: once, or more where much gets lost."""
-        lost = [part for peer in self._view.peers.values() for part in (peer.loss_in, peer.loss_out) if part]
-        return 1 + sum(max(lost, default=0.0) > most for most in LOSSES)
+    def _often(self, now: float) -> int:
+        """How often it is told what is lent: once, or more where much gets lost; that is looked at now and then."""
+        if now >= self._lost_at + LOSSES_PACE:
+            lost = [part for peer in self._view.peers.values() for part in (peer.loss_in, peer.loss_out) if part]
+            self._lost_at, self._times = now, 1 + sum(max(lost, default=0.0) > most for most in LOSSES)
+        return self._times
 
     def _straggler(self, now: float) -> str:
         """Who has to be told again who leads: each in its turn."""
