@@ -16,6 +16,8 @@ ENOUGH = 0.5
 """There is plenty when all together need no more than this part of every limit..."""
 STAYS = 0.7
 """... and still when they need a little more."""
+CALM = 2.0
+"""It must have been so for so long: what new streams need is not known at once [s]."""
 SPARED = 0.9
 """So much of the rest is given out, too; each robot gets the same of it."""
 PACE = 0.25
@@ -61,6 +63,7 @@ class Plenty:
         self._shares = shares
         self._due = -math.inf
         self._there = False
+        self._enough_since = math.inf
         self._needs: dict[str, Amounts] = {}
         self._lent: dict[str, list[Lent]] = {}
 
@@ -75,7 +78,9 @@ class Plenty:
             known = self._needs.get(stream.robot, (0.0,) * len(limits))
             self._needs[stream.robot] = _sum(known, need(self._view, stream, limits))
         part = STAYS if self._there else ENOUGH
-        self._there = bool(streams) and all(left >= 1.0 - part for left in self._left(len(limits)))
+        enough = bool(streams) and all(left >= 1.0 - part for left in self._left(len(limits)))
+        self._enough_since = min(self._enough_since, now) if enough else math.inf
+        self._there = now >= self._enough_since + CALM
         return self._there
 
     def lend(self, now: float) -> int:
