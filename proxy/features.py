@@ -61,7 +61,6 @@ class Extractor:
 
     def start(self) -> None:
         """Start extracting."""
-        self._background.start()
         self._thread.start()
 
     def close(self, timeout: float) -> None:

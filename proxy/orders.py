@@ -28,9 +28,9 @@ def orders(config: FleetConfig, robot: str, switch: Callable[[Mode], None], relo
 def switched(robot: str, switch: Callable[[Mode], None], raw: bytes) -> Outcome:
     """Switch to the mode that was ordered; `switch` returns when that is done."""
     try:
-        mode = Mode(raw.decode())
-    except ValueError:
-        return Outcome(robot, obeyed=False, said=(f"a mode is one of {', '.join(Mode)}",))
+        mode = Mode.read(raw)
+    except ValueError as error:
+        return Outcome(robot, obeyed=False, said=(str(error),))
     switch(mode)
     return Outcome(robot, obeyed=True, said=(f"mode {mode.value}",))
 

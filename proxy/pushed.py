@@ -11,6 +11,7 @@ import msgpack
 
 from proxy.errors import PushError
 from utility_specs import SpecsError, load_specs
+from utility_specs.loader import spec_files
 
 VERSION = 1
 MOST_FILES = 64
@@ -42,7 +43,7 @@ def gathered(paths: Iterable[Path]) -> dict[str, bytes]:
     """Read files, and the `*.toml` of folders. Raises PushError when one cannot be read or two have one name."""
     files: dict[str, bytes] = {}
     for path in paths:
-        for file in sorted(path.glob("*.toml")) if path.is_dir() else [path]:
+        for file in spec_files(path):
             if file.name in files:
                 raise PushError(f"{file}: there is another file of this name")
             try:

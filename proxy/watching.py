@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from utility_specs.loader import spec_files
+
 Signature = tuple[tuple[str, int, int, int, int], ...]
 """Of every file: its path, inode, size, and when content and inode changed last [ns]."""
 
@@ -37,7 +39,7 @@ class FileWatch:
 
 def _entries(path: Path) -> list[tuple[str, int, int, int, int]]:
     try:
-        files = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+        files = spec_files(path)
     except OSError:
         files = [path]
     return [_entry(file) for file in files]

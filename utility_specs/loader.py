@@ -69,12 +69,17 @@ def load_set(paths: Sequence[Path]) -> SpecSet:
     return _assembled(sources, tables)
 
 
+def spec_files(path: Path) -> list[Path]:
+    """Return the files that a path stands for: of a folder its `*.toml`, sorted by name; raises OSError."""
+    return sorted(path.glob("*.toml")) if path.is_dir() else [path]
+
+
 def _files_of(paths: Iterable[Path], problems: list[SpecProblem]) -> list[Path]:
     """Return the files that the paths name, each once; folders stand for their `*.toml`, sorted by name."""
     files: dict[Path, Path] = {}
     for path in paths:
         try:
-            found = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+            found = spec_files(path)
             files |= {file.resolve(): file for file in found if file.resolve() not in files}
         except (
             OSError,

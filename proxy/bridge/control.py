@@ -54,9 +54,9 @@ class Control:
 
     def _answer_mode(self, key: str, query: zenoh.Query) -> None:
         try:
-            mode = Mode(bytes(query.payload or b"").decode())
-        except ValueError:
-            self._lane.insist(partial(_refuse, query, f"a mode is one of {', '.join(Mode)}"))
+            mode = Mode.read(bytes(query.payload or b""))
+        except ValueError as error:
+            self._lane.insist(partial(_refuse, query, str(error)))
             return
         self._switch(mode)
         self._reply(key, query, mode.value, zenoh.Encoding.TEXT_PLAIN)

@@ -13,25 +13,26 @@ MOST = 8192
 
 
 class Lane:
-    """Runs jobs in order. `offer` refuses when `MOST` wait; `insist`, for what must be done, does not."""
+    """Runs jobs in order. `offer` refuses when `most` wait; `insist`, for what must be done, does not."""
 
-    def __init__(self, name: str) -> None:
-        self._jobs: deque[Callable[[], None]] = deque()
+    def __init__(self, name: str, most: int = MOST) -> None:
+        self._most = most
+        self._jobs: deque[Callable[[], object]] = deque()
         self._wake = threading.Condition()
         self._open = True
         self.refused = 0
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
-    def offer(self, job: Callable[[], None]) -> bool:
+    def offer(self, job: Callable[[], object]) -> bool:
         """Do `job` when its turn comes; whether there was room."""
-        if len(self._jobs) >= MOST:
+        if len(self._jobs) >= self._most:
             self.refused += 1
             return False
         self.insist(job)
         return True
 
-    def insist(self, job: Callable[[], None]) -> None:
+    def insist(self, job: Callable[[], object]) -> None:
         """Do `job` when its turn comes, however many wait."""
         with self._wake:
             self._jobs.append(job)
@@ -56,3 +57,6 @@ class Lane:
                 job()
             except zenoh.ZError as error:
                 log.warning("%s: %s", self._thread.name, error)
+            except Exception:
+                log.exception("%s: a job failed", self._thread.name)
+            del job  # or it would keep what it holds until the next one comes

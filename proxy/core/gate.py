@@ -238,9 +238,10 @@ class Gate:
             alone = self._sharing or self._rooms.late
             view = self._view
             streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
-            held = [self._shares.held(now, k) if self._sharing else limit.limit for k, limit in enumerate(self.limits)]
-            if self._rooms.late and not self._sharing:
-                held = [self._rooms.held(k, limit) for k, limit in enumerate(self.limits)]
+            held = [
+                self._shares.held(now, k) if self._sharing else self._rooms.held(k, limit)
+                for k, limit in enumerate(self.limits)
+            ]
             roomy = fits(view, streams, self.limits, held)
             self._room = now + max(PACE, EACH * len(streams)), roomy
         return roomy

@@ -18,7 +18,7 @@ from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
 from proxy.core.shares import Lent, Shares
-from proxy.core.slots import MARGIN, STANDING, Demand, Place, allot, demands
+from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, Place, allot, demands, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 from proxy.core.window import Expected, Outlook, WindowBuilder
@@ -30,12 +30,6 @@ HURRY = 1e-4
 """... or when there is news, but not sooner than so long for every robot after the last time [s]."""
 LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
-LOOK = 1.0
-"""A slot is lengthened so long before the robot would have none [s]..."""
-RENEWED = 2.0
-"""... by so much more [s]."""
-LONGEST = 600.0
-"""No slot lasts longer; then another one is lent [s]."""
 LARGER = 1.5
 """A slot may be larger than what it is for by this factor."""
 LEARNING = 0.2
@@ -153,7 +147,7 @@ class Layout:
     def _fill(self, now: float, demand: Demand, count: int, peer: str) -> None:
         """Let a stream of `peer` have so many slots, and for those that last too short more time."""
         slots, offset = self._slots.setdefault(demand.place, []), self._view.peers[peer].offset
-        heard = now + offset.latency + offset.uncertainty(now) + LOOK
+        heard = lengthened_by(now, offset)
         fitting = [s for s in slots if _fits(demand.use, s.amounts) and s.ends - s.begins < LONGEST]
         for slot in fitting[:count]:
             if slot.ends < heard and (longer := self._shares.lengthen(now, slot, heard + RENEWED)) is not None:

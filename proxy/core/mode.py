@@ -1,6 +1,7 @@
 """The modes of the daemon."""
 
 from enum import StrEnum
+from typing import Self
 
 
 class Mode(StrEnum):
@@ -12,6 +13,14 @@ class Mode(StrEnum):
     """Decides, counts and explains, but forwards everything."""
     ENFORCE = "enforce"
     """Decides and acts on it."""
+
+    @classmethod
+    def read(cls, raw: bytes) -> Self:
+        """Return the mode that somebody names; raises ValueError, which names those that there are."""
+        try:
+            return cls(raw.decode())
+        except ValueError:
+            raise ValueError(f"a mode is one of {', '.join(cls)}") from None
 
 
 def in_force(daemon: Mode, said: str | None) -> Mode:

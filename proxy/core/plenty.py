@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 
 from proxy.core.limits import Limit, use_of
 from proxy.core.shares import Lent, Shares
+from proxy.core.slots import LONGEST, RENEWED, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
@@ -24,13 +25,6 @@ PACE = 0.25
 """What robots need is worked out this often [s]..."""
 EACH = 1e-3
 """... where many streams compete only after so long for each of them [s]."""
-LOOK = 1.0
-"""What is lent is lengthened so long before it ends [s]..."""
-RENEWED = 2.0
-"""... by so much more [s]."""
-LONGEST = 600.0
-"""Nothing is lent for longer; then it is lent anew [s]."""
-
 KNOWN = 8
 """Of a stream that generated fewer samples nobody can say what it needs."""
 
@@ -95,7 +89,7 @@ class Plenty:
             if not peer.offset.known:
                 continue
             lent = self._lent[tag] = [each for each in self._lent.get(tag, ()) if each in alive]
-            until = now + peer.offset.latency + peer.offset.uncertainty(now) + LOOK
+            until = lengthened_by(now, peer.offset)
             for each in [each for each in lent if each.ends < until and each.ends - each.begins < LONGEST]:
                 if (longer := self._shares.lengthen(now, each, until + RENEWED)) is not None:
                     lent[lent.index(each)] = longer

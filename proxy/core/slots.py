@@ -14,6 +14,7 @@ import numpy as np
 from planner import Aggregation
 from planner.utility.base import Floats
 from proxy.core.limits import Limit, use_of
+from proxy.core.offset import ClockOffset
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
@@ -23,6 +24,12 @@ STAYS = 1.2
 """Who has a slot keeps it unless somebody else would gain so much more."""
 LASTING = 60.0
 """Messages of which more than the most recent one counts are worth what they are for so long [s]."""
+LOOK = 1.0
+"""What is lent for long is lengthened so long before the robot would have none [s]..."""
+RENEWED = 2.0
+"""... by so much more [s]."""
+LONGEST = 600.0
+"""Nothing is lent for longer; then it is lent anew [s]."""
 MOST_SLOTS = 256
 """Slots at the same time."""
 MARGIN = 1.01
@@ -41,6 +48,11 @@ class Demand:
     place: Place
     use: tuple[float, ...]
     gains: tuple[float, ...]
+
+
+def lengthened_by(now: float, offset: ClockOffset) -> float:
+    """When what a robot is lent for long must not end before it can have heard of more [s]."""
+    return now + offset.latency + offset.uncertainty(now) + LOOK
 
 
 def demands(now: float, view: SharedView, limits: Sequence[Limit], reach: Reach | None = None) -> list[Demand]:

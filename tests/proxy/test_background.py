@@ -11,7 +11,6 @@ from tests.waiting import wait_until
 @pytest.fixture
 def background():
     made = Background()
-    made.start()
     yield made
     made.close(5.0)
 
@@ -49,7 +48,6 @@ def test_a_job_that_fails_is_survived(background, caplog):
 def test_a_stop_waits_for_the_job_in_hand_no_longer_than_it_may():
     """What waits is not begun any more."""
     background, gate, begun, done = Background(), threading.Event(), threading.Event(), []
-    background.start()
     background.later(lambda: begun.set() or gate.wait(5.0))
     background.later(lambda: done.append(1))
     assert begun.wait(5.0)

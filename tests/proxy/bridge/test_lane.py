@@ -5,7 +5,6 @@ import threading
 import pytest
 import zenoh
 
-from proxy.bridge import lane as lane_module
 from proxy.bridge.lane import Lane
 
 
@@ -39,9 +38,19 @@ def test_a_job_that_zenoh_refuses_does_not_stop_the_lane(lane, caplog):
     assert "session closed" in caplog.text
 
 
-def test_a_full_lane_refuses_offers_but_not_what_must_be_done(lane, monkeypatch):
+def test_a_job_that_fails_does_not_stop_the_lane(lane, caplog):
+    """The log has why, the next job is done."""
+    done = threading.Event()
+    lane.offer(lambda: 1 / 0)
+    lane.offer(done.set)
+    assert done.wait(60.0)
+    assert "test: a job failed" in caplog.text
+
+
+def test_a_full_lane_refuses_offers_but_not_what_must_be_done(stack):
     """Offers beyond the bound are counted and refused."""
-    monkeypatch.setattr(lane_module, "MOST", 1)
+    lane = Lane("test", 1)
+    stack.callback(lane.close, 1.0)
     go, started, done = threading.Event(), threading.Event(), threading.Event()
     lane.offer(lambda: (started.set(), go.wait(60.0)))
     assert started.wait(60.0)
