@@ -9,10 +9,10 @@ import json
 import re
 import subprocess
 import sys
+import time
 
 PATIENCE = 10.0
 """How long a probe waits for what ought to come [s]."""
-_TRIALS = 5
 _PROGRAM = (sys.executable, "-m", "tests.transparency.actor")
 _THINGS = {
     "advanced_publisher",
@@ -73,16 +73,16 @@ class App:
         self.zid = actor.do("open", app=name, config=config)["zid"]
         actor.names.sessions[self.zid] = name
 
-    def tokens(self, key, count=1):
-        """The keys of the tokens that it finds.
+    def tokens(self, key, count=0):
+        """The keys of the tokens that it finds, once there are `count`.
 
-        On a busy machine Zenoh's answer ends early now and then, behind its own routers too: with fewer than `count`
-        tokens it is asked again, a few times.
+        Zenoh's answer may end before it is whole, behind one router of its own, too, most of all right after a
+        subscriber of tokens was declared: with fewer than `count` it is asked again, for a while.
         """
-        for _ in range(_TRIALS):
+        until = time.monotonic() + PATIENCE
+        found = self.liveliness_get(key).heard("key", over=True)
+        while len(set(found)) < count and time.monotonic() < until:
             found = self.liveliness_get(key).heard("key", over=True)
-            if len(set(found)) >= count:
-                break
         return found
 
     def __getattr__(self, what):

@@ -18,7 +18,7 @@ def came_and_went(team, key, token_key, app=None):
         f"far, {what}": team.a.other.liveliness_subscriber(key, history=history)
         for what, history in (("late with history", True), ("late without", False))
     }
-    found = team.a.app.tokens(key)
+    found = team.a.app.tokens(key, count=1)
     team.settle()
     token.undeclare()
     team.settle()
@@ -33,22 +33,7 @@ def comes_and_goes(team):
     return came_and_went(team, "alive/*", "alive/b")
 
 
-def _far(watched, token):
-    """What robot a is told with routers and not with daemons."""
-    came, went = {"key": token, "kind": "PUT"}, {"key": token, "kind": "DELETE"}
-    told = {
-        "far": [came, went],
-        "far, late with history": [came, went],
-        "far, late without": [went],
-        "get while": [token],
-    }
-    return {f"{token} watched as {watched}: {what}": (seen, []) for what, seen in told.items()}
-
-
-@feature(
-    GROUP,
-    "tokens with verbatim chunks",
-)
+@feature(GROUP, "tokens with verbatim chunks")
 def verbatim(team):
     """Tokens `@alive/b` and `alive/@b`, watched by name and by `@alive/*`."""
     seen = {}
@@ -103,10 +88,10 @@ def killed(team):
 @feature(GROUP, "many tokens")
 def many(team):
     """200 tokens: all are found, all are told to a subscriber with history, all go."""
-    tokens = [team.b.app.token(f"alive/{number}") for number in range(200)]
+    tokens = [team.b.app.token(f"crowd/{number}") for number in range(200)]
     team.settle()
-    watcher = team.a.app.liveliness_subscriber("alive/*", history=True)
-    found = team.a.app.tokens("alive/*", count=len(tokens))
+    watcher = team.a.app.liveliness_subscriber("crowd/*", history=True)
+    found = team.a.app.tokens("crowd/*", count=len(tokens))
     watcher.came(count=len(tokens))
     for token in tokens:
         token.undeclare()

@@ -62,7 +62,7 @@ def _all_ways(team, one, other):
         "heard": listener.heard("key", "payload"),
         "heard back": back.heard("key", "payload"),
         "replies": replies.heard("key", "payload", over=True),
-        "token": other.tokens("place/token"),
+        "token": other.tokens("place/token", count=1),
     }
 
 
