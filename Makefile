@@ -64,12 +64,9 @@ test-system: setup
 transparency: setup
 	WRITE_TRANSPARENCY=1 ONLY=tests/transparency tests/system/run
 
-# The long run: every property with thousands of examples, ten minutes of fuzzing, and a long flight of the demo.
+# The long runs, hours of them: writes studies/results/qualification.md anew. Needs what test-system needs.
 qualify: setup
-	$(BIN)/python -m pytest -m "not system" --hypothesis-profile=qualify tests/planner tests/fuzz tests/proxy/core tests/utility_specs
-	RELOADS=3000 $(BIN)/python -m pytest tests/proxy/test_reloads.py
-	tests/fuzz/run 600
-	$(BIN)/sendworthy demo --seconds 120 --json build/qualify-demo.json --picture build/qualify-demo.png
+	$(BIN)/python -m studies.qualification $(STAGES)
 
 # Locks the dependencies of all platforms with their hashes; needs uv on the PATH.
 lock:

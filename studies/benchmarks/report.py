@@ -52,11 +52,20 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores, {platform.system()}, {versions}"
 
 
-def write_page(path: Path, title: str, results: Sequence[Table | Chart], now: datetime) -> None:
-    """Write tables and charts to a markdown page, the pictures beside it; folders are made as needed."""
+def write_page(
+    path: Path,
+    title: str,
+    results: Sequence[Table | Chart],
+    now: datetime,
+    command: str = "python -m studies.benchmarks",
+) -> None:
+    """Write tables and charts to a markdown page, the pictures beside it; folders are made as needed.
+
+    The page names the `command` that wrote it.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     origin = f"{now:%Y-%m-%d %H:%M} UTC. {machine()}"
-    sections = [f"# {title}", f"Written by `python -m studies.benchmarks` on {origin}."]
+    sections = [f"# {title}", f"Written by `{command}` on {origin}."]
     for result in results:
         if isinstance(result, Table):
             sections.append(result.markdown())

@@ -1,5 +1,8 @@
 """Daemons, applications, robots and links vanish and return in any order, and all is as it was."""
 
+import os
+import random
+
 import pytest
 
 from tests.system.robots import wait_until_met
@@ -7,6 +10,8 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
 
+KILLS = int(os.environ.get("KILLS", "6"))
+"""How much is lost one after the other; the long run has hundreds."""
 SOON = 30.0
 """A lost robot is noticed after 2 s; daemons start in one, and two cores run all of it [s]."""
 
@@ -114,4 +119,47 @@ def test_a_lost_link_takes_everything_with_it_and_brings_it_back(scene):
     scene.kill("a")
     host.radio("up")
     scene.restart("a")
+    scene.expect_all()
+
+
+class Losses:
+    """What can be lost of a scene: each is lost and comes back."""
+
+    def __init__(self, scene):
+        self._scene = scene
+
+    def daemon_of_the_service(self):
+        self._scene.kill("a")
+        self._scene.restart("a")
+
+    def daemon_of_the_watcher(self):
+        self._scene.kill("b")
+        self._scene.restart("b")
+
+    def both_daemons(self):
+        for name in "ab":
+            self._scene.kill(name)
+        for name in "ba":
+            self._scene.restart(name)
+
+    def application(self):
+        self._scene.service.close()
+        self._scene.service = self._scene.robots["a"].serve("a")
+
+    def link(self):
+        self._scene.robots["a"].host.range(within=False)
+        self._scene.expect_nothing()
+        self._scene.robots["a"].host.range(within=True)
+
+
+def test_what_is_lost_one_after_the_other_comes_back_each_time(scene):
+    """Daemons, an application, the link, in an order that is drawn, some while the one before still comes back."""
+    draw, losses = random.Random(KILLS), Losses(scene)
+    ways = [name for name in vars(Losses) if not name.startswith("_")]
+    for _ in range(KILLS):
+        way = draw.choice(ways)
+        print(way, flush=True)
+        getattr(losses, way)()
+        if draw.random() < 0.7:
+            scene.expect_all()
     scene.expect_all()

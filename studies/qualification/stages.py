@@ -1,0 +1,65 @@
+"""The long runs: what each shows, and the command that shows it."""
+
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+PYTEST = (sys.executable, "-m", "pytest", "--quiet", "--no-header")
+SYSTEM = (*(() if os.geteuid() == 0 else ("sudo", "--preserve-env=KILLS,SOAK")), *PYTEST, "-m", "system")
+"""Hosts of their own need root."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A run: what it shows, its command, and what its environment has besides."""
+
+    name: str
+    shows: str
+    command: tuple[str, ...]
+    environment: Mapping[str, str] = field(default_factory=dict)
+
+
+STAGES = (
+    Stage(
+        "properties",
+        "every property with up to 3,000 examples",
+        (
+            *(*PYTEST, "-m", "not system", "--hypothesis-profile=qualify"),
+            *("tests/planner", "tests/fuzz", "tests/proxy/core", "tests/utility_specs"),
+        ),
+    ),
+    Stage(
+        "reloads",
+        "3,000 reloads of specs under 200 samples/s lose and double nothing",
+        (*PYTEST, "tests/proxy/test_reloads.py"),
+        {"RELOADS": "3000"},
+    ),
+    Stage(
+        "kills",
+        "300 times a daemon, an application or a link is lost, and all comes back, each sample at most once",
+        (*SYSTEM, "-k", "lost_one_after_the_other", "tests/system/test_restarts.py"),
+        {"KILLS": "300"},
+    ),
+    Stage(
+        "soak",
+        "20 minutes of traffic, of subscribers that come and go, and of reloads leave nothing behind in a daemon",
+        (*SYSTEM, "--capture=no", "tests/system/test_soak.py"),
+        {"SOAK": "1200"},
+    ),
+    Stage(
+        "fuzzing",
+        "10 minutes: what comes over the mesh, spec files, expressions",
+        ("tests/fuzz/run", "600"),
+    ),
+    Stage(
+        "study",
+        "what teams reach on bad networks, in view.md beside this page",
+        (sys.executable, "-m", "studies.benchmarks", "view"),
+    ),
+    Stage(
+        "demo",
+        "a flight of two minutes",
+        ("sendworthy", "demo", "--seconds", "120", "--json", "build/qualify/demo.json"),
+    ),
+)

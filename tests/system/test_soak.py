@@ -1,0 +1,52 @@
+"""Hours of traffic leave nothing behind in a daemon."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.waiting import wait_until
+
+pytestmark = pytest.mark.system
+
+SOAK = float(os.environ.get("SOAK", "12"))
+"""How long it lasts [s]; the long run has it for many minutes."""
+GROWN = 6 << 20
+"""What a daemon's memory may grow after the first third, by what allocators keep [B]."""
+
+KEYS = 10
+"""That are asked for by turns: a Zenoh session keeps 2.6 kB of every key that was ever subscribed to."""
+
+
+def held(daemon):
+    """What a process holds: memory of its own [B], threads, open files."""
+    folder = Path("/proc", str(daemon.pid))
+    status = dict(line.split(":", 1) for line in (folder / "status").read_text().splitlines())
+    return int(status["RssAnon"].split()[0]) << 10, int(status["Threads"]), len(list((folder / "fd").iterdir()))
+
+
+def test_a_long_run_leaves_nothing_behind(team):
+    """Covered and other streams cross, applications come and go, specs are reloaded: daemons stay as they were."""
+    robots = team("ab")
+    local, *_ = listeners = [robot.hear("bulk") for robot in robots]
+    robots[0].say("robot/a/camera", size=5000, rate=30)
+    robots[1].hear("robot/a/camera")
+    robots[0].say("bulk", size=64, rate=200)
+    wait_until(lambda: all(listener.numbers("bulk") for listener in listeners), what="samples everywhere")
+    began, rounds, before = time.monotonic(), 0, None
+    while time.monotonic() < began + SOAK:
+        brief = robots[rounds % 2].hear(f"brief/{rounds % KEYS}")
+        robots[0].daemon.send_signal(signal.SIGHUP)
+        brief.close()
+        rounds += 1
+        if before is None and time.monotonic() > began + SOAK / 3:
+            before = [held(robot.daemon) for robot in robots]
+    after = [held(robot.daemon) for robot in robots]
+    print(f"{rounds} applications and reloads in {SOAK:.0f} s; memory [B], threads, files: {before}, {after}")
+    for then, now in zip(before, after, strict=True):
+        assert now[0] < then[0] + GROWN
+        assert now[1:] <= (then[1] + 4, then[2] + 8)
+    numbers = local.numbers("bulk")
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
