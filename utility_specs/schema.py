@@ -102,12 +102,14 @@ class ForecastTable(Table):
 
 
 class FallbackTable(Table):
-    """What decides when the planner fails, by priority and by what the limits leave."""
+    """What decides when the planner fails: priority, and a token bucket for each limit."""
 
     urgent: Urgency = Field(
         default="data_high", description="samples of this priority and above may take all that the limits leave"
     )
-    part: Fraction = Field(default=0.5, description="samples of lower priority may take this part of it")
+    part: Fraction = Field(
+        default=0.5, description="the part of it that fills the token buckets of samples of lower priority"
+    )
 
     def fallback(self) -> Fallback:
         """Return the rule."""
