@@ -137,8 +137,8 @@ class InformationTypeTable(Table):
     utility: AnyUtilityTable = Field(description="the worth of a sample by its age")
     features: Annotated[
         dict[FeatureName, Annotated[AnyFeatureTable, Sparingly]],
-        at_most(MOST_OF_A_TYPE),
         Field(max_length=MOST_OF_A_TYPE),
+        at_most(MOST_OF_A_TYPE),
     ] = Field(default={}, description="numbers computed from samples, by the names that expressions use")
     weight: Weight = Field(default=1.0, description="worth against other types: a number, or an expression like scale")
     scale: str = Field(default="1", description="an expression that multiplies the utility", examples=["1 + 10 * red"])
@@ -191,21 +191,22 @@ class SpecFile(Table):
         default=1, description="the version of this format"
     )
     floor: Part | None = Field(
-        default=None, description="the part of every limit that traffic without a spec leaves to types, at least"
+        default=None,
+        description="the part of every limit that traffic without a spec leaves to types, at least; 10 % unless set",
     )
     fallback: FallbackTable | None = Field(default=None, description="what decides when the planner fails")
     constants: Annotated[
-        dict[ConstantName, Annotated[Quantity, Sparingly]], at_most(MOST_CONSTANTS), Field(max_length=MOST_CONSTANTS)
+        dict[ConstantName, Annotated[Quantity, Sparingly]], Field(max_length=MOST_CONSTANTS), at_most(MOST_CONSTANTS)
     ] = Field(
         default={},
         validate_default=True,
         description="numbers by name, for expressions; quantities count in s, B, B/s, Hz, J",
     )
     constraint: Annotated[
-        list[Annotated[AnyConstraintTable, Sparingly]], at_most(MOST_CONSTRAINTS), Field(max_length=MOST_CONSTRAINTS)
+        list[Annotated[AnyConstraintTable, Sparingly]], Field(max_length=MOST_CONSTRAINTS), at_most(MOST_CONSTRAINTS)
     ] = Field(default=[], description="what may be sent at most")
     information_type: Annotated[
-        list[Annotated[InformationTypeTable, Sparingly]], at_most(MOST_TYPES), Field(max_length=MOST_TYPES)
+        list[Annotated[InformationTypeTable, Sparingly]], Field(max_length=MOST_TYPES), at_most(MOST_TYPES)
     ] = Field(default=[], description="what samples of a group of keys are worth")
 
     @classmethod
