@@ -17,6 +17,8 @@ REASONS: Mapping[str, str] = {
     "dropped:constraint": "a limit has no room for it",
     "dropped:once": "all who want it have one",
     "dropped:fallback": "the planner failed, and there is little room",
+    "dropped:superseded": "a newer one came before its turn",
+    "dropped:overflow": "too many waited",
     "passed:fallback": "the planner failed",
 }
 """What was decided on samples, in words."""

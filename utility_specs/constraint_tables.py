@@ -128,7 +128,7 @@ class AirtimeTable(ChannelTable):
     cast: Cast = Field(default="unicast", description="unicast: a copy for each receiver; multicast: one for all")
     multicast_rate: Rate = Field(
         default=BASIC_RATE,
-        description="the rate of multicast: the lowest basic rate unless the driver is set otherwise",
+        description="the rate of multicast; 1 Mbit/s, the lowest basic rate, unless the driver is set otherwise",
     )
     hops: int = Field(default=1, ge=1, le=32, description="how often a message is sent on until it arrives")
     overhead: Duration | None = Field(default=None, description="time on the air of each frame besides its bits")

@@ -76,6 +76,10 @@ class Names:
     captures: frozenset[str] = frozenset()
     constants: Mapping[str, float] = field(default_factory=dict)
 
+    def __contains__(self, name: object) -> bool:
+        """Whether it is one of them."""
+        return name in self.features or name in self.captures or name in self.constants
+
     def __iter__(self) -> Iterator[str]:
         """All of them in order, those that every expression knows apart."""
         return iter(sorted({*self.features, *self.captures, *self.constants}))
@@ -103,9 +107,15 @@ class Expression:
         known = known if isinstance(known, Names) else Names(frozenset(known))
         line = " ".join(text.split())
         tree = _parsed(line)
-        names = _Checker(line, known).check(tree)
-        expression = cls(text, names, {**CONSTANTS, **known.constants}, tree, _evaluator({}))
-        return expression if names - set(known.constants) else replace(expression, _value=expression.evaluate({}))
+        checker = _Checker(line, known)
+        value = checker.check(tree)
+        names = frozenset(checker.names)
+        constants = {name: known.constants[name] for name in names & known.constants.keys()}
+        constant = names <= constants.keys()
+        if constant and value is not None and math.isfinite(value):
+            return cls(text, names, constants, tree, _SHARED, _value=value)
+        expression = cls(text, names, {**CONSTANTS, **constants}, tree, _evaluator())
+        return replace(expression, _value=expression.evaluate({})) if constant else expression
 
     def evaluate(self, values: Mapping[str, float | str]) -> float:
         """Return the value for features and captured chunks, always finite; raises ExpressionError if there is none."""
@@ -132,9 +142,12 @@ class Expression:
         return line.decode()
 
 
-def _evaluator(names: Mapping[str, float]) -> SimpleEval:
-    functions = {name: function for name, (function, _, _) in FUNCTIONS.items()}
-    return SimpleEval(operators=dict(_OPERATORS), functions=functions, names=dict(names))
+def _evaluator() -> SimpleEval:
+    return SimpleEval(operators=dict(_OPERATORS), functions={name: each[0] for name, each in FUNCTIONS.items()})
+
+
+_SHARED = _evaluator()
+"""That of all expressions that have one value: they have no need of it."""
 
 
 def _parsed(line: str) -> ast.expr:
@@ -159,39 +172,42 @@ class _Checker:
     def __init__(self, line: str, known: Names) -> None:
         self._line = line
         self._known = known
-        self._all = frozenset(known)
-        self._constants = {**CONSTANTS, **known.constants}
-        self._evaluator = _evaluator(self._constants)
-        self._used: set[str] = set()
+        self.names: set[str] = set()
 
-    def check(self, tree: ast.expr) -> frozenset[str]:
-        self._check(tree, 0)
-        return frozenset(self._used)
-
-    def _check(self, node: ast.expr, depth: int) -> None:
+    def check(self, node: ast.expr, depth: int = 0) -> float | None:
+        """Return the value of a part, as far as it is known without features and captured chunks."""
         if depth > DEEPEST:
             raise ExpressionError("is nested too deeply")
         match node:
             case ast.Constant():
-                self._constant(node)
+                return self._constant(node)
             case ast.Name():
-                self._name(node.id)
+                return self._name(node.id)
             case ast.Call(func=ast.Name(id=name), keywords=[]):
                 self._call(name, len(node.args))
-                for argument in node.args:
-                    self._check(argument, depth + 1)
+                return _value(FUNCTIONS[name][0], [self.check(each, depth + 1) for each in node.args])
+            case ast.UnaryOp() | ast.BinOp() if type(node.op) in _OPERATORS:
+                return self._operation(node, depth)
             case ast.Compare() if self._compares_text(node):
                 self._texts(node)
-            case _ if _is_operation(node):
+            case ast.Compare() | ast.BoolOp() | ast.IfExp() if _known(node):
                 for child in ast.iter_child_nodes(node):
                     if isinstance(child, ast.expr):
-                        self._check(child, depth + 1)
-                self._divisor(node)
+                        self.check(child, depth + 1)
             case _:
                 raise _refusal(node)
+        return None
+
+    def _operation(self, node: ast.UnaryOp | ast.BinOp, depth: int) -> float | None:
+        operands = [node.operand] if isinstance(node, ast.UnaryOp) else [node.left, node.right]
+        values = [self.check(each, depth + 1) for each in operands]
+        if values[-1] == 0.0 and isinstance(node.op, ast.Div | ast.Mod):
+            written = ast.get_source_segment(self._line, node) or ast.unparse(node)
+            raise ExpressionError(f"{quoted(written)} divides by zero")
+        return _value(_OPERATORS[type(node.op)], values)
 
     @staticmethod
-    def _constant(node: ast.Constant) -> None:
+    def _constant(node: ast.Constant) -> float:
         """Make a number a float: whole ones could grow without bounds, and slowly."""
         if isinstance(node.value, str):
             raise ExpressionError(f"{quoted(node.value)} is text; text can only be compared, with a captured chunk")
@@ -201,15 +217,17 @@ class _Checker:
             node.value = float(node.value)
         except OverflowError:
             raise ExpressionError("holds a number that is too large") from None
+        return node.value
 
-    def _name(self, name: str) -> None:
+    def _name(self, name: str) -> float | None:
         if name in FUNCTIONS:
             raise ExpressionError(f"{name} is a function: write {name}(…)")
-        if name in self._all:
-            self._used.add(name)
+        if name in self._known:
+            self.names.add(name)
         elif name not in CONSTANTS:
             what = hint(name, self._known) or " (this type has no features)"
             raise ExpressionError(f"unknown feature {quoted(name)}{what}")
+        return self._known.constants.get(name, CONSTANTS.get(name))
 
     def _compares_text(self, node: ast.Compare) -> bool:
         """Whether text is compared: there is some, or there is nothing but captured chunks."""
@@ -223,7 +241,7 @@ class _Checker:
             raise ExpressionError(f"{quoted(ast.unparse(node))} orders text; text can only be compared by == and !=")
         for side in (node.left, *node.comparators):
             if isinstance(side, ast.Name) and side.id in self._known.captures:
-                self._used.add(side.id)
+                self.names.add(side.id)
                 side.id = as_text(side.id)
             elif not _is_text(side):
                 if isinstance(side, ast.Name):
@@ -231,24 +249,8 @@ class _Checker:
                 what = f"{quoted(ast.unparse(side))} is a number, not text"
                 raise ExpressionError(f"{what}; text can only be compared with a captured chunk")
 
-    def _divisor(self, node: ast.expr) -> None:
-        """Refuse a division that can never have a result."""
-        if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div | ast.Mod)):
-            return
-        names = {each.id for each in ast.walk(node.right) if isinstance(each, ast.Name)} - FUNCTIONS.keys()
-        if names <= self._constants.keys() and self._folded(node.right) == 0.0:
-            written = ast.get_source_segment(self._line, node) or ast.unparse(node)
-            raise ExpressionError(f"{quoted(written)} divides by zero")
-
-    def _folded(self, node: ast.expr) -> float | None:
-        """Return the value of a checked tree that only uses constants; None where it has none."""
-        try:
-            return float(self._evaluator.eval("", previously_parsed=node))
-        except (ArithmeticError, ValueError, TypeError, InvalidExpression):
-            return None
-
     def _call(self, name: str, arguments: int) -> None:
-        if name in self._all:
+        if name in self._known:
             raise ExpressionError(f"{name} is no function; write {name} * (…) to multiply")
         if name not in FUNCTIONS:
             raise ExpressionError(f"unknown function {quoted(name)}" + hint(name, FUNCTIONS))
@@ -258,18 +260,22 @@ class _Checker:
             raise ExpressionError(f"{name} takes {wanted} argument{'s' if least > 1 else ''}, not {arguments}")
 
 
+def _value(function: Callable[..., float], arguments: list[float | None]) -> float | None:
+    """Return the value for arguments that are all known; None where one is not, or where there is none."""
+    if None in arguments:
+        return None
+    try:
+        return float(function(*arguments))
+    except (ArithmeticError, ValueError):
+        return None
+
+
 def _is_text(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
-def _is_operation(node: ast.expr) -> bool:
-    match node:
-        case ast.BinOp() | ast.UnaryOp():
-            return type(node.op) in _OPERATORS
-        case ast.Compare():
-            return all(type(op) in _OPERATORS for op in node.ops)
-        case _:
-            return isinstance(node, ast.BoolOp | ast.IfExp)
+def _known(node: ast.Compare | ast.BoolOp | ast.IfExp) -> bool:
+    return not isinstance(node, ast.Compare) or all(type(op) in _OPERATORS for op in node.ops)
 
 
 def _refusal(node: ast.expr) -> ExpressionError:

@@ -18,6 +18,8 @@ from utility_specs.toml_lines import KeyPath
 
 TOO_MUCH = 1.0 + 1e-9
 """Sums of what is guaranteed may be off by rounding."""
+MOST_TOLD = 8
+"""Guarantees that are named where all together are too many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,12 +174,16 @@ def _overcommitted(each: _Constraint, types: Sequence[_Type]) -> Iterator[Findin
         if one.type.planned and one.guaranteed > 0.0:
             streams = 1 if measure.private else one.table.forecast.streams
             use = measure.use(one.size, 1, own=True) * one.guaranteed * streams
-            parts[f"{quoted(one.type.name)} ({use / (measure.limit / measure.window) * 100:.3g} %)"] = use
-    part = sum(parts.values()) * measure.window / measure.limit
-    what = f"is less than what is guaranteed: {', '.join(parts)}"
+            parts[one.type.name] = use * measure.window / measure.limit
+    part = sum(parts.values())
+    if part <= each.spec.least * TOO_MUCH:
+        return
+    most = sorted(parts, key=lambda name: -parts[name])[:MOST_TOLD]
+    told = [f"{quoted(name)} ({parts[name] * 100:.3g} %)" for name in most]
+    what = f"is less than what is guaranteed: {', '.join(told)}" + (" and more" if len(parts) > len(told) else "")
     if part > TOO_MUCH:
         yield each.finding("limit", what, unfit=True)
-    elif part > each.spec.least * TOO_MUCH:
+    else:
         yield each.finding("limit", f"at its floor, {each.spec.least * 100:.3g} % of the ceiling, {what}")
 
 

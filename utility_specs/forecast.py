@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Protocol
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator
 
 from planner.errors import ProblemError
+from utility_specs.effort import Sparingly
 from utility_specs.imports import imported
 
 TRENDING = 8
@@ -171,7 +172,7 @@ def _whole_form(value: Any) -> str:
 AnyFeatureForecast = Annotated[
     Annotated[Literal["last", "mean", "trend", "auto"], Tag("name")]
     | Annotated[PythonForecast, Tag("table")]
-    | Annotated[dict[str, AnyMethod], Tag("features")],
+    | Annotated[dict[str, Annotated[AnyMethod, Sparingly]], Tag("features")],
     Discriminator(_whole_form),
 ]
 """One method for all features, or a table of methods by feature; `last` for those it leaves out."""

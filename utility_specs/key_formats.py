@@ -21,6 +21,8 @@ LONGEST = 1024
 """Characters of the longest key expression."""
 MOST = 16
 """Chunks that one captures at most."""
+MOST_WILD = 3
+"""`**` in one at most: with each, Zenoh takes as many times longer to compare two as they have chunks."""
 
 
 def as_text(capture: str) -> str:
@@ -44,6 +46,8 @@ class KeyFormat:
         if len(written) > LONGEST:
             raise ValueError(f"is longer than {LONGEST} characters")
         chunks = written.split("/")
+        if chunks.count("**") > MOST_WILD:
+            raise ValueError(f"has more than {MOST_WILD} **")
         plain = [_plain(chunk) for chunk in chunks]
         captures = tuple(
             (found[1], place) for place, chunk in enumerate(chunks) if (found := _CAPTURE.fullmatch(chunk))

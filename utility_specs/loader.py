@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -65,7 +66,7 @@ def load_set(paths: Sequence[Path]) -> SpecSet:
         problems.append(SpecProblem(where, None, "information_type", "is missing; a spec needs at least one"))
     if problems:
         order = {source.path: number for number, source in enumerate(sources)}
-        raise SpecsError(sorted(problems, key=lambda problem: (order.get(problem.file, -1), problem.line or 0)))
+        raise SpecsError(sorted(problems, key=lambda problem: (order.get(problem.file, -1), problem.line or math.inf)))
     return _assembled(sources, tables)
 
 

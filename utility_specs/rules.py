@@ -16,7 +16,8 @@ FLOOR = 0.1
 class Fallback:
     """The static rule for when the planner fails.
 
-    Samples of Zenoh priorities up to `urgent` may take all that the limits leave, the others `part` of it.
+    Samples of Zenoh priorities up to `urgent` may take all that the limits leave. The others pass token buckets, which
+    `part` of it fills.
     """
 
     urgent: int = 4

@@ -19,6 +19,7 @@ from planner.problem import Aggregation, AggregationModel
 from planner.utility import MessageUtility
 from utility_specs.aggregations import AnyAggregation, aggregation_of
 from utility_specs.constraint_tables import AnyConstraintTable
+from utility_specs.effort import Sparingly, at_most, read
 from utility_specs.errors import ExpressionError
 from utility_specs.expressions import Expression, Names
 from utility_specs.features import AnyFeatureTable
@@ -31,10 +32,16 @@ from utility_specs.suggestions import described, quoted
 from utility_specs.units import Duration, Fraction, Frequency, Part, Quantity, Size
 from utility_specs.utilities import AnyUtilityTable
 
-MOST = 1024
-"""Information types of one file, and as many constraints and constants at most."""
+MOST_TYPES = 128
+"""Information types of one file at most."""
+MOST_CONSTRAINTS = 32
+"""Constraints of one file at most: every decision reckons with each of them."""
+MOST_CONSTANTS = 64
+"""Constants of one file at most."""
 MOST_OF_A_TYPE = 64
 """Keys of an information type, and its features at most."""
+MOST_KEYS = 256
+"""Keys of all types of one file at most: each is compared with all before it."""
 
 Urgency = Literal["real_time", "interactive_high", "interactive_low", "data_high", "data", "data_low", "background"]
 """Zenoh's priorities, from 1 on."""
@@ -95,12 +102,14 @@ class ForecastTable(Table):
 
 
 class FallbackTable(Table):
-    """What decides when the planner fails, by priority and by what the limits leave."""
+    """What decides when the planner fails: priority, and a token bucket for each limit."""
 
     urgent: Urgency = Field(
         default="data_high", description="samples of this priority and above may take all that the limits leave"
     )
-    part: Fraction = Field(default=0.5, description="samples of lower priority may take this part of it")
+    part: Fraction = Field(
+        default=0.5, description="the part of it that fills the token buckets of samples of lower priority"
+    )
 
     def fallback(self) -> Fallback:
         """Return the rule."""
@@ -111,7 +120,7 @@ class InformationTypeTable(Table):
     """What is said about a group of keys. What `scale` and `weight` may use stands before them."""
 
     name: Name = Field(description="what messages and the status call it")
-    keys: Annotated[list[KeyText], Field(min_length=1, max_length=MOST_OF_A_TYPE)] = Field(
+    keys: Annotated[list[Annotated[KeyText, Sparingly]], Field(min_length=1, max_length=MOST_OF_A_TYPE)] = Field(
         description="key expressions; ${name:*} captures a chunk for expressions", examples=[["robot/${robot:*}/pose"]]
     )
     mode: TypeMode | None = Field(
@@ -126,9 +135,11 @@ class InformationTypeTable(Table):
         default="most_recent", description="how samples of a key combine: most_recent, best, sum, once, or a class"
     )
     utility: AnyUtilityTable = Field(description="the worth of a sample by its age")
-    features: Annotated[dict[FeatureName, AnyFeatureTable], Field(max_length=MOST_OF_A_TYPE)] = Field(
-        default={}, description="numbers computed from samples, by the names that expressions use"
-    )
+    features: Annotated[
+        dict[FeatureName, Annotated[AnyFeatureTable, Sparingly]],
+        Field(max_length=MOST_OF_A_TYPE),
+        at_most(MOST_OF_A_TYPE),
+    ] = Field(default={}, description="numbers computed from samples, by the names that expressions use")
     weight: Weight = Field(default=1.0, description="worth against other types: a number, or an expression like scale")
     scale: str = Field(default="1", description="an expression that multiplies the utility", examples=["1 + 10 * red"])
     forecast: ForecastTable = Field(default=ForecastTable(), description="what is expected of the samples to come")
@@ -180,20 +191,23 @@ class SpecFile(Table):
         default=1, description="the version of this format"
     )
     floor: Part | None = Field(
-        default=None, description="the part of every limit that traffic without a spec leaves to types, at least"
+        default=None,
+        description="the part of every limit that traffic without a spec leaves to types, at least; 10 % unless set",
     )
     fallback: FallbackTable | None = Field(default=None, description="what decides when the planner fails")
-    constants: Annotated[dict[ConstantName, Quantity], Field(max_length=MOST)] = Field(
+    constants: Annotated[
+        dict[ConstantName, Annotated[Quantity, Sparingly]], Field(max_length=MOST_CONSTANTS), at_most(MOST_CONSTANTS)
+    ] = Field(
         default={},
         validate_default=True,
         description="numbers by name, for expressions; quantities count in s, B, B/s, Hz, J",
     )
-    constraint: Annotated[list[AnyConstraintTable], Field(max_length=MOST)] = Field(
-        default=[], description="what may be sent at most"
-    )
-    information_type: Annotated[list[InformationTypeTable], Field(max_length=MOST)] = Field(
-        default=[], description="what samples of a group of keys are worth"
-    )
+    constraint: Annotated[
+        list[Annotated[AnyConstraintTable, Sparingly]], Field(max_length=MOST_CONSTRAINTS), at_most(MOST_CONSTRAINTS)
+    ] = Field(default=[], description="what may be sent at most")
+    information_type: Annotated[
+        list[Annotated[InformationTypeTable, Sparingly]], Field(max_length=MOST_TYPES), at_most(MOST_TYPES)
+    ] = Field(default=[], description="what samples of a group of keys are worth")
 
     @classmethod
     def of(cls, data: dict[str, Any], **context: Any) -> Self:
@@ -207,6 +221,14 @@ class SpecFile(Table):
             info.context["constants"] = constants
         return constants
 
+    @field_validator("information_type")
+    @classmethod
+    def _comparable(cls, types: list[InformationTypeTable]) -> list[InformationTypeTable]:
+        keys = sum(len(each.keys) for each in types)
+        if keys > MOST_KEYS:
+            raise ValueError(f"must have at most {MOST_KEYS} keys in all, not {keys}")
+        return types
+
 
 def _constants(info: ValidationInfo) -> Mapping[str, float] | None:
     """Return the constants of the file; None when they are wrong."""
@@ -214,7 +236,8 @@ def _constants(info: ValidationInfo) -> Mapping[str, float] | None:
 
 
 def _compiled(text: str, info: ValidationInfo) -> str:
-    """Return an expression that can be compiled and has a value; raises ExpressionError."""
+    """Return an expression that can be compiled and has a value; raises ValueError."""
+    read(text, info)
     constants, features, keys = _constants(info), info.data.get("features"), info.data.get("keys")
     if constants is not None and features is not None and keys is not None:  # else they have problems of their own
         _try(Expression.compile(text, _names(features, keys, constants)), features, keys)

@@ -39,6 +39,9 @@ class Background(Protocol):
     def later(self, job: Callable[[], object]) -> bool:
         """Run the job soon, on another thread; whether there is room for it."""
 
+    def within(self, patience: float, job: Callable[[], object]) -> bool:
+        """Run the job soon and wait so long for it at most [s]; whether it was done by then. There is always room."""
+
 
 class Failures:
     """How often each feature, weight, scale, `python` utility or forecast had to be replaced by its default."""
@@ -197,7 +200,8 @@ class InformationType:
         """Return all features of a sample; one that cannot be computed takes its default and is counted.
 
         With a `background` a feature that takes longer than its budget is computed there, as often as the budget
-        allows; until then its last value of the stream holds, which is counted, too.
+        allows; until then its last value of the stream holds, which is counted, too. So is the first one, of which
+        nobody knows what it takes: it is waited for as long as its budget allows.
         """
         if not self.features:
             return {}
@@ -209,10 +213,13 @@ class InformationType:
             return self._measured(name, feature, sample)
         pace = self.paces.of(name, sample.key, feature.default)
         timed = partial(self._timed, name, feature, sample, background, pace)
-        if not pace.costly(feature.budget):
+        if pace.quick(feature.budget):
             return timed()
-        if pace.due(feature.budget) and not background.later(timed):
-            pace.refused()
+        if pace.due(feature.budget):
+            if pace.cost is None and background.within(feature.budget, timed):
+                return pace.value
+            if pace.cost is not None and not background.later(timed):
+                pace.refused()
         self.paces.hold(name)
         return pace.value
 

@@ -4,8 +4,8 @@
 need not check anything: it tells keys from values, and follows arrays, tables and strings to their ends.
 """
 
+import ast
 import re
-import tomllib
 
 KeyPath = tuple[str | int, ...]
 """The keys, and the indices of arrays, that lead from the root of a document to a value."""
@@ -134,7 +134,9 @@ class _Scanner:
         assert found is not None, "tomllib accepted a key that the scanner does not know"  # noqa: S101 - an invariant
         self._at = found.end()
         word = found[1]
-        return next(iter(tomllib.loads(f"{word} = 0"))) if word[0] in "\"'" else word
+        if word[0] not in "\"'":
+            return word
+        return str(ast.literal_eval(word)) if "\\" in word and word[0] == '"' else word[1:-1]  # escapes are Python's
 
     def _take(self, pattern: re.Pattern[str]) -> None:
         found = pattern.match(self._text, self._at)

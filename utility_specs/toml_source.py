@@ -16,22 +16,27 @@ from typing import Any, Self
 
 from pydantic import BaseModel, ValidationError
 
+from utility_specs.effort import UNJUDGED
 from utility_specs.errors import SpecProblem, TomlError
 from utility_specs.suggestions import quoted
 from utility_specs.toml_lines import KeyPath, lines_of
 from utility_specs.wording import Place, Schema, message_of
 
-LARGEST_FILE = 256 * 1024
-"""Bytes of the largest file that is read."""
+LARGEST_FILE = 128 * 1024
+"""Bytes of the largest file that is read: as many types as one may have, each with a page of comments."""
+MOST_MARKS = 3072
+"""Signs of keys and values (`=`, `,`, `[`, `{`, `.`) outside comments; each takes `tomllib` some microseconds."""
 
-MOST_PROBLEMS = 100
+MOST_PROBLEMS = 50
 """How many problems of one file are told; the others are counted."""
-MOST_JUDGED = 1000
+MOST_JUDGED = 200
 """Of so many, the first in the order of the file."""
 
 _KEY_PART = r"""(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _ENDLESS_KEY = re.compile(rf"{_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{64}}")
 """A dotted key of more than 64 parts: `tomllib` needs quadratic time for it."""
+
+_COMMENT = re.compile(r"^[ \t]*+#.*+$", re.MULTILINE)
 
 _NAMESPACE = re.compile(r"\('.*'(?:, '.*')*,?\)")
 """A key as `tomllib` shows it in some messages: a tuple."""
@@ -56,6 +61,8 @@ class TomlSource:
     @classmethod
     def parse(cls, path: Path, text: str) -> Self:
         """Parse the text of the file `path`; raises TomlError."""
+        if marks(text) > MOST_MARKS:
+            raise _error(path, None, f"has more than {MOST_MARKS} keys and values; write several files")
         endless = _ENDLESS_KEY.search(text)
         if endless is not None:
             raise _error(path, text.count("\n", 0, endless.start()) + 1, "a key of more than 64 parts")
@@ -94,18 +101,26 @@ class TomlSource:
         return label.removesuffix(": ")
 
 
+def marks(text: str) -> int:
+    """Return how many signs of keys and values there are, at least; what stands in lines of comments is none."""
+    return sum(map(_COMMENT.sub("", text).count, "=,[{."))
+
+
 def problems_of(error: ValidationError, source: TomlSource, model: type[BaseModel] | None = None) -> list[SpecProblem]:
     """Return what pydantic found wrong with a file's data as problems with lines, in the order of the file.
 
     With the `model` that refused the data, unknown keys come with hints and paths without the tags of unions.
     """
     schema = _schema_of(model) if model is not None else {}
-    details = error.errors(include_url=False)[:MOST_JUDGED]
+    judged = [detail for detail in error.errors(include_url=False) if detail["type"] != UNJUDGED]
+    details = judged[:MOST_JUDGED]
     places = [Place.find(schema, detail["loc"], detail["type"]) for detail in details]
     found = sorted(zip(places, details, strict=True), key=lambda each: source.line_of(each[0].path) or 0)
     problems = [source.problem(place.path, message_of(detail, place)) for place, detail in found[:MOST_PROBLEMS]]
-    if error.error_count() > MOST_PROBLEMS:
-        problems.append(SpecProblem(source.path, None, "", f"has {error.error_count() - MOST_PROBLEMS} more mistakes"))
+    if len(judged) > MOST_PROBLEMS:
+        problems.append(SpecProblem(source.path, None, "", f"has {len(judged) - MOST_PROBLEMS} more mistakes"))
+    if len(judged) < error.error_count():
+        problems.append(SpecProblem(source.path, None, "", "is not judged any further"))
     return problems
 
 

@@ -119,6 +119,8 @@ class Core:
             return [self.gate.pass_on(event.sample, self._unplanned(event.key))]
         if deletes:
             return self.gate.delete(event.key, event.sample)
+        if event.superseded:
+            stream.fates[SUPERSEDED] += event.superseded
         waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
         return self.gate.put(self._valued(stream, waiting, event.features, stream.generated + event.superseded + 1))
 

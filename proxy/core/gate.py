@@ -11,6 +11,7 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
+from proxy.core.fallback import TokenBuckets
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.limits import Limit, Limits, Promises, use_of
@@ -56,6 +57,7 @@ class Gate:
         self.pending: Pending | None = None
         self.decisions = Decisions()
         self._complaint = ""
+        self._buckets = TokenBuckets()
         self._rooms = Rooms(view)
         self._deletions = Deletions()
         self.promised: Promises | None = None
@@ -100,7 +102,7 @@ class Gate:
         newer = any(each.key == waiting.key and each.t_gen > waiting.t_gen for each in self._undecided())
         if not (newer and waiting.markovian):
             return None
-        return [self._drop(waiting.sample, SUPERSEDED), *self._delete()]
+        return [*self._leave([Evicted(waiting.sample, SUPERSEDED, waiting.key)]), *self._delete()]
 
     def delete(self, key: str, sample: int) -> list[Command]:
         """A deletion of the key passes, behind what was published before it and is still undecided."""
@@ -258,18 +260,26 @@ class Gate:
         return self.pass_on(sample.sample, "passed:unwanted")
 
     def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
-        """The static rule for when the planner fails: priority, and a part of what is free."""
-        rule, use = self._view.specs.fallback, self._use(now, pending.sample)
-        more = tuple(amount / rule.part for amount in use)
-        urgent = pending.sample.priority <= rule.urgent
+        """Decide by priority and token buckets, and say loudly that the planner failed."""
+        rule, use, buckets = self._view.specs.fallback, self._use(now, pending.sample), self._buckets
         commands: list[Command] = []
         if error != self._complaint:
             commands.append(Notice("error", f"the planner failed, a static rule decides: {error}"))
         self._complaint = error
-        lacking = self.lacking(now, use if urgent else more)
-        if not lacking:
-            return [*commands, self._send(now, pending.sample, use, "passed:fallback")]
-        return [*commands, self._refuse(now, pending.sample, "dropped:fallback", lacking)]
+        buckets.fill(now, self.limits, [rule.part * room for room in self._rooms_left(now)])
+        urgent = pending.sample.priority <= rule.urgent
+        if lacking := self.lacking(now, use) or (() if urgent else buckets.lacking(use)):
+            return [*commands, self._refuse(now, pending.sample, "dropped:fallback", lacking)]
+        if not urgent:
+            buckets.take(use)
+        return [*commands, self._send(now, pending.sample, use, "passed:fallback")]
+
+    def _rooms_left(self, now: float) -> list[float]:
+        """What we may use of each limit in a window, our own sends included."""
+        if self._sharing:
+            return [self._shares.held(now, k) for k in range(len(self.limits))]
+        used = [sum(use[k] for t, use in self._others(now) if t >= now - c.window) for k, c in enumerate(self.limits)]
+        return [max(0.0, self._rooms.held(k, c) - used[k]) for k, c in enumerate(self.limits)]
 
     def _send(self, now: float, sample: Waiting, use: tuple[float, ...], reason: str) -> Command:
         stream = self._own(now, sample)
@@ -304,7 +314,13 @@ class Gate:
         self._view.aired(copies, copies * size)
 
     def _leave(self, evicted: Iterable[Evicted]) -> list[Command]:
-        return [self._drop(each.sample, each.reason) for each in evicted]
+        commands: list[Command] = []
+        for each in evicted:
+            stream = self._view.known(self._settings.robot, each.key)
+            if stream is not None:
+                stream.fates[each.reason] += 1
+            commands.append(self._drop(each.sample, each.reason))
+        return commands
 
     def _delete(self) -> list[Command]:
         """Pass the deletions that have nothing before them any more."""

@@ -27,10 +27,11 @@ class Waiting:
 
 @dataclass(frozen=True, slots=True)
 class Evicted:
-    """A sample that had to leave the inbox, and why."""
+    """A sample that had to leave the inbox, its key, and why."""
 
     sample: int
     reason: str
+    key: str
 
 
 class Inbox:
@@ -93,4 +94,4 @@ class Inbox:
 
     def _evict(self, waiting: Waiting, reason: str) -> Evicted:
         del self._waiting[waiting.sample]
-        return Evicted(waiting.sample, reason)
+        return Evicted(waiting.sample, reason, waiting.key)

@@ -17,10 +17,11 @@ sys.meta_path[:] = [finder for finder in sys.meta_path if finder is PathFinder o
 with atheris.instrument_imports(include=["proxy.core", "utility_specs"]):
     from tests.fuzz.spec_target import expression_seeds, file_seeds, one_expression, one_file
     from tests.fuzz.target import one_input
+    from tests.utility_specs.heavy_specs import HEAVY
 
 TARGETS = {
     "mesh": (one_input, list),
-    "specs": (one_file, file_seeds),
+    "specs": (one_file, lambda: [*file_seeds(), *(text.encode() for text in HEAVY.values())]),
     "expressions": (one_expression, expression_seeds),
 }
 

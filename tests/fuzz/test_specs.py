@@ -9,10 +9,13 @@ from hypothesis import strategies as st
 from tests.fuzz.spec_target import RICH, WAYS_OUT, expression_seeds, file_seeds, one_expression, one_file
 from tests.utility_specs.bad_rules import RULES
 from tests.utility_specs.bad_specs import CORPUS
+from tests.utility_specs.heavy_specs import HEAVY
 from utility_specs import SpecsError
+from utility_specs.check import Report
 from utility_specs.errors import ExpressionError
 from utility_specs.expressions import Expression
 from utility_specs.loader import load_set
+from utility_specs.toml_source import LARGEST_FILE
 
 MOST_CALLS = 10_000
 """Calls of functions that judging a broken spec of ten lines may take; 4,000 are the most today."""
@@ -99,6 +102,16 @@ def test_the_work_for_a_broken_spec_is_bounded(tmp_path):
     for spec in (*CORPUS, *RULES):
         path.write_text(spec.text)
         assert calls_of(lambda: load_set([path])) < MOST_CALLS, spec.wrong[:80]
+
+
+@pytest.mark.parametrize("text", HEAVY.values(), ids=HEAVY.keys())
+def test_the_work_for_the_largest_broken_specs_is_bounded(tmp_path, text):
+    """Even when they are made to be slow."""
+    path = tmp_path / "heavy.toml"
+    path.write_text(text)
+    assert len(text) <= LARGEST_FILE
+    assert calls_of(lambda: Report.on([path])) < 25 * MOST_CALLS
+    assert Report.on([path]).errors
 
 
 BOMBS = ["1" + "/(1/1)" * 82, "1/(" * 48 + "1" + ")" * 48, "9**" * 48 + "9", "min(" + "1," * 240 + "1)"]

@@ -36,6 +36,16 @@ def test_only_so_many_wait(background):
     wait_until(lambda: done[-1] == 2, what="one more")
 
 
+def test_a_job_may_be_waited_for(background):
+    """Until it is done, or for so long, also where it fails."""
+    gate, done = threading.Event(), []
+    assert background.within(60.0, lambda: done.append(1))
+    assert done == [1]
+    assert background.within(60.0, lambda: 1 / 0)
+    assert not background.within(0.0, gate.wait)
+    gate.set()
+
+
 def test_a_job_that_fails_is_survived(background, caplog):
     """The log has why."""
     done = []

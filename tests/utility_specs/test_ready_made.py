@@ -46,7 +46,7 @@ def test_there_are_specs_for_the_usual_missions():
 def test_each_says_how_to_adapt_it(name):
     """It begins with what it is for, and what to change."""
     text = (files("utility_specs") / name).read_text()
-    comment = text[: text.index("version = 1")]
+    comment = text[: text.index("version = 1")].removeprefix("#:schema ./sendworthy.schema.json\n")
     assert comment.startswith("# ")
     assert "# To adapt it:\n#   - " in comment
 

@@ -1,7 +1,6 @@
 """Reading TOML files, and saying where in them a mistake is."""
 
 import os
-import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from utility_specs.errors import TomlError
-from utility_specs.toml_source import LARGEST_FILE, MOST_PROBLEMS, TomlSource, problems_of
+from utility_specs.toml_source import LARGEST_FILE, MOST_MARKS, MOST_PROBLEMS, TomlSource, problems_of
 
 FILE = Path("some.toml")
 TEXT = """\
@@ -101,15 +100,15 @@ def test_what_pydantic_finds_is_told_with_lines_in_the_order_of_the_file():
     assert problems_of(caught.value, source)[1].message == "unknown key"
 
 
-def test_of_a_file_full_of_mistakes_the_first_hundred_are_told():
+def test_of_a_file_full_of_mistakes_the_first_are_told():
     """Nobody reads more, and hints take time."""
-    source = TomlSource.parse(FILE, "".join(f"key{i} = 1\n" for i in range(10_000)))
+    source = TomlSource.parse(FILE, "".join(f"key{i} = 1\n" for i in range(3_000)))
     with pytest.raises(ValidationError) as caught:
         Config.model_validate(source.data)
     problems = [str(problem) for problem in problems_of(caught.value, source, Config)]
     assert len(problems) == MOST_PROBLEMS + 1
     assert problems[0] == 'some.toml:1: key0: unknown key (known keys: "robot", "app")'
-    assert problems[-1] == "some.toml: has 9900 more mistakes"
+    assert problems[-1] == "some.toml: has 2950 more mistakes"
 
 
 @pytest.mark.parametrize(
@@ -119,10 +118,11 @@ def test_of_a_file_full_of_mistakes_the_first_hundred_are_told():
         (b"a = 1\n\nb = 'x", ':3: not valid TOML: Expected "\'" at the end of the file'),
         (b"[a.b]\n[a.b]\n", ":2: not valid TOML: Cannot declare a.b twice (column 5)"),
         (b"a = 1\nb = '\xff'\n", ":2: is not UTF-8 (byte 0xff); save the file as UTF-8"),
-        (b"a = " + b"[" * 5000, ": arrays or tables are nested too deeply"),
+        (b"a = " + b"[" * 2000, ": arrays or tables are nested too deeply"),
         (b"x = 1\na" + b".a" * 100 + b" = 1", ":2: a key of more than 64 parts"),
         (b"a = " + b"1" * 5000, ": not valid TOML: Exceeds the limit"),
-        (b"#" * (LARGEST_FILE + 1), ": is larger than 256 KiB"),
+        (b"#" * (LARGEST_FILE + 1), ": is larger than 128 KiB"),
+        (b"a = [" + b"1," * MOST_MARKS + b"]", ": has more than 3072 keys and values; write several files"),
     ],
 )
 def test_a_file_that_is_not_toml_is_refused_with_its_line(tmp_path, raw, expected):
@@ -149,27 +149,6 @@ def test_files_that_cannot_be_read_are_refused_by_name(tmp_path):
     assert message(pipe) == f"{pipe}: is not a file"
     assert message(file / "x.toml") == f"{file}/x.toml: cannot be read: Not a directory"
     assert "cannot be read: embedded null" in message(tmp_path / "a\0b")
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "a" + ".a" * 130_000 + " = 1",
-        "[" + "a." * 130_000 + "a]",
-        "a" * 250_000,
-        '"' * 250_000,
-        "a.'" * 80_000,
-        "a = 1\n" * 40_000,
-        ("a" + ".a" * 60 + "\n") * 2_000,
-    ],
-    ids=["dotted key", "dotted header", "word", "quotes", "open quotes", "lines", "many dotted keys"],
-)
-def test_no_file_takes_long_to_refuse(text):
-    """Texts made to be slow are refused at once."""
-    start = time.process_time()
-    with pytest.raises(TomlError):
-        TomlSource.parse(FILE, text)
-    assert time.process_time() - start < 1.0
 
 
 @given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))

@@ -26,12 +26,12 @@ class Pace:
     """What the samples since the last computation have saved of their budgets [s]."""
     _under_way: bool = False
 
-    def costly(self, budget: float) -> bool:
-        """Whether a computation takes longer than `budget` [s]."""
-        return self.cost is not None and self.cost > budget
+    def quick(self, budget: float) -> bool:
+        """Whether a computation is known to take no longer than `budget` [s]."""
+        return self.cost is not None and self.cost <= budget
 
     def due(self, budget: float) -> bool:
-        """Let one more sample save its budget; return whether a costly computation may begin, which `took` will end."""
+        """Let one more sample save its budget; return whether a computation may begin that `took` will end."""
         self.saved += budget
         if self._under_way or self.saved < (self.cost or 0.0):
             return False

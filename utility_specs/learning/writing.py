@@ -14,10 +14,13 @@ from utility_specs.learning.toml_text import counted, duration, prose, rate, rou
 from utility_specs.learning.traffic import WINDOW, Traffic
 from utility_specs.learning.type_tables import Learned, pace, type_table
 from utility_specs.learning.worth import coming
+from utility_specs.schema import MOST_KEYS, MOST_TYPES
+from utility_specs.toml_source import LARGEST_FILE, MOST_MARKS, marks
 
-MOST_TYPES = 200
-LARGEST = 200_000
-"""Bytes of all tables of types: files may not be much larger."""
+LARGEST = LARGEST_FILE - 28 * 1024
+"""Bytes of all tables of types: what stands above them needs the rest."""
+MARKS = 32
+"""Signs of keys and values that are written above them."""
 MARGIN = 2.0
 """The ceiling of the limit is so many times what was seen."""
 
@@ -35,12 +38,22 @@ def spec_file(traffic: Traffic, kinds: Sequence[Kind], robots: Sequence[str], no
     """Return the file as text; `notes` are said at its top."""
     types = named(kinds)
     tables = ["\n".join(type_table(each, traffic.duration)) for each in types]
-    lengths = accumulate(len(table.encode()) for table in tables)
-    fitting = max(1, sum(length <= LARGEST for length in lengths))
+    fitting = max(1, _fitting(types, tables))
     if fitting < len(kinds):
         notes = [*notes, f"Left out: {len(kinds) - fitting} of the types, those of fewest bytes."]
     head = [*_head(traffic, types[:fitting], notes), "", "version = 1", "", *_constraint(traffic, types, robots)]
     return "\n\n".join(["\n".join(head), *tables[:fitting]]) + "\n"
+
+
+def _fitting(types: Sequence[Learned], tables: Sequence[str]) -> int:
+    """Return how many of the types, from the first on, a file has room for."""
+    taken = zip(
+        accumulate(len(table.encode()) for table in tables),
+        accumulate(map(marks, tables)),
+        accumulate(len(each.kind.keys) for each in types),
+        strict=True,
+    )
+    return sum(size <= LARGEST and signs <= MOST_MARKS - MARKS and keys <= MOST_KEYS for size, signs, keys in taken)
 
 
 def _head(traffic: Traffic, types: Sequence[Learned], notes: Sequence[str]) -> Iterator[str]:

@@ -17,7 +17,8 @@ from proxy.cli import main
 from proxy.commands.client import NoAnswerError, connected
 from proxy.commands.explain import ExplainError, _taken
 from tests.ports import free_port
-from tests.proxy.nodes import free_endpoint, plain_session
+from tests.proxy.nodes import Heard, free_endpoint, plain_session
+from tests.waiting import wait_until
 from utility_specs import load_specs
 from utility_specs.loader import load_set
 
@@ -328,3 +329,37 @@ def test_without_a_daemon_the_message_says_so(explained):
     where = f"tcp/127.0.0.1:{free_port()}"
     shown = explained("robot/r1/battery", "--connect", where, code=exit_codes.FAILED)
     assert shown.err == f"sendworthy explain: no daemon answers at {where}; is `sendworthy run` running?\n"
+
+
+def test_a_real_daemon_tells_of_its_live_samples(explained, start, tmp_path):
+    """What it knows of the stream, what it decided on it so far, and why the last decision was what it was."""
+    file, mesh = tmp_path / "live.toml", free_endpoint()
+    file.write_text(
+        SPECS.replace('kind = "throughput"\nlimit = "1 Mbit/s"', 'kind = "messages"\nlimit = 12\nwindow = 1')
+    )
+    daemon = start("--robot", "r1", "--specs.path", str(file), "--mesh.listen", f'["{mesh}"]')
+    daemon.wait_for("sendworthy ")
+    key, live = "robot/r1/battery", ("--live", "robot/*/battery", "--connect", daemon.endpoint)
+    with (
+        plain_session("peer", connect=[mesh]) as other,
+        connected(daemon.endpoint) as client,
+        publishing(daemon.endpoint, key, [b'{"charge": 0.1}']),
+    ):
+        heard = Heard(other, "robot/*/battery")
+
+        def fates():
+            (status,) = client.status("r1")
+            return next((each["by_reason"] for each in status["streams"] if each["key"] == key), {})
+
+        wait_until(lambda: "forwarded" in fates() and len(fates()) > 1, what="samples that were sent and dropped")
+        out = explained(*live).out
+        data = json.loads(explained(*live, "--json").out)
+    assert heard.payloads.count('{"charge": 0.1}') > 0
+    assert out.startswith('robot/r1/battery (15 B): information type "battery"')
+    assert "what robot r1 knows (mode enforce)\n" in out
+    assert re.search("decided on +[0-9]+ dropped:", out)
+    assert re.search("last one +(forwarded|dropped)", out)
+    assert re.search("wanted by +1 robot\n", out)
+    (stream,) = data["daemon"]["streams"]
+    assert (data["same_specs"], data["worth"]["factor"], stream["receivers"]) == (True, 5.0, 1)
+    assert sum(stream["by_reason"].values()) <= stream["generated"]

@@ -1,5 +1,6 @@
 """`sendworthy push` and `sendworthy mode --fleet`, with two daemons."""
 
+import re
 import signal
 
 import pytest
@@ -7,8 +8,9 @@ import pytest
 from proxy import exit_codes
 from proxy.cli import main
 from proxy.commands.client import connected
-from tests.daemons import specs_file
+from tests.daemons import ROOT, specs_file
 from tests.ports import free_port
+from tests.proxy.nodes import Heard, plain_session
 from tests.waiting import wait_until
 
 
@@ -87,3 +89,47 @@ def test_without_a_daemon_nothing_is_pushed(tmp_path, capsys):
     assert capsys.readouterr().err.startswith("sendworthy push: no daemon answers at tcp/127.0.0.1:1")
     assert main(["mode", "pass", "--fleet", "--connect", "tcp/127.0.0.1:1"]) == exit_codes.FAILED
     assert capsys.readouterr().err.startswith("sendworthy mode: no daemon answers at tcp/127.0.0.1:1")
+
+
+@pytest.fixture
+def guarded(start, tmp_path):
+    """Three robots with passwords, as in the manual; r1 obeys, by its rules of access control."""
+    manual = (ROOT / "deploy" / "README.md").read_text()
+    (acl,) = [block for block in re.findall(r"```toml\n(.*?)```", manual, re.DOTALL) if "access_control" in block]
+    dictionary, folder, mesh = tmp_path / "robots", tmp_path / "specs.d", f"tcp/127.0.0.1:{free_port()}"
+    dictionary.write_text("".join(f"{name}:a secret of {name}\n" for name in ("r1", "ground", "visitor")))
+    acl = acl.replace("/etc/sendworthy/robots", str(dictionary))
+    obeys = ("--mesh.listen", f'["{mesh}"]', "--fleet.specs", "true", "--specs.path", str(folder))
+    specs_file(make(folder))
+    daemons = []
+    for name, options in (
+        ("r1", obeys),
+        *((name, ("--mesh.connect", f'["{mesh}"]')) for name in ("ground", "visitor")),
+    ):
+        file = tmp_path / f"{name}.toml"
+        file.write_text(acl if name == "r1" else acl[: acl.index("[mesh.zenoh.access")].replace("r1", name))
+        daemons.append(start("--config", str(file), "--robot", name, *options))
+    for daemon in daemons:
+        daemon.wait_for("sendworthy ")
+    wait_until(lambda: [len(status(daemon)["peers"]) for daemon in daemons] == [2, 1, 1], what="the robots to meet")
+    return daemons
+
+
+def test_access_control_lets_one_operator_push_and_no_other(guarded, tmp_path, capsys):
+    """What is in the manual, word for word: the robot obeys the one and does not hear the other."""
+    new = specs_file(tmp_path)
+    new.write_text(new.read_text().replace("2 Mbit/s", "1 Mbit/s"))
+    r1, ground, visitor = guarded
+    before = status(r1)["specs"]
+    main(["push", str(new), "--connect", visitor.endpoint])
+    assert "r1: no answer: it is out of reach, or fleet.specs is false" in capsys.readouterr().err
+    assert status(r1)["specs"] == before
+    main(["push", str(new), "--connect", ground.endpoint])
+    assert f"r1: specs {status(r1)['specs']} in force\n" in capsys.readouterr().out
+    assert status(r1)["specs"] != before
+    with (
+        plain_session("client", connect=[visitor.endpoint]) as app,
+        plain_session("client", connect=[r1.endpoint]) as other,
+    ):
+        heard = Heard(other, "data")
+        wait_until(lambda: app.put("data", "x") or heard.payloads, what="data, which everybody may send")

@@ -197,16 +197,16 @@ def test_without_a_constraint_covered_samples_are_forwarded_at_once(make_talk, m
 
 
 def test_a_failing_planner_falls_back_to_a_static_rule_loudly(make_talk):
-    """Urgent samples may use what is free, others half of it; never everything."""
+    """Urgent samples may use what is free, others half of what is ours; never everything."""
     talk = make_talk()
     talk.want(0.0)
     outcomes = []
-    for i, priority in enumerate([5, 5, 2, 2]):
+    for i, priority in enumerate([5, 5, 2, 2, 2]):
         _, commands = talk.publish(0.1 + 0.01 * i, size=3000, priority=priority)
         decide = only(commands, Decide)
         answer = talk.tell(ev.DecisionReady(0.105 + 0.01 * i, decide[0].ticket, None, "boom")) if decide else commands
         outcomes += only(answer, Forward, Drop)
-    assert [type(outcome) for outcome in outcomes] == [Forward, Forward, Forward, Drop]
+    assert [type(outcome) for outcome in outcomes] == [Forward, Drop, Forward, Forward, Drop]
     assert "boom" in next(notice.text for notice in talk.all(Notice) if notice.level == "error")
     talk.tell(ev.SampleHanded(0.3, 1))
     assert talk.core.counts.by_reason["passed:fallback"] == 1

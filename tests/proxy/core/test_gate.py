@@ -230,3 +230,20 @@ def test_until_all_said_what_they_want_what_nobody_wants_counts(make_talk):
         talk.tell(ev.StateHeard(5.3, State(robot, zid, "enforce", "", number=1)))
     talk.publish(5.4)
     assert [command.sample for command in talk.all(Forward)] == [2]
+
+
+def test_what_never_came_to_a_decision_is_told_of_its_stream(make_talk, make_aggregated):
+    """Newer ones took its place, here or before the core, or too many waited."""
+    talk = make_talk()
+    talk.want(0.0)
+    for now in (0.1, 0.11, 0.12):
+        talk.publish(now)
+    talk.publish(0.2, superseded=3)
+    (stream,) = talk.core.status(0.3)["streams"]
+    assert (stream["generated"], stream["by_reason"]) == (7, {"dropped:superseded": 5})
+    talk = make_aggregated("sum", backlog=2)
+    for now in (0.1, 0.11, 0.12, 0.13):
+        talk.publish(now)
+    (stream,) = talk.core.status(0.3)["streams"]
+    assert stream["by_reason"] == {"dropped:overflow": 1}
+    assert talk.core.counts.conserved

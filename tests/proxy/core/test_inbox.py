@@ -14,7 +14,7 @@ def test_a_newer_sample_of_a_markovian_stream_replaces_the_waiting_one():
     """The older one leaves as superseded."""
     inbox = Inbox(10, 5)
     assert inbox.put(waiting(1)) == []
-    assert inbox.put(waiting(2)) == [Evicted(1, "dropped:superseded")]
+    assert inbox.put(waiting(2)) == [Evicted(1, "dropped:superseded", "a")]
     assert inbox.put(waiting(3, key="b")) == []
     assert {w.sample for w in inbox} == {2, 3}
 
@@ -34,8 +34,8 @@ def test_of_a_stream_with_too_many_the_least_valuable_leaves_and_of_equals_the_o
     inbox.put(waiting(1, t_gen=1.0, scale=2.0, size=9, markovian=False))
     inbox.put(waiting(2, t_gen=2.0, scale=2.0, size=1, markovian=False))
     inbox.put(waiting(3, "b", scale=0.1, markovian=False))
-    assert inbox.put(waiting(4, t_gen=3.0, scale=3.0, markovian=False)) == [Evicted(1, "dropped:overflow")]
-    assert inbox.put(waiting(5, t_gen=4.0, scale=1.0, markovian=False)) == [Evicted(5, "dropped:overflow")]
+    assert inbox.put(waiting(4, t_gen=3.0, scale=3.0, markovian=False)) == [Evicted(1, "dropped:overflow", "a")]
+    assert inbox.put(waiting(5, t_gen=4.0, scale=1.0, markovian=False)) == [Evicted(5, "dropped:overflow", "a")]
 
 
 def test_a_stream_that_becomes_markovian_keeps_the_newest_only():
@@ -43,8 +43,8 @@ def test_a_stream_that_becomes_markovian_keeps_the_newest_only():
     inbox = Inbox(10, 5)
     inbox.put(waiting(1, markovian=False))
     inbox.put(waiting(2, markovian=False))
-    assert inbox.put(waiting(3)) == [Evicted(1, "dropped:superseded"), Evicted(2, "dropped:superseded")]
-    assert inbox.supersede("a") == [Evicted(3, "dropped:superseded")]
+    assert inbox.put(waiting(3)) == [Evicted(1, "dropped:superseded", "a"), Evicted(2, "dropped:superseded", "a")]
+    assert inbox.supersede("a") == [Evicted(3, "dropped:superseded", "a")]
 
 
 def test_the_highest_priority_comes_first_then_the_oldest():
@@ -63,8 +63,8 @@ def test_overflow_evicts_what_is_worth_least_per_byte():
     inbox = Inbox(2, 5)
     inbox.put(waiting(1, "a", scale=5.0))
     inbox.put(waiting(2, "b", scale=1.0))
-    assert inbox.put(waiting(3, "c", scale=3.0)) == [Evicted(2, "dropped:overflow")]
-    assert inbox.put(waiting(4, "d", scale=0.1)) == [Evicted(4, "dropped:overflow")]
+    assert inbox.put(waiting(3, "c", scale=3.0)) == [Evicted(2, "dropped:overflow", "b")]
+    assert inbox.put(waiting(4, "d", scale=0.1)) == [Evicted(4, "dropped:overflow", "d")]
 
 
 @given(

@@ -18,7 +18,7 @@ def computed(costs, samples):
     """Let samples come, each computation at once and with the next of the costs, the last for ever; return which."""
     pace, when, costs = Pace(0.0), [], list(costs)
     for number in range(samples):
-        if not pace.costly(BUDGET) or pace.due(BUDGET):
+        if pace.quick(BUDGET) or pace.due(BUDGET):
             when.append(number)
             pace.took(costs.pop(0) if len(costs) > 1 else costs[0], float(number))
     return when, pace
@@ -40,7 +40,7 @@ def test_one_outlier_is_forgotten():
     """As the smoothed cost comes down, every sample is computed again."""
     when, pace = computed([2 * BUDGET, 0.1 * BUDGET], 20)
     assert when[-10:] == list(range(10, 20))
-    assert not pace.costly(BUDGET)
+    assert pace.quick(BUDGET)
 
 
 @given(st.floats(1e-4, 0.5))
@@ -93,10 +93,13 @@ def test_streams_are_bounded(monkeypatch):
 
 
 class Bench:
-    """A background that does jobs when the test says so, and a clock that only features move."""
+    """A background that does jobs when the test says so, and a clock that only features move.
 
-    def __init__(self, room=1):
-        self.time, self.room, self.jobs = 0.0, room, []
+    What is waited for is done at once, if it is `prompt`, and else when the test says so, too.
+    """
+
+    def __init__(self, room=1, *, prompt=True):
+        self.time, self.room, self.prompt, self.jobs = 0.0, room, prompt, []
 
     def now(self):
         return self.time
@@ -106,6 +109,13 @@ class Bench:
             return False
         self.jobs.append(job)
         return True
+
+    def within(self, _patience, job):
+        if self.prompt:
+            job()
+        else:
+            self.jobs.append(job)
+        return self.prompt
 
 
 @dataclass(frozen=True)
@@ -176,3 +186,17 @@ def test_a_costly_feature_that_fails_has_its_default_until_the_next_one(paced):
     bench.jobs.pop()()
     assert each.extract("t", b"2", None, bench) == {"slow": -1.0}
     assert each.failures.counts() == {"slow": 1}
+
+
+def test_the_first_one_is_waited_for_no_longer_than_its_budget(paced):
+    """Nobody knows what it takes: if that is more, defaults hold until it is there."""
+    bench = Bench(prompt=False)
+    each = paced(bench, slow=3 * BUDGET, quick=BUDGET / 2)
+    assert each.extract("t", b"1", None, bench) == {"slow": -1.0, "quick": -1.0}
+    assert each.extract("t", b"2", None, bench) == {"slow": -1.0, "quick": -1.0}
+    assert len(bench.jobs) == 2
+    for job in bench.jobs:
+        job()
+    bench.jobs.clear()
+    assert each.extract("t", b"3", None, bench) == {"slow": 1.0, "quick": 3.0}
+    assert each.paces.held() == {"slow": 3, "quick": 2}

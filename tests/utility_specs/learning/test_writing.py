@@ -6,6 +6,7 @@ from proxy.core.schedule import Schedule
 from tests.utility_specs.learning.team import json_bytes, regular, team
 from utility_specs import load_specs
 from utility_specs.learning import Observed, learn, writing
+from utility_specs.toml_source import LARGEST_FILE
 
 
 def loaded(text, folder):
@@ -52,7 +53,7 @@ def test_a_file_is_no_larger_than_one_that_can_be_read(tmp_path):
         for number in range(60)
     ]
     text = learn([*samples, *(Observed(0.0, f"{long}/other", b"{}") for long in kinds)], Schedule)
-    assert len(text) < 256 * 1024
+    assert len(text.encode()) < LARGEST_FILE
     assert 0 < len(loaded(text, tmp_path).types) < 16
     assert "of the types, those of fewest bytes." in text
 

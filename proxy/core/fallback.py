@@ -1,0 +1,42 @@
+"""What decides when the planner fails: priority, and token buckets for all that is not urgent.
+
+The limits hold for all. Of what is ours of each, samples of lower priority get the part that the specs' rule says, on
+average and in any one window, so that there is room for urgent ones: for each limit a bucket of that size, which fills
+in one window, and from which they take what they use.
+"""
+
+from collections.abc import Sequence
+
+from planner import Constraint
+
+
+class TokenBuckets:
+    """A bucket for each limit; full at first."""
+
+    def __init__(self) -> None:
+        self._buckets: dict[str, tuple[float, float]] = {}
+        """What each holds at most, and what it holds."""
+        self._filled = 0.0
+
+    def fill(self, now: float, limits: Sequence[Constraint], sizes: Sequence[float]) -> None:
+        """Let time pass: of each limit not urgent samples may now take so much in a window."""
+        elapsed, self._filled = max(0.0, now - self._filled), now
+        before = self._buckets
+        self._buckets = {
+            limit.name: (size, min(size, before.get(limit.name, (size, size))[1] + size * elapsed / limit.window))
+            for limit, size in zip(limits, sizes, strict=True)
+        }
+
+    def lacking(self, use: Sequence[float]) -> tuple[str, ...]:
+        """Return the limits whose buckets hold less than a sample uses; for a large one they need only be full."""
+        buckets = self._buckets.items()
+        return tuple(
+            name for (name, (size, level)), amount in zip(buckets, use, strict=True) if level < min(amount, size)
+        )
+
+    def take(self, use: Sequence[float]) -> None:
+        """A sample was sent; after a large one buckets hold less than nothing for a while."""
+        self._buckets = {
+            name: (size, level - amount)
+            for (name, (size, level)), amount in zip(self._buckets.items(), use, strict=True)
+        }
