@@ -151,6 +151,7 @@ class Bridge:
     def swap(self, specs: Specs) -> None:
         """Put another generation of specs in force for samples that come from now on."""
         self._specs = specs
+        self._ingress.renew()
         self._watch.gauging = _adaptive(specs)
         self._most = math.inf
         self._pace_egress()

@@ -16,6 +16,7 @@ from proxy.core.events import MatchingChanged
 MOST = 1024
 """Keys whose demand is followed; of more, one node is assumed to want them."""
 _CACHED = 8192
+_PUT = zenoh.SampleKind.PUT
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +31,7 @@ class Outlet:
     def suits(self, sample: zenoh.Sample) -> bool:
         """Whether what it publishes is like `sample`."""
         return (
-            sample.kind == zenoh.SampleKind.PUT
+            sample.kind == _PUT
             and sample.priority == self.priority
             and sample.congestion_control == self.congestion_control
             and sample.express == self.express

@@ -63,10 +63,13 @@ class Egress:
         self._post = post
         self._decided: deque[tuple[int, Held]] = deque()
         self._passing: deque[tuple[str, Held]] = deque()
-        self._bytes = 0
+        self._entered = self._left = 0
+        """Bytes that came to wait, and those that do not any more: only the thread writes the latter."""
         self._free_at = 0.0
         self._open = True
         self._sent_at = 0.0
+        self._awaited = 0
+        """So many passing samples may be left when those who wait for the thread go on."""
         self._busy = False
         """Whether the thread has a passing sample in hand."""
         lock = threading.RLock()
@@ -108,15 +111,23 @@ class Egress:
         """What waits: samples decided, samples passing, bytes."""
         return {"decided": len(self._decided), "passing": len(self._passing), "bytes": self._bytes}
 
+    @property
+    def _bytes(self) -> int:
+        return self._entered - self._left
+
     def _let_catch_up(self, held: Held) -> None:
-        """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still."""
-        most = BEHIND
+        """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still.
+
+        Where no link holds it up, until it has caught up with all: then the next sample needs no thread again.
+        """
+        most = 0 if len(self._passing) > BEHIND else BEHIND
         if not self.headroom.clear:
             most = MOST_SAMPLES // 2
             waits = held.sample.congestion_control != zenoh.CongestionControl.DROP
             if not waits or clock.monotonic() - self._sent_at > MOVING:
                 return
         with self._wake:
+            self._awaited = most
             self._caught_up.wait_for(
                 lambda: len(self._passing) <= most and self._bytes <= MOST_BYTES // 2,
                 CATCH_UP * (1 + held.size // 65536),
@@ -128,7 +139,7 @@ class Egress:
             if not self._open or len(lane) >= MOST_SAMPLES or self._bytes + size > MOST_BYTES:
                 return False
             lane.append(item)
-            self._bytes += size
+            self._entered += size
             self._wake.notify()
             return True
 
@@ -144,12 +155,21 @@ class Egress:
                 # Decided samples first when their time has come: they are paced and starve nobody.
                 decided = self._decided.popleft() if self._ripe() else None
                 self._busy = decided is None
-                passing = self._passing.popleft() if decided is None else None
-            if decided is not None:
+            if decided is None:
+                self._send_waiting()
+            else:
                 self._send_decided(*decided)
-            elif passing is not None:
-                self._send_passing(*passing, droppable=self._take(passing[1]))
-                self._sent_at = clock.monotonic()
+
+    def _send_waiting(self) -> None:
+        """Send what passes, until nothing waits or a decided sample comes first."""
+        while self._open and self._passing and not self._ripe():
+            reason, held = self._passing.popleft()
+            self._send_passing(reason, held, droppable=self._take(held))
+            self._sent_at = clock.monotonic()
+            if 0 < len(self._passing) <= self._awaited:
+                self._awaited = 0
+                with self._wake:
+                    self._caught_up.notify_all()
 
     def _ripe(self) -> bool:
         return bool(self._decided) and (self.rate is None or clock.monotonic() >= self._free_at)
@@ -181,18 +201,20 @@ class Egress:
 
     def _take(self, held: Held) -> bool:
         """Take a sample out of what waits; whether it may be dropped on links that have no room for it."""
-        with self._wake:
-            self._bytes -= held.size
+        self._left += held.size
+        if self._patience.at_ease and self.headroom.takes(held.size):
+            return False
         droppable = held.sample.congestion_control != zenoh.CongestionControl.DROP and self._patience.runs_out()
-        self._patience.hand(held.size, self._demand.wanting(held.key))
+        if not self._patience.at_ease:
+            self._patience.hand(held.size, self._demand.wanting(held.key))
         return droppable
 
     def _send(self, held: Held, *, droppable: bool = False) -> bool:
         sample = held.sample
-        if self._demand.silent(held.key):
+        outlet = self._demand.outlet(held.key)
+        if outlet is None and self._demand.silent(held.key):
             return True
         try:
-            outlet = self._demand.outlet(held.key)
             if outlet is not None and not droppable and outlet.suits(sample):
                 outlet.publisher.put(
                     sample.payload,

@@ -8,7 +8,7 @@ import logging
 import threading
 from collections.abc import Callable, Collection, Iterable
 from functools import partial
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import zenoh
 
@@ -50,6 +50,22 @@ class Submit(Protocol):
         """`each`: the core must be told of each sample."""
 
 
+COURSES_KEPT = 8192
+"""Keys of which it is remembered what becomes of their samples."""
+
+
+class _Course(NamedTuple):
+    """What becomes of the samples of a key, as long as specs and mode stay as they are."""
+
+    dropped: str | None
+    """Why they do not cross."""
+    passes: str | None
+    """Why they need no decision."""
+    covering: InformationType | None
+    numbered: bool
+    """Whether they keep the numbers of their publishers."""
+
+
 class Ingress:
     """Subscribes on the app side to what the mesh wants and sorts it: the core gets what is covered, the rest passes.
 
@@ -71,7 +87,7 @@ class Ingress:
         mode: Mode,
         sourced: bool,
     ) -> None:
-        self.mode = mode
+        self._mode = mode
         self.aside = False
         """Whether another daemon takes care of our apps: then everything is left to it."""
         self._app = app
@@ -83,6 +99,7 @@ class Ingress:
         self._rules = rules
         self._submit = submit
         self._sourced = sourced
+        self._courses: dict[str, _Course] = {}
         self._numbers = itertools.count(1)
         self._held: dict[int, Held] = {}
         self._bytes = 0
@@ -93,6 +110,20 @@ class Ingress:
         self._own = str(mesh.zid())
         self.returned = 0
         """Samples that left here for the mesh and came back around the daemons."""
+
+    @property
+    def mode(self) -> Mode:
+        """The mode of the daemon."""
+        return self._mode
+
+    @mode.setter
+    def mode(self, mode: Mode) -> None:
+        self._mode = mode
+        self.renew()
+
+    def renew(self) -> None:
+        """Work out anew what becomes of samples: specs or mode have changed."""
+        self._courses = {}  # another one: callbacks that still fill the old one cannot spoil it
 
     @property
     def declared(self) -> Collection[str]:
@@ -146,34 +177,50 @@ class Ingress:
         attach()
         now = clock.monotonic()
         key = str(sample.key_expr)
-        if not self._owners.takes(expression, key):
-            return
-        if self.aside:
-            return
-        verdict = self._rules.outward(key)
-        if verdict is Verdict.DENIED:
-            self._rules.out.count("samples")
-            self._passed.add(DENIED, 0)
+        if not self._owners.takes(expression, key) or self.aside:
             return
         stamp = sample.timestamp
         if stamp is not None and origin_of(stamp) == self._own:
             self.returned += 1
             return
-        if verdict is Verdict.COMPANION and not self.numbered(key.partition(ADVANCED)[0]):
-            self._passed.add(HEARTBEAT, 0)
+        dropped, passes, covering, numbered = self._courses.get(key) or self._course(key)
+        if dropped is not None:
+            self._drop(dropped)
             return
+        source = sample.source_info if numbered else None
+        held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload), source)
+        self._demand.note(key, sample, covered=covering is not None)
+        if passes is not None:
+            self._egress.pass_on(passes, held)
+        elif covering is not None:
+            self._hold(now, held, stamp, covering)
+
+    def _course(self, key: str) -> _Course:
+        courses = self._courses
+        if len(courses) >= COURSES_KEPT:
+            courses.clear()
+        course = courses[key] = self._laid(key)
+        return course
+
+    def _laid(self, key: str) -> _Course:
+        verdict = self._rules.outward(key)
+        dropped = DENIED if verdict is Verdict.DENIED else None
+        if verdict is Verdict.COMPANION and not self.numbered(key.partition(ADVANCED)[0]):
+            dropped = HEARTBEAT
         covering = self._match(key) if verdict is Verdict.ORDINARY else None
         if covering is not None and covering.bypass:
             covering, verdict = None, Verdict.BYPASS
-        source = sample.source_info if self._sourced and self._keeps_numbers(covering) else None
-        held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload), source)
-        self._demand.note(key, sample, covered=covering is not None)
+        passes = None
         if covering is None:
-            self._egress.pass_on(BYPASS if verdict is Verdict.BYPASS else NO_SPEC, held)
-        elif in_force(self.mode, covering.mode) is Mode.PASS:
-            self._egress.pass_on(MODE, held)
-        else:
-            self._hold(now, held, stamp, covering)
+            passes = BYPASS if verdict is Verdict.BYPASS else NO_SPEC
+        elif in_force(self._mode, covering.mode) is Mode.PASS:
+            passes = MODE
+        return _Course(dropped, passes, covering, self._sourced and self._keeps_numbers(covering))
+
+    def _drop(self, reason: str) -> None:
+        if reason == DENIED:
+            self._rules.out.count("samples")
+        self._passed.add(reason, 0)
 
     def _hold(self, now: float, held: Held, stamp: zenoh.Timestamp | None, covering: InformationType) -> None:
         number = next(self._numbers)

@@ -55,6 +55,9 @@ class Owners:
 
         The owner of a round stays when it changes meanwhile, or both the old and the new one might hand it on, or none.
         """
+        matching = self._cache.get(key, ())
+        if len(matching) == 1 and not self._rounds:  # nothing overlaps, and nothing ever did
+            return matching[0] == expression
         thread = threading.get_ident()
         current = self._rounds.get(thread)
         if current is not None and current.goes_on(expression, key):

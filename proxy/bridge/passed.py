@@ -23,7 +23,9 @@ class Passed:
     def add(self, reason: str, size: int) -> None:
         """Count one sample that took `size` bytes of the air."""
         with self._lock:
-            sums = self._sums.setdefault(reason, [0, 0])
+            sums = self._sums.get(reason)
+            if sums is None:
+                sums = self._sums[reason] = [0, 0]
             sums[0] += 1
             sums[1] += size
 

@@ -36,6 +36,11 @@ class Patience:
         self.lost = 0
         """How often it ran out."""
 
+    @property
+    def at_ease(self) -> bool:
+        """Whether it has not run out lately: then nothing that links have room for needs it."""
+        return clock.monotonic() - self._lost_at >= REST
+
     def end(self) -> None:
         """Wait no more."""
         self._ended = True
@@ -57,7 +62,7 @@ class Patience:
 
     def hand(self, size: int, takers: Collection[str]) -> None:
         """A sample is published next, to the sessions `takers` among others: wait until they have the one before."""
-        if clock.monotonic() - self._lost_at >= REST:
+        if self.at_ease:
             self._due = {}
             return
         until = clock.monotonic() + LONGEST
@@ -76,5 +81,6 @@ class Patience:
         if now < until:
             return False
         self._lost_at = now
+        self._due = {}
         self.lost += 1
         return True

@@ -173,6 +173,7 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
 
 def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch):
     """It is published as one that may be; others see that only while a link is full."""
+    bench.egress.headroom = FullLinks()
     monkeypatch.setattr(bench.egress._patience, "runs_out", lambda: True)
     bench.egress.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
     bench.egress.start()
