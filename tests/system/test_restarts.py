@@ -10,7 +10,7 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
 
-KILLS = int(os.environ.get("KILLS", "6"))
+KILLS = int(os.environ.get("KILLS", "4"))
 """How much is lost one after the other; the long run has hundreds."""
 SOON = 30.0
 """A lost robot is noticed after 2 s; daemons start in one, and two cores run all of it [s]."""

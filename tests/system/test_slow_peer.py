@@ -10,7 +10,7 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
 
-RATE = 300
+RATE = 150
 """Samples a second; none may be dropped on its way to a robot that keeps up."""
 SLACK = 0.75
 """What two cores that run three robots may add [s]."""

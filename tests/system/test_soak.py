@@ -11,7 +11,7 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
 
-SOAK = float(os.environ.get("SOAK", "12"))
+SOAK = float(os.environ.get("SOAK", "9"))
 """How long it lasts [s]; the long run has it for many minutes."""
 GROWN = 6 << 20
 """What a daemon's memory may grow after the first third, by what allocators keep [B]."""
