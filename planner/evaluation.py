@@ -84,8 +84,8 @@ class _Tabulation:
     def __init__(self, problem: Problem, beyond: Beyond | None) -> None:
         self._problem = problem
         self._beyond = beyond
-        self._stream = np.array([m.stream for m in problem.messages])
-        self._opened = np.flatnonzero([not m.sent for m in problem.messages])
+        self._stream = problem.columns.stream
+        self._opened = problem.columns.opened
         self._open_ended: dict[int, custom.CustomStream] = {}
 
     def gains(self) -> Gains:

@@ -18,25 +18,23 @@ class Received:
     """
 
     def __init__(self, problem: Problem, indices: Ints, levels: Ints) -> None:
-        messages = [problem.messages[index] for index in indices]
-        columns = np.array([(m.stream, m.sent, m.t_gen, m.t_rcv, m.scale) for m in messages], dtype=np.float64)
-        order = np.lexsort((columns[:, 3], columns[:, 0]))
-        columns = columns[order]
+        columns = problem.columns
+        order = np.lexsort((columns.t_rcv[indices], columns.stream[indices]))
         self.problem = problem
         self.index = indices[order]
         """The message of the problem at each place."""
-        self.utilities = [messages[at].utility for at in order]
-        self.stream = columns[:, 0].astype(np.int64)
-        self.fact = columns[:, 1] != 0
-        self.t_gen = columns[:, 2]
-        self.t_rcv = columns[:, 3]
-        self.scale = columns[:, 4]
+        self.utilities = [problem.messages[at].utility for at in self.index.tolist()]
+        self.stream = columns.stream[self.index]
+        self.fact = columns.sent[self.index]
+        self.t_gen = columns.t_gen[self.index]
+        self.t_rcv = columns.t_rcv[self.index]
+        self.scale = columns.scale[self.index]
         self.t_end = problem.t_end
         place = np.empty_like(order)
         place[order] = np.arange(len(order))
-        self.opened = place[[at for at, m in enumerate(messages) if not m.sent]]
+        self.opened = place[~columns.sent[indices]]
         self.level = levels
-        self.delay, self.share = receivers(problem)
+        self.delay, self.share = columns.delay, columns.share
         """Of each receiver of each stream of the problem, filled up with receivers of no share."""
 
     def facts_around(self) -> tuple[Ints, Ints]:
@@ -66,16 +64,6 @@ class Received:
             end = np.maximum(np.minimum(until + late, self.t_end) - born, start)
             total += share[streams] * integrals(self.utilities, which, start, end)
         return self.scale[which] * total
-
-
-def receivers(problem: Problem) -> tuple[Floats, Floats]:
-    """Return delay [s] and share of each receiver of each stream, filled up with receivers of no share."""
-    most = max((len(stream.receivers) for stream in problem.streams), default=0)
-    delay, share = np.zeros((2, len(problem.streams), max(most, 1)))
-    for at, stream in enumerate(problem.streams):
-        for r, receiver in enumerate(stream.receivers):
-            delay[at, r], share[at, r] = receiver.delay, receiver.share
-    return delay, share
 
 
 def integrals(utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats) -> Floats:
