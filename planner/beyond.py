@@ -258,9 +258,10 @@ def _until(problem: Problem, steady: _Steady, net: Floats, interval: Floats, aft
 
 def _others(problem: Problem) -> Iterator[tuple[int, Aggregation | AggregationModel]]:
     """Yield the streams whose message received last is not all that counts."""
-    for stream, each in enumerate(problem.streams):
-        if each.aggregation is not Aggregation.MOST_RECENT:
-            yield stream, each.aggregation
+    for kind, streams in problem.columns.kinds:
+        if kind is not Aggregation.MOST_RECENT:
+            for stream in streams:
+                yield stream, kind
 
 
 def _charges(problem: Problem, columns: Columns, price: Floats) -> Floats:

@@ -13,10 +13,11 @@ import numpy as np
 from planner.utility import Flags, Floats, Ints
 
 if TYPE_CHECKING:
-    from planner.problem import Problem, Stream
+    from planner.problem import Aggregation, AggregationModel, Problem, Stream
 
 _ROW = attrgetter("stream", "sent", "t_gen", "t_sent", "t_rcv", "scale")
 _USE = attrgetter("use")
+_RECEIVER = attrgetter("delay", "share")
 _T_SENT = attrgetter("t_sent")
 
 
@@ -24,7 +25,8 @@ _T_SENT = attrgetter("t_sent")
 class Columns:
     """By message: its stream, whether it is `sent`, times [s], scale, and `use[m, k]` of constraint k.
 
-    `opened` are the messages to decide. By stream and receiver, filled up with receivers of no share: `delay` [s] and
+    `opened` are the messages to decide. Streams of one aggregation are together in `kinds`, the one that comes first
+    first. By stream and receiver, filled up with receivers of no share: `delay` [s] and
     `share`. Of the traffic: `traffic_sent` [s] and `traffic_use[j, k]`.
     """
 
@@ -36,6 +38,7 @@ class Columns:
     t_rcv: Floats
     scale: Floats
     use: Floats
+    kinds: tuple[tuple[Aggregation | AggregationModel, list[int]], ...]
     delay: Floats
     share: Floats
     traffic_sent: Floats
@@ -58,6 +61,7 @@ def columns_of(problem: Problem) -> Columns:
         t_rcv=t_rcv,
         scale=scale,
         use=_numbers(list(map(_USE, messages)), constraints),
+        kinds=_kinds(problem.streams),
         delay=delay,
         share=share,
         traffic_sent=np.array(list(map(_T_SENT, problem.traffic)), dtype=np.float64),
@@ -71,10 +75,20 @@ def _numbers(rows: Sequence[tuple[float, ...]], width: int) -> Floats:
     return numbers.reshape(len(rows), width)
 
 
-def _receivers(streams: Sequence[Stream]) -> tuple[Floats, Floats]:
-    most = max((len(stream.receivers) for stream in streams), default=0)
-    delay, share = np.zeros((2, len(streams), max(most, 1)))
+def _kinds(streams: Sequence[Stream]) -> tuple[tuple[Aggregation | AggregationModel, list[int]], ...]:
+    """Models of the caller's need not be hashable."""
+    kinds: dict[int, list[int]] = {}
     for at, stream in enumerate(streams):
-        for r, receiver in enumerate(stream.receivers):
-            delay[at, r], share[at, r] = receiver.delay, receiver.share
+        kinds.setdefault(id(stream.aggregation), []).append(at)
+    return tuple((streams[members[0]].aggregation, members) for members in kinds.values())
+
+
+def _receivers(streams: Sequence[Stream]) -> tuple[Floats, Floats]:
+    receivers = [stream.receivers for stream in streams]
+    counts = list(map(len, receivers))
+    known = _numbers(list(map(_RECEIVER, chain.from_iterable(receivers))), 2)
+    stream = np.repeat(np.arange(len(counts)), counts)
+    delay, share = np.zeros((2, len(counts), max(counts, default=1) or 1))
+    place = np.arange(len(stream)) - np.searchsorted(stream, stream)
+    delay[stream, place], share[stream, place] = known.T
     return delay, share

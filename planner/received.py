@@ -1,6 +1,7 @@
 """The messages of a window in the order of receipt, and what each is worth between two receipts."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import cast
 
 import numpy as np
@@ -69,8 +70,7 @@ class Received:
 def integrals(utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats) -> Floats:
     """∫ of `utilities[which[j]]` over the ages `[start[j], end[j]]`, kind by kind [1]."""
     kinds = set(map(type, utilities))
-    if len(kinds) == 1 and isinstance(utilities[0], Batched):
-        batched = cast("type[Batched]", type(utilities[0]))
+    if len(kinds) == 1 and (batched := _batched(*kinds)) is not None:
         return batched.integrals(cast("Sequence[Batched]", utilities), which, start, end)
     result = np.zeros(len(which))
     for kind in sorted(kinds, key=lambda kind: f"{kind.__module__}.{kind.__qualname__}"):
@@ -80,12 +80,18 @@ def integrals(utilities: Sequence[MessageUtility], which: Ints, start: Floats, e
     return result
 
 
+@lru_cache
+def _batched(kind: type[MessageUtility]) -> type[Batched] | None:
+    """Return the kind as one that integrates many messages at once; None when it does not. To look takes long."""
+    return cast("type[Batched]", kind) if issubclass(kind, Batched) else None
+
+
 def _of_one_kind(
     kind: type[MessageUtility], utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats
 ) -> Floats:
-    if issubclass(kind, Batched):
+    if (batched := _batched(kind)) is not None:
         used, index = np.unique(which, return_inverse=True)
-        return kind.integrals([utilities[at] for at in used], index, start, end)
+        return batched.integrals([cast("Batched", utilities[at]) for at in used], index, start, end)
     result = np.zeros(len(which))
     for at in np.unique(which):
         chosen = which == at

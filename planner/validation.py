@@ -62,12 +62,11 @@ def _check_constraints(problem: Problem) -> None:
 
 
 def _check_streams(problem: Problem) -> None:
-    for index, stream in enumerate(problem.streams):
-        kind = stream.aggregation
-        if not (isinstance(kind, Aggregation) or isinstance(kind, AggregationModel)):  # noqa: SIM101  one is quick
+    for kind, members in problem.columns.kinds:
+        if not isinstance(kind, Aggregation | AggregationModel):
             raise ProblemError(
-                f"stream {index}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty, add"
-                f" and value, not {kind!r}"
+                f"stream {members[0]}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty,"
+                f" add and value, not {kind!r}"
             )
     delay, share = problem.columns.delay, problem.columns.share
     if not (np.isfinite(delay) & (delay >= 0) & np.isfinite(share) & (share >= 0)).all():
