@@ -65,7 +65,7 @@ class Plenty:
         """Whether the limits that robots share have room for all that is wanted of anybody."""
         if now < self._due:
             return self._there
-        streams = [stream for stream in self._view.streams() if self._view.competes(now, stream)]
+        streams = self._view.competition.all(now)
         self._due = now + max(PACE, EACH * len(streams))
         self._needs = {}
         for stream in streams:
