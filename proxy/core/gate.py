@@ -372,7 +372,8 @@ class Gate:
         """What we know others to have sent within the longest window, as (time, use)."""
         longest = max((limit.window for limit in self.limits), default=0.0)
         sent = self._view.sent_since(now - longest)
-        alike = {(size, copies): use_of(size, copies, self.limits, own=False) for _, size, copies in sent}
+        kinds = {(size, copies) for _, size, copies in sent}
+        alike = {(size, copies): use_of(size, copies, self.limits, own=False) for size, copies in kinds}
         return tuple([(t, alike[size, copies]) for t, size, copies in sent])
 
     def _lent(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:

@@ -60,6 +60,7 @@ class _Candidate:
     copies: int
     audience: Audience
     own: bool
+    markovian: bool
     times: list[float]
 
     @property
@@ -140,8 +141,11 @@ class WindowBuilder:
         candidates = self._candidates(now, "" if current is None else current.key, limits)
         end = self._forecast(now, candidates, limits)
         demanded = [m for c in candidates if guaranteed(c.stream) for m in self._owed(c, limits)]
-        for candidate in candidates:
-            candidate.times = _bounded(candidate, [t for t in candidate.times if t <= end])
+        for c in candidates:
+            if c.times and c.times[-1] > end:
+                c.times = [t for t in c.times if t <= end]
+            if not c.markovian:
+                c.times = _bounded(c, c.times)
         _thin(candidates, self._view.settings.horizon)
         ours = {c.stream.key: c for c in candidates if c.own}
         opened = [
@@ -150,9 +154,12 @@ class WindowBuilder:
             for c in (ours[w.key],)
         ]
         opened += [_expect(c, t) for c in candidates for t in c.times]
-        opened += [m for c in candidates for m in self._asking(now, c, limits)]
+        if limits.promised is not None:
+            opened += [m for c in candidates for m in self._asking(now, c, limits, limits.promised)]
+        if limits.holds is not None:
+            opened = [m for m in opened if m.current or not m.of.own or limits.holds(m.t_gen, _use(m, limits))]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
-        return candidates, [m for m in opened if m.current or self._possible(m, limits)], demanded
+        return candidates, opened, demanded
 
     def _owed(self, c: _Candidate, limits: Limits) -> list[_Open]:
         """Take what its guarantee demands out of the forecasts of a stream."""
@@ -162,23 +169,17 @@ class WindowBuilder:
         c.times = [t for t in c.times if t not in times]
         return [_expect(c, t) for t in times]
 
-    def _asking(self, now: float, c: _Candidate, limits: Limits) -> list[_Open]:
+    def _asking(self, now: float, c: _Candidate, limits: Limits, promises: Promises) -> list[_Open]:
         """Where we lend, return what another robot has generated, told us of, and waits with."""
         stream, last = c.stream, c.stream.newest
-        if limits.promised is None or c.own or now - last.t_gen > ASKED:
+        if c.own or now - last.t_gen > ASKED:
             return []
         peer = self._view.peer_called(stream.robot)
         if peer is None or not serves(self._view, stream, peer, limits.union):
             return []
-        promised = limits.promised.get((stream.robot, stream.key), ())
+        promised = promises.get((stream.robot, stream.key), ())
         known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
         return [_Open(last.t_gen, c, last.size, last.scale, last.features)] if last.t_gen > known else []
-
-    def _possible(self, m: _Open, limits: Limits) -> bool:
-        """Whether a message to come can be sent at all by what we hold then, where that is known."""
-        if limits.holds is None or not m.of.own:
-            return True
-        return limits.holds(m.t_gen, use_of(m.size, m.of.copies, limits.union))
 
     def _expected(self, m: _Open) -> Expected | None:
         """Return a message of another robot as it is expected; None when it is ours."""
@@ -197,8 +198,12 @@ class WindowBuilder:
             current = view.known(own, deciding)
             if current is not None and not any(s is current for s in competing):
                 insort(competing, current, key=lambda s: (s.robot, s.key))
-        of = view.audiences.of
-        return [_Candidate(s, k, view.copies(s), of(now, s), s.robot == own, []) for k, s in enumerate(competing)]
+        return [self._candidate(now, place, stream) for place, stream in enumerate(competing)]
+
+    def _candidate(self, now: float, place: int, stream: Stream) -> _Candidate:
+        view, own = self._view, stream.robot == self._view.settings.robot
+        markovian = stream.information_type.aggregation is Aggregation.MOST_RECENT
+        return _Candidate(stream, place, view.copies(stream), view.audiences.of(now, stream), own, markovian, [])
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -240,6 +245,8 @@ class WindowBuilder:
             heard = max(heard, stream.sent.t_gen + 0.5 * stream.schedule.period)
         if not view.overhears(stream):
             return max(heard, now - longest)
+        if heard >= now:
+            return heard
         return max(heard, now - self._way_here(c) - OVERHEARD - stream.schedule.jitter)
 
     def _way_here(self, c: _Candidate) -> float:
@@ -281,6 +288,11 @@ class WindowBuilder:
             goes_on=limits.stays,
         )
         return problem, places
+
+
+def _use(m: _Open, limits: Limits) -> tuple[float, ...]:
+    """What a message of ours uses of the limits of the union."""
+    return use_of(m.size, m.of.copies, limits.union)
 
 
 class _Uses:
@@ -331,13 +343,16 @@ def _facts(c: _Candidate, now: float, nothing: tuple[float, ...], promised: Prom
     received counts from now on: what it was worth before no decision can change.
     """
     stream = c.stream
+    lent = promised.get((stream.robot, stream.key))
+    if c.markovian and not lent:
+        return [_fact(c, stream.recent[-1], -math.inf, nothing)] if stream.recent else []
     kind = stream.information_type.aggregation
     if kind in (Aggregation.SUM, Aggregation.ONCE):
         return []
-    most = 1 if kind is Aggregation.MOST_RECENT else MOST_FACTS
-    since = now if kind is Aggregation.BEST else 0.0
+    most = 1 if c.markovian else MOST_FACTS
+    since = now if kind is Aggregation.BEST else -math.inf
     coming: list[Sent] = []
-    if lent := promised.get((stream.robot, stream.key)):
+    if lent:
         known = (stream.sent.t_gen if stream.sent else -math.inf) + 0.5 * stream.schedule.period
         coming = [Sent(p.t_gen, p.t_gen, p.size, p.scale, p.features) for p in lent if p.t_gen > known]
     sent = chain(reversed(coming), reversed(stream.recent))
