@@ -119,7 +119,8 @@ def _over_receivers(columns: Columns) -> Columns:
     total = columns.share.sum(axis=1)
     late = (columns.delay * columns.share).sum(axis=1) / np.where(total > 0, total, 1.0)
     of = columns.stream
-    return replace(columns, t_rcv=columns.t_rcv + late[of], scale=columns.scale * total[of])
+    times = np.stack((columns.t_gen, columns.t_sent, columns.t_rcv + late[of]))
+    return replace(columns, times=times, scale=columns.scale * total[of])
 
 
 def _steady(problem: Problem, columns: Columns, interval: Floats) -> _Steady:

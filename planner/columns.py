@@ -33,9 +33,8 @@ class Columns:
     stream: Ints
     sent: Flags
     opened: Ints
-    t_gen: Floats
-    t_sent: Floats
-    t_rcv: Floats
+    times: Floats
+    """t_gen, t_sent and t_rcv, one row each."""
     scale: Floats
     use: Floats
     kinds: tuple[tuple[Aggregation | AggregationModel, list[int]], ...]
@@ -44,22 +43,35 @@ class Columns:
     traffic_sent: Floats
     traffic_use: Floats
 
+    @property
+    def t_gen(self) -> Floats:
+        """When each message is generated [s]."""
+        return np.asarray(self.times[0])
+
+    @property
+    def t_sent(self) -> Floats:
+        """When each message is sent [s]."""
+        return np.asarray(self.times[1])
+
+    @property
+    def t_rcv(self) -> Floats:
+        """When each message is received [s]."""
+        return np.asarray(self.times[2])
+
 
 def columns_of(problem: Problem) -> Columns:
     """Read the columns of a problem in which every `use` has an entry for each constraint."""
     messages, constraints = problem.messages, len(problem.constraints)
     rows = _numbers(list(map(_ROW, messages)), 6)
-    stream, sent, t_gen, t_sent, t_rcv, scale = np.ascontiguousarray(rows.T)
-    facts = sent != 0
+    rows = np.ascontiguousarray(rows.T)
+    facts = rows[1] != 0
     delay, share = _receivers(problem.streams)
     return Columns(
-        stream=stream.astype(np.int64),
+        stream=rows[0].astype(np.int64),
         sent=facts,
         opened=np.flatnonzero(~facts),
-        t_gen=t_gen,
-        t_sent=t_sent,
-        t_rcv=t_rcv,
-        scale=scale,
+        times=rows[2:5],
+        scale=rows[5],
         use=_numbers(list(map(_USE, messages)), constraints),
         kinds=_kinds(problem.streams),
         delay=delay,

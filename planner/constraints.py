@@ -145,13 +145,8 @@ def _tightest(holds: Flags, spare: Floats, oversized: Flags) -> Flags:
 def _assemble(use: Floats, share: Floats, found: list[_Found]) -> Checks:
     """Order the checks by level."""
     count = len(use)
-    level = np.concatenate([np.zeros(0, dtype=np.int64), *(part.level for part in found)])
-    order = np.argsort(level, kind="stable")
-    level = level[order]
-    of = np.concatenate([np.zeros(0, dtype=np.int64), *(part.of for part in found)])[order]
-    first = np.concatenate([np.zeros(0, dtype=np.int64), *(part.first for part in found)])[order]
-    room = np.concatenate([np.zeros(0), *(part.room for part in found)])[order]
-    always = np.concatenate([np.zeros(0, dtype=np.bool_), *(part.always for part in found)])[order]
+    part = found[0] if len(found) == 1 else _merged(found)
+    level, of, first, room, always = part.level, part.of, part.first, part.room, part.always
     held = np.arange(count + 1)
     np.minimum.at(held, level, first)
     never = np.zeros(count, dtype=np.bool_)
@@ -168,6 +163,20 @@ def _assemble(use: Floats, share: Floats, found: list[_Found]) -> Checks:
         held=np.ascontiguousarray(np.minimum.accumulate(held[::-1])[::-1]),
         never=never,
         rows=_binding(share, Rows(of[keep], first[keep], level[keep], capacity)),
+    )
+
+
+def _merged(found: list[_Found]) -> _Found:
+    """Return all checks by level, those found first of a level first. There may be none."""
+    none = np.zeros(0, dtype=np.int64)
+    level = np.concatenate([none, *(part.level for part in found)])
+    order = np.argsort(level, kind="stable")
+    return _Found(
+        level[order],
+        np.concatenate([none, *(part.of for part in found)])[order],
+        np.concatenate([none, *(part.first for part in found)])[order],
+        np.concatenate([np.zeros(0), *(part.room for part in found)])[order],
+        np.concatenate([none.astype(np.bool_), *(part.always for part in found)])[order],
     )
 
 

@@ -95,7 +95,9 @@ class _Tabulation:
         aim = part.aim
         if beyond is not None:
             aim = aim - np.repeat(beyond.charge[self._opened], part.states)
-        streams, stream = np.unique(self._stream[self._opened], return_inverse=True)
+        of = self._stream[self._opened]
+        present = np.bincount(of, minlength=len(problem.streams)) > 0
+        streams, stream = np.flatnonzero(present), (np.cumsum(present) - 1)[of]
         markovian = np.zeros(len(problem.streams), dtype=np.bool_)
         for kind, members in problem.columns.kinds:
             markovian[members] = kind is Aggregation.MOST_RECENT

@@ -88,9 +88,9 @@ def _check_messages(problem: Problem) -> None:
     if unknown.any():
         index = int(np.argmax(unknown))
         raise ProblemError(f"message {index}: stream {columns.stream[index]} is unknown, there are {count}")
-    ordered = (columns.t_gen <= columns.t_sent) & (columns.t_sent <= columns.t_rcv) & (columns.scale >= 0)
-    finite = np.isfinite((columns.t_gen, columns.t_rcv, columns.scale))
-    if not (ordered.all() and finite.all()):
+    times, scale = columns.times, columns.scale
+    ordered = (times[:-1] <= times[1:]).all() and np.isfinite(times).all()
+    if not (ordered and np.isfinite(scale).all() and scale.min() >= 0):
         _refuse_first(problem.messages)
     _check_numbers(columns.use, "message")
     _check_order(problem)
@@ -111,11 +111,10 @@ def _refuse_first(messages: tuple[Message, ...]) -> None:
 def _check_order(problem: Problem) -> None:
     columns = problem.columns
     robot = np.array([stream.robot for stream in problem.streams])[columns.stream]
-    apart = np.stack([np.diff(each) for each in (columns.t_gen, robot, columns.stream)])
-    # The first of the three that differs tells: each weighs more than all after it.
-    wrong = np.array([4, 2, 1]) @ np.sign(apart) < 0
-    if wrong.any():
-        index = int(np.argmax(wrong)) + 1
+    order = np.lexsort((columns.stream, robot, columns.t_gen))
+    if (order[1:] < order[:-1]).any():
+        keys = list(zip(columns.t_gen, robot, columns.stream, strict=True))
+        index = next(at for at in range(1, len(keys)) if keys[at] < keys[at - 1])
         raise ProblemError(f"message {index} belongs before {index - 1}: order by t_gen, then robot, then stream")
     _check_receipts(problem)
 
@@ -153,7 +152,6 @@ def _check_uses(problem: Problem) -> None:
 
 
 def _check_numbers(uses: Floats, what: str) -> None:
-    wrong = ~(np.isfinite(uses) & (uses >= 0)).all(axis=1)
-    if wrong.any():
-        index = int(np.argmax(wrong))
+    if not (np.isfinite(uses).all() and (uses >= 0).all()):
+        index = int(np.argmin((np.isfinite(uses) & (uses >= 0)).all(axis=1)))
         raise ProblemError(f"{what} {index}: use must be finite and >= 0, not {tuple(uses[index].tolist())}")

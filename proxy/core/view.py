@@ -145,8 +145,10 @@ class SharedView:
 
     def wanting(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
-        names = self._interest.wanting(stream.key, self._tags.get(stream.robot, ""))
-        return names or ("",) * stream.matching
+        if stream.wanting_at != self.revision:
+            stream.wanting = self._interest.wanting(stream.key, self._tags.get(stream.robot, ""))
+            stream.wanting_at = self.revision
+        return stream.wanting or ("",) * stream.matching
 
     def receivers(self, stream: Stream) -> int:
         """How many robots want the stream."""

@@ -162,8 +162,8 @@ class Audiences:
         if found is None or now >= found.until:
             if len(self._common) > self._view.settings.streams:
                 self._common.clear()
-            sender = _From(self._view, stream.robot)
-            ways = sender.ways(gaining, size, self._loss(now))
+            lost, sender = self._loss(now), _From(self._view, stream.robot)
+            ways = sender.ways(gaining, size, lost)
             first, receivers = grouped(ways or [Way(sender.mean.of(size))])
             until = now + REFRESH * max(1.0, len(self._view.peers) / MANY)
             found = _Looked(until, gaining, Audience(size, first, sender.mean.per_byte, receivers))
