@@ -262,8 +262,9 @@ class WindowBuilder:
     ) -> tuple[Problem, dict[int, _Open]]:
         constraints = (*limits.union, *limits.held)
         nothing = (0.0,) * len(constraints)
+        promised = limits.promised or {}
         messages: list[tuple[Message, _Open | None]] = [
-            (fact, None) for c in candidates for fact in _facts(c, now, nothing, limits.promised or {})
+            (fact, None) for c in candidates for fact in _facts(c, now, nothing, promised)
         ]
         messages += [(_fact(m.of, _sent(m, now), 0.0, nothing), None) for m in demanded]
         t_sent, uses = -math.inf, _Uses(limits)
