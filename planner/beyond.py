@@ -25,14 +25,15 @@ often as it pays, will have replaced it.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.aggregations.custom import alone
+from planner.columns import Columns
 from planner.errors import ProblemError
 from planner.problem import Aggregation, AggregationModel, Problem
-from planner.received import integrals, receivers
+from planner.received import integrals
 from planner.utility import Floats, Ints
 
 INTERVALS = np.array([1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 50, 100, 300], dtype=np.float64)
@@ -96,40 +97,38 @@ def look_beyond(problem: Problem) -> Beyond:
         free = np.zeros(len(problem.constraints))
         return Beyond(nothing, nothing[:, None] * free, free, np.zeros(streams), np.full(streams, problem.t_end))
     with np.errstate(over="ignore", invalid="ignore"):
-        columns = _columns(problem)
-        use = np.array([m.use for m in problem.messages]).reshape(len(columns), len(problem.constraints))
+        columns = _over_receivers(problem.columns)
         interval = _intervals(problem, columns)
-        steady = _steady(problem, columns, use, interval)
+        steady = _steady(problem, columns, interval)
+        after = _after(problem, columns, interval)
         price = _prices(problem, steady)
         net = steady.value - steady.rate * (steady.use @ price)[:, None]
         rent = np.zeros(streams)
         rent[steady.stream] = np.maximum(net.max(axis=1), 0.0)
-        worth = _worth(problem, columns, rent, interval)
+        worth = _worth(problem, columns, rent, interval, after)
         _extend(problem, columns, worth, steady.use_of(streams) @ price, interval)
-        charges = _charges(problem, columns, use, price)
-        until = _until(problem, columns, steady, net, interval)
+        charges = _charges(problem, columns, price)
+        until = _until(problem, steady, net, interval, after)
     if not (np.isfinite(worth).all() and np.isfinite(charges).all() and np.isfinite(until).all()):
         raise ProblemError("the utility beyond the window is not finite: scale or utility parameters are too large")
     return Beyond(worth, charges, price, rent, until)
 
 
-def _columns(problem: Problem) -> Floats:
-    """Return stream, sent, t_gen, t_sent, t_rcv and scale of all messages, those of all receivers taken together."""
-    columns = np.array([(m.stream, m.sent, m.t_gen, m.t_sent, m.t_rcv, m.scale) for m in problem.messages])
-    delay, share = receivers(problem)
-    total = share.sum(axis=1)
-    of = columns[:, 0].astype(np.int64)
-    columns[:, 4] += ((delay * share).sum(axis=1) / np.where(total > 0, total, 1.0))[of]
-    columns[:, 5] *= total[of]
-    return columns
+def _over_receivers(columns: Columns) -> Columns:
+    """Return the columns with all receivers of a message taken together: when they get it, and what it is worth."""
+    total = columns.share.sum(axis=1)
+    late = (columns.delay * columns.share).sum(axis=1) / np.where(total > 0, total, 1.0)
+    of = columns.stream
+    times = np.stack((columns.t_gen, columns.t_sent, columns.t_rcv + late[of]))
+    return replace(columns, times=times, scale=columns.scale * total[of])
 
 
-def _steady(problem: Problem, columns: Floats, use: Floats, interval: Floats) -> _Steady:
+def _steady(problem: Problem, columns: Columns, interval: Floats) -> _Steady:
     """Take the means over each stream's open messages."""
-    opened = columns[:, 1] == 0
-    of, t_gen, t_rcv = columns[opened, 0].astype(np.int64), columns[opened, 2], columns[opened, 4]
-    age, apart = (t_rcv - t_gen)[:, None], interval[:, None] * INTERVALS
-    area = _areas(problem, np.flatnonzero(opened), age, age + apart[of]) * columns[opened, 5][:, None]
+    opened = columns.opened
+    of = columns.stream[opened]
+    age, apart = (columns.t_rcv[opened] - columns.t_gen[opened])[:, None], interval[:, None] * INTERVALS
+    area = _areas(problem, opened, age, age + apart[of]) * columns.scale[opened][:, None]
     for other, aggregation in _others(problem):
         own = of == other
         if aggregation is Aggregation.SUM:
@@ -137,12 +136,12 @@ def _steady(problem: Problem, columns: Floats, use: Floats, interval: Floats) ->
         elif aggregation is Aggregation.ONCE:
             area[own] = 0.0
         elif isinstance(aggregation, AggregationModel) and own.any():
-            first = problem.messages[np.flatnonzero(opened)[own.argmax()]]
+            first = problem.messages[opened[own.argmax()]]
             area[own] = alone(problem, other, first, apart[other])
     mean = _means(of, len(interval))
     stream = np.flatnonzero(mean.any(axis=1))
     apart = apart[stream]
-    return _Steady(stream, (mean @ area)[stream] / apart, 1.0 / apart, (mean @ use[opened])[stream])
+    return _Steady(stream, (mean @ area)[stream] / apart, 1.0 / apart, (mean @ columns.use[opened])[stream])
 
 
 def _means(of: Ints, streams: int) -> Floats:
@@ -152,13 +151,12 @@ def _means(of: Ints, streams: int) -> Floats:
     return np.asarray(members / count)
 
 
-def _intervals(problem: Problem, columns: Floats) -> Floats:
+def _intervals(problem: Problem, columns: Columns) -> Floats:
     """Return the mean time between the open messages of each stream [s].
 
     One that has a single message is taken to generate as rarely as the window allows.
     """
-    opened = columns[columns[:, 1] == 0]
-    of, t_gen = opened[:, 0].astype(np.int64), opened[:, 2]
+    of, t_gen = columns.stream[columns.opened], columns.t_gen[columns.opened]
     streams = len(problem.streams)
     first, last, count = np.full(streams, np.inf), np.full(streams, -np.inf), np.bincount(of, minlength=streams)
     np.minimum.at(first, of, t_gen)
@@ -204,49 +202,50 @@ def _clearing(paid: Floats, wanted: Floats, offered: float) -> float:
     return max(float(paid[order[last]]), 0.0) if last < len(order) else 0.0
 
 
-def _after(problem: Problem, columns: Floats, interval: Floats) -> tuple[float, Floats]:
+def _after(problem: Problem, columns: Columns, interval: Floats) -> tuple[float, Floats]:
     """Return t_c, and when the first message of each stream after the window is received [s]."""
-    opened = columns[columns[:, 1] == 0]
-    of, t_rcv = opened[:, 0].astype(np.int64), opened[:, 4]
+    of, t_rcv = columns.stream[columns.opened], columns.t_rcv[columns.opened]
     coming = np.zeros(len(interval))
     np.maximum.at(coming, of, t_rcv + interval[of])
     return min(problem.t_end, float(t_rcv.max())), coming
 
 
-def _worth(problem: Problem, columns: Floats, rent: Floats, interval: Floats) -> Floats:
+def _worth(problem: Problem, columns: Columns, rent: Floats, interval: Floats, after: tuple[float, Floats]) -> Floats:
     """What each message is worth as the last of its stream, in place of what it is worth from t_c to t_end."""
-    of, t_gen, t_rcv = columns[:, 0].astype(np.int64), columns[:, 2], columns[:, 4]
-    t_c, coming = _after(problem, columns, interval)
+    of, t_gen, t_rcv = columns.stream, columns.t_gen, columns.t_rcv
+    t_c, coming = after
     soonest = np.maximum(coming - t_c, 0.0)[of, None]
     later = interval[of, None] * np.concatenate((np.zeros(1), INTERVALS))
     begin = np.maximum(t_c - t_gen, 0.0)[:, None]
     end = np.concatenate((begin + soonest + later, np.maximum(problem.t_end - t_gen, 0.0)[:, None]), axis=1)
-    area = _areas(problem, np.arange(len(of)), begin, np.maximum(end, begin)) * columns[:, 5][:, None]
+    area = _areas(problem, np.arange(len(of)), begin, np.maximum(end, begin)) * columns.scale[:, None]
     worth = (area[:, :-1] - rent[of, None] * later).max(axis=1) - area[:, -1]
     return np.where(t_rcv < problem.t_end, worth, 0.0)
 
 
-def _extend(problem: Problem, columns: Floats, worth: Floats, price: Floats, interval: Floats) -> None:
+def _extend(problem: Problem, columns: Columns, worth: Floats, price: Floats, interval: Floats) -> None:
     """Put in what messages are worth beyond the window where they do not count as the last of their stream.
 
     `price[i]` is that of a message of stream i.
     """
-    of, opened = columns[:, 0].astype(np.int64), columns[:, 1] == 0
+    of, opened = columns.stream, ~columns.sent
     for stream, aggregation in _others(problem):
         own = np.flatnonzero(of == stream)
         worth[own] = 0.0
         if aggregation in (Aggregation.SUM, Aggregation.ONCE) and len(own):
-            begin = np.maximum(columns[own, 4], problem.t_end) - columns[own, 2]
+            begin = np.maximum(columns.t_rcv[own], problem.t_end) - columns.t_gen[own]
             life = _areas(problem, own, begin[:, None], (begin + INTERVALS[-1] * interval[stream])[:, None])
-            worth[own] = life[:, 0] * columns[own, 5]
+            worth[own] = life[:, 0] * columns.scale[own]
             coming = own[opened[own]]
             if aggregation is Aggregation.ONCE and len(coming) > 1:
-                age = (columns[coming, 4] - columns[coming, 2])[:, None]
-                whole = _areas(problem, coming, age, age + INTERVALS[-1] * interval[stream])[:, 0] * columns[coming, 5]
+                age = (columns.t_rcv[coming] - columns.t_gen[coming])[:, None]
+                whole = (
+                    _areas(problem, coming, age, age + INTERVALS[-1] * interval[stream])[:, 0] * columns.scale[coming]
+                )
                 worth[own] -= max(float(whole.mean() - price[stream]), 0.0)
 
 
-def _until(problem: Problem, columns: Floats, steady: _Steady, net: Floats, interval: Floats) -> Floats:
+def _until(problem: Problem, steady: _Steady, net: Floats, interval: Floats, after: tuple[float, Floats]) -> Floats:
     """Return when what was received of each stream will have been replaced, at t_end or later [s].
 
     In the middle of the interval at which sending pays best, but not before its next message.
@@ -254,20 +253,21 @@ def _until(problem: Problem, columns: Floats, steady: _Steady, net: Floats, inte
     pause = INTERVALS[-1] * interval
     pays = net.max(axis=1) > 0
     pause[steady.stream[pays]] = 1.0 / steady.rate[pays, net.argmax(axis=1)[pays]]
-    t_c, coming = _after(problem, columns, interval)
+    t_c, coming = after
     return np.asarray(np.maximum(problem.t_end, np.maximum(coming, t_c + 0.5 * pause)))
 
 
 def _others(problem: Problem) -> Iterator[tuple[int, Aggregation | AggregationModel]]:
     """Yield the streams whose message received last is not all that counts."""
-    for stream, each in enumerate(problem.streams):
-        if each.aggregation is not Aggregation.MOST_RECENT:
-            yield stream, each.aggregation
+    for kind, streams in problem.columns.kinds:
+        if kind is not Aggregation.MOST_RECENT:
+            for stream in streams:
+                yield stream, kind
 
 
-def _charges(problem: Problem, columns: Floats, use: Floats, price: Floats) -> Floats:
+def _charges(problem: Problem, columns: Columns, price: Floats) -> Floats:
     """What the windows after the last decision charge for a message, by constraint."""
-    sent, t_last = columns[:, 3], float(columns[columns[:, 1] == 0, 3].max())
+    sent, use, t_last = columns.t_sent, columns.use, float(columns.t_sent[columns.opened].max())
     charges = np.zeros((len(sent), len(price)))
     for k, constraint in enumerate(problem.constraints):
         if price[k] > 0 and constraint.limit > 0:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from planner.columns import Columns
 from planner.problem import Constraint, Problem
 from planner.utility import Flags, Floats, Ints
 
@@ -85,12 +86,11 @@ class _Found:
 
 def tabulate_checks(problem: Problem) -> Checks:
     """Tabulate all checks of a valid problem."""
-    open_messages = [m for m in problem.messages if not m.sent]
-    times = np.array([m.t_sent for m in open_messages], dtype=np.float64)
-    use = np.array([m.use for m in open_messages], dtype=np.float64).reshape(len(times), len(problem.constraints))
+    columns = problem.columns
+    times, use = columns.t_sent[columns.opened], columns.use[columns.opened]
     found: list[_Found] = []
     for k, constraint in enumerate(problem.constraints):
-        fixed = _fixed(problem, k)
+        fixed = _fixed(columns, k)
         found.append(_own_windows(k, constraint, times, use[:, k], fixed))
         if len(fixed.time) and fixed.time[-1] >= times[0]:
             found.append(_later_windows(k, constraint, times, use[:, k], fixed))
@@ -105,12 +105,13 @@ def stretched(constraint: Constraint, use: Floats) -> tuple[Floats, Floats]:
     return constraint.window * factor + CLOSED, capacity * (1 + SLACK)
 
 
-def _fixed(problem: Problem, k: int) -> _Fixed:
-    sent = [(m.t_sent, m.use[k]) for m in problem.messages if m.sent and m.use[k] > 0]
-    sent += [(t.t_sent, t.use[k]) for t in problem.traffic if t.use[k] > 0]
-    sent.sort()
-    columns = np.array(sent, dtype=np.float64).reshape(len(sent), 2)
-    return _Fixed(columns[:, 0], columns[:, 1], np.concatenate(([0.0], np.cumsum(columns[:, 1]))))
+def _fixed(columns: Columns, k: int) -> _Fixed:
+    time = np.concatenate((columns.t_sent[columns.sent], columns.traffic_sent))
+    use = np.concatenate((columns.use[columns.sent, k], columns.traffic_use[:, k]))
+    order = np.lexsort((use, time))
+    order = order[use[order] > 0]
+    time, use = time[order], use[order]
+    return _Fixed(time, use, np.concatenate(([0.0], np.cumsum(use))))
 
 
 def _own_windows(k: int, constraint: Constraint, times: Floats, use: Floats, fixed: _Fixed) -> _Found:
@@ -144,13 +145,8 @@ def _tightest(holds: Flags, spare: Floats, oversized: Flags) -> Flags:
 def _assemble(use: Floats, share: Floats, found: list[_Found]) -> Checks:
     """Order the checks by level."""
     count = len(use)
-    level = np.concatenate([np.zeros(0, dtype=np.int64), *(part.level for part in found)])
-    order = np.argsort(level, kind="stable")
-    level = level[order]
-    of = np.concatenate([np.zeros(0, dtype=np.int64), *(part.of for part in found)])[order]
-    first = np.concatenate([np.zeros(0, dtype=np.int64), *(part.first for part in found)])[order]
-    room = np.concatenate([np.zeros(0), *(part.room for part in found)])[order]
-    always = np.concatenate([np.zeros(0, dtype=np.bool_), *(part.always for part in found)])[order]
+    part = found[0] if len(found) == 1 else _merged(found)
+    level, of, first, room, always = part.level, part.of, part.first, part.room, part.always
     held = np.arange(count + 1)
     np.minimum.at(held, level, first)
     never = np.zeros(count, dtype=np.bool_)
@@ -167,6 +163,20 @@ def _assemble(use: Floats, share: Floats, found: list[_Found]) -> Checks:
         held=np.ascontiguousarray(np.minimum.accumulate(held[::-1])[::-1]),
         never=never,
         rows=_binding(share, Rows(of[keep], first[keep], level[keep], capacity)),
+    )
+
+
+def _merged(found: list[_Found]) -> _Found:
+    """Return all checks by level, those found first of a level first. There may be none."""
+    none = np.zeros(0, dtype=np.int64)
+    level = np.concatenate([none, *(part.level for part in found)])
+    order = np.argsort(level, kind="stable")
+    return _Found(
+        level[order],
+        np.concatenate([none, *(part.of for part in found)])[order],
+        np.concatenate([none, *(part.first for part in found)])[order],
+        np.concatenate([np.zeros(0), *(part.room for part in found)])[order],
+        np.concatenate([none.astype(np.bool_), *(part.always for part in found)])[order],
     )
 
 

@@ -52,7 +52,7 @@ class Gains:
     @property
     def closed(self) -> bool:
         """Whether the table holds all there is to know."""
-        return all(model is None for model in self.open_ended)
+        return self.open_ended.count(None) == len(self.open_ended)
 
 
 def tabulate_gains(problem: Problem, beyond: Beyond | None = None) -> Gains:
@@ -84,8 +84,8 @@ class _Tabulation:
     def __init__(self, problem: Problem, beyond: Beyond | None) -> None:
         self._problem = problem
         self._beyond = beyond
-        self._stream = np.array([m.stream for m in problem.messages])
-        self._opened = np.flatnonzero([not m.sent for m in problem.messages])
+        self._stream = problem.columns.stream
+        self._opened = problem.columns.opened
         self._open_ended: dict[int, custom.CustomStream] = {}
 
     def gains(self) -> Gains:
@@ -95,8 +95,12 @@ class _Tabulation:
         aim = part.aim
         if beyond is not None:
             aim = aim - np.repeat(beyond.charge[self._opened], part.states)
-        streams, stream = np.unique(self._stream[self._opened], return_inverse=True)
-        kinds = [problem.streams[each].aggregation for each in streams]
+        of = self._stream[self._opened]
+        present = np.bincount(of, minlength=len(problem.streams)) > 0
+        streams, stream = np.flatnonzero(present), (np.cumsum(present) - 1)[of]
+        markovian = np.zeros(len(problem.streams), dtype=np.bool_)
+        for kind, members in problem.columns.kinds:
+            markovian[members] = kind is Aggregation.MOST_RECENT
         return Gains(
             stream=stream,
             start=np.concatenate(([0], np.cumsum(part.states))),
@@ -107,22 +111,21 @@ class _Tabulation:
             aim=aim,
             aim_facts=part.aim_facts,
             exact=part.exact,
-            markovian=np.array([kind is Aggregation.MOST_RECENT for kind in kinds], dtype=np.bool_),
-            open_ended=tuple(self._open_ended.get(each) for each in streams.tolist()),
+            markovian=markovian[streams],
+            open_ended=tuple(map(self._open_ended.get, streams.tolist())),
         )
 
     def _parts(self) -> Iterator[Part]:
         """Yield the table of each aggregation that has messages."""
-        kinds = [stream.aggregation for stream in self._problem.streams]
         worth, until = (None, None) if self._beyond is None else (self._beyond.worth, self._beyond.until)
-        for kind in dict.fromkeys(kind for kind in kinds if isinstance(kind, Aggregation)):
-            received = self._received([stream for stream, own in enumerate(kinds) if own is kind])
-            if received is not None:
+        for kind, streams in self._problem.columns.kinds:
+            if not isinstance(kind, Aggregation):
+                for stream in streams:
+                    if (self._stream == stream).any():
+                        yield self._custom(stream, self._problem.t_end if until is None else float(until[stream]))
+            elif (received := self._received(streams)) is not None:
                 known = BY_WORTH.get(kind)
                 yield best.tabulate(received, until) if known is None else known(received, worth)
-        for stream, aggregation in enumerate(kinds):
-            if not isinstance(aggregation, Aggregation) and (self._stream == stream).any():
-                yield self._custom(stream, self._problem.t_end if until is None else float(until[stream]))
 
     def _received(self, streams: list[int]) -> Received | None:
         if len(streams) == len(self._problem.streams):

@@ -9,8 +9,10 @@ and 6).
 from collections.abc import Hashable
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
+from planner.columns import Columns, columns_of
 from planner.utility import MessageUtility
 
 
@@ -107,7 +109,7 @@ class Traffic:
     use: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Problem:
     """One decision: whether to send message `current`.
 
@@ -125,3 +127,8 @@ class Problem:
     t_start: float
     t_end: float
     goes_on: bool = True
+
+    @cached_property
+    def columns(self) -> Columns:
+        """All of it as arrays."""
+        return columns_of(self)

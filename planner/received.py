@@ -1,6 +1,7 @@
 """The messages of a window in the order of receipt, and what each is worth between two receipts."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import cast
 
 import numpy as np
@@ -18,25 +19,23 @@ class Received:
     """
 
     def __init__(self, problem: Problem, indices: Ints, levels: Ints) -> None:
-        messages = [problem.messages[index] for index in indices]
-        columns = np.array([(m.stream, m.sent, m.t_gen, m.t_rcv, m.scale) for m in messages], dtype=np.float64)
-        order = np.lexsort((columns[:, 3], columns[:, 0]))
-        columns = columns[order]
+        columns = problem.columns
+        order = np.lexsort((columns.t_rcv[indices], columns.stream[indices]))
         self.problem = problem
         self.index = indices[order]
         """The message of the problem at each place."""
-        self.utilities = [messages[at].utility for at in order]
-        self.stream = columns[:, 0].astype(np.int64)
-        self.fact = columns[:, 1] != 0
-        self.t_gen = columns[:, 2]
-        self.t_rcv = columns[:, 3]
-        self.scale = columns[:, 4]
+        self.utilities = [problem.messages[at].utility for at in self.index.tolist()]
+        self.stream = columns.stream[self.index]
+        self.fact = columns.sent[self.index]
+        self.t_gen = columns.t_gen[self.index]
+        self.t_rcv = columns.t_rcv[self.index]
+        self.scale = columns.scale[self.index]
         self.t_end = problem.t_end
         place = np.empty_like(order)
         place[order] = np.arange(len(order))
-        self.opened = place[[at for at, m in enumerate(messages) if not m.sent]]
+        self.opened = place[~columns.sent[indices]]
         self.level = levels
-        self.delay, self.share = receivers(problem)
+        self.delay, self.share = columns.delay, columns.share
         """Of each receiver of each stream of the problem, filled up with receivers of no share."""
 
     def facts_around(self) -> tuple[Ints, Ints]:
@@ -68,21 +67,10 @@ class Received:
         return self.scale[which] * total
 
 
-def receivers(problem: Problem) -> tuple[Floats, Floats]:
-    """Return delay [s] and share of each receiver of each stream, filled up with receivers of no share."""
-    most = max((len(stream.receivers) for stream in problem.streams), default=0)
-    delay, share = np.zeros((2, len(problem.streams), max(most, 1)))
-    for at, stream in enumerate(problem.streams):
-        for r, receiver in enumerate(stream.receivers):
-            delay[at, r], share[at, r] = receiver.delay, receiver.share
-    return delay, share
-
-
 def integrals(utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats) -> Floats:
     """∫ of `utilities[which[j]]` over the ages `[start[j], end[j]]`, kind by kind [1]."""
     kinds = set(map(type, utilities))
-    if len(kinds) == 1 and isinstance(utilities[0], Batched):
-        batched = cast("type[Batched]", type(utilities[0]))
+    if len(kinds) == 1 and (batched := _batched(*kinds)) is not None:
         return batched.integrals(cast("Sequence[Batched]", utilities), which, start, end)
     result = np.zeros(len(which))
     for kind in sorted(kinds, key=lambda kind: f"{kind.__module__}.{kind.__qualname__}"):
@@ -92,12 +80,18 @@ def integrals(utilities: Sequence[MessageUtility], which: Ints, start: Floats, e
     return result
 
 
+@lru_cache
+def _batched(kind: type[MessageUtility]) -> type[Batched] | None:
+    """Return the kind as one that integrates many messages at once; None when it does not. To look takes long."""
+    return cast("type[Batched]", kind) if issubclass(kind, Batched) else None
+
+
 def _of_one_kind(
     kind: type[MessageUtility], utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats
 ) -> Floats:
-    if issubclass(kind, Batched):
+    if (batched := _batched(kind)) is not None:
         used, index = np.unique(which, return_inverse=True)
-        return kind.integrals([utilities[at] for at in used], index, start, end)
+        return batched.integrals([cast("Batched", utilities[at]) for at in used], index, start, end)
     result = np.zeros(len(which))
     for at in np.unique(which):
         chosen = which == at

@@ -54,13 +54,13 @@ class Tables:
 def tabulate(problem: Problem, *, beyond: bool = False) -> Tables:
     """Tabulate a problem, to maximise U or, with `beyond`, the objective; raise ProblemError without meaning."""
     check_problem(problem)
-    opened = [index for index, m in enumerate(problem.messages) if not m.sent]
+    opened = problem.columns.opened
     left = look_beyond(problem) if beyond else None
     gains = tabulate_gains(problem, left)
     return Tables(
         problem=problem,
-        message=np.array(opened),
-        current=opened.index(problem.current),
+        message=opened,
+        current=int(np.searchsorted(opened, problem.current)),
         gains=gains,
         beyond=left,
         checks=tabulate_checks(problem),
@@ -68,8 +68,8 @@ def tabulate(problem: Problem, *, beyond: bool = False) -> Tables:
     )
 
 
-def _score_scale(problem: Problem, opened: list[int], everything: float) -> Floats:
+def _score_scale(problem: Problem, opened: Ints, everything: float) -> Floats:
     """ψ(v)·U(M) for every level; infinite when nothing has any utility, so that every score is 0."""
-    next_generated = np.array([problem.messages[index].t_gen for index in opened] + [problem.t_end])
+    next_generated = np.append(problem.columns.t_gen[opened], problem.t_end)
     progress = np.maximum(next_generated - problem.t_start, SHORTEST_PROGRESS) / (problem.t_end - problem.t_start)
     return progress * everything if everything > 0 else np.full(len(progress), np.inf)

@@ -33,6 +33,7 @@ def check_problem(problem: Problem) -> None:
     """Raise ProblemError for a problem that has no meaning."""
     _check_shape(problem)
     _check_constraints(problem)
+    _check_uses(problem)
     _check_streams(problem)
     _check_messages(problem)
     _check_traffic(problem)
@@ -61,12 +62,19 @@ def _check_constraints(problem: Problem) -> None:
 
 
 def _check_streams(problem: Problem) -> None:
-    for index, stream in enumerate(problem.streams):
-        if not isinstance(stream.aggregation, Aggregation | AggregationModel):
+    for kind, members in problem.columns.kinds:
+        if not isinstance(kind, Aggregation | AggregationModel):
             raise ProblemError(
-                f"stream {index}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty, add"
-                f" and value, not {stream.aggregation!r}"
+                f"stream {members[0]}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty,"
+                f" add and value, not {kind!r}"
             )
+    delay, share = problem.columns.delay, problem.columns.share
+    if not (np.isfinite(delay) & (delay >= 0) & np.isfinite(share) & (share >= 0)).all():
+        _refuse_receiver(problem)
+
+
+def _refuse_receiver(problem: Problem) -> None:
+    for index, stream in enumerate(problem.streams):
         for receiver in stream.receivers:
             if not (math.isfinite(receiver.delay) and receiver.delay >= 0):
                 raise ProblemError(f"stream {index}: a receiver's delay must be >= 0 s, not {receiver.delay}")
@@ -75,16 +83,16 @@ def _check_streams(problem: Problem) -> None:
 
 
 def _check_messages(problem: Problem) -> None:
-    count = len(problem.streams)
-    for index, message in enumerate(problem.messages):
-        if not 0 <= message.stream < count:
-            raise ProblemError(f"message {index}: stream {message.stream} is unknown, there are {count}")
-    times = np.array([(m.t_gen, m.t_sent, m.t_rcv, m.scale) for m in problem.messages], dtype=np.float64)
-    uses = _uses(problem, [m.use for m in problem.messages], "message")
-    ordered = (times[:, 0] <= times[:, 1]) & (times[:, 1] <= times[:, 2]) & (times[:, 3] >= 0)
-    if not (np.isfinite(times).all() and ordered.all()):
+    columns, count = problem.columns, len(problem.streams)
+    unknown = (columns.stream < 0) | (columns.stream >= count)
+    if unknown.any():
+        index = int(np.argmax(unknown))
+        raise ProblemError(f"message {index}: stream {columns.stream[index]} is unknown, there are {count}")
+    times, scale = columns.times, columns.scale
+    ordered = (times[:-1] <= times[1:]).all() and np.isfinite(times).all()
+    if not (ordered and np.isfinite(scale).all() and scale.min() >= 0):
         _refuse_first(problem.messages)
-    _check_numbers(uses, "message")
+    _check_numbers(columns.use, "message")
     _check_order(problem)
 
 
@@ -101,43 +109,49 @@ def _refuse_first(messages: tuple[Message, ...]) -> None:
 
 
 def _check_order(problem: Problem) -> None:
-    robots = [stream.robot for stream in problem.streams]
-    keys = [(m.t_gen, robots[m.stream], m.stream) for m in problem.messages]
-    for index in range(1, len(keys)):
-        if keys[index] < keys[index - 1]:
-            raise ProblemError(f"message {index} belongs before {index - 1}: order by t_gen, then robot, then stream")
-    sent = -math.inf
-    received: dict[int, float] = {}
-    for index, m in enumerate(problem.messages):
-        if m.sent:
-            continue
-        if m.t_sent < sent:
-            raise ProblemError(f"message {index}: t_sent of the open messages must not decrease")
-        if m.t_rcv < received.get(m.stream, -math.inf):
-            raise ProblemError(f"message {index}: open messages of stream {m.stream} are received out of order")
-        sent = m.t_sent
-        received[m.stream] = m.t_rcv
+    columns = problem.columns
+    robot = np.array([stream.robot for stream in problem.streams])[columns.stream]
+    order = np.lexsort((columns.stream, robot, columns.t_gen))
+    if (order[1:] < order[:-1]).any():
+        keys = list(zip(columns.t_gen, robot, columns.stream, strict=True))
+        index = next(at for at in range(1, len(keys)) if keys[at] < keys[at - 1])
+        raise ProblemError(f"message {index} belongs before {index - 1}: order by t_gen, then robot, then stream")
+    _check_receipts(problem)
+
+
+def _check_receipts(problem: Problem) -> None:
+    columns = problem.columns
+    opened = columns.opened
+    earlier = np.diff(columns.t_sent[opened]) < 0
+    by_stream = opened[np.argsort(columns.stream[opened], kind="stable")]
+    overtakes = (np.diff(columns.t_rcv[by_stream]) < 0) & (np.diff(columns.stream[by_stream]) == 0)
+    if earlier.any():
+        index = int(opened[1:][np.argmax(earlier)])
+        raise ProblemError(f"message {index}: t_sent of the open messages must not decrease")
+    if overtakes.any():
+        index = int(by_stream[1:][np.argmax(overtakes)])
+        stream = columns.stream[index]
+        raise ProblemError(f"message {index}: open messages of stream {stream} are received out of order")
 
 
 def _check_traffic(problem: Problem) -> None:
-    if not problem.traffic:
-        return
-    for index, traffic in enumerate(problem.traffic):
-        if not math.isfinite(traffic.t_sent):
-            raise ProblemError(f"traffic {index}: t_sent must be finite, not {traffic.t_sent}")
-    _check_numbers(_uses(problem, [t.use for t in problem.traffic], "traffic"), "traffic")
+    lost = ~np.isfinite(problem.columns.traffic_sent)
+    if lost.any():
+        index = int(np.argmax(lost))
+        raise ProblemError(f"traffic {index}: t_sent must be finite, not {problem.traffic[index].t_sent}")
+    _check_numbers(problem.columns.traffic_use, "traffic")
 
 
-def _uses(problem: Problem, uses: list[tuple[float, ...]], what: str) -> Floats:
+def _check_uses(problem: Problem) -> None:
     wanted = len(problem.constraints)
-    for index, use in enumerate(uses):
-        if len(use) != wanted:
-            raise ProblemError(f"{what} {index}: use has {len(use)} entries for {wanted} constraints")
-    return np.array(uses, dtype=np.float64).reshape(len(uses), wanted)
+    messages, traffic = [m.use for m in problem.messages], [t.use for t in problem.traffic]
+    for what, uses in (("message", messages), ("traffic", traffic)):
+        if set(map(len, uses)) - {wanted}:
+            index = next(at for at, use in enumerate(uses) if len(use) != wanted)
+            raise ProblemError(f"{what} {index}: use has {len(uses[index])} entries for {wanted} constraints")
 
 
 def _check_numbers(uses: Floats, what: str) -> None:
-    wrong = ~(np.isfinite(uses) & (uses >= 0)).all(axis=1)
-    if wrong.any():
-        index = int(np.argmax(wrong))
+    if not (np.isfinite(uses).all() and (uses >= 0).all()):
+        index = int(np.argmin((np.isfinite(uses) & (uses >= 0)).all(axis=1)))
         raise ProblemError(f"{what} {index}: use must be finite and >= 0, not {tuple(uses[index].tolist())}")

@@ -168,31 +168,38 @@ class StateTracker {
     std::vector<StateHash> in_state_;
 };
 
-// A bounded hash table from states to nodes; never allocates after construction.
+// A bounded hash table from states to nodes; never allocates after construction. It begins small and doubles within
+// its memory, so that a small search touches, and clears, little of it.
 class States {
   public:
     explicit States(std::int32_t nodes) {
-        std::size_t slots = 16;
-        while (slots < 2 * static_cast<std::size_t>(nodes)) slots *= 2;
-        mask_ = slots - 1;
-        // Zeroed pages come from the system as they are touched: a small search pays for a small table.
-        slots_.reset(static_cast<Slot*>(std::calloc(slots, sizeof(Slot))));
+        while (most_ < 2 * static_cast<std::size_t>(nodes)) most_ *= 2;
+        mask_ = std::min(most_, kFirst) - 1;
+        slots_.reset(static_cast<Slot*>(std::malloc((most_ + most_ / 2) * sizeof(Slot))));
         if (!slots_) throw std::bad_alloc();
+        clear();
     }
 
-    // 1 + the node of the state; 0 when the state is new.
+    // 1 + the node of the state; 0 when the state is new. Holds until the next one is looked up.
     std::int32_t& find(const StateHash& hash) {
-        for (std::size_t at = hash.low & mask_;; at = (at + 1) & mask_) {
-            Slot& slot = slots_.get()[at];
-            if (slot.node_plus_one == 0) slot.hash = hash;
-            if (slot.hash == hash) return slot.node_plus_one;
+        if (2 * taken_ > mask_ && mask_ + 1 < most_) grow();
+        Slot& slot = place_of(hash);
+        if (slot.node_plus_one == 0) {
+            slot.hash = hash;
+            ++taken_;
         }
+        return slot.node_plus_one;
     }
 
     // Forget all states.
-    void clear() { std::fill_n(slots_.get(), mask_ + 1, Slot{}); }
+    void clear() {
+        std::fill_n(slots_.get(), mask_ + 1, Slot{});
+        taken_ = 0;
+    }
 
   private:
+    static constexpr std::size_t kFirst = 1024;
+
     struct Slot {
         StateHash hash;
         std::int32_t node_plus_one;
@@ -200,7 +207,29 @@ class States {
     struct Free {
         void operator()(Slot* slots) const { std::free(slots); }
     };
-    std::size_t mask_;
+
+    Slot& place_of(const StateHash& hash) {
+        std::size_t at = hash.low & mask_;
+        while (slots_.get()[at].node_plus_one != 0 && !(slots_.get()[at].hash == hash)) at = (at + 1) & mask_;
+        return slots_.get()[at];
+    }
+
+    // Double, by way of the memory behind what the table may ever take.
+    void grow() {
+        Slot* const before = slots_.get() + most_;
+        Slot* const end = std::copy_n(slots_.get(), mask_ + 1, before);
+        mask_ = 2 * mask_ + 1;
+        clear();
+        for (const Slot* slot = before; slot != end; ++slot) {
+            if (slot->node_plus_one == 0) continue;
+            place_of(slot->hash) = *slot;
+            ++taken_;
+        }
+    }
+
+    std::size_t most_ = 16;
+    std::size_t mask_ = 0;
+    std::size_t taken_ = 0;  // lookups that found nothing: at least as many as there are states
     std::unique_ptr<Slot, Free> slots_;
 };
 

@@ -63,7 +63,7 @@ class Channel:
             self._shares.set_factor(k, limit.limit / ceiling.limit)
 
     def _seen(self, now: float) -> Seen:
-        streams = [stream for stream in self._view.streams() if self._view.competes(now, stream)]
+        streams = self._view.competition.all(now)
         own = self._view.settings.robot
         wanting = (self._view.wanting(stream) for stream in streams if stream.robot == own)
         others = (stream for stream in self._view.streams() if stream.robot != own)

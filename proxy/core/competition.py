@@ -37,7 +37,7 @@ class Competition:
         Half of the places are for those worth most per byte on the air, half for those that generate next what is not
         `promised` yet. Both are only estimated: a look at each stream has to do.
         """
-        rows = self._competing(now)
+        rows = self._rows(now)
         if len(rows) > most:
             due = self._due(now, promised)[rows]
             order = np.lexsort((due, self._cheapness[rows]))
@@ -46,7 +46,11 @@ class Competition:
             rows = rows[np.sort(np.concatenate((best, soonest)))]
         return [self._streams[row] for row in rows.tolist()]
 
-    def _competing(self, now: float) -> Rows:
+    def all(self, now: float) -> list[Stream]:
+        """Return all streams that compete, by robot and key."""
+        return [self._streams[row] for row in self._rows(now).tolist()]
+
+    def _rows(self, now: float) -> Rows:
         """Return the rows that compete. How long a stream is silent only its robot's news tells."""
         self._renew()
         told = np.array([self._view.told_at(robot, now) for robot in self._robots])

@@ -239,7 +239,8 @@ class Gate:
         if now >= until:
             alone = self._sharing or self._rooms.late
             view = self._view
-            streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
+            own = [s for s in view.own() if view.competes(now, s)] if alone else []
+            streams = own if alone else view.competition.all(now)
             held = [
                 self._shares.held(now, k) if self._sharing else self._rooms.held(k, limit)
                 for k, limit in enumerate(self.limits)
@@ -386,10 +387,10 @@ class Gate:
     def _others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
         """What we know others to have sent within the longest window, as (time, use)."""
         longest = max((limit.window for limit in self.limits), default=0.0)
-        return tuple(
-            (t, tuple(limit.measure.use(size, copies, own=False) for limit in self.limits))
-            for t, size, copies in self._view.sent_since(now - longest)
-        )
+        sent = self._view.sent_since(now - longest)
+        kinds = {(size, copies) for _, size, copies in sent}
+        alike = {(size, copies): use_of(size, copies, self.limits, own=False) for size, copies in kinds}
+        return tuple([(t, alike[size, copies]) for t, size, copies in sent])
 
     def _lent(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
         """What others may send, as if they did so at the last moment; over a longer time again and again."""

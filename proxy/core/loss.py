@@ -15,6 +15,8 @@ class Loss:
 
     def __init__(self) -> None:
         self._read: deque[tuple[int, int]] = deque(maxlen=MEMORY)
+        self._share: float | None = None
+        self._stale = False
 
     @property
     def begun(self) -> bool:
@@ -29,14 +31,21 @@ class Loss:
             self._read.pop()
         if not self._read or self._read[-1] != (sent, received):
             self._read.append((sent, received))
+        self._stale = True
 
     def restart(self) -> None:
         """The counts are not about the same samples any more."""
         self._read.clear()
+        self._stale = True
 
     @property
     def share(self) -> float | None:
         """Part of the samples that got lost, from 0.0 to 1.0; None while nothing was sent."""
+        if self._stale:
+            self._share, self._stale = self._worked_out(), False
+        return self._share
+
+    def _worked_out(self) -> float | None:
         if len(self._read) < 2 or self._read[-1][0] == self._read[0][0]:
             return None
         sent, received = (last - first for first, last in zip(self._read[0], self._read[-1], strict=True))

@@ -7,7 +7,7 @@ When streams come or grow until there is no plenty any more, what was lent so is
 import math
 from collections.abc import Iterable, Sequence
 
-from proxy.core.limits import Limit, use_of
+from proxy.core.limits import Limit
 from proxy.core.shares import Lent, Shares
 from proxy.core.slots import LONGEST, RENEWED, lengthened_by
 from proxy.core.stream import Stream
@@ -33,18 +33,19 @@ Amounts = tuple[float, ...]
 
 def need(view: SharedView, stream: Stream, limits: Sequence[Limit]) -> Amounts:
     """Return what a stream takes of each limit in any window when all its samples are sent."""
-    uses = use_of(stream.newest.size, view.copies(stream), tuple(limits))
-    period = max(stream.schedule.period, 1e-3)
+    size, copies, period = stream.newest.size, view.copies(stream), max(stream.schedule.period, 1e-3)
     # In any window there may be one more than fit into it evenly.
-    return tuple(use * (limit.window / period + 1.0) for use, limit in zip(uses, limits, strict=True))
+    return tuple([c.measure.use(size, copies, own=True) * (c.window / period + 1.0) for c in limits])
 
 
 def fits(view: SharedView, streams: Iterable[Stream], limits: Sequence[Limit], held: Sequence[float]) -> bool:
     """Whether all samples of these streams fit easily into what is held of each limit: none has to be dropped."""
     left = [STAYS * amount for amount in held]
     for stream in streams:
+        if stream.generated < KNOWN:
+            return False
         left = [amount - needed for amount, needed in zip(left, need(view, stream, limits), strict=True)]
-        if stream.generated < KNOWN or min(left, default=0.0) < 0.0:
+        if min(left, default=0.0) < 0.0:
             return False
     return True
 
@@ -65,7 +66,7 @@ class Plenty:
         """Whether the limits that robots share have room for all that is wanted of anybody."""
         if now < self._due:
             return self._there
-        streams = [stream for stream in self._view.streams() if self._view.competes(now, stream)]
+        streams = self._view.competition.all(now)
         self._due = now + max(PACE, EACH * len(streams))
         self._needs = {}
         for stream in streams:

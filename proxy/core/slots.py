@@ -60,8 +60,7 @@ def demands(now: float, view: SharedView, limits: Sequence[Limit], reach: Reach 
 
     `reach` tells when messages of a stream arrive [s] and with how many; by default as it was measured.
     """
-    competing = (stream for stream in view.streams() if view.competes(now, stream))
-    return [_demand(now, view, stream, limits, reach) for stream in sorted(competing, key=lambda s: (s.robot, s.key))]
+    return [_demand(now, view, stream, limits, reach) for stream in view.competition.all(now)]
 
 
 def allot(wanted: Sequence[Demand], room: Sequence[float], held: Mapping[Place, int]) -> dict[Place, int]:

@@ -65,6 +65,9 @@ class Stream:
     """Mean size of the samples generated, the recent ones counting more [B]."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
+    wanting: tuple[str, ...] = ()
+    """Tags of the robots that subscribe to it, as the view knew at its revision `wanting_at`."""
+    wanting_at: int = -1
     changes: int = 0
     """How often anything was noted of the stream, its schedule or who has it, or it was covered anew."""
     _outlook: Outlook | None = None

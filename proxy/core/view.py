@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Iterator
 
 from planner import Aggregation
+from proxy.core.competition import Competition
 from proxy.core.events import SampleHeard
 from proxy.core.interest import Interest
 from proxy.core.latency import Latency
@@ -49,6 +50,7 @@ class SharedView:
         self.wall_offset = settings.wall_offset
         """Our wall clock minus our monotonic clock [s]."""
         self.audiences = Audiences(self)
+        self.competition = Competition(self)
         self.interest: tuple[str, ...] = ()
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0
@@ -143,8 +145,10 @@ class SharedView:
 
     def wanting(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
-        names = self._interest.wanting(stream.key, self._tags.get(stream.robot, ""))
-        return names or ("",) * stream.matching
+        if stream.wanting_at != self.revision:
+            stream.wanting = self._interest.wanting(stream.key, self._tags.get(stream.robot, ""))
+            stream.wanting_at = self.revision
+        return stream.wanting or ("",) * stream.matching
 
     def receivers(self, stream: Stream) -> int:
         """How many robots want the stream."""
@@ -174,7 +178,7 @@ class SharedView:
 
     def overhears(self, stream: Stream) -> bool:
         """Whether we hear what is sent of another robot's stream, but for what is lost."""
-        return {stream.robot, self.settings.robot} <= self._broadcasting
+        return stream.robot in self._broadcasting and self.settings.robot in self._broadcasting
 
     def copies(self, stream: Stream) -> int:
         """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router.

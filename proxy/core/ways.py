@@ -32,7 +32,7 @@ def ways(view: SharedView, stream: Stream, size: float, lost: float | None = Non
 
     Those of which nothing is known are one way, with the sum of their shares.
     """
-    return _ways(_From(view, stream.robot), view.gaining(stream), size, mean_loss(view) if lost is None else lost)
+    return _From(view, stream.robot).ways(view.gaining(stream), size, mean_loss(view) if lost is None else lost)
 
 
 def latency(view: SharedView, robot: str, size: float) -> float:
@@ -57,11 +57,23 @@ _Known = Mapping[str, tuple[Latency | None, float | None]]
 
 
 class _From:
-    """What is known of the ways of a robot's samples, and the mean time they take."""
+    """What is known of the ways of a robot's samples, in the order of the tags, and the mean time they take."""
 
     def __init__(self, view: SharedView, robot: str) -> None:
-        self.known = _known_from_us(view) if robot == view.settings.robot else _known_from(view, robot)
-        self.mean = _mean(line for line, _ in self.known.values() if line is not None)
+        known = _known_from_us(view) if robot == view.settings.robot else _known_from(view, robot)
+        self.mean = _mean(line for line, _ in known.values() if line is not None)
+        self._known = sorted(known.items())
+
+    def ways(self, gaining: tuple[str, ...], size: float, lost: float) -> list[Way]:
+        """Return the ways of a sample of `size` [B] to those that gain by it; what is not known is as in the mean."""
+        names, share, mean = set(gaining), 1.0 - lost, self.mean.of(size)
+        found = [
+            Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(MOST_LOSS, loss))
+            for name, (line, loss) in self._known
+            if name in names
+        ]
+        unknown = len(gaining) - len(found)
+        return [*found, Way(mean, unknown * share)] if unknown else found
 
 
 def _known_from_us(view: SharedView) -> _Known:
@@ -79,19 +91,6 @@ def _known_from(view: SharedView, robot: str) -> _Known:
     }
     known[tag(view.settings.zid)] = sender.line_in, sender.loss_in
     return known
-
-
-def _ways(sender: _From, gaining: tuple[str, ...], size: float, lost: float) -> list[Way]:
-    if not gaining:
-        return []
-    share, mean = 1.0 - lost, sender.mean.of(size)
-    found = [known for name in gaining if (known := sender.known.get(name)) is not None]
-    ways = [
-        Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(MOST_LOSS, loss))
-        for line, loss in found
-    ]
-    unknown = len(gaining) - len(found)
-    return [*ways, Way(mean, unknown * share)] if unknown else ways
 
 
 def _mean(lines: Iterable[Latency]) -> Latency:
@@ -136,33 +135,40 @@ class Audience:
 class Audiences:
     """The audience of each stream, looked at anew when somebody joins or leaves it, and every `REFRESH`.
 
-    In large teams that is more work, and done more rarely: every `REFRESH` for every `MANY` robots.
+    In large teams that is more work, and done more rarely: every `REFRESH` for every `MANY` robots. Streams of one
+    robot whose samples are of one size, and which the same robots want, have one audience.
     """
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
-        self._known: dict[tuple[str, str], tuple[float, tuple[str, ...], Audience]] = {}
+        self._known: dict[tuple[str, str], _Looked] = {}
+        self._common: dict[tuple[str, int, tuple[str, ...]], _Looked] = {}
         self._lost, self._lost_at = 0.0, -math.inf
 
     def of(self, now: float, stream: Stream) -> Audience:
         """Return those that gain by each message of a stream as they are now."""
-        return self.of_each(now, (stream,))[0]
-
-    def of_each(self, now: float, streams: Iterable[Stream]) -> list[Audience]:
-        """Return those that gain by each of the streams as they are now; those of one robot mostly have the same."""
-        look = _Look(self._view, self._loss(now))
-        return [self._of(now, stream, look) for stream in streams]
-
-    def _of(self, now: float, stream: Stream, look: _Look) -> Audience:
         gaining, place = self._view.gaining(stream), (stream.robot, stream.key)
         known = self._known.get(place)
-        if known is not None and now < known[0] and (gaining is known[1] or gaining == known[1]):
-            return known[2]
-        if len(self._known) > self._view.settings.streams:
-            self._known.clear()
-        audience = look.audience(stream, gaining)
-        self._known[place] = now + REFRESH * max(1.0, len(self._view.peers) / MANY), gaining, audience
-        return audience
+        if known is None or now >= known.until or not (gaining is known.gaining or gaining == known.gaining):
+            if len(self._known) > self._view.settings.streams:
+                self._known.clear()
+            known = self._known[place] = self._look(now, stream, gaining)
+        return known.audience
+
+    def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> _Looked:
+        """Look at the ways of a stream, or find what they were for another one lately."""
+        size = stream.newest.size
+        found = self._common.get((stream.robot, size, gaining))
+        if found is None or now >= found.until:
+            if len(self._common) > self._view.settings.streams:
+                self._common.clear()
+            lost, sender = self._loss(now), _From(self._view, stream.robot)
+            ways = sender.ways(gaining, size, lost)
+            first, receivers = grouped(ways or [Way(sender.mean.of(size))])
+            until = now + REFRESH * max(1.0, len(self._view.peers) / MANY)
+            found = _Looked(until, gaining, Audience(size, first, sender.mean.per_byte, receivers))
+            self._common[stream.robot, size, gaining] = found
+        return found
 
     def _loss(self, now: float) -> float:
         """The mean loss, looked at anew when time passed."""
@@ -171,25 +177,10 @@ class Audiences:
         return self._lost
 
 
-class _Look:
-    """One look at the ways of several streams: what streams have in common is worked out once."""
+@dataclass(frozen=True, slots=True)
+class _Looked:
+    """An audience, of those that were `gaining`, as it is taken to be `until` then [s]."""
 
-    def __init__(self, view: SharedView, lost: float) -> None:
-        self._view = view
-        self._lost = lost
-        self._senders: dict[str, _From] = {}
-        self._audiences: dict[tuple[str, int, tuple[str, ...]], Audience] = {}
-
-    def audience(self, stream: Stream, gaining: tuple[str, ...]) -> Audience:
-        """Return those that gain by a stream."""
-        size = stream.newest.size
-        found = self._audiences.get((stream.robot, size, gaining))
-        if found is None:
-            sender = self._senders.get(stream.robot)
-            if sender is None:
-                sender = self._senders[stream.robot] = _From(self._view, stream.robot)
-            ways = _ways(sender, gaining, size, self._lost)
-            first, receivers = grouped(ways or [Way(sender.mean.of(size))])
-            found = Audience(size, first, sender.mean.per_byte, receivers)
-            self._audiences[stream.robot, size, gaining] = found
-        return found
+    until: float
+    gaining: tuple[str, ...]
+    audience: Audience

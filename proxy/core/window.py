@@ -16,12 +16,12 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain, islice
+from operator import attrgetter
 from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.asks import serves
-from proxy.core.competition import Competition
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
@@ -59,6 +59,8 @@ class _Candidate:
     place: int
     copies: int
     audience: Audience
+    own: bool
+    markovian: bool
     times: list[float]
 
     @property
@@ -93,6 +95,8 @@ class Expected:
     message: Promise
 
 
+_SENT = attrgetter("t_sent")
+
 Ahead = Mapping[int, Expected]
 """What the messages of a problem are, by their places."""
 
@@ -114,7 +118,6 @@ class WindowBuilder:
 
     def __init__(self, view: SharedView, started: float) -> None:
         self._view = view
-        self._competition = Competition(view)
         self._started = started
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
@@ -138,19 +141,25 @@ class WindowBuilder:
         candidates = self._candidates(now, "" if current is None else current.key, limits)
         end = self._forecast(now, candidates, limits)
         demanded = [m for c in candidates if guaranteed(c.stream) for m in self._owed(c, limits)]
-        for candidate in candidates:
-            candidate.times = _bounded(candidate, [t for t in candidate.times if t <= end])
+        for c in candidates:
+            if c.times and c.times[-1] > end:
+                c.times = [t for t in c.times if t <= end]
+            if not c.markovian:
+                c.times = _bounded(c, c.times)
         _thin(candidates, self._view.settings.horizon)
-        ours = {c.stream.key: c for c in candidates if c.stream.robot == self._view.settings.robot}
+        ours = {c.stream.key: c for c in candidates if c.own}
         opened = [
             _Open(w.t_gen, c, w.size, w.scale, w.features, w is current)
             for w in (*_competing(waiting, ours), *([] if current is None else [current]))
             for c in (ours[w.key],)
         ]
         opened += [_expect(c, t) for c in candidates for t in c.times]
-        opened += [m for c in candidates for m in self._asking(now, c, limits)]
+        if limits.promised is not None:
+            opened += [m for c in candidates for m in self._asking(now, c, limits, limits.promised)]
+        if limits.holds is not None:
+            opened = [m for m in opened if m.current or not m.of.own or limits.holds(m.t_gen, _use(m, limits))]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
-        return candidates, [m for m in opened if m.current or self._possible(m, limits)], demanded
+        return candidates, opened, demanded
 
     def _owed(self, c: _Candidate, limits: Limits) -> list[_Open]:
         """Take what its guarantee demands out of the forecasts of a stream."""
@@ -160,27 +169,21 @@ class WindowBuilder:
         c.times = [t for t in c.times if t not in times]
         return [_expect(c, t) for t in times]
 
-    def _asking(self, now: float, c: _Candidate, limits: Limits) -> list[_Open]:
+    def _asking(self, now: float, c: _Candidate, limits: Limits, promises: Promises) -> list[_Open]:
         """Where we lend, return what another robot has generated, told us of, and waits with."""
         stream, last = c.stream, c.stream.newest
-        if limits.promised is None or stream.robot == self._view.settings.robot or now - last.t_gen > ASKED:
+        if c.own or now - last.t_gen > ASKED:
             return []
         peer = self._view.peer_called(stream.robot)
         if peer is None or not serves(self._view, stream, peer, limits.union):
             return []
-        promised = limits.promised.get((stream.robot, stream.key), ())
+        promised = promises.get((stream.robot, stream.key), ())
         known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
         return [_Open(last.t_gen, c, last.size, last.scale, last.features)] if last.t_gen > known else []
 
-    def _possible(self, m: _Open, limits: Limits) -> bool:
-        """Whether a message to come can be sent at all by what we hold then, where that is known."""
-        if limits.holds is None or m.of.stream.robot != self._view.settings.robot:
-            return True
-        return limits.holds(m.t_gen, use_of(m.size, m.of.copies, limits.union))
-
     def _expected(self, m: _Open) -> Expected | None:
         """Return a message of another robot as it is expected; None when it is ours."""
-        if m.of.stream.robot == self._view.settings.robot:
+        if m.of.own:
             return None
         return Expected(m.of.stream, m.of.copies, Promise(m.t_gen, m.t_gen, m.size, m.scale, m.features))
 
@@ -191,15 +194,16 @@ class WindowBuilder:
             competing = [s for s in view.own() if s.key == deciding or view.competes(now, s)]
             competing.sort(key=lambda s: (s.robot, s.key))
         else:
-            competing = self._competition.chosen(now, view.settings.horizon, limits.promised or {})
+            competing = view.competition.chosen(now, view.settings.horizon, limits.promised or {})
             current = view.known(own, deciding)
             if current is not None and not any(s is current for s in competing):
                 insort(competing, current, key=lambda s: (s.robot, s.key))
-        audiences = view.audiences.of_each(now, competing)
-        return [
-            _Candidate(s, place, view.copies(s), audience, [])
-            for place, (s, audience) in enumerate(zip(competing, audiences, strict=True))
-        ]
+        return [self._candidate(now, place, stream) for place, stream in enumerate(competing)]
+
+    def _candidate(self, now: float, place: int, stream: Stream) -> _Candidate:
+        view, own = self._view, stream.robot == self._view.settings.robot
+        markovian = stream.information_type.aggregation is Aggregation.MOST_RECENT
+        return _Candidate(stream, place, view.copies(stream), view.audiences.of(now, stream), own, markovian, [])
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -209,7 +213,7 @@ class WindowBuilder:
         settings = self._view.settings
         longest = max(c.window for c in limits.union)
         since = [self._since(now, c, limits, longest) for c in candidates]
-        until, most = now + settings.horizon_time, -(-settings.horizon // max(1, len(candidates)))
+        until, most = now + settings.horizon_time, 1 - (-settings.horizon // max(1, len(candidates)))
 
         def end() -> float:
             ordered = sorted([t for c in candidates for t in c.times])
@@ -222,22 +226,27 @@ class WindowBuilder:
         for c, after in zip(candidates, since, strict=True):
             if len(c.times) == most < settings.horizon and c.times[-1] < latest:
                 c.times = c.stream.schedule.forecast(after, latest, settings.horizon, now)
+            else:
+                c.times = [t for t in c.times if t <= latest] or c.times[:1]
         return end()
 
     def _since(self, now: float, c: _Candidate, limits: Limits, longest: float) -> float:
         """Return when the first message of a stream was or will be generated whose fate is open."""
         view, stream = self._view, c.stream
-        if stream.robot == view.settings.robot:
+        if c.own:
             return now
-        half = 0.5 * stream.schedule.period
         if limits.promised is not None:
             promised = limits.promised.get((stream.robot, stream.key), ())
             peer = view.peer_called(stream.robot)
             told = now + LEAD + (peer.offset.latency if peer is not None else 0.0)
-            return max([told, *(p.t_gen + half for p in promised[-1:])])
-        heard = max(stream.schedule.last or now, stream.sent.t_gen + half if stream.sent else 0.0)
+            return max(told, promised[-1].t_gen + 0.5 * stream.schedule.period) if promised else told
+        heard = stream.schedule.last or now
+        if stream.sent is not None:
+            heard = max(heard, stream.sent.t_gen + 0.5 * stream.schedule.period)
         if not view.overhears(stream):
             return max(heard, now - longest)
+        if heard >= now:
+            return heard
         return max(heard, now - self._way_here(c) - OVERHEARD - stream.schedule.jitter)
 
     def _way_here(self, c: _Candidate) -> float:
@@ -253,15 +262,15 @@ class WindowBuilder:
     ) -> tuple[Problem, dict[int, _Open]]:
         constraints = (*limits.union, *limits.held)
         nothing = (0.0,) * len(constraints)
+        promised = limits.promised or {}
         messages: list[tuple[Message, _Open | None]] = [
-            (fact, None) for c in candidates for fact in _facts(c, now, nothing, limits.promised or {})
+            (fact, None) for c in candidates for fact in _facts(c, now, nothing, promised)
         ]
         messages += [(_fact(m.of, _sent(m, now), 0.0, nothing), None) for m in demanded]
-        t_sent = 0.0
+        t_sent, uses = -math.inf, _Uses(limits)
         for m in opened:
-            own = m.of.stream.robot == self._view.settings.robot
-            t_sent = max(t_sent, m.t_gen, now if own or limits.promised is not None else 0.0)
-            messages.append((_message(m, t_sent, self._use(m, limits)), m))
+            t_sent = max(t_sent, m.t_gen, now if m.of.own or limits.promised is not None else -math.inf)
+            messages.append((_message(m, t_sent, uses.of(m)), m))
         robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
         messages.sort(key=lambda entry: (entry[0].t_gen, entry[0].stream))
         places = {place: m for place, (_, m) in enumerate(messages) if m is not None}
@@ -274,26 +283,44 @@ class WindowBuilder:
             messages=tuple(message for message, _ in messages),
             current=current,
             constraints=constraints,
-            traffic=self._traffic(now, demanded, limits),
+            traffic=_traffic(now, demanded, limits, uses),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.audience.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
             goes_on=limits.stays,
         )
         return problem, places
 
-    def _use(self, m: _Open, limits: Limits) -> tuple[float, ...]:
-        """What a message uses of all constraints of a problem: of what we hold only our own do."""
-        own = m.of.stream.robot == self._view.settings.robot
-        use = use_of(m.size, m.of.copies, limits.union, own=own)
-        return (*use, *(use if own else (0.0,) * len(use))[: len(limits.held)])
 
-    def _traffic(self, now: float, demanded: list[_Open], limits: Limits) -> tuple[Traffic, ...]:
-        """Return everything known to be sent that the windows still count; where robots hold shares only our own."""
-        longest = max(c.window for c in limits.union)
-        traffic = [Traffic(t, use) for t, use in limits.others if t >= now - longest]
-        traffic += [Traffic(t, (*use, *use[: len(limits.held)])) for t, use in limits.sent]
-        traffic += [Traffic(max(m.t_gen, now), self._use(m, limits)) for m in demanded]
-        return tuple(sorted(traffic, key=lambda sent: sent.t_sent))
+def _use(m: _Open, limits: Limits) -> tuple[float, ...]:
+    """What a message of ours uses of the limits of the union."""
+    return use_of(m.size, m.of.copies, limits.union)
+
+
+class _Uses:
+    """What messages use of all constraints of a problem: those of one size and as many copies use the same."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._known: dict[tuple[int, int, bool], tuple[float, ...]] = {}
+
+    def of(self, m: _Open) -> tuple[float, ...]:
+        """Return what a message uses: of what we hold only our own do."""
+        own = m.of.own
+        found = self._known.get((m.size, m.of.copies, own))
+        if found is None:
+            use = use_of(m.size, m.of.copies, self._limits.union, own=own)
+            found = (*use, *(use if own else (0.0,) * len(use))[: len(self._limits.held)])
+            self._known[m.size, m.of.copies, own] = found
+        return found
+
+
+def _traffic(now: float, demanded: list[_Open], limits: Limits, uses: _Uses) -> tuple[Traffic, ...]:
+    """Return everything known to be sent that the windows still count; where robots hold shares only our own."""
+    longest = max(c.window for c in limits.union)
+    traffic = [Traffic(t, use) for t, use in limits.others if t >= now - longest]
+    traffic += [Traffic(t, (*use, *use[: len(limits.held)])) for t, use in limits.sent]
+    traffic += [Traffic(max(m.t_gen, now), uses.of(m)) for m in demanded]
+    return tuple(sorted(traffic, key=_SENT))
 
 
 def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
@@ -317,13 +344,16 @@ def _facts(c: _Candidate, now: float, nothing: tuple[float, ...], promised: Prom
     received counts from now on: what it was worth before no decision can change.
     """
     stream = c.stream
+    lent = promised.get((stream.robot, stream.key))
+    if c.markovian and not lent:
+        return [_fact(c, stream.recent[-1], -math.inf, nothing)] if stream.recent else []
     kind = stream.information_type.aggregation
     if kind in (Aggregation.SUM, Aggregation.ONCE):
         return []
-    most = 1 if kind is Aggregation.MOST_RECENT else MOST_FACTS
-    since = now if kind is Aggregation.BEST else 0.0
+    most = 1 if c.markovian else MOST_FACTS
+    since = now if kind is Aggregation.BEST else -math.inf
     coming: list[Sent] = []
-    if lent := promised.get((stream.robot, stream.key)):
+    if lent:
         known = (stream.sent.t_gen if stream.sent else -math.inf) + 0.5 * stream.schedule.period
         coming = [Sent(p.t_gen, p.t_gen, p.size, p.scale, p.features) for p in lent if p.t_gen > known]
     sent = chain(reversed(coming), reversed(stream.recent))

@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from proxy.core.schedules.rhythm import Rhythm
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
+class Span(NamedTuple):
     """The times that are asked for: after `after` and until `until`, at most `most`, as things are at `now` [s]."""
 
     now: float

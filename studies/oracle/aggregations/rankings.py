@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.received import Received, integrals, receivers
+from planner.received import Received, integrals
 from planner.utility import Flags, Floats, Ints
 
 PIECES = 8
@@ -43,7 +43,7 @@ def rank(received: Received, stream: int) -> Rankings:
     """Find the rankings of one stream, receiver by receiver, from each receipt to the next."""
     found = Rankings()
     places = np.flatnonzero(received.stream == stream)
-    delays, shares = receivers(received.problem)
+    delays, shares = received.delay, received.share
     for delay, share in zip(delays[stream].tolist(), shares[stream].tolist(), strict=True):
         receipts = received.t_rcv[places] + delay
         times = np.unique(np.append(receipts[receipts < received.t_end], received.t_end))

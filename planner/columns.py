@@ -1,0 +1,106 @@
+"""A problem as columns: messages, receivers and traffic as arrays, read once for all that is tabulated from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import chain
+from operator import attrgetter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.utility import Flags, Floats, Ints
+
+if TYPE_CHECKING:
+    from planner.problem import Aggregation, AggregationModel, Problem, Stream
+
+_ROW = attrgetter("stream", "sent", "t_gen", "t_sent", "t_rcv", "scale")
+_USE = attrgetter("use")
+_RECEIVER = attrgetter("delay", "share")
+_T_SENT = attrgetter("t_sent")
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """By message: its stream, whether it is `sent`, times [s], scale, and `use[m, k]` of constraint k.
+
+    `opened` are the messages to decide. Streams of one aggregation are together in `kinds`, the one that comes first
+    first. By stream and receiver, filled up with receivers of no share: `delay` [s] and
+    `share`. Of the traffic: `traffic_sent` [s] and `traffic_use[j, k]`.
+    """
+
+    stream: Ints
+    sent: Flags
+    opened: Ints
+    times: Floats
+    """t_gen, t_sent and t_rcv, one row each."""
+    scale: Floats
+    use: Floats
+    kinds: tuple[tuple[Aggregation | AggregationModel, list[int]], ...]
+    delay: Floats
+    share: Floats
+    traffic_sent: Floats
+    traffic_use: Floats
+
+    @property
+    def t_gen(self) -> Floats:
+        """When each message is generated [s]."""
+        return np.asarray(self.times[0])
+
+    @property
+    def t_sent(self) -> Floats:
+        """When each message is sent [s]."""
+        return np.asarray(self.times[1])
+
+    @property
+    def t_rcv(self) -> Floats:
+        """When each message is received [s]."""
+        return np.asarray(self.times[2])
+
+
+def columns_of(problem: Problem) -> Columns:
+    """Read the columns of a problem in which every `use` has an entry for each constraint."""
+    messages, constraints = problem.messages, len(problem.constraints)
+    rows = _numbers(list(map(_ROW, messages)), 6)
+    rows = np.ascontiguousarray(rows.T)
+    facts = rows[1] != 0
+    delay, share = _receivers(problem.streams)
+    return Columns(
+        stream=rows[0].astype(np.int64),
+        sent=facts,
+        opened=np.flatnonzero(~facts),
+        times=rows[2:5],
+        scale=rows[5],
+        use=_numbers(list(map(_USE, messages)), constraints),
+        kinds=_kinds(problem.streams),
+        delay=delay,
+        share=share,
+        traffic_sent=np.array(list(map(_T_SENT, problem.traffic)), dtype=np.float64),
+        traffic_use=_numbers(list(map(_USE, problem.traffic)), constraints),
+    )
+
+
+def _numbers(rows: Sequence[tuple[float, ...]], width: int) -> Floats:
+    """Return rows of `width` numbers each as an array: it takes half as long as to let NumPy look at the rows."""
+    numbers = np.fromiter(chain.from_iterable(rows), np.float64, len(rows) * width)
+    return numbers.reshape(len(rows), width)
+
+
+def _kinds(streams: Sequence[Stream]) -> tuple[tuple[Aggregation | AggregationModel, list[int]], ...]:
+    """Models of the caller's need not be hashable."""
+    kinds: dict[int, list[int]] = {}
+    for at, stream in enumerate(streams):
+        kinds.setdefault(id(stream.aggregation), []).append(at)
+    return tuple((streams[members[0]].aggregation, members) for members in kinds.values())
+
+
+def _receivers(streams: Sequence[Stream]) -> tuple[Floats, Floats]:
+    receivers = [stream.receivers for stream in streams]
+    counts = list(map(len, receivers))
+    known = _numbers(list(map(_RECEIVER, chain.from_iterable(receivers))), 2)
+    stream = np.repeat(np.arange(len(counts)), counts)
+    delay, share = np.zeros((2, len(counts), max(counts, default=1) or 1))
+    place = np.arange(len(stream)) - np.searchsorted(stream, stream)
+    delay[stream, place], share[stream, place] = known.T
+    return delay, share
