@@ -214,6 +214,8 @@ class Gate:
             self.decisions.owed += 1
         elif self._roomy(now):
             self.decisions.unneeded += bool(self.limits)
+        elif self._foreseen(now, sample):
+            self.decisions.foreseen += 1
         else:
             return [self._search(now, sample, ticket)]
         return [self._send(now, sample, use, "forwarded")]
@@ -245,6 +247,16 @@ class Gate:
             roomy = fits(view, streams, self.limits, held)
             self._room = now + max(PACE, EACH * len(streams)), roomy
         return roomy
+
+    def _foreseen(self, now: float, sample: Waiting) -> bool:
+        """Whether what we hold was lent for this sample: for a single message, and nothing else of ours is wanted.
+
+        Then who leads has decided on it beside those of all others, which we do not know better.
+        """
+        shares = self._shares
+        if not (self._sharing and shares.leader and sample.markovian) or shares.leads or shares.stays(now):
+            return False
+        return not any(s.key != sample.key and self._view.competes(now, s) for s in self._view.own())
 
     def _unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
