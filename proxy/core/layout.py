@@ -118,8 +118,15 @@ class Layout:
         return self._promise_all(now, chosen, until + self._took)
 
     def _promise_all(self, now: float, chosen: Iterable[Expected], until: float) -> bool:
-        due = [e for e in chosen if e.message.t_gen <= (now if self._asks(e.stream) else until)]
+        early = [(self._shares.reserved(self._use_of(e)), e) for e in chosen]
+        early.sort(key=lambda entry: -entry[0])  # what needs the channel for itself comes before what would disturb it
+        due = [e for first, e in early if e.message.t_gen - first <= (now if self._asks(e.stream) else until)]
         return sum(self._promise(now, expected) for expected in due) > 0
+
+    def _use_of(self, expected: Expected) -> tuple[float, ...]:
+        """What is lent for a message, of the limits that robots share."""
+        shared = tuple(limit for limit in self._gate.limits if limit.shared)
+        return tuple(MARGIN * amount for amount in use_of(expected.message.size, expected.copies, shared))
 
     def hurry(self) -> None:
         """There is news: plan anew at once, or as soon as a large team leaves time for it."""
@@ -177,8 +184,7 @@ class Layout:
         peer = self._view.peer_called(stream.robot)
         if peer is None or not peer.offset.known:
             return False
-        shared = tuple(limit for limit in self._gate.limits if limit.shared)
-        use = tuple(MARGIN * amount for amount in use_of(message.size, expected.copies, shared))
+        use = self._use_of(expected)
         slack, center = self._slack(now, stream, peer), message.t_gen
         if center <= now:
             center, slack = now, 2.0 * peer.offset.latency + ANSWERED

@@ -197,7 +197,9 @@ class Shares:
     def holds(self, now: float, t: float, use: tuple[float, ...]) -> bool:
         """Whether what a message takes that is sent at a time to come would be of what is lent to us already."""
         if self.leads:
-            return all(self._claim(k, each) <= self._share(t, k) for k, each in enumerate(use) if self._limits[k].shared)
+            return all(
+                self._claim(k, each) <= self._share(t, k) for k, each in enumerate(use) if self._limits[k].shared
+            )
         begun = [lent for lent in self._lent if lent.begins <= now]
         return all(
             self._claim(k, amount) <= sum(lent.amounts[k] for lent in begun if t <= lent.ends or lent.stays)
@@ -234,6 +236,10 @@ class Shares:
     def sent(self) -> tuple[tuple[float, tuple[float, ...]], ...]:
         """Our sends that may still count, as (time, use), oldest first."""
         return tuple(self._sent)
+
+    def reserved(self, use: tuple[float, ...]) -> float:
+        """How long before a message larger than a limit nobody else may send [s]; 0 for every other one."""
+        return max((self._reserved(k, a) for k, a in enumerate(use) if self._exceeds(k, a)), default=0.0)
 
     def lend(self, now: float, peer: str, earliest: float, latest: float, use: tuple[float, ...]) -> Lent | None:
         """Let `peer` send `use`, of the shared limits, until `latest`; None when so much is not left.
@@ -378,12 +384,12 @@ class Shares:
         if limit.shared and not self.confirmed(now):
             return False
         shared = limit.shared and not any(lent.stays and lent.ends >= now for lent in self._lent)
-        since = t - (limit.window + self._lead_of(k, amount) if shared else self._stretched(k, amount))
+        since = t - (self._reserved(k, amount) if shared else self._stretched(k, amount))
         quiet = not any(sent >= since and use[k] > 0.0 for sent, use in self._sent)
         return quiet and (not shared or self._has_all(t, k, since))
 
     def _has_all(self, t: float, k: int, since: float) -> bool:
-        """Whether nobody else may send between a time and one window after `t`, when a message goes that needs it so."""
+        """Whether nobody else may send between a time and one window after `t`, as a message at `t` needs it."""
         if not self.leads:
             return any(e.begins <= t <= e.ends and e.amounts[k] >= ALL * self.whole(k) for e in self._lent)
         last = t + self._limits[k].window + EDGE
@@ -399,10 +405,12 @@ class Shares:
 
     def _lead(self, use: tuple[float, ...]) -> float:
         """So much longer than the window has to be empty before a message larger than a limit [s]."""
-        return max((self._lead_of(k, amount) for k, amount in enumerate(use) if self._limits[k].shared), default=0.0)
+        shared = (k for k in range(len(use)) if self._limits[k].shared)
+        return max((self._reserved(k, use[k]) - self._limits[k].window for k in shared), default=0.0)
 
-    def _lead_of(self, k: int, amount: float) -> float:
-        return self._limits[k].window * max(0.0, amount / max(self.whole(k), 1e-9) - 1.0)
+    def _reserved(self, k: int, amount: float) -> float:
+        """The window before a message; of one larger than the limit, as long as its bytes take [s]."""
+        return self._limits[k].window * max(1.0, amount / max(self.whole(k), 1e-9))
 
     def _windows(self) -> list[float]:
         return [limit.window for limit in self._limits if limit.shared]
