@@ -18,8 +18,8 @@ ROUNDING = 1e-8
 class Found:
     """What a search found: the levels that its plan sends, and those of the best plan that decides otherwise.
 
-    No plan exceeds `bound`; None when that is not known. `asked[k]` is what constraint k charges for sending the
-    current message within the window. Both are of what the search maximises [utility·s].
+    No plan exceeds `bound`; None when that is not known. `asked[j]` is what column j of the checks charges for sending
+    the current message within the window. Both are of what the search maximises [utility·s].
     """
 
     sends: Sequence[int]
@@ -31,11 +31,12 @@ class Found:
 
 def answer(tables: Tables, found: Found, iterations: int) -> Plan:
     """Return the plan, beside the best that decides the current message otherwise."""
-    send = tables.current in found.sends
+    send, constraints = tables.current in found.sends, len(tables.problem.constraints)
     aim, value = _worth(tables, found.sends)
     other = None if found.opposite is None else _worth(tables, found.opposite)
-    charges = [0.0] * len(found.asked) if tables.beyond is None else tables.beyond.charges[_current(tables)].tolist()
-    prices = tuple(now + later for now, later in zip(found.asked, charges, strict=True))
+    prices = [0.0] * constraints if tables.beyond is None else tables.beyond.charges[_current(tables)].tolist()
+    for k, asked in zip(tables.checks.constraint.tolist(), found.asked, strict=True):
+        prices[k] += asked
     too_much = () if send else overfilled(tables.checks, [*found.sends, tables.current])
     return Plan(
         send=send,
@@ -46,7 +47,7 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
         nodes=found.nodes,
         lead=None if other is None else aim - other[0],
         gap=_gap(tables, found.bound, aim),
-        prices=prices,
+        prices=tuple(prices),
         binding=tuple(
             constraint.name for k, constraint in enumerate(tables.problem.constraints) if prices[k] > 0 or k in too_much
         ),

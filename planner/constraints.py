@@ -8,7 +8,7 @@ already known to be sent later. Both ask the same question: *what was sent since
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,13 +22,20 @@ CLOSED = 1e-9
 SLACK = 1e-9
 """What rounding may add to a sum of uses, as a part of the limit."""
 
+STRETCHED = 16.0
+"""A message that exceeds the limit by more than this factor has no exclusion: it would reach over all of the window."""
+
+MOST_EXCLUSIONS = 16
+"""So many oversized messages have an exclusion, at most."""
+
 
 @dataclass(frozen=True, slots=True)
 class Rows:
     """In any plan the levels `first[r]` to `last[r]` use at most `capacity[r]` of constraint `of[r]`.
 
     Unlike a check, a row holds whatever is decided. Only rows that could bind are kept. An oversized message
-    counts in them as the limit: nothing else fits into a window with it.
+    counts in them as the limit: nothing else fits into a window with it. Beyond the constraints of the problem, `of`
+    names *exclusions*, one for each oversized message: it, and what may not be sent beside it.
     """
 
     of: Ints
@@ -43,8 +50,9 @@ class Checks:
 
     Level i may be sent when for every check c from `start[i]` to `start[i + 1] − 1` the messages sent at the
     levels `first[c]` to i − 1 use at most `room[c]` of constraint `of[c]`. `use[i, k]` is what level i uses
-    of constraint k, `share[i, k]` the same but at most the limit. `held[d]` is the first level that any check
-    of level d or later still looks back to. `never[i]` tells that no plan can send level i.
+    of constraint k, `share[i, k]` the same but at most the limit; the columns of exclusions follow. `held[d]` is the
+    first level that any check of level d or later still looks back to. `never[i]` tells that no plan can send level i.
+    `constraint[j]` is the constraint of column j.
     """
 
     use: Floats
@@ -56,6 +64,7 @@ class Checks:
     held: Ints
     never: Flags
     rows: Rows
+    constraint: Ints
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +80,16 @@ class _Fixed:
         """Return what is used in the closed intervals from `begin` to `end`."""
         last = np.searchsorted(self.time, end, side="right")
         return np.asarray(self.total[last] - self.total[np.searchsorted(self.time, begin, side="left")])
+
+
+@dataclass(frozen=True, slots=True)
+class _Exclusion:
+    """Of the levels `first` to `last` an oversized message, or others: its use in the column is theirs together."""
+
+    of: int
+    first: int
+    last: int
+    column: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +114,45 @@ def tabulate_checks(problem: Problem) -> Checks:
         if len(fixed.time) and fixed.time[-1] >= times[0]:
             found.append(_later_windows(k, constraint, times, use[:, k], fixed))
     limits = np.array([constraint.limit for constraint in problem.constraints])
-    return _assemble(use, np.minimum(use, limits), found)
+    checks = _assemble(use, np.minimum(use, limits), found)
+    apart = [_exclusions(k, c, times, use[:, k], checks.never) for k, c in enumerate(problem.constraints)]
+    return _exclude(checks, [each for of_one in apart for each in of_one][:MOST_EXCLUSIONS])
+
+
+def _exclusions(k: int, constraint: Constraint, times: Floats, use: Floats, never: Flags) -> list[_Exclusion]:
+    """Return, for each oversized message that may be sent at all, what cannot be sent beside it."""
+    length, _ = stretched(constraint, use)
+    found = []
+    for level in np.flatnonzero((use > constraint.limit) & (use <= STRETCHED * constraint.limit) & ~never).tolist():
+        first = int(np.searchsorted(times, times[level] - length[level], side="left"))
+        last = int(np.searchsorted(times, times[level] + constraint.window, side="right")) - 1
+        column = np.zeros_like(use)
+        column[first : last + 1] = np.minimum(use, constraint.limit)[first : last + 1]
+        column[level] = 0.0
+        column[level] = column.sum()
+        if column[level] > 0:
+            found.append(_Exclusion(k, first, last, column))
+    return found
+
+
+def _exclude(checks: Checks, exclusions: list[_Exclusion]) -> Checks:
+    """Add a row for every exclusion: either the oversized message is sent, or any of the others."""
+    if not exclusions:
+        return checks
+    columns = np.stack([each.column for each in exclusions], axis=1)
+    rows, known = checks.rows, checks.use.shape[1]
+    return replace(
+        checks,
+        use=np.hstack((checks.use, columns)),
+        share=np.hstack((checks.share, columns)),
+        rows=Rows(
+            of=np.concatenate((rows.of, known + np.arange(len(exclusions)))),
+            first=np.concatenate((rows.first, [each.first for each in exclusions])),
+            last=np.concatenate((rows.last, [each.last for each in exclusions])),
+            capacity=np.concatenate((rows.capacity, columns.max(axis=0))),
+        ),
+        constraint=np.concatenate((checks.constraint, [each.of for each in exclusions])),
+    )
 
 
 def stretched(constraint: Constraint, use: Floats) -> tuple[Floats, Floats]:
@@ -163,6 +220,7 @@ def _assemble(use: Floats, share: Floats, found: list[_Found]) -> Checks:
         held=np.ascontiguousarray(np.minimum.accumulate(held[::-1])[::-1]),
         never=never,
         rows=_binding(share, Rows(of[keep], first[keep], level[keep], capacity)),
+        constraint=np.arange(use.shape[1]),
     )
 
 

@@ -51,9 +51,9 @@ class Decisions:
     """Statistics of all decisions since the start.
 
     `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
-    ones, whose gap is known [utility·s]. `unneeded` are samples that were sent while there was room for all; `owed`
-    those that a guarantee demanded, `unkept` those of them for which the limits left no room. `binding` counts by
-    constraint the dropped samples that it was in the way of.
+    ones, whose gap is known [utility·s]. `unneeded` are samples that were sent while there was room for all, `foreseen`
+    those for which who leads lent us what they took; `owed` those that a guarantee demanded, `unkept` those of them for
+    which the limits left no room. `binding` counts by constraint the dropped samples that it was in the way of.
     """
 
     def __init__(self) -> None:
@@ -61,6 +61,7 @@ class Decisions:
         self.iterations = 0
         self.would_drop = 0
         self.unneeded = 0
+        self.foreseen = 0
         self.owed = 0
         self.unkept = 0
         self.seconds = 0.0
@@ -98,6 +99,7 @@ class Decisions:
             "iterations": self.iterations,
             "would_drop": self.would_drop,
             "unneeded": self.unneeded,
+            "foreseen": self.foreseen,
             "owed": self.owed,
             "unkept": self.unkept,
             "seconds": self.seconds,

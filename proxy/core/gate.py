@@ -216,6 +216,8 @@ class Gate:
             self.decisions.owed += 1
         elif self._roomy(now):
             self.decisions.unneeded += bool(self.limits)
+        elif self._foreseen(now, stream, sample, use):
+            self.decisions.foreseen += 1
         else:
             return [self._search(now, sample, ticket)]
         return [self._send(now, sample, use, "forwarded")]
@@ -248,6 +250,19 @@ class Gate:
             roomy = fits(view, streams, self.limits, held)
             self._room = now + max(PACE, EACH * len(streams)), roomy
         return roomy
+
+    def _foreseen(self, now: float, stream: Stream, sample: Waiting, use: tuple[float, ...]) -> bool:
+        """Whether what we hold was lent for this sample: nothing else of ours can use it, the next one comes too late.
+
+        Then who leads has decided on it beside those of all others, which we do not know better.
+        """
+        shares = self._shares
+        if not (self._sharing and shares.leader and sample.markovian) or shares.leads or shares.stays(now):
+            return False
+        if any(s is not stream and self._view.competes(now, s) for s in self._view.own()):
+            return False
+        coming = stream.schedule.forecast(now, now + PATIENCE, 1, now)
+        return not any(shares.holds(now, t, use) for t in coming)
 
     def _unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""

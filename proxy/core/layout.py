@@ -32,8 +32,12 @@ LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 LARGER = 1.5
 """A slot may be larger than what it is for by this factor."""
+SLOW = 0.05
+"""Where planning takes this part of the shortest window, what it says comes too late: slots are lent..."""
+FORGETTING = 0.98
+"""... and while they are, each time it is forgotten by this factor how long planning took."""
 LEARNING = 0.2
-"""So much counts the last message of a stream for how far off they are."""
+"""So much counts the last message of a stream for how far off they are, and the last plan for how long it took."""
 REMEMBERED = 16
 """So many promises of a stream are looked back on."""
 DOUBT = 3.0
@@ -53,6 +57,7 @@ class Layout:
         self._off: dict[tuple[str, str], _Off] = {}
         self._slots: dict[Place, list[Lent]] = {}
         self._asked_at = -math.inf
+        self._took = 0.0
         self._hurried = False
         self._ticket: int | None = None
         self._outlook = Outlook(None, {}, ())
@@ -65,7 +70,7 @@ class Layout:
             self._promised.clear()
             self._slots.clear()
             return []
-        if now < self._asked_at + self._pace or not self._shares.confirmed(now):
+        if self.pending or now < self._asked_at + self._pace or not self._shares.confirmed(now):
             return []
         self._asked_at, self._hurried = now, False
         self._forget(now)
@@ -74,6 +79,7 @@ class Layout:
         if self._gate.standing:
             self._gate.promised, self._ticket = None, None
             self._promised.clear()
+            self._took *= FORGETTING
             if plenty:
                 self.lent += self._plenty.lend(now)
             else:
@@ -88,8 +94,8 @@ class Layout:
 
     @property
     def due_at(self) -> float:
-        """When it is time to plan again [s]."""
-        plans = self._shares.leads and len(self._shares.members) > 1 and self._gate.limits
+        """When it is time to plan again [s]; a plan that is being made comes to its end first."""
+        plans = self._shares.leads and len(self._shares.members) > 1 and self._gate.limits and not self.pending
         return self._asked_at + self._pace if plans else math.inf
 
     @property
@@ -104,15 +110,23 @@ class Layout:
     def lend(self, now: float, plan: Plan | None, until: float) -> bool:
         """Lend for what the plan has others send until then; whether anything was lent."""
         self._ticket = None
+        self._took += LEARNING * (now - self._asked_at - self._took)
         if plan is None:
             return False
         ahead = self._outlook.ahead
         chosen = [*self._outlook.demanded, *(ahead[place] for place in plan.sends if place in ahead)]
-        return self._promise_all(now, chosen, until)
+        return self._promise_all(now, chosen, until + self._took)
 
     def _promise_all(self, now: float, chosen: Iterable[Expected], until: float) -> bool:
-        due = [e for e in chosen if e.message.t_gen <= (now if self._asks(e.stream) else until)]
+        early = [(self._shares.reserved(self._use_of(e)), e) for e in chosen]
+        early.sort(key=lambda entry: -entry[0])  # what needs the channel for itself comes before what would disturb it
+        due = [e for first, e in early if e.message.t_gen - first <= (now if self._asks(e.stream) else until)]
         return sum(self._promise(now, expected) for expected in due) > 0
+
+    def _use_of(self, expected: Expected) -> tuple[float, ...]:
+        """What is lent for a message, of the limits that robots share."""
+        shared = tuple(limit for limit in self._gate.limits if limit.shared)
+        return tuple(MARGIN * amount for amount in use_of(expected.message.size, expected.copies, shared))
 
     def hurry(self) -> None:
         """There is news: plan anew at once, or as soon as a large team leaves time for it."""
@@ -123,10 +137,11 @@ class Layout:
         return min(PACE, HURRY * len(self._shares.members)) if self._hurried else PACE
 
     def _vague(self, now: float) -> bool:
-        """Whether robots may be so wrong about our clock that slots are better than grants for single messages."""
+        """Whether robots may be so wrong about our clock, or we so slow, that slots are better than single grants."""
         window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
         offsets = (peer.offset for peer in self._view.peers.values() if peer.offset.known)
-        return max((offset.uncertainty(now) for offset in offsets), default=0.0) > STANDING * window
+        uncertainty = max((offset.uncertainty(now) for offset in offsets), default=0.0)
+        return uncertainty > STANDING * window or self._took > SLOW * window
 
     def _stand(self, now: float) -> None:
         """Lend slots, and lengthen those that are to stay."""
@@ -169,8 +184,7 @@ class Layout:
         peer = self._view.peer_called(stream.robot)
         if peer is None or not peer.offset.known:
             return False
-        shared = tuple(limit for limit in self._gate.limits if limit.shared)
-        use = tuple(MARGIN * amount for amount in use_of(message.size, expected.copies, shared))
+        use = self._use_of(expected)
         slack, center = self._slack(now, stream, peer), message.t_gen
         if center <= now:
             center, slack = now, 2.0 * peer.offset.latency + ANSWERED

@@ -25,6 +25,8 @@ HOLDABLE = 0.98
 """Part of a limit that one robot can come to hold: all but the floor, and some room."""
 MOST_GRANTS = 1024
 """Grants that can be alive at the same time."""
+ALL = 0.99
+"""Who may send a message larger than the limit was lent all that robots can hold, or lacks no more than rounding."""
 STAYS = 2.5
 """What is lent for so long at once is lent for more than one message [s]."""
 
@@ -37,6 +39,13 @@ class Lent:
     begins: float
     ends: float
     amounts: tuple[float, ...]
+    lead: float = 0.0
+    """So long before, nobody else may send either: it is for a message larger than a limit [s]."""
+
+    @property
+    def since(self) -> float:
+        """From then on it is nobody else's [s]."""
+        return self.begins - self.lead
 
     @property
     def stays(self) -> bool:
@@ -188,10 +197,12 @@ class Shares:
     def holds(self, now: float, t: float, use: tuple[float, ...]) -> bool:
         """Whether what a message takes that is sent at a time to come would be of what is lent to us already."""
         if self.leads:
-            return all(amount <= self._share(t, k) for k, amount in enumerate(use) if self._limits[k].shared)
+            return all(
+                self._claim(k, each) <= self._share(t, k) for k, each in enumerate(use) if self._limits[k].shared
+            )
         begun = [lent for lent in self._lent if lent.begins <= now]
         return all(
-            amount <= sum(lent.amounts[k] for lent in begun if t <= lent.ends or lent.stays)
+            self._claim(k, amount) <= sum(lent.amounts[k] for lent in begun if t <= lent.ends or lent.stays)
             for k, amount in enumerate(use)
             if self._limits[k].shared
         )
@@ -202,9 +213,9 @@ class Shares:
 
     def opens(self, now: float, use: tuple[float, ...], until: float) -> float | None:
         """When a message with this use may be sent by what we know, in (now, until]; None when it may not."""
-        times = {lent.begins for lent in self._lent if not self.leads}
-        times |= {lent.ends + EDGE + w + 1e-6 for lent in self._lent for w in self._windows() if self.leads}
-        times |= {t + w + 1e-6 for t, _ in self._sent for w in self._windows()}
+        times, lead = {lent.begins for lent in self._lent if not self.leads}, self._lead(use)
+        times |= {lent.ends + EDGE + w + lead + 1e-6 for lent in self._lent for w in self._windows() if self.leads}
+        times |= {t + w + lead + 1e-6 for t, _ in self._sent for w in self._windows()}
         for t in sorted(t for t in times if now < t <= until):
             if all(self._fits(t, now, k, amount) for k, amount in enumerate(use)):
                 return t
@@ -226,23 +237,29 @@ class Shares:
         """Our sends that may still count, as (time, use), oldest first."""
         return tuple(self._sent)
 
+    def reserved(self, use: tuple[float, ...]) -> float:
+        """How long before a message larger than a limit nobody else may send [s]; 0 for every other one."""
+        return max((self._reserved(k, a) for k, a in enumerate(use) if self._exceeds(k, a)), default=0.0)
+
     def lend(self, now: float, peer: str, earliest: float, latest: float, use: tuple[float, ...]) -> Lent | None:
         """Let `peer` send `use`, of the shared limits, until `latest`; None when so much is not left.
 
-        It may from as early on as can be, but not before `earliest` [s].
+        It may from as early on as can be, but not before `earliest` [s]. What exceeds a limit is lent all of it, and
+        nobody else anything from as long before as such a message needs.
         """
         if not self.leads or not self.confirmed(now) or peer not in self.members - {self.own}:
             return None
         parts = tuple(self._parts(k, amount) for k, amount in enumerate(use))
-        amounts = tuple(self._amount(k, part) for k, part in enumerate(parts))
+        amounts = tuple(min(self._amount(k, part), self.whole(k)) for k, part in enumerate(parts))
+        lead = self._lead(use)
         ends = _rounded(latest)
         taken = {e.begins for e in self._lent if e.robot == peer}
-        for chance in self._chances(max(now, earliest), ends):
+        for chance in self._chances(max(now, earliest), ends, lead):
             begins = chance
             while begins in taken:
                 begins = _rounded(begins + 1.5 * EDGE)
-            if len(self._lent) < MOST_GRANTS and self._lendable(begins, ends, amounts):
-                lent = Lent(peer, begins, ends, amounts)
+            if len(self._lent) < MOST_GRANTS and self._lendable(begins - lead, ends, amounts):
+                lent = Lent(peer, begins, ends, amounts, lead)
                 self._lent.append(lent)
                 self._told[Grant(peer, begins, ends, parts)] = ends
                 self._offered_until = -math.inf
@@ -287,7 +304,7 @@ class Shares:
     def _free(self, t: float, now: float, k: int) -> float:
         """What may be sent at `t` of constraint `k`, if until then nothing is: the least room of the window after."""
         window = self._limits[k].window
-        edges = {lent.begins - EDGE if self.leads else lent.ends + window + 1e-9 for lent in self._lent}
+        edges = {lent.since - EDGE if self.leads else lent.ends + window + 1e-9 for lent in self._lent}
         times = [t, *(edge for edge in edges if t < edge <= t + window)]
         own = self._limits[k].shared
         return min(self._held_at(at, now, k) - self.used(at, k) for at in (times if own else [t]))
@@ -311,13 +328,13 @@ class Shares:
     def _gone(self, t: float, k: int) -> float:
         """What of constraint `k` others may use at a time."""
         window = self._limits[k].window
-        return sum(e.amounts[k] for e in self._lent if e.begins - EDGE <= t <= e.ends + window + EDGE)
+        return sum(e.amounts[k] for e in self._lent if e.since - EDGE <= t <= e.ends + window + EDGE)
 
-    def _chances(self, earliest: float, latest: float) -> list[float]:
+    def _chances(self, earliest: float, latest: float, lead: float) -> list[float]:
         """When a grant could begin: at once, or when something comes back."""
         windows = self._windows()
-        times = [e.ends + w + 2.1 * EDGE for e in self._lent for w in windows]
-        times += [t + w + 2.1 * EDGE for t, _ in self._sent for w in windows]
+        times = [e.ends + w + lead + 2.1 * EDGE for e in self._lent for w in windows]
+        times += [t + w + lead + 2.1 * EDGE for t, _ in self._sent for w in windows]
         first = _rounded(earliest) + EDGE
         return [first, *sorted({_rounded(t) + EDGE for t in times if earliest < t < latest})]
 
@@ -328,7 +345,7 @@ class Shares:
         for k, amount in enumerate(amounts):
             last = ends + self._limits[k].window + EDGE
             first = begins - EDGE
-            times = [first, *(e.begins - EDGE for e in self._lent if first < e.begins - EDGE <= last)]
+            times = [first, *(e.since - EDGE for e in self._lent if first < e.since - EDGE <= last)]
             if any(self._gone(t, k) + self.used(t, k) + amount > self.whole(k) * (1 + 1e-9) for t in times):
                 return False
         return True
@@ -353,8 +370,8 @@ class Shares:
             self._lent.append(self._borrowed[place])
 
     def _parts(self, k: int, amount: float) -> int:
-        """An amount in parts of the ceiling, which all robots agree on."""
-        return int(-(-amount * PARTS // self._limits[k].measure.limit))
+        """An amount in parts of the ceiling, which all robots agree on; at most all of it."""
+        return int(-(-min(amount, self.whole(k)) * PARTS // self._limits[k].measure.limit))
 
     def _amount(self, k: int, parts: int) -> float:
         return parts * self._limits[k].measure.limit / PARTS
@@ -362,11 +379,38 @@ class Shares:
     def _fits(self, t: float, now: float, k: int, amount: float) -> bool:
         """Eq. 5 against what we hold; a message larger than anybody could hold has a window stretched for it."""
         limit = self._limits[k]
-        if amount <= (HOLDABLE if limit.shared else 1.0) * self._in_force(k):
+        if not self._exceeds(k, amount):
             return amount <= self._free(t, now, k)
-        since = t - self._stretched(k, amount)
-        alone = self.confirmed(now) or not limit.shared
-        return alone and not any(sent >= since and use[k] > 0.0 for sent, use in self._sent)
+        if limit.shared and not self.confirmed(now):
+            return False
+        shared = limit.shared and not any(lent.stays and lent.ends >= now for lent in self._lent)
+        since = t - (self._reserved(k, amount) if shared else self._stretched(k, amount))
+        quiet = not any(sent >= since and use[k] > 0.0 for sent, use in self._sent)
+        return quiet and (not shared or self._has_all(t, k, since))
+
+    def _has_all(self, t: float, k: int, since: float) -> bool:
+        """Whether nobody else may send between a time and one window after `t`, as a message at `t` needs it."""
+        if not self.leads:
+            return any(e.begins <= t <= e.ends and e.amounts[k] >= ALL * self.whole(k) for e in self._lent)
+        last = t + self._limits[k].window + EDGE
+        return not any(e.since <= last and e.ends + EDGE >= since for e in self._lent)
+
+    def _exceeds(self, k: int, amount: float) -> bool:
+        """Whether a message is larger than what anybody could hold."""
+        return amount > (HOLDABLE if self._limits[k].shared else 1.0) * self._in_force(k)
+
+    def _claim(self, k: int, amount: float) -> float:
+        """What must be lent for a message."""
+        return ALL * self.whole(k) if self._exceeds(k, amount) else amount
+
+    def _lead(self, use: tuple[float, ...]) -> float:
+        """So much longer than the window has to be empty before a message larger than a limit [s]."""
+        shared = (k for k in range(len(use)) if self._limits[k].shared)
+        return max((self._reserved(k, use[k]) - self._limits[k].window for k in shared), default=0.0)
+
+    def _reserved(self, k: int, amount: float) -> float:
+        """The window before a message; of one larger than the limit, as long as its bytes take [s]."""
+        return self._limits[k].window * max(1.0, amount / max(self.whole(k), 1e-9))
 
     def _windows(self) -> list[float]:
         return [limit.window for limit in self._limits if limit.shared]

@@ -31,6 +31,11 @@ class Life:
     tickets: dict[int, int] = field(default_factory=dict)
     """Of those that were searched for, the ticket."""
 
+    @property
+    def weighed(self) -> set[int]:
+        """The samples that a search decided, and those that were sent."""
+        return self.tickets.keys() | {sample for sample, sent in self.sends.items() if sent}
+
     def note(self, command: Command) -> None:
         """Take in what became of a sample."""
         if isinstance(command, Forward | Drop):
@@ -63,7 +68,7 @@ class Recorded(Team):
 
 
 def decided_alike(flight: Recorded, clocks: Mapping[str, Clock], until: float) -> list[bool]:
-    """Return for every decision of a flight whether it falls alike by these clocks."""
+    """Return for every sample that was weighed in a flight whether it fares alike by these clocks."""
     return [alike for robot in flight.interests for alike in Relived(flight, robot, clocks).alike(until)]
 
 
@@ -88,7 +93,7 @@ class Relived(Team):
         self._retelling = _Retelling(given, robot)
 
     def alike(self, until: float) -> Iterator[bool]:
-        """Live until then [s]; yield for every sample that a search decided, then or now, whether it fares alike."""
+        """Live until then [s]; yield for every sample that was weighed, then or now, whether it fares alike."""
         (member,) = self.members.values()
         for t, event in self._retelling.of(self._before.events):
             self.agenda.at(t, partial(self._happen, member, event))
@@ -96,7 +101,7 @@ class Relived(Team):
             self.agenda.at(t, partial(self._mark, member))
         self.agenda.run(until)
         before, now = self._before, self._now
-        for sample in sorted(before.tickets.keys() | now.tickets.keys()):
+        for sample in sorted(before.weighed | now.weighed):
             yield before.sends.get(sample) == now.sends.get(sample)
 
     def _mark(self, member: Member, t: float) -> None:

@@ -199,6 +199,7 @@ def test_the_status_explains_the_last_decision_and_counts_what_bound(make_aggreg
         "iterations": 7,
         "would_drop": 0,
         "unneeded": 0,
+        "foreseen": 0,
         "owed": 0,
         "unkept": 0,
         "seconds": 0.004,

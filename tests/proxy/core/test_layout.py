@@ -6,7 +6,7 @@ from proxy.core.commands import SendDigest
 from proxy.core.core import Core
 from proxy.core.events import TimePassed
 from studies.simulation.conditions import WARM_UP, Conditions
-from studies.simulation.flights import fly
+from studies.simulation.flights import fly, team
 from studies.simulation.missions import draw, scenario
 from studies.simulation.usage import usage
 
@@ -22,14 +22,16 @@ def mission_of(how):
 
 def test_a_team_that_shares_uses_most_of_a_small_limit_and_never_exceeds_it():
     """Two messages per 2.5 s among ten robots: whole messages are lent to those who are planned to send."""
-    how, team = flown()
-    told = usage(mission_of(how), team, how)
+    how, flight = flown()
+    told = usage(mission_of(how), flight, how)
     assert told.exceeding == 0.0
     assert told.messages >= 0.5
-    leaders = [core for core in team.cores.values() if core.shares.leads]
+    leaders = [core for core in flight.cores.values() if core.shares.leads]
     assert len(leaders) == 1
     assert leaders[0].layout.lent > 5
     assert leaders[0].layout.due_at > 1000.0
+    followers = [core.gate.decisions for core in flight.cores.values() if not core.shares.leads]
+    assert sum(decisions.foreseen for decisions in followers) > sum(decisions.made for decisions in followers)
 
 
 def test_in_a_team_without_a_channel_nobody_plans(make_talk):
@@ -56,9 +58,20 @@ def test_who_may_not_lend_yet_is_not_woken_without_end(monkeypatch):
 
 def test_where_clocks_are_known_badly_slots_are_lent():
     """At a latency of 1 s a grant for one message would be lost in what clocks may be wrong by."""
-    how, team = flown(latency=1.0)
-    told = usage(mission_of(how), team, how)
+    how, flight = flown(latency=1.0)
+    told = usage(mission_of(how), flight, how)
     assert told.exceeding == 0.0
     assert told.messages >= 0.4
-    assert [core.gate.standing for core in team.cores.values() if core.shares.leads] == [True]
-    assert any(lent.stays for core in team.cores.values() for lent in core.shares._lent)
+    assert [core.gate.standing for core in flight.cores.values() if core.shares.leads] == [True]
+    assert any(lent.stays for core in flight.cores.values() for lent in core.shares._lent)
+
+
+def test_who_plans_slowly_lends_slots():
+    """What it says of single messages would come too late."""
+    how = Conditions(limit=2, seconds=4.0)
+    flight = team(mission_of(how), how, 0)
+    flight.decision_time = 0.4
+    flight.run(mission_of(how).frames, WARM_UP + how.seconds)
+    (leader,) = (core for core in flight.cores.values() if core.shares.leads)
+    assert any(lent.stays for lent in leader.shares._lent)
+    assert usage(mission_of(how), flight, how).exceeding == 0.0

@@ -24,9 +24,9 @@ def flight(request):
 
 
 def test_by_the_same_clocks_everything_falls_alike(flight):
-    """Each robot searches for the same samples, and finds the same."""
+    """Each robot weighs and sends the same samples, and finds the same."""
     alike = decided_alike(flight, {}, END)
-    assert len(alike) == sum(len(life.tickets) for life in flight.lives.values()) > 0
+    assert len(alike) == sum(len(life.weighed) for life in flight.lives.values()) > 0
     assert all(alike)
 
 
