@@ -83,8 +83,9 @@ def _summary(file: LoadedFile) -> list[str]:
 
 
 def _type_line(each: InformationType) -> str:
-    scale = f"scale {each.weighing.text.removesuffix('.0')} × ({each.expression.text})"
-    worth = f"{kind_of(each.utility)}, {combined(each.aggregation)}, {scale}"
+    factors = {"weight": each.weighing.text.removesuffix(".0"), "scale": each.expression.text}
+    said = [f"{name} {text}" for name, text in factors.items() if text != "1"]
+    worth = ", ".join([kind_of(each.utility), combined(each.aggregation), *said])
     return f'  information_type "{each.name}": {", ".join(each.keys)} ({worth})'
 
 

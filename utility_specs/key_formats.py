@@ -99,6 +99,9 @@ def _plain(chunk: str) -> str:
 
 
 def _key_expression(text: str, *, canonical: bool = True) -> str:
+    if text.strip("/") != text and text.strip("/"):
+        right = quoted(text.strip("/"))
+        raise ValueError(f"{described(text)} is not a key expression: write {right}, without a slash at its ends")
     try:
         return str(zenoh.KeyExpr(text) if canonical else zenoh.KeyExpr.autocanonize(text))
     except zenoh.ZError as error:

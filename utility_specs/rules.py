@@ -16,8 +16,8 @@ FLOOR = 0.1
 class Fallback:
     """The static rule for when the planner fails.
 
-    Samples of Zenoh priorities up to `urgent` may take all that the limits leave. The others pass token buckets, which
-    `part` of it fills.
+    Samples of Zenoh priorities up to `urgent` may take all that the limits leave. Of the others each may take `part` of
+    it, and all pass token buckets, which that part of what is ours fills.
     """
 
     urgent: int = 4

@@ -108,7 +108,7 @@ class FallbackTable(Table):
         default="data_high", description="samples of this priority and above may take all that the limits leave"
     )
     part: Fraction = Field(
-        default=0.5, description="the part of it that fills the token buckets of samples of lower priority"
+        default=0.5, description="what samples of lower priority may take of it; that part fills their token buckets"
     )
 
     def fallback(self) -> Fallback:

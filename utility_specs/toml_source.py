@@ -41,6 +41,11 @@ _COMMENT = re.compile(r"^[ \t]*+#.*+$", re.MULTILINE)
 _NAMESPACE = re.compile(r"\('.*'(?:, '.*')*,?\)")
 """A key as `tomllib` shows it in some messages: a tuple."""
 
+_BARE = re.compile(r"=[ \t]*+((?:[0-9][0-9.]*+[ \t]*+)?[A-Za-z%\u00b5\u03bc][\w/%]*+)[ \t]*+(?:[,}#]|$)")
+"""A word, or a number and a unit, that stands after an equals sign without quotes."""
+_WORDS = {"true", "false", "inf", "nan"}
+"""What TOML writes so."""
+
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 
@@ -170,7 +175,10 @@ def _syntax_error(path: Path, text: str, message: str) -> TomlError:
         return _error(path, None, cause)
     if found[1] is None:
         return _error(path, text.rstrip().count("\n") + 1, f"{cause} at the end of the file")
-    return _error(path, int(found[1]), f"{cause} (column {found[2]})")
+    line = text.split("\n")[int(found[1]) - 1]
+    bare = next((word for word in _BARE.findall(line) if word not in _WORDS), None)
+    quotes = "" if bare is None else f"; text and quantities stand in quotes: {quoted(bare)}"
+    return _error(path, int(found[1]), f"{cause} (column {found[2]}){quotes}")
 
 
 def _error(path: Path, line: int | None, message: str) -> TomlError:

@@ -75,14 +75,10 @@ class Place:
 def message_of(detail: ErrorDetails, place: Place) -> str:
     """Return what is wrong and what would be right, without the place."""
     kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
-    if kind == "list_type" and isinstance(value, dict) and place.repeats:
-        name = ".".join(map(str, place.path))
-        return f"must be an array of tables: write [[{name}]] instead of [{name}]"
-    if _EXPECTED.get(kind) == "a table" and isinstance(value, list) and value and isinstance(value[0], dict):
-        name = ".".join(map(str, place.path))
-        return f"must be one table: write [{name}] instead of [[{name}]]"
     if kind in _EXPECTED:
-        return f"must be {_EXPECTED[kind]}, not {described(value)}"
+        wanted = _EXPECTED[kind]
+        write = _rewritten(wanted, value, place)
+        return f"must be {write}" if write else f"must be {wanted}, not {described(value)}"
     if kind in _BOUNDS:
         words, bound = _BOUNDS[kind]
         return f"must be {words} {described(context[bound])}, not {described(value)}"
@@ -90,6 +86,20 @@ def message_of(detail: ErrorDetails, place: Place) -> str:
         return _OTHERS[kind](value, context, place)
     message = detail["msg"]
     return message[:1].lower() + message[1:]
+
+
+def _rewritten(wanted: str, value: Any, place: Place) -> str:
+    """Return how a value of a wrong form is to be written, where that can be told."""
+    name = ".".join(map(str, place.path))
+    if wanted == "an array" and isinstance(value, dict) and place.repeats:
+        return f"an array of tables: write [[{name}]] instead of [{name}]"
+    if wanted == "an array" and isinstance(value, str):
+        return f"an array: write [{quoted(value)}] instead of {quoted(value)}"
+    if wanted == "a table" and isinstance(value, list) and value and isinstance(value[0], dict):
+        return f"one table: write [{name}] instead of [[{name}]]"
+    if wanted == "a table" and value in place.kinds:
+        return f"a table: write {{ kind = {quoted(value)} }} instead of {quoted(value)}"
+    return ""
 
 
 def _unknown_key(_value: Any, _context: Mapping[str, Any], place: Place) -> str:

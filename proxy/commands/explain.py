@@ -264,7 +264,10 @@ def _checked(key: str) -> str:
     try:
         return str(zenoh.KeyExpr.autocanonize(key))
     except zenoh.ZError:
-        raise ExplainError(f"{quoted(key)} is not a key: chunks with / between them, none of them empty") from None
+        meant = f"; write {quoted(key.strip('/'))}" if key.strip("/") and key.strip("/") != key else ""
+        raise ExplainError(
+            f"{quoted(key)} is not a key: chunks with / between them, none of them empty{meant}"
+        ) from None
 
 
 def _payload(arguments: argparse.Namespace) -> bytes | None:

@@ -121,7 +121,8 @@ def _of_recording(path: Path, notes: Sequence[str] = ()) -> str:
             reader = Reader(file)
             text = learn(reader, Schedule, reader.robots, partial(_and_damage, notes, reader))
     except OSError as error:
-        raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
+        meant = f"; to write a spec to it, say -o {path}" if path.suffix == ".toml" else ""
+        raise RecordingError(f"{path} cannot be read: {error.strerror}{meant}") from None
     except RecordingError as error:
         raise RecordingError(f"{path} {error}") from None
     if reader.damage:

@@ -1,8 +1,8 @@
 """What decides when the planner fails: priority, and token buckets for all that is not urgent.
 
-The limits hold for all. Of what is ours of each, samples of lower priority get the part that the specs' rule says, on
-average and in any one window, so that there is room for urgent ones: for each limit a bucket of that size, which fills
-in one window, and from which they take what they use.
+The limits hold for all. A sample of lower priority takes at most the part of what they leave that the specs' rule says;
+and so that many small ones leave room for urgent ones, too, they all pass a bucket for each limit, which holds that
+part of what is ours in a window, and fills in that time.
 """
 
 from collections.abc import Sequence

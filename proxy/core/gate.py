@@ -284,7 +284,8 @@ class Gate:
         self._complaint = error
         buckets.fill(now, self.limits, [rule.part * room for room in self._rooms_left(now)])
         urgent = pending.sample.priority <= rule.urgent
-        if lacking := self.lacking(now, use) or (() if urgent else buckets.lacking(use)):
+        needed = use if urgent else tuple(amount / rule.part for amount in use)
+        if lacking := self.lacking(now, needed) or (() if urgent else buckets.lacking(use)):
             return [*commands, self._refuse(now, pending.sample, "dropped:fallback", lacking)]
         if not urgent:
             buckets.take(use)

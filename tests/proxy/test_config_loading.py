@@ -120,7 +120,10 @@ BROKEN = {
         '2: mesh.scoutin: unknown key (did you mean "scouting"?)',
     ),
     "table is a value": ("app = true", "1: app: must be a table, not true"),
-    "listen no list": ('[app]\nlisten = "tcp/a:1"', '2: app.listen: must be an array, not "tcp/a:1"'),
+    "listen no list": (
+        '[app]\nlisten = "tcp/a:1"',
+        '2: app.listen: must be an array: write ["tcp/a:1"] instead of "tcp/a:1"',
+    ),
     "no router to meet at": ('[mesh]\nmode = "client"', '1: mesh.connect: must name a router in mode "client"'),
     "listen empty": ("[app]\nlisten = []", "2: app.listen: must not be empty, unless connect names a router"),
     "listen item no text": ("[app]\nlisten = [\n\nfalse]", "4: app.listen[0]: must be a string, not false"),
@@ -237,7 +240,7 @@ BROKEN = {
             " others send, and together they would exceed every limit several times over"
         ),
     ),
-    "no TOML": ("robot = r1", "1: not valid TOML: Invalid value (column 9)"),
+    "no TOML": ("robot = r1", '1: not valid TOML: Invalid value (column 9); text and quantities stand in quotes: "r1"'),
     "key twice": (
         'robot = "a"\nrobot = "b"\n[log]',
         "2: not valid TOML: Cannot overwrite a value (column 12)",
@@ -268,7 +271,7 @@ def test_a_missing_file_is_a_mistake(tmp_path):
         ),
         (
             {"SENDWORTHY_MESH__CONNECT": "tcp/a:1"},
-            'SENDWORTHY_MESH__CONNECT: mesh.connect: must be an array, not "tcp/a:1"',
+            'SENDWORTHY_MESH__CONNECT: mesh.connect: must be an array: write ["tcp/a:1"] instead of "tcp/a:1"',
         ),
         (
             {"SENDWORTHY_MESH__CONNECT": '["tcp/a:1", "b"]'},

@@ -22,6 +22,7 @@ features.red = { kind = "color_fraction", color = "red" }
 forecast = { features = "last" }
 """
 CAMERA = 'information_type "camera"'
+ENDS = ", without a slash at its ends"
 CHUNKS = "empty chunks are forbidden, as well as leading and trailing slashes"
 NAME_RULE = "must be 1 to 64 letters, digits, spaces, dots, - or _, not"
 UTILITIES = '"exponential", "linear", "polynomial", "power", "python", "step", "table", "video"'
@@ -150,11 +151,11 @@ CORPUS = [
     bad('keys = ["robot/*/camera"]\n', "", camera(6, "keys", "is missing")),
     bad('["robot/*/camera"]', "[]", camera(8, "keys", "must not be empty")),
     bad('["robot/*/camera"]', '"robot/*/camera"',
-        camera(8, "keys", 'must be an array, not "robot/*/camera"')),
+        camera(8, "keys", 'must be an array: write ["robot/*/camera"] instead of "robot/*/camera"')),
     bad('["robot/*/camera"]', "[1]", camera(8, "keys[0]", "must be a string, not 1")),
-    bad('"robot/*/camera"', '"/robot"', camera(8, "keys[0]", f'"/robot" is not a key expression: {CHUNKS}')),
+    bad('"robot/*/camera"', '"/robot"', camera(8, "keys[0]", f'"/robot" is not a key expression: write "robot"{ENDS}')),
     bad('"robot/*/camera"', '"a", "b//c"', camera(8, "keys[1]", f'"b//c" is not a key expression: {CHUNKS}')),
-    bad('"robot/*/camera"', '\n"a/"', camera(9, "keys[0]", f'"a/" is not a key expression: {CHUNKS}')),
+    bad('"robot/*/camera"', '\n"a/"', camera(9, "keys[0]", f'"a/" is not a key expression: write "a"{ENDS}')),
     bad('"robot/*/camera"', '""', camera(8, "keys[0]", f'"" is not a key expression: {CHUNKS}')),
     bad('"robot/*/camera"', '"a#b"',
         camera(8, "keys[0]", '"a#b" is not a key expression: `#` and `?` are forbidden characters')),
@@ -195,7 +196,8 @@ CORPUS = [
     bad("1.0", "0x" + "f" * 5000, camera(10, "weight", "must be a finite number, not a huge number")),
     bad("weight", "wieght", camera(10, "wieght", 'unknown key (did you mean "weight"?)')),
     bad('utility = { kind = "video" }\n', "", camera(6, "utility", "is missing")),
-    bad('{ kind = "video" }', '"video"', camera(11, "utility", 'must be a table, not "video"')),
+    bad('{ kind = "video" }', '"video"',
+        camera(11, "utility", 'must be a table: write { kind = "video" } instead of "video"')),
     bad('{ kind = "video" }', "{}", camera(11, "utility.kind", f"is missing (one of {UTILITIES})")),
     bad('"video"', '"vidoe"', camera(11, "utility.kind", 'unknown kind "vidoe" (did you mean "video"?)')),
     bad('"video"', '"freshest"', camera(11, "utility.kind", f'unknown kind "freshest" (known: {UTILITIES})')),

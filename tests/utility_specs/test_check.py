@@ -21,7 +21,7 @@ def test_good_specs_are_summed_up(tmp_path):
     limits.write_text('[[constraint]]\nkind = "throughput"\nname = "air"\nlimit = "4 Mbit/s"\nwindow = 0.1\n')
     summary = (
         f"{path}: 1 information type, 1 constraint\n"
-        '  information_type "camera": robot/*/camera (video, most_recent, scale 1 × (1 + 10 * red))\n'
+        '  information_type "camera": robot/*/camera (video, most_recent, scale 1 + 10 * red)\n'
         '  constraint "throughput": 125000 B in any 0.5 s (2 Mbit/s)\n'
         f"{limits}: 0 information types, 1 constraint\n"
         '  constraint "air": 50000 B in any 0.1 s (4 Mbit/s)\n'
@@ -67,7 +67,7 @@ def test_a_python_utility_is_summed_up_with_its_function(tmp_path):
     path.write_text(GOOD.replace('"video"', '"python", function = "tests.utility_specs.worths:by_red"'))
     code, summary = run(path)
     assert code == 0
-    assert "(python tests.utility_specs.worths:by_red, most_recent, scale 1 × (1 + 10 * red))" in summary
+    assert "(python tests.utility_specs.worths:by_red, most_recent, scale 1 + 10 * red)" in summary
 
 
 def test_an_aggregation_is_summed_up_by_its_name_or_class(tmp_path):

@@ -6,6 +6,10 @@ from pathlib import Path
 import pytest
 
 from utility_specs import load_specs
+from utility_specs.check import Report
+from utility_specs.competing import competitors, typical_sizes
+from utility_specs.explaining import explain
+from utility_specs.loader import load_set
 
 README = (Path(__file__).parents[2] / "utility_specs" / "README.md").read_text()
 SECTIONS = README[README.index("## `keys`") : README.index("## `[[constraint]]`")]
@@ -43,3 +47,17 @@ def test_the_line_for_editors_is_a_comment(tmp_path):
     """To the loader."""
     (line,) = re.findall(r"```toml\n(#:schema .*?)```", README, re.DOTALL)
     assert load(tmp_path, line + TYPE).types
+
+
+def test_the_first_example_is_a_whole_spec_without_a_warning(tmp_path):
+    """Of all four types; `sendworthy explain` says of a low battery what the text promises: much for its bytes."""
+    text = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)[0]
+    (tmp_path / "robot.toml").write_text(text)
+    report = Report.on([tmp_path / "robot.toml"])
+    assert (report.errors, report.warnings) == ((), ())
+    specs = load_set([tmp_path / "robot.toml"])
+    key, payload = re.findall(r"robot.toml (\S+) --text '(.*?)'", README)[0]
+    explanation = explain(specs, key, payload.encode())
+    assert explanation.worth.scale.value == 5.0
+    ranked = [each.name for each in competitors(specs, explanation, typical_sizes(specs))]
+    assert ranked == ["alarm", "battery", "pose", "camera"]

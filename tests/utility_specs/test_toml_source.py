@@ -115,6 +115,13 @@ def test_of_a_file_full_of_mistakes_the_first_are_told():
     ("raw", "expected"),
     [
         (b"a = 1\nb = \n", ":2: not valid TOML: Invalid value (column 5)"),
+        (b"a = 2 Mbit/s", ":1: not valid TOML: Expected newline or end of document after a statement (column 7); text"),
+        (
+            b"a = { b = 3s, c = 1 }",
+            ":1: not valid TOML: Unclosed inline table (column 12); text and quantities stand in",
+        ),
+        (b"\na = high", ':2: not valid TOML: Invalid value (column 5); text and quantities stand in quotes: "high"'),
+        (b"a = { b = true c }", ":1: not valid TOML: Unclosed inline table (column 16)"),
         (b"a = 1\n\nb = 'x", ':3: not valid TOML: Expected "\'" at the end of the file'),
         (b"[a.b]\n[a.b]\n", ":2: not valid TOML: Cannot declare a.b twice (column 5)"),
         (b"a = 1\nb = '\xff'\n", ":2: is not UTF-8 (byte 0xff); save the file as UTF-8"),

@@ -148,6 +148,7 @@ def test_a_type_that_is_alone_competes_with_none(explained, tmp_path):
 
 MISTAKES = {
     "robot//battery": '"robot//battery" is not a key',
+    "/robot/r1/battery": '"/robot/r1/battery" is not a key: chunks with / between them, none of them empty; write "',
     "robot/*/battery": '"robot/*/battery" stands for many keys; a sample has one of them',
     "robot/r1/battery --size batery=1kB": '--size: there is no information type "batery" (did you mean "battery"?)',
     "robot/r1/battery nosuch": "nosuch: cannot be read: No such file or directory",

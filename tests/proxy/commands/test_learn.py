@@ -157,6 +157,7 @@ def test_what_is_no_recording_is_refused(tmp_path, capsys):
     """By name."""
     path = tmp_path / "x.rec"
     assert main(["learn", str(path)]) == exit_codes.FAILED
+    assert main(["learn", "no.toml"]) == exit_codes.FAILED
     path.write_text("robot")
     assert main(["learn", str(path)]) == exit_codes.FAILED
     with path.open("wb") as file:
@@ -164,6 +165,7 @@ def test_what_is_no_recording_is_refused(tmp_path, capsys):
     assert main(["learn", str(path)]) == exit_codes.FAILED
     assert capsys.readouterr().err.splitlines() == [
         f"sendworthy learn: {path} cannot be read: No such file or directory",
+        "sendworthy learn: no.toml cannot be read: No such file or directory; to write a spec to it, say -o no.toml",
         f"sendworthy learn: {path} is not a recording of `sendworthy learn --record`",
         "sendworthy learn: there are no samples to learn from",
     ]

@@ -80,7 +80,7 @@ def test_others_sends_leave_less(make_talk):
     talk.want(0.0)
     talk.tell(ev.SampleHeard(0.05, "robot/op/camera", 8000, "zz-op", None, {"red": 0.0}))
     outcomes = []
-    for now, size in ((0.1, 1100), (0.12, 400), (0.14, 400)):
+    for now, size in ((0.1, 900), (0.12, 400), (0.14, 400)):
         _, commands = talk.publish(now, size=size, priority=2 if size == 400 and now > 0.13 else 5)
         (decide,) = only(commands, Decide)
         outcomes += only(talk.tell(ev.DecisionReady(now, decide.ticket, None, "boom")), Forward, Drop)
