@@ -132,7 +132,7 @@ def test_what_passes_is_sent_by_whoever_brings_it(bench):
 
 def test_whoever_brings_more_than_the_thread_can_send_lets_it_catch_up(bench, monkeypatch):
     """The wait is bounded where the thread does not come, and ends when little waits any more."""
-    monkeypatch.setattr(egress_module, "BEHIND", 0)
+    monkeypatch.setattr(egress_module, "BEHIND", 1)
     for _ in range(2):
         bench.egress.pass_on("passed:no-spec", bench.held(LARGE))
     assert bench.egress.waiting["passing"] == 2
@@ -146,6 +146,7 @@ class FullLinks:
     """Links that have no room."""
 
     clear = False
+    alone = False
 
     def takes(self, _):
         return False
@@ -159,7 +160,7 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
     """Otherwise whoever brings a sample goes on at once, and what finds no room is dropped."""
     control = zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
     held = bench.held("x", congestion_control=control)
-    monkeypatch.setattr(egress_module, "BEHIND", 1)
+    monkeypatch.setattr(egress_module, "BEHIND", 2)
     monkeypatch.setattr(egress_module, "MOST_SAMPLES", 2)
     monkeypatch.setattr(egress_module, "MOVING", 1e9 if moving else -1.0)
     waited = []
