@@ -1,6 +1,7 @@
 """The bridge benchmark measures what really goes through real processes."""
 
-from studies.benchmarks.bridge.arrangements import QUICK
+from proxy.bridge.sessions import BATCH
+from studies.benchmarks.bridge.arrangements import PIECE, QUICK
 
 
 def test_what_is_published_comes_through_and_is_timed(measured):
@@ -25,6 +26,11 @@ def test_where_a_spec_decides_newer_samples_supersede(measured):
     """More goes in than comes out."""
     (row,) = [row for row in measured("bridge")[1].rows if row[0] == "64 B, covered"]
     assert int(row[4].rstrip("%")) < 100
+
+
+def test_a_router_beside_a_daemon_sends_in_pieces_of_the_same_size():
+    """So that it tells what these cost."""
+    assert int(PIECE) == BATCH
 
 
 SIZES = ("64", "40,000")
