@@ -32,7 +32,7 @@ MOST_BYTES = 16 * 1024 * 1024
 CATCH_UP = 0.001
 """How long whoever brings a sample lets the thread catch up at most, for each 64 kB of it [s]."""
 BEHIND = 32
-"""It has to, each time so many more passing samples wait, where surely no link holds it up."""
+"""It has to, with more than so many passing samples, where surely no link holds it up."""
 MOVING = 0.05
 """Full links move when a sample was sent so recently [s]: who publishes faster is slowed down then, not dropped."""
 _PUSHED_BACK = 0.05
@@ -101,8 +101,7 @@ class Egress:
         if self._open and not self._passing and not self._busy and self.headroom.takes(held.size):
             self._send_passing(reason, held)
             return
-        behind = len(self._passing)
-        if (behind and behind % BEHIND == 0) or behind > MOST_SAMPLES // 2 or self._bytes > MOST_BYTES // 2:
+        if len(self._passing) > BEHIND or self._bytes > MOST_BYTES // 2:
             self._let_catch_up(held)
         if not self._enqueue(self._passing, (reason, held)):
             self._passed.add(EGRESS, 0)
@@ -121,7 +120,7 @@ class Egress:
 
         Where no link holds it up, until it has caught up with all: then the next sample needs no thread again.
         """
-        most = 0 if len(self._passing) >= BEHIND else BEHIND
+        most = 0 if len(self._passing) > BEHIND else BEHIND
         if not self.headroom.clear:
             most = MOST_SAMPLES // 2
             waits = held.sample.congestion_control != zenoh.CongestionControl.DROP

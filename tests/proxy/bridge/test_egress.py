@@ -178,7 +178,7 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
     """Otherwise whoever brings a sample goes on at once, and what finds no room is dropped."""
     control = zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
     held = bench.held("x", congestion_control=control)
-    monkeypatch.setattr(egress_module, "BEHIND", 2)
+    monkeypatch.setattr(egress_module, "BEHIND", 1)
     monkeypatch.setattr(egress_module, "MOST_SAMPLES", 2)
     monkeypatch.setattr(egress_module, "MOVING", 1e9 if moving else -1.0)
     waited = []
@@ -193,7 +193,7 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
 def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(bench, monkeypatch):
     """Not only when nothing waits any more."""
     held = bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK)
-    for name, value in {"BEHIND": 3, "MOST_SAMPLES": 4, "MOVING": 1e9, "CATCH_UP": 60.0}.items():
+    for name, value in {"BEHIND": 2, "MOST_SAMPLES": 4, "MOVING": 1e9, "CATCH_UP": 60.0}.items():
         monkeypatch.setattr(egress_module, name, value)
     bench.egress.headroom = FullLinks()
     for _ in range(3):
