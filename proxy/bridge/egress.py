@@ -140,7 +140,8 @@ class Egress:
                 return False
             lane.append(item)
             self._entered += size
-            self._wake.notify()
+            if not self._busy:
+                self._wake.notify()
             return True
 
     def _run(self) -> None:
@@ -162,7 +163,7 @@ class Egress:
 
     def _send_waiting(self) -> None:
         """Send what passes, until nothing waits or a decided sample comes first."""
-        while self._open and self._passing and not self._ripe():
+        while self._open and self._passing and not (self._decided and self._ripe()):
             reason, held = self._passing.popleft()
             self._send_passing(reason, held, droppable=self._take(held))
             self._sent_at = clock.monotonic()
@@ -202,7 +203,7 @@ class Egress:
     def _take(self, held: Held) -> bool:
         """Take a sample out of what waits; whether it may be dropped on links that have no room for it."""
         self._left += held.size
-        if self._patience.at_ease and self.headroom.takes(held.size):
+        if self._patience.at_ease and (self.headroom.alone or self.headroom.takes(held.size)):
             return False
         droppable = held.sample.congestion_control != zenoh.CongestionControl.DROP and self._patience.runs_out()
         if not self._patience.at_ease:

@@ -19,7 +19,10 @@ import zenoh
 
 from proxy.bridge.air import Air
 
-_libc = ctypes.CDLL(None)
+_libc = ctypes.PyDLL(None)
+"""What is asked here answers at once: other threads need not be let in meanwhile, and out again."""
+_Memory = ctypes.c_uint32 * 9
+_MEMORY_SIZE = ctypes.sizeof(_Memory)
 _MEMINFO = 55
 """SO_MEMINFO of <asm-generic/socket.h>."""
 _SNDBUF, _QUEUED, _ALLOCATED = 3, 5, 2
@@ -88,6 +91,11 @@ class Headroom:
         return {zid: written for zid, written in found.items() if written is not None}
 
     @property
+    def alone(self) -> bool:
+        """Whether no link could be held up by another one."""
+        return len(self._sockets) <= 1
+
+    @property
     def clear(self) -> bool:
         """Whether no link has little room, as far as all of them can be seen."""
         return not self._unknown and not self.slow()[0]
@@ -120,9 +128,8 @@ def _private(link: zenoh.Link) -> bool:
 
 def _room(number: int) -> float:
     """Return what may be written into a socket without asking again [B]; nothing when it is gone."""
-    info = (ctypes.c_uint32 * 9)()
-    size = ctypes.c_uint32(ctypes.sizeof(info))
-    if _libc.getsockopt(number, socket.SOL_SOCKET, _MEMINFO, info, ctypes.byref(size)) != 0:
+    info = _Memory()
+    if _libc.getsockopt(number, socket.SOL_SOCKET, _MEMINFO, info, ctypes.byref(ctypes.c_uint32(_MEMORY_SIZE))) != 0:
         return 0.0
     return USABLE * info[_SNDBUF] - max(info[_QUEUED], info[_ALLOCATED])
 

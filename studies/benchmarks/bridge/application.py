@@ -33,6 +33,7 @@ def main() -> None:
     parser.add_argument("--listen", action="append", default=[])
     parser.add_argument("--connect", action="append", default=[])
     parser.add_argument("--key", default="bench/**", help="what to listen to")
+    parser.add_argument("--piece", type=int, default=65535, help="largest piece on a link [B]")
     options = parser.parse_args()
     with zenoh.open(_config(options)) as session:
         if options.role == "publish":
@@ -115,7 +116,7 @@ def _config(options: argparse.Namespace) -> zenoh.Config:
         "listen": {"endpoints": options.listen},
         "connect": {"endpoints": options.connect, "timeout_ms": 10_000},
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}},
-        "transport": {"shared_memory": {"enabled": False}},
+        "transport": {"shared_memory": {"enabled": False}, "link": {"tx": {"batch_size": options.piece}}},
     }
     return zenoh.Config.from_json5(json.dumps(settings))
 

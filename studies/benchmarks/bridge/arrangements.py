@@ -12,8 +12,14 @@ from tempfile import TemporaryDirectory
 from studies.demo.layout import free_ports
 from studies.demo.processes import Process, Troupe
 
-ARRANGEMENTS = ("direct", "router", "pass", "enforce", "covered")
-"""Nothing, a stock router, one daemon in mode `pass`, one in `enforce` with no spec for the keys, one with a spec."""
+ARRANGEMENTS = ("direct", "router", "pieces", "pass", "enforce", "covered")
+"""Nothing, a stock router, one that sends in pieces as small as a daemon's, one daemon in mode `pass`, one in `enforce`
+with no spec for the keys, one with a spec."""
+
+QUICK = tuple(name for name in ARRANGEMENTS if name != "enforce")
+
+PIECE = "8192"
+"""Largest piece that a daemon sends on the mesh [B]: one that takes a slow radio longer would end the link."""
 
 PATIENCE = 30.0
 """How long a process may take to get ready [s]."""
@@ -77,14 +83,16 @@ def arranged(name: str) -> Iterator[Line]:
             listener = _application(troupe, "listen", "--mode", "peer", "--connect", app)
         else:
             publisher = _application(troupe, "publish", "--connect", app)
-            listener = _application(troupe, "listen", "--mode", "peer", "--connect", mesh)
+            # Both ends of a link agree on the smaller pieces of the two.
+            small = ("--piece", PIECE) if name == "pieces" else ()
+            listener = _application(troupe, "listen", "--mode", "peer", "--connect", mesh, *small)
         line = Line(publisher, listener, between)
         _wait_until_linked(line)
         yield line
 
 
 def _between(troupe: Troupe, name: str, app: str, mesh: str, folder: Path) -> Process:
-    if name == "router":
+    if name in {"router", "pieces"}:
         router = troupe.start(
             "router", "-m", "studies.demo.stock_router", "--listen", app, "--listen", mesh, "--others", "0"
         )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studies.benchmarks.bridge.arrangements import ARRANGEMENTS, Line, arranged
+from studies.benchmarks.bridge.arrangements import ARRANGEMENTS, QUICK, Line, arranged
 from studies.benchmarks.report import Table
 
 SIZES = (64, 2_000, 40_000, 1_000_000)
@@ -28,11 +28,12 @@ class Flow:
 def measure_bridge(*, quick: bool) -> list[Table]:
     """Measure latency, throughput and memory; `quick` takes seconds instead of minutes."""
     rounds, seconds, sizes = (1, 0.3, SIZES[::2]) if quick else (3, 1.5, SIZES)
+    names = QUICK if quick else ARRANGEMENTS
     latencies: dict[tuple[str, int], list[float]] = {}
     flows: dict[tuple[str, int], list[Flow]] = {}
     memory: dict[str, float] = {}
     for _ in range(rounds):
-        for name in ARRANGEMENTS:
+        for name in names:
             with arranged(name) as line:
                 for size in sizes:
                     if name != "covered":
@@ -40,7 +41,7 @@ def measure_bridge(*, quick: bool) -> list[Table]:
                     flows.setdefault((name, size), []).append(flow(line, size, seconds))
                     if size == 40_000:
                         memory[name] = max(memory.get(name, 0.0), line.private_memory())
-    return [_latencies(latencies, sizes), _throughput(flows, sizes), _memory(memory)]
+    return [_latencies(latencies, sizes, names), _throughput(flows, sizes, names), _memory(memory)]
 
 
 def latency(line: Line, size: int, seconds: float) -> Sequence[float]:
@@ -62,24 +63,27 @@ def flow(line: Line, size: int, seconds: float) -> Flow:
     )
 
 
-def _latencies(found: dict[tuple[str, int], list[float]], sizes: Sequence[int]) -> Table:
+def _latencies(found: dict[tuple[str, int], list[float]], sizes: Sequence[int], names: Sequence[str]) -> Table:
     rows = []
     for size in sizes:
         direct, router = (np.median(found[name, size]) for name in ("direct", "router"))
-        for name in ARRANGEMENTS[:-1]:
+        for name in names[:-1]:
             p50, p99 = np.percentile(found[name, size], (50, 99))
             added = [f"{(p50 - base) * 1e3:+.3f}" for base in (direct, router)]
             rows.append((f"{size:,} B, {name}", f"{p50 * 1e3:.3f}", f"{p99 * 1e3:.3f}", *added))
     columns = ("sample, through", "p50", "p99", "p50 added to direct", "p50 added to the router")
-    note = "Publisher, subscriber and what is between them are processes of one machine that share its cores."
+    note = (
+        "Publisher, subscriber and what is between them are processes of one machine that share its cores. `pieces`:"
+        " the router's link to the subscriber carries pieces of at most 8 kB, as a daemon's do."
+    )
     return Table("One-way latency [ms]", columns, tuple(rows), note)
 
 
-def _throughput(found: dict[tuple[str, int], list[Flow]], sizes: Sequence[int]) -> Table:
+def _throughput(found: dict[tuple[str, int], list[Flow]], sizes: Sequence[int], names: Sequence[str]) -> Table:
     rows = []
     for size in sizes:
         router = np.median([each.rate for each in found["router", size]])
-        for name in ARRANGEMENTS:
+        for name in names:
             flows = found[name, size]
             fields = ("sent", "rate", "part", "cost")
             sent, rate, part, cost = (np.median([getattr(each, of) for each in flows]) for of in fields)
@@ -96,5 +100,5 @@ def _throughput(found: dict[tuple[str, int], list[Flow]], sizes: Sequence[int]) 
 
 
 def _memory(found: dict[str, float]) -> Table:
-    rows = tuple((name, f"{found[name] / MEGABYTE:.0f}") for name in ARRANGEMENTS if name != "direct")
+    rows = tuple((name, f"{found[name] / MEGABYTE:.0f}") for name in found if name != "direct")
     return Table("Private memory after 40 kB samples as fast as they go [MB]", ("through", "memory"), rows)

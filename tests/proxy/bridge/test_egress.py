@@ -1,6 +1,7 @@
 """What leaves for the mesh: paced, bounded, never lost without a word."""
 
 import itertools
+import threading
 
 import pytest
 import zenoh
@@ -8,6 +9,7 @@ import zenoh
 from proxy.bridge import egress as egress_module
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
+from proxy.bridge.headroom import Headroom
 from proxy.bridge.passed import Passed
 from proxy.bridge.sample import Held
 from proxy.bridge.sessions import mesh_options, open_session
@@ -124,7 +126,7 @@ def test_what_passes_is_sent_by_whoever_brings_it(bench):
     bench.egress.pass_on("passed:no-spec", bench.held("first"))
     wait_until(lambda: bench.mine() == ["first"], what="the sample")
     for payload in (LARGE, "last"):
-        bench.egress.pass_on("passed:no-spec", bench.held(payload))
+        bench.egress.pass_on("passed:no-spec", bench.held(payload, congestion_control=zenoh.CongestionControl.BLOCK))
     assert bench.egress.waiting["passing"] == 2
     bench.egress.start()
     wait_until(lambda: bench.mine() == ["first", LARGE, "last"], what="all of them, in order")
@@ -132,20 +134,37 @@ def test_what_passes_is_sent_by_whoever_brings_it(bench):
 
 def test_whoever_brings_more_than_the_thread_can_send_lets_it_catch_up(bench, monkeypatch):
     """The wait is bounded where the thread does not come, and ends when little waits any more."""
-    monkeypatch.setattr(egress_module, "BEHIND", 0)
+    monkeypatch.setattr(egress_module, "BEHIND", 1)
+    large = bench.held(LARGE, congestion_control=zenoh.CongestionControl.BLOCK)
     for _ in range(2):
-        bench.egress.pass_on("passed:no-spec", bench.held(LARGE))
+        bench.egress.pass_on("passed:no-spec", large)
     assert bench.egress.waiting["passing"] == 2
     monkeypatch.setattr(egress_module, "CATCH_UP", 60.0)
     bench.egress.start()
-    bench.egress.pass_on("passed:no-spec", bench.held(LARGE))
+    bench.egress.pass_on("passed:no-spec", large)
     wait_until(lambda: len(bench.mine()) == 3, what="all three")
+
+
+def test_what_passed_without_the_thread_comes_before_what_needs_it_and_after_it(bench):
+    """Samples of one publisher keep their order however often the thread takes over and gives back."""
+    wait = {"congestion_control": zenoh.CongestionControl.BLOCK}
+    small = [bench.held(str(i), **wait) for i in range(60)]
+    large = bench.held(LARGE, **wait)
+    bench.egress.start()
+    for i, held in enumerate(small):
+        bench.egress.pass_on("passed:no-spec", held)
+        if i % 20 == 0:
+            bench.egress.pass_on("passed:no-spec", large)
+    wait_until(lambda: len(bench.mine()) == 63, what="all of them")
+    assert [payload for payload in bench.mine() if payload != LARGE] == [str(i) for i in range(60)]
+    assert sum(report.count for report in bench.passed.take(0.0)) == 63
 
 
 class FullLinks:
     """Links that have no room."""
 
     clear = False
+    alone = False
 
     def takes(self, _):
         return False
@@ -171,6 +190,23 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
     assert bench.egress.waiting["passing"] == 2
 
 
+def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(bench, monkeypatch):
+    """Not only when nothing waits any more."""
+    held = bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK)
+    for name, value in {"BEHIND": 2, "MOST_SAMPLES": 4, "MOVING": 1e9, "CATCH_UP": 60.0}.items():
+        monkeypatch.setattr(egress_module, name, value)
+    bench.egress.headroom = FullLinks()
+    for _ in range(3):
+        bench.egress.pass_on("passed:no-spec", held)
+    bringing = threading.Thread(target=bench.egress.pass_on, args=("passed:no-spec", held))
+    bringing.start()
+    wait_until(lambda: bench.egress._awaited == 2, what="the fourth, which waits")
+    bench.egress.start()
+    bringing.join(10.0)
+    assert not bringing.is_alive()
+    wait_until(lambda: len(bench.mine()) == 4, what="all of them")
+
+
 def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch):
     """It is published as one that may be; others see that only while a link is full."""
     bench.egress.headroom = FullLinks()
@@ -180,6 +216,17 @@ def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch):
     wait_until(bench.mine, what="the sample")
     (sample,) = [s for s in bench.heard.samples if s.timestamp is not None]
     assert sample.congestion_control == zenoh.CongestionControl.DROP
+
+
+def test_while_links_have_room_nobody_asks_for_patience(bench, monkeypatch):
+    """What they take goes as it is."""
+    monkeypatch.setattr(Headroom, "alone", False)
+    asked = []
+    monkeypatch.setattr(bench.egress._patience, "runs_out", lambda: asked.append(True))
+    bench.egress.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
+    bench.egress.start()
+    wait_until(bench.mine, what="the sample")
+    assert not asked
 
 
 def test_bytes_are_bounded_too(bench, monkeypatch):

@@ -65,9 +65,13 @@ def test_a_link_takes_a_part_of_its_buffer(stack, mesh):
     assert not headroom.takes(1_000_000)
     assert headroom.slow() == (0, 1)
     assert headroom.clear
+    assert headroom.alone
+    closing(stack, plain_session("peer", connect=(mesh[1],)))
+    wait_until(lambda: linked(headroom, 2), what="the other link")
+    assert not headroom.alone
     peer.close()
-    wait_until(lambda: linked(headroom, 0), what="the end of the link")
-    assert headroom.takes(1_000_000)
+    wait_until(lambda: linked(headroom, 1), what="the end of the link")
+    assert headroom.alone
 
 
 def test_a_peer_that_stops_reading_is_noticed_before_anybody_waits(mesh, listener):

@@ -5,6 +5,7 @@ import zenoh
 
 from proxy.bridge import ingress as ingress_module
 from proxy.core.events import SamplesPassed
+from proxy.core.mode import Mode
 from tests.proxy.bridge.robots import fence_apps, team, wait_interest
 from tests.proxy.nodes import Heard
 from tests.waiting import wait_until
@@ -192,3 +193,22 @@ def test_types_that_are_not_planned_go_at_once_and_are_counted(stack, tmp_path):
     asker = far.node()
     assert [len(list(asker.get(f"{name}/q", timeout=5.0))) for name in ("plain", "urgent")] == [1, 0]
     assert far.bridge.describe()["denied"]["in"]["queries"] == 1
+
+
+def test_what_becomes_of_a_key_is_worked_out_anew_when_the_mode_changes(pair, wanted, monkeypatch):
+    """And when more keys come in between than are remembered."""
+    monkeypatch.setattr(ingress_module, "COURSES_KEPT", 1)
+    publisher = pair[0].node()
+
+    def heard():
+        return [str(sample.key_expr) for sample in wanted.samples]
+
+    asked = []
+    for done, mode in enumerate((Mode.ENFORCE, Mode.PASS, Mode.ENFORCE), 1):
+        pair[0].bridge.switch(mode)
+        for key in ("covered/a", "free/a"):
+            publisher.put(key, "x", congestion_control=zenoh.CongestionControl.BLOCK)
+        wait_until(lambda done=done: heard().count("free/a") == done, what="both samples")
+        asked.append(len(pair[0].asked))
+    assert asked == [1, 1, 2]
+    assert heard().count("covered/a") == 1

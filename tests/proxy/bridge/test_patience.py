@@ -70,13 +70,16 @@ def test_it_runs_out_once_and_rests(monkeypatch):
         now[0] += seconds
 
     patience = Patience(Links(1, 2), wait)
+    assert patience.at_ease
     assert patience.runs_out()
+    assert not patience.at_ease
     assert LONGEST <= now[0] - 100.0 < LONGEST + 0.01
     before = now[0]
     assert patience.runs_out()
     assert now[0] == before
     assert patience.lost == 1
     now[0] += REST
+    assert patience.at_ease
     assert patience.runs_out()
     assert patience.lost == 2
 
