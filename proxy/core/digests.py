@@ -183,8 +183,14 @@ class DigestPacer:
     def has_news(self, streams: list[Stream]) -> bool:
         """Whether any stream changed since it was last told of."""
         for stream in streams:
-            digest, told = self._digest(stream), self._told.get(stream.key)
-            if digest is not None and (told is None or (told[1] is not digest and told[1] != digest)):
+            if stream.last is None:
+                continue
+            _, told = self._told.get(stream.key, (0.0, None))
+            # Counts are compared first: most news is seen by them, without making a digest of it.
+            if told is None or (told.generated, told.forwarded) != (stream.generated, stream.forwarded):
+                return True
+            digest = self._digest(stream)
+            if told is not digest and told != digest:
                 return True
         return False
 

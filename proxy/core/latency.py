@@ -10,7 +10,6 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
-from statistics import median
 
 MEMORY = 16
 """Samples of a class of sizes looked back on."""
@@ -77,7 +76,7 @@ class LatencyFit:
         return self._line
 
     def _fitted(self) -> Latency | None:
-        classes = [_summed_up(taken) for each in self._classes if (taken := self._recent(each))]
+        classes = [_summed_up(taken) for each in self._classes if each and (taken := self._recent(each))]
         if sum(each.count for each in classes) < ENOUGH:
             return None
         slope = _slope([each for each in classes if each.count >= ENOUGH])
@@ -90,6 +89,13 @@ class LatencyFit:
         while taken and taken[0].at < self._newest - RECENT:
             taken.popleft()
         return taken
+
+
+def middle(values: Iterable[float]) -> float:
+    """Return the median. There is at least one; that of `statistics` takes several times as long for a few."""
+    ordered = sorted(values)
+    half = len(ordered) // 2
+    return ordered[half] if len(ordered) % 2 else (ordered[half - 1] + ordered[half]) / 2.0
 
 
 def weighted_median(values: Iterable[tuple[float, float]]) -> float:
@@ -107,7 +113,7 @@ def weighted_median(values: Iterable[tuple[float, float]]) -> float:
 
 
 def _summed_up(taken: deque[_Taken]) -> _Class:
-    return _Class(max(1.0, median(each.size for each in taken)), median(each.time for each in taken), len(taken))
+    return _Class(max(1.0, middle([each.size for each in taken])), middle([each.time for each in taken]), len(taken))
 
 
 def _slope(classes: list[_Class]) -> float:

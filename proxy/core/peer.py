@@ -2,9 +2,8 @@
 
 from collections import deque
 from dataclasses import dataclass, field, replace
-from statistics import median
 
-from proxy.core.latency import Latency, LatencyFit
+from proxy.core.latency import Latency, LatencyFit, middle
 from proxy.core.loss import Loss
 from proxy.core.offset import ClockOffset
 from proxy.core.wire import MOST_TOLD, Digest, Echo, State, StreamDigest, StreamState
@@ -216,7 +215,7 @@ class Peer:
         if incoming is None:
             return None
         incoming.heard += 1
-        wait = median(incoming.waits) if incoming.waits else 0.0
+        wait = middle(incoming.waits) if incoming.waits else 0.0
         if stamp is not None and self.wall_offset is not None and self.offset.known:
             stands, incoming.stamp = abs(stamp - incoming.stamp) < STANDS, stamp
             if stands:

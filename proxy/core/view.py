@@ -12,6 +12,7 @@ from proxy.core.peer import Peer, latency_of
 from proxy.core.schedules.told import heard
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
+from proxy.core.streams import PLAIN, Streams
 from proxy.core.transport import is_broadcast
 from proxy.core.ways import Audiences
 from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
@@ -25,18 +26,8 @@ DIGEST = 150
 """A digest is about so large on the way [B]."""
 LEAST_LATENCY = 1e-6
 """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
-SWEEP = 10.0
-"""It is looked for plain nodes that fell silent this often [s]."""
-SILENT = 60.0
-"""Streams of a plain node are forgotten after this long [s]..."""
-PERIODS = 5.0
-"""... and so many of their periods."""
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
-MOST_MATCHING = 4096
-"""Own keys of which it is known that somebody on the mesh wants them."""
-PLAIN = "?"
-"""Plain nodes are named by this and their origin."""
 
 
 class SharedView:
@@ -44,7 +35,7 @@ class SharedView:
 
     def __init__(self, settings: CoreSettings, specs: Specs) -> None:
         self.settings = settings
-        self.specs = specs
+        self._table = Streams(settings, specs)
         self.peers: dict[str, Peer] = {}
         """The other robots, by tag."""
         self.wall_offset = settings.wall_offset
@@ -55,16 +46,10 @@ class SharedView:
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0
         self.bytes = 0
-        self.revision = 0
-        """How often anything changed that concerns more than one stream: which there are, and who wants them."""
-        self.evicted = 0
         self.sends: deque[tuple[float, int, int]] = deque(maxlen=MOST_SENDS)
         """What other robots sent within the longest window, as (time, size, copies)."""
         self._tag = tag(settings.zid)
-        self._streams: dict[tuple[str, str], Stream] = {}
-        self._owned: dict[str, dict[tuple[str, str], Stream]] = {}
-        """The same by owner, the one not heard of for longest first; all plain nodes are one owner."""
-        self._matching: dict[str, None] = {}
+        self._evicted = 0
         self._interest = Interest()
         self._tags = self.tags()
         self._robots: dict[str, str] = {}
@@ -73,26 +58,31 @@ class SharedView:
         self._told_at: dict[str, float] = {}
         """When the last digest of each robot came [s]."""
         self._note_broadcasting()
-        self._ids = 0
-        self._swept = 0.0
+
+    @property
+    def specs(self) -> Specs:
+        """The specs in force."""
+        return self._table.specs
+
+    @property
+    def revision(self) -> int:
+        """How often anything changed that concerns more than one stream: which there are, and who wants them."""
+        return self._table.revision
+
+    @property
+    def evicted(self) -> int:
+        """How much had to be forgotten: streams, keys of ours that somebody wants, origins, robots."""
+        return self._evicted + self._table.evicted
 
     def set_interest(self, keys: tuple[str, ...]) -> None:
         """The apps of this robot now subscribe to these key expressions."""
         self.interest = keys
-        self.revision += 1
+        self._table.revision += 1
         self._interest.set(tag(self.settings.zid), keys)
 
     def set_matching(self, key: str, *, matching: bool) -> None:
         """Whether anybody on the mesh wants one of our keys; it holds for the stream whenever there is one."""
-        self._matching.pop(key, None)
-        if matching:
-            self._matching[key] = None
-            if len(self._matching) > MOST_MATCHING:
-                del self._matching[next(iter(self._matching))]
-                self.evicted += 1
-        stream = self._streams.get((self.settings.robot, key))
-        if stream is not None:
-            stream.match(matching=matching)
+        self._table.match(key, matching=matching)
 
     def aired(self, messages: int, size: int) -> None:
         """So many messages of so many bytes in all, copies counted, go on the air."""
@@ -101,53 +91,29 @@ class SharedView:
 
     def streams(self) -> Iterator[Stream]:
         """All streams, own ones and others'."""
-        return iter(self._streams.values())
+        return iter(self._table)
 
     def own(self) -> Iterator[Stream]:
         """The streams of this robot."""
-        return iter(self._owned.get(self.settings.robot, {}).values())
+        return self._table.own()
 
     def stream(self, now: float, robot: str, key: str) -> Stream | None:
         """The stream of a robot and key, made when new; None when no spec plans for the key."""
-        found = self._streams.get((robot, key))
-        if found is None:
-            information_type = self.specs.match(key)
-            if information_type is None or not information_type.planned:
-                return None
-            if robot == self.settings.robot:
-                self._ids += 1
-            found = Stream(self._ids, robot, key, information_type)
-            found.cover(information_type)
-            found.matching = robot == self.settings.robot and key in self._matching
-            self._admit(found)
-        found.touched = now
-        owned = self._owned[_owner(robot)]
-        place = robot, key
-        del owned[place]
-        owned[place] = found
-        return found
+        return self._table.get(now, robot, key)
 
     def known(self, robot: str, key: str) -> Stream | None:
         """The stream of a robot and key, if it is in the view."""
-        return self._streams.get((robot, key))
+        return self._table.known(robot, key)
 
     def set_specs(self, specs: Specs) -> None:
         """Swap the specs whole: streams keep what was observed and get the type that covers them now."""
-        self.specs = specs
-        for stream in list(self._streams.values()):
-            information_type = specs.match(stream.key)
-            if information_type is None or not information_type.planned:
-                self._forget(stream)
-            else:
-                stream.cover(information_type)
-                if stream.robot == self.settings.robot:  # others tell theirs
-                    stream.revalue()
+        self._table.set_specs(specs)
 
     def wanting(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
-        if stream.wanting_at != self.revision:
+        if stream.wanting_at != self._table.revision:
             stream.wanting = self._interest.wanting(stream.key, self._tags.get(stream.robot, ""))
-            stream.wanting_at = self.revision
+            stream.wanting_at = self._table.revision
         return stream.wanting or ("",) * stream.matching
 
     def receivers(self, stream: Stream) -> int:
@@ -222,11 +188,10 @@ class SharedView:
         """A sample with this origin entered our app side; True when that made it newly ours."""
         if origin is None or origin in self.origins or not self.robot_of(origin).startswith(PLAIN):
             return False
-        for stream in list(self._owned.get(PLAIN, {}).values()):
-            if stream.robot == f"{PLAIN}{origin}":
-                self._forget(stream)
+        for stream in self._table.of(f"{PLAIN}{origin}"):
+            self._table.forget(stream)
         if len(self.origins) >= 256:
-            self.evicted += 1
+            self._evicted += 1
             self.origins.pop(next(o for o in self.origins if o != self.settings.zid))
         self.origins[origin] = None
         return True
@@ -240,7 +205,7 @@ class SharedView:
             self._overhear(now, t_gen, event, peer)
         elif peer is not None:
             self.sends.append((now, event.size, 1))
-        elif robot.startswith(PLAIN) and (stream := self.stream(now, robot, event.key)) is not None:
+        elif robot.startswith(PLAIN) and (stream := self._table.get(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
             generated = Generated(now, event.size, scale, features)
@@ -252,7 +217,7 @@ class SharedView:
 
         Where its timestamp cannot tell, it was generated when it was sent.
         """
-        stream = self._streams.get((peer.robot, event.key))
+        stream = self._table.known(peer.robot, event.key)
         if stream is None or stream.last is None:
             self.sends.append((now, event.size, 1))
             return
@@ -299,12 +264,12 @@ class SharedView:
         peer.take_state(now, whole)
         self._note_broadcasting()
         if peer.subscriptions != subscriptions:
-            self.revision += 1
+            self._table.revision += 1
             self._interest.set(tag(peer.zid), peer.subscriptions)
         if peer.origins != origins:
             self._note_origins()
         for key, told in peer.told.items():
-            if (stream := self._streams.get((peer.robot, key))) is not None:
+            if (stream := self._table.known(peer.robot, key)) is not None:
                 stream.assume(told.period, told.schedule)
         for number in [n for n in peer.pending if n in peer.keys]:
             self._take(now, peer, peer.pending.pop(number))
@@ -318,7 +283,7 @@ class SharedView:
         if tag(zid) in self.peers or tag(zid) == tag(self.settings.zid):
             return False
         if len(self.peers) >= MOST_PEERS:
-            self.evicted += 1
+            self._evicted += 1
             silent = next((p for p in self.peers.values() if p.state is None and p.digest is None), None)
             if silent is None:
                 return False
@@ -336,14 +301,14 @@ class SharedView:
         peer = self.peers.pop(tag(zid), None)
         if peer is None:
             return
-        self.revision += 1
+        self._table.revision += 1
         self._interest.set(tag(zid), ())
         for other in self.peers.values():
             other.heard_by.pop(tag(zid), None)
         for stream in self.streams():
             stream.miss((tag(zid),))
-        for stream in list(self._owned.get(peer.robot, {}).values()):
-            self._forget(stream)
+        for stream in self._table.of(peer.robot):
+            self._table.forget(stream)
         self._told_at.pop(peer.robot, None)
         heir = next((other for other in self.peers.values() if other.name == peer.robot), None)
         if heir is not None:
@@ -353,12 +318,7 @@ class SharedView:
 
     def sweep(self, now: float) -> None:
         """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
-        if now < self._swept + SWEEP:
-            return
-        self._swept = now
-        for stream in list(self._owned.get(PLAIN, {}).values()):
-            if now - stream.touched > max(SILENT, PERIODS * stream.schedule.period):
-                self._forget(stream)
+        self._table.sweep(now)
 
     def echoes(self) -> tuple[Echo, ...]:
         """What we tell every peer of its last digest and of its samples."""
@@ -376,7 +336,7 @@ class SharedView:
 
     def handed(self, key: str) -> None:
         """A covered sample of ours was handed to the mesh; in broadcast it gets to all, else to those that want it."""
-        stream = self._streams.get((self.settings.robot, key))
+        stream = self._table.known(self.settings.robot, key)
         everybody = self.settings.robot in self._broadcasting
         reached = self.peers if everybody else () if stream is None else self.wanting(stream)
         for name in reached:
@@ -395,25 +355,11 @@ class SharedView:
         claimed = {origin: peer.robot for peer in reversed(self.peers.values()) for origin in peer.origins}
         self._robots = claimed | ids
         self._tags = self.tags()
-        self.revision += 1
-        for stream in list(self._owned.get(PLAIN, {}).values()):
+        self._table.revision += 1
+        for stream in self._table.plain():
             robot = self._robots.get(stream.robot.removeprefix(PLAIN))
             if robot is not None:
-                self._forget(stream)
-                self._hand_over(stream, robot)
-
-    def _hand_over(self, stream: Stream, robot: str) -> None:
-        """What was overheard of a stream stays known; its robot counts by itself."""
-        if (robot, stream.key) in self._streams:
-            return
-        heir = Stream(stream.id, robot, stream.key, stream.information_type, touched=stream.touched)
-        heir.last, heir.sent, heir.interval, heir.recent = stream.last, stream.sent, stream.interval, stream.recent
-        heir.reached = stream.reached
-        heir.cover(stream.information_type)
-        heir.schedule.assume(stream.schedule.period)
-        if stream.last is not None:
-            heir.schedule.observe(None, stream.last.t_gen)
-        self._admit(heir)
+                self._table.hand_over(stream, robot)
 
     def _free_name(self, robot: str, zid: str) -> str:
         """The name of a robot, with as much of its id as nobody else's has."""
@@ -423,40 +369,15 @@ class SharedView:
 
     def _rename(self, peer: Peer, name: str) -> None:
         """The one that had the name is gone."""
-        streams = list(self._owned.get(peer.robot, {}).values())
-        for stream in streams:
-            self._forget(stream)
+        self._table.rename(peer.robot, name)
         peer.robot = name
-        for stream in streams:
-            stream.robot = name
-            self._admit(stream)
-
-    def _admit(self, stream: Stream) -> None:
-        """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""
-        self.revision += 1
-        self._streams[stream.robot, stream.key] = stream
-        self._owned.setdefault(_owner(stream.robot), {})[stream.robot, stream.key] = stream
-        if len(self._streams) > self.settings.streams:
-            own, new = self.settings.robot, _owner(stream.robot)
-            owners = [owner for owner, owned in self._owned.items() if owner != new or len(owned) > 1]
-            most = max(owners, key=lambda owner: (len(self._owned[owner]), owner == new, owner != own))
-            self._forget(next(s for s in self._owned[most].values() if s is not stream))
-            self.evicted += 1
-
-    def _forget(self, stream: Stream) -> None:
-        self.revision += 1
-        owner = _owner(stream.robot)
-        del self._streams[stream.robot, stream.key]
-        del self._owned[owner][stream.robot, stream.key]
-        if not self._owned[owner]:
-            del self._owned[owner]
 
     def _note_broadcasting(self) -> None:
         transports = {peer.robot: peer.transport for peer in self.peers.values()}
         transports[self.settings.robot] = self.settings.transport
         broadcasting = {robot for robot, transport in transports.items() if is_broadcast(transport)}
         if broadcasting != self._broadcasting:
-            self.revision += 1
+            self._table.revision += 1
             self._broadcasting = broadcasting
 
     def _take(self, now: float, peer: Peer, news: StreamDigest) -> None:
@@ -464,7 +385,7 @@ class SharedView:
         if key is None:
             peer.postpone(news)
             return
-        stream = self.stream(now, peer.robot, key)
+        stream = self._table.get(now, peer.robot, key)
         if stream is None:
             return
         wanted = peer.robot in self._broadcasting or self._tag in self.wanting(stream)
@@ -479,11 +400,6 @@ class SharedView:
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
             self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
-
-
-def _owner(robot: str) -> str:
-    """Whose streams are counted together, so that nobody pushes out another one's."""
-    return PLAIN if robot.startswith(PLAIN) else robot
 
 
 def _echo(name: str, peer: Peer, digest: Digest) -> Echo:

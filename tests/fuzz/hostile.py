@@ -8,7 +8,8 @@ from proxy.core.inbox import SUPERSEDED
 from proxy.core.peer import PENDING
 from proxy.core.settings import CoreSettings
 from proxy.core.strangers import MOST, MOST_EACH
-from proxy.core.view import MOST_MATCHING, MOST_PEERS
+from proxy.core.streams import MOST_MATCHING
+from proxy.core.view import MOST_PEERS
 from proxy.core.wire import Digest, State, StreamDigest, StreamState
 
 STREAMS = 300
@@ -81,11 +82,11 @@ class Besieged:
         assert core.counts.conserved
         assert core.counts.by_reason.total() - core.counts.by_reason[SUPERSEDED] <= self.samples
         assert len(list(view.streams())) <= STREAMS
-        assert sum(map(len, view._owned.values())) == len(view._streams)
+        assert sum(map(len, view._table._owned.values())) == len(view._table._all)
         assert len(view.peers) <= MOST_PEERS
         assert len({peer.robot for peer in view.peers.values()} | {"r1"}) == len(view.peers) + 1
         assert len(view.origins) <= 256
-        assert len(view._matching) <= MOST_MATCHING
+        assert len(view._table._matching) <= MOST_MATCHING
         assert all(len(peer.pending) <= PENDING for peer in view.peers.values())
         assert len(core.strangers._heard) <= MOST
         assert all(len(kept) <= MOST_EACH for kept in core.strangers._heard.values())

@@ -13,7 +13,7 @@ from proxy.core.commands import Command, Decide, Forward
 from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import UNICAST, broadcast
-from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
+from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState, tag
 from studies.benchmarks.memory import MEGABYTE
 from studies.benchmarks.report import Table
 from studies.simulation.conditions import Coordination
@@ -49,6 +49,12 @@ KINDS = (
     "memory [MB]",
 )
 OWN, HEARD, TOLD, PASSED, PROBLEM, SEARCH = range(6)
+ECHOING = 4
+"""Of so many digests one has an echo; every other echo is of a digest of ours."""
+LATENCY = 0.02
+"""What everything takes on its way [s]."""
+JITTER = 5
+"""What robots tell of the jitter of their streams, in parts of the period as digests have them."""
 LOOP = 100_000
 """Rounds of the loop that tells how fast the machine is at the moment."""
 
@@ -94,6 +100,7 @@ class Crowd:
         self.took: dict[int, list[float]] = defaultdict(list)
         """Processor times by what they were taken for [s]."""
         self._numbers = 0
+        self._digests = 0
         self._rounds = 0
         for _ in range(ROUNDS):
             self.round()
@@ -110,7 +117,7 @@ class Crowd:
                 continue
             if (self._rounds + stream) % 2:
                 key = f"{robot}/{stream}"
-                self._handle(HEARD, ev.SampleHeard(self.now, key, SIZE, _zid(robot), self.now - 0.02, None))
+                self._handle(HEARD, ev.SampleHeard(self.now, key, SIZE, _zid(robot), self.now - LATENCY, None))
             self._handle(TOLD, self._digest(robot, stream))
             self._handle(PASSED, ev.TimePassed(self.now))
         self.now = begin + 1.0
@@ -157,12 +164,26 @@ class Crowd:
         return plan
 
     def _digest(self, robot: str, stream: int) -> ev.DigestHeard:
-        sent, count = self.now - 0.02, self._rounds
+        sent, count = self.now - LATENCY, self._rounds
         forwarded = (count + stream % 2) // 2
         last = sent - 0.001 - (count + stream + 1) % 2
-        news = StreamDigest(stream, count, forwarded, sent - 0.001, last if forwarded else 0.0, SIZE, 1.0)
+        news = StreamDigest(
+            stream, count, forwarded, sent - 0.001, last if forwarded else 0.0, SIZE, 1.0, (), 1.0, 0, JITTER
+        )
         epoch = self.core.shares.epoch
-        return ev.DigestHeard(self.now, Digest(robot, tag(_zid(robot)), sent, epoch, 0, 0, (news,), state=1))
+        name, echoes = tag(_zid(robot)), self._echoes(robot)
+        return ev.DigestHeard(self.now, Digest(robot, name, sent, epoch, 0, 0, (news,), echoes=echoes, state=1))
+
+    def _echoes(self, robot: str) -> tuple[Echo, ...]:
+        """Now and then a robot tells what it got of another one, of each in its turn."""
+        self._digests += 1
+        turn, rest = divmod(self._digests, ECHOING)
+        others = [name for name in self.robots if name != robot]
+        if rest:
+            return ()
+        echoed = others[(7 * turn + turn // len(others)) % len(others)] if turn % 2 else self.robots[0]
+        sent = self.now - 0.5
+        return (Echo(tag(_zid(echoed)), sent, sent + LATENCY, 0, LATENCY),)
 
     def _state(self, robot: str) -> State:
         streams = tuple(StreamState(i, f"{robot}/{i}", "any", 1.0) for i in range(STREAMS))
@@ -186,7 +207,8 @@ def measure_crowd(*, quick: bool) -> Table:
         " digest with news of one stream, and that time passed, each until the core has nothing more to do and it is"
         " known when to wake it; an event until a problem is there, horizon 60; its search, best mode, 300 iterations,"
         " tables included. What the core holds in memory. Overhear in broadcast, shares in unicast, and there the one"
-        f" that leads, which plans for all. {LOOP:,} rounds of a loop that adds squares took {1e3 * _loop():.1f} ms.",
+        " that leads, which plans for all. Digests tell period, phase and jitter, and echo, as those of daemons do."
+        f" {LOOP:,} rounds of a loop that adds squares took {1e3 * _loop():.1f} ms.",
     )
 
 

@@ -139,6 +139,7 @@ def test_whatever_happened_the_rows_say_what_the_streams_do(specs, happened, pro
         course.do("state", robot, "recent", 1)
     for deed in happened:
         course.do(*deed)
+        assert [id(s) for s in competition.all(course.now)] == [id(s) for s in competing(course.view, course.now)]
         found = competition.chosen(course.now, most, coming)
         assert [(s.robot, s.key) for s in found] == [
             (s.robot, s.key) for s in chosen(course.view, course.now, most, coming)

@@ -1,11 +1,13 @@
 """The line through what messages took."""
 
+from statistics import median
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.latency import CLASSES, MEMORY, RECENT, Latency, LatencyFit, weighted_median
+from proxy.core.latency import CLASSES, MEMORY, RECENT, Latency, LatencyFit, middle, weighted_median
 
 SEEDS = st.integers(0, 10_000)
 SIZES = (100, 900, 5_000, 40_000)
@@ -94,3 +96,9 @@ def test_the_weighted_median_halves_the_weight():
     assert weighted_median([(1.0, 1.0), (2.0, 1.0)]) == 1.5
     assert weighted_median([(3.0, 5.0), (1.0, 1.0), (2.0, 1.0)]) == 3.0
     assert weighted_median([(7.0, 1.0)]) == 7.0
+
+
+@given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=40))
+def test_the_middle_is_the_median(values):
+    """Of an even number of values the mean of the two in the middle."""
+    assert middle(values) == median(values)

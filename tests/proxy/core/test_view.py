@@ -132,14 +132,6 @@ def test_origins_are_bounded(view):
     assert view.evicted == 300 - 255
 
 
-def test_streams_are_bounded(view):
-    """The one not heard of for longest is forgotten, and counted."""
-    for number in range(5):
-        view.stream(float(number), "r1", f"robot/{number}/camera")
-    assert [stream.key for stream in view.streams()] == [f"robot/{number}/camera" for number in (2, 3, 4)]
-    assert view.evicted == 2
-
-
 def test_receivers_are_the_robots_that_subscribe(view):
     """Our own apps count for others' streams, Zenoh's matching for a plain node that wants ours."""
     own = view.stream(0.0, "r1", "robot/r1/camera")
@@ -387,28 +379,6 @@ def test_peers_are_bounded(view, monkeypatch):
     assert view.evicted == 9
 
 
-def test_who_has_most_streams_loses_one(make_specs):
-    """A robot, or all plain nodes together, cannot push out others' streams or our own."""
-    view = SharedView(CoreSettings("r1", "z-r1", streams=6), make_specs())
-    for robot in ("r1", "r2"):
-        for key in ("a", "b"):
-            view.stream(0.0, robot, f"robot/{key}/camera")
-    for number in range(20):
-        view.stream(1.0, f"?{number}" if number % 2 else "r9", f"robot/{number}/camera")
-    robots = [stream.robot for stream in view.streams()]
-    assert (robots.count("r1"), robots.count("r2")) == (2, 2)
-    assert sum(robot.startswith("?") for robot in robots) == 1
-    assert view.evicted == 18
-
-
-def test_a_single_stream_of_each_owner_is_full_too(make_specs):
-    """The newcomer stays; another owner's leaves."""
-    view = SharedView(CoreSettings("r1", "z-r1", streams=2), make_specs())
-    for robot in ("r1", "r2", "r3"):
-        view.stream(0.0, robot, CAMERA)
-    assert {stream.robot for stream in view.streams()} == {"r1", "r3"}
-
-
 def test_plain_nodes_that_fall_silent_are_forgotten(view):
     """After a minute, or a few periods."""
     view.heard_sample(SampleHeard(1.0, CAMERA, 100, "feed", None, None))
@@ -463,15 +433,6 @@ def test_matching_outlives_its_stream(view, make_specs):
     assert view.receivers(view.stream(0.0, "r1", key)) == 1
     view.set_matching(key, matching=False)
     assert view.receivers(view.stream(0.0, "r1", key)) == 0
-
-
-def test_what_matches_is_bounded(view, monkeypatch):
-    """The oldest is forgotten, and counted."""
-    monkeypatch.setattr("proxy.core.view.MOST_MATCHING", 2)
-    for number in range(3):
-        view.set_matching(f"robot/{number}/camera", matching=True)
-    assert view.evicted == 1
-    assert [view.stream(0.0, "r1", f"robot/{n}/camera").matching for n in range(3)] == [False, True, True]
 
 
 def test_an_update_changes_only_the_streams_it_names(view):

@@ -119,14 +119,26 @@ def test_in_a_large_team_audiences_are_looked_at_anew_more_rarely(view):
     assert view.audiences.of(1.0 + 2.1 * REFRESH, own).slowest == pytest.approx(0.4)
 
 
+def test_streams_of_one_robot_have_one_audience_while_it_is_the_same(view):
+    """Samples of another size have their own, and when it is time they are looked at together."""
+    streams = [view.stream(0.0, "r1", f"robot/{number}/camera") for number in range(3)]
+    for stream, size in zip(streams, (1000, 1000, 2000), strict=True):
+        stream.note_generated(1, Generated(0.0, size, 1.0))
+    first, second, larger = (view.audiences.of(1.0, stream) for stream in streams)
+    assert second is first
+    assert larger is not first
+    assert view.audiences.of(1.0 + REFRESH, streams[1]) is view.audiences.of(1.0 + REFRESH, streams[0])
+
+
 def test_audiences_are_bounded(make_specs):
-    """Those of streams that there are no more are forgotten."""
+    """Those of streams that there are no more are forgotten, and of sizes that were."""
     view = SharedView(CoreSettings("r1", "z-r1", streams=3), make_specs())
     for number in range(20):
         stream = view.stream(float(number), "r1", f"robot/{number}/camera")
-        stream.note_generated(1, Generated(0.0, 10, 1.0))
+        stream.note_generated(1, Generated(0.0, number, 1.0))
         view.audiences.of(float(number), stream)
     assert len(view.audiences._known) <= 4
+    assert len(view.audiences._common) <= 4
 
 
 def test_samples_for_a_robot_are_counted_when_they_are_handed_over(view, make_specs):

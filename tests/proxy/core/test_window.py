@@ -108,6 +108,24 @@ def test_others_messages_of_unknown_fate_are_decisions(crowd):
     assert past == [(1, pytest.approx(10.5)), (2, pytest.approx(10.5))]
 
 
+def test_times_before_zero_are_times_like_others(make_specs):
+    """A clock may show anything: the window is the same, and only later or earlier."""
+
+    def window(zero):
+        view = make_view(make_specs())
+        view.set_interest(("robot/**",))
+        for robot in ("r1", "r2"):
+            stream = view.stream(zero + 10.0, robot, f"robot/{robot}/camera")
+            for count in range(11):
+                stream.note_generated(count + 1, Generated(zero + 5.0 + 0.5 * count, 1000, 1.0))
+        view.note_sent(stream, 1, Sent(zero + 9.5, zero + 9.5, 1000, 1.0))
+        problem = WindowBuilder(view, zero).build(zero + 10.2, sample(zero + 10.2), (), union())
+        times = [t - zero for m in problem.messages for t in (m.t_gen, m.t_sent, m.t_rcv)]
+        return [problem.t_start - zero, problem.t_end - zero, *times]
+
+    assert window(-1024.0) == pytest.approx(window(0.0))
+
+
 def test_who_overhears_takes_what_was_not_heard_in_time_for_not_sent(make_specs):
     """In time is the latency, its margin, and what the stream is late by now and then."""
     group = broadcast("224.0.0.226:7449")
