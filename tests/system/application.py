@@ -7,7 +7,7 @@ With `SETTING=FILE` in front of these words its configuration is that file, with
     python application.py say KEY SIZE RATE [block]  numbered samples of SIZE bytes, RATE a second, until standard input
                                                      ends; then one line of JSON: how many
 
-Both print "ready" first. Times are those of the machine's monotonic clock [s], which all namespaces share.
+Both print when they are ready first. Times are those of the machine's monotonic clock [s], which all namespaces share.
 """
 
 import json
@@ -53,8 +53,9 @@ def hear(session, key):
         number, sent = HEAD.unpack(bytes(sample.payload)[: HEAD.size])
         tell({"key": str(sample.key_expr), "number": number, "sent": sent, "heard": time.monotonic()})
 
+    asked = time.monotonic()
     subscriber = session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
-    tell("ready")
+    tell({"asked": asked})
     sys.stdin.read()
     subscriber.undeclare()
 
