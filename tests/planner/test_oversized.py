@@ -13,9 +13,7 @@ def beside_small_ones(weight):
     small = [
         Message(k % 3, EVERY * k, EVERY * k, EVERY * k + 0.02, Video(), 1.0, (SMALL,)) for k in range(int(1.9 / EVERY))
     ]
-    large = [
-        Message(3, t, t, t + 0.02, Exponential(1.0, 2.0), weight, (LARGE,)) for t in (0.017, 0.517, 1.017, 1.517)
-    ]
+    large = [Message(3, t, t, t + 0.02, Exponential(1.0, 2.0), weight, (LARGE,)) for t in (0.017, 0.517, 1.017, 1.517)]
     return Problem(
         streams=tuple(Stream(robot) for robot in range(4)),
         messages=tuple(sorted((*small, *large), key=lambda m: (m.t_gen, m.stream))),

@@ -190,6 +190,11 @@ class Watcher(Application):
 class Speaker(Application):
     """An application that publishes."""
 
+    @property
+    def late(self):
+        """By how much a sample was published too late at most, known when it has ended [s]."""
+        return self.told()[-2]["late"]
+
     def stop(self):
         """Let it end; return how many samples it published."""
         self._process.communicate(timeout=10)

@@ -19,7 +19,7 @@ def test_nothing_is_sent_before_somebody_wants_it_and_then_at_once(team, transpo
     speaking, listening, other = team(mesh=f'transport = "{transport}"')
     local = speaking.hear(KEY)
     speaker = speaking.say(KEY, size=SIZE, rate=RATE)
-    wait_until(lambda: local.heard(), what="samples on the robot itself")
+    wait_until(local.heard, what="samples on the robot itself")
     for _ in range(2):
         first, before = len(local.heard()), speaking.host.sent()
         wait_until(lambda first=first: len(local.heard()) >= first + UNWANTED, what="samples that nobody else wants")
