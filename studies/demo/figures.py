@@ -79,7 +79,7 @@ def _sent_at(recording: Recording, feed: Feed) -> Floats:
     to_operator = (e for e in recording.of(Serve) if (e.source, e.sink) == (feed.robot, OPERATOR) and e.size >= LARGE)
     carried = np.sort([e.t - recording.run.start for e in to_operator])
     after = np.maximum(feed.t_gen[feed.frame], np.append(-np.inf, feed.t_rcv)[:-1])
-    return np.minimum(np.append(carried, np.inf)[np.searchsorted(carried, after)], feed.t_rcv)
+    return np.asarray(np.minimum(np.append(carried, np.inf)[np.searchsorted(carried, after)], feed.t_rcv))
 
 
 def _of_utility(recording: Recording, classes: Figures) -> Figures:
