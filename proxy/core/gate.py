@@ -261,7 +261,8 @@ class Gate:
             return False
         if any(s is not stream and self._view.competes(now, s) for s in self._view.own()):
             return False
-        coming = stream.schedule.forecast(now, now + PATIENCE, 1, now)
+        after = min(now, sample.t_gen + 0.5 * stream.schedule.period)  # the next one may be due already
+        coming = stream.schedule.forecast(after, now + PATIENCE, 1, now)
         return not any(shares.holds(now, t, use) for t in coming)
 
     def _unwanted(self, now: float, sample: Waiting) -> Command:

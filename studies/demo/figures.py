@@ -17,6 +17,9 @@ from studies.demo.layout import OPERATOR
 from studies.demo.optimum import find_optimum
 from studies.demo.recording import Feed, Recording, recordings
 
+LARGE = 512
+"""Chunks of this size are of frames: what daemons tell each other is smaller [B]."""
+
 Figures = dict[str, float | None]
 """By name; counts and truth values are numbers too."""
 
@@ -51,15 +54,15 @@ def _of_class(feeds: Sequence[Feed], name: str, *, red: bool) -> Figures:
 def _of_medium(recording: Recording) -> Figures:
     """Bytes, and the most that any window of the constraint saw as a share of what the spec allows.
 
-    Offered is what was let through, frame by frame at the time of its publication: without the filter
-    everything, with it what was received.
+    Offered is what was let through, frame by frame: without the filter everything, when it was published; with it
+    what was received, when it was sent, for a frame may wait until its robot may send. On the medium a frame lasts
+    for as long as its bytes take there, behind those of others: its windows say nothing of a limit that is kept.
     """
     run = recording.run
     served = [e for e in recording.of(Serve) if run.start <= e.t <= run.start + run.seconds]
     filtered = bool(recording.of(Counts))
-    sent = [feed.frame if filtered else np.arange(len(feed.t_gen)) for feed in recording.feeds]
-    offered_at = np.concatenate([feed.t_gen[i] for feed, i in zip(recording.feeds, sent, strict=True)])
-    offered = np.concatenate([feed.size[i] for feed, i in zip(recording.feeds, sent, strict=True)])
+    offered_at = np.concatenate([_sent_at(recording, feed) if filtered else feed.t_gen for feed in recording.feeds])
+    offered = np.concatenate([feed.size[feed.frame] if filtered else feed.size for feed in recording.feeds])
     allowed = run.limit / 8 * run.window
     times, sizes = np.array([e.t for e in served]), np.array([e.size for e in served], dtype=np.float64)
     return {
@@ -69,6 +72,14 @@ def _of_medium(recording: Recording) -> Figures:
         "medium_max_share": _fullest(times, sizes, run.window) / allowed,
         "offered_max_share": _fullest(offered_at, offered, run.window) / allowed,
     }
+
+
+def _sent_at(recording: Recording, feed: Feed) -> Floats:
+    """When each received frame was sent, as the medium shows: by its first chunk after the frame before it [s]."""
+    to_operator = (e for e in recording.of(Serve) if (e.source, e.sink) == (feed.robot, OPERATOR) and e.size >= LARGE)
+    carried = np.sort([e.t - recording.run.start for e in to_operator])
+    after = np.maximum(feed.t_gen[feed.frame], np.append(-np.inf, feed.t_rcv)[:-1])
+    return np.asarray(np.minimum(np.append(carried, np.inf)[np.searchsorted(carried, after)], feed.t_rcv))
 
 
 def _of_utility(recording: Recording, classes: Figures) -> Figures:

@@ -19,7 +19,9 @@ def test_plan_is_weighed_by_utility_and_its_lead_by_the_objective(seed):
     sends, opposite = [1, 2, tables.current], [0, 3]
     sends = sorted(set(sends))
     opposite = [level for level in opposite if level != tables.current]
-    plan = answer(tables, Found(sends, opposite, bound=1e9, asked=(0.0,) * len(tables.checks.constraint), nodes=9), iterations=7)
+    plan = answer(
+        tables, Found(sends, opposite, bound=1e9, asked=(0.0,) * len(tables.checks.constraint), nodes=9), iterations=7
+    )
     taken, other = [opened[level] for level in sends], [opened[level] for level in opposite]
     assert (plan.send, plan.sends, plan.iterations, plan.nodes) == (True, tuple(taken), 7, 9)
     assert plan.utility == pytest.approx(utility(problem, taken))

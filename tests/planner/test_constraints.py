@@ -97,6 +97,25 @@ def test_oversized_message_needs_a_stretched_window_of_its_own():
     assert fitting(problem([message(0.0, 4), message(1.1, 1)], limit), [0, 1])
 
 
+def test_rows_exclude_what_cannot_be_sent_beside_an_oversized_message():
+    """Either it is sent, or any of those in its stretched window and in the window after it."""
+    times = (0.0, 0.5, 1.5, 2.4, 3.4, 3.6)
+    checks = tabulate_checks(problem([message(t, 4 if t == 2.4 else 1) for t in times], [Constraint("c", 1.0, 2.0)]))
+    ((of, first, last, capacity),) = [
+        row for row in zip(*(getattr(checks.rows, name) for name in checks.rows.__slots__), strict=True) if row[0]
+    ]
+    assert (checks.constraint[of], first, last, capacity) == (0, 1, 4, 3.0)
+    assert checks.share[:, of].tolist() == [0.0, 1.0, 1.0, 3.0, 1.0, 0.0]
+
+
+@pytest.mark.parametrize("times", [100.0, 0.0])
+def test_messages_that_could_never_be_sent_exclude_nothing(times):
+    """One that takes the channel for far longer than a window, or has no other beside it."""
+    large = message(0.5, 2 * times + 4)
+    checks = tabulate_checks(problem([message(0.0, 1), large] if times else [large], [Constraint("c", 1.0, 2.0)]))
+    assert checks.use.shape == checks.share.shape == (1 + bool(times), 1)
+
+
 def test_message_that_uses_nothing_always_fits():
     """A constraint that a message does not concern cannot stop it, however full it is."""
     full = problem(

@@ -5,9 +5,9 @@ With `SETTING=FILE` in front of these words its configuration is that file, with
 
     python application.py hear KEY                   a line of JSON for each sample: number, source, times
     python application.py say KEY SIZE RATE [block]  numbered samples of SIZE bytes, RATE a second, until standard input
-                                                     ends; then one line of JSON: how many
+                                                     ends; then two lines of JSON: how late one was at most, how many
 
-Both print "ready" first. Times are those of the machine's monotonic clock [s], which all namespaces share.
+Both print when they are ready first. Times are those of the machine's monotonic clock [s], which all namespaces share.
 """
 
 import json
@@ -53,8 +53,9 @@ def hear(session, key):
         number, sent = HEAD.unpack(bytes(sample.payload)[: HEAD.size])
         tell({"key": str(sample.key_expr), "number": number, "sent": sent, "heard": time.monotonic()})
 
+    asked = time.monotonic()
     subscriber = session.declare_subscriber(key, zenoh.handlers.Callback(take, indirect=False))
-    tell("ready")
+    tell({"asked": asked})
     sys.stdin.read()
     subscriber.undeclare()
 
@@ -64,10 +65,12 @@ def say(session, key, size, rate, *, block):
     control = zenoh.CongestionControl.BLOCK if block else zenoh.CongestionControl.DROP
     publisher = session.declare_publisher(key, congestion_control=control)
     tell("ready")
-    number, due = 0, time.monotonic()
+    number, due, late = 0, time.monotonic(), 0.0
     while not select.select([sys.stdin], [], [], max(0.0, due - time.monotonic()))[0]:
+        late = max(late, time.monotonic() - due)
         publisher.put(HEAD.pack(number, time.monotonic()).ljust(size, b"\0"))
         number, due = number + 1, due + 1 / rate
+    tell({"late": late})
     tell(number)
 
 

@@ -23,7 +23,8 @@ def utility_share(cameras, heard, *, limit, window):
     """Return the utility of what was heard as a share of the offline optimum's at the same latency.
 
     All of it is of type `video`, under one limit of throughput [bit/s] in windows of `window` [s]. What was published
-    and not heard is taken to have been published at the camera's pace.
+    and not heard is taken to have been published at the camera's pace. The latency is that of the quickest samples:
+    what the others waited is lost.
     """
     end = max(sample["heard"] for sample in heard)
     start = min(sample["heard"] for sample in heard)
@@ -58,7 +59,7 @@ def _worth(samples, end):
 
 
 def _published(stream, camera, samples, start, end):
-    """Every sample of a camera while others were heard, each as late as the median of those that came."""
+    """Every sample of a camera while others were heard, each as late as the quickest of those that came."""
     begin = np.median([s["sent"] - s["number"] / camera.rate for s in samples])
     latency = np.quantile([s["heard"] - s["sent"] for s in samples], 0.05)
     first, last = int(np.ceil((start - begin) * camera.rate)), int((end - begin) * camera.rate)

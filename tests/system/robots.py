@@ -156,9 +156,14 @@ class Application:
 class Listener(Application):
     """An application that subscribes."""
 
+    @property
+    def asked(self):
+        """When it did [s]."""
+        return next(line["asked"] for line in self.told() if "asked" in line)
+
     def heard(self, key=None):
         """What it heard so far (of `key`), in order."""
-        return [sample for sample in self.told()[1:] if key in (None, sample["key"])]
+        return [line for line in self.told() if "key" in line and key in (None, line["key"])]
 
     def numbers(self, key):
         """The numbers of the samples of `key` that it heard so far, in order."""
@@ -184,6 +189,11 @@ class Watcher(Application):
 
 class Speaker(Application):
     """An application that publishes."""
+
+    @property
+    def late(self):
+        """By how much a sample was published too late at most, known when it has ended [s]."""
+        return self.told()[-2]["late"]
 
     def stop(self):
         """Let it end; return how many samples it published."""

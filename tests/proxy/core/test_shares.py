@@ -135,8 +135,8 @@ def test_of_a_limit_that_moved_who_leads_lends_no_more_than_is_in_force():
     epoch = shares["a"].epoch
     for share in shares.values():
         share.set_factor(0, 0.5)
-    assert shares["a"].lend(0.1, "b", 0.2, 1.0, (500.0,)) is None
     assert shares["a"].lend(0.1, "b", 0.2, 1.0, (400.0,))
+    assert shares["a"].lend(0.1, "b", 0.2, 1.0, (100.0,)) is None
     tell(shares, "a", "b", 0.1)
     assert [s.held(0.5, 0) for s in shares.values()] == pytest.approx([95.0, 400.0])
     for share in shares.values():
@@ -222,6 +222,41 @@ def test_a_message_larger_than_the_limit_goes_through_a_stretched_window():
     alone.use(0.0, (2500.0,))
     assert not alone.fits(2.4, (2500.0,))
     assert alone.fits(2.6, (2500.0,))
+
+
+def test_a_message_larger_than_the_limit_is_lent_all_of_it():
+    """From as long before as its bytes take to one window after, nobody else is lent anything or sends."""
+    shares = team("abc")
+    agree(shares, 0.1)
+    a, b = shares["a"], shares["b"]
+    assert a.reserved((500.0,)) == 0.0
+    assert a.reserved((1980.0,)) == pytest.approx(2.0)
+    first = a.lend(0.1, "c", 0.2, 0.3, (10.0,))
+    assert a.lend(0.1, "b", 2.2, 2.3, (1980.0,)) is None
+    lent = a.lend(0.1, "b", 2.5, 2.6, (1980.0,))
+    assert lent.begins == pytest.approx(first.ends + 2.0 + 0.2, abs=0.1)
+    assert a.lend(0.1, "c", 1.0, 1.6, (10.0,)) is None
+    assert a.lend(0.1, "c", 2.7, 3.5, (10.0,)) is None
+    assert a.lend(0.1, "c", 3.7, 3.8, (10.0,)) is not None
+    tell(shares, "a", "bc", 0.2)
+    assert not b.fits(2.4, (1980.0,))
+    assert b.holds(2.55, 2.56, (1980.0,))
+    assert b.opens(2.4, (1980.0,), 2.6) == pytest.approx(lent.begins)
+    assert b.fits(2.55, (1980.0,))
+    b.use(2.55, (1980.0,))
+    assert not b.fits(2.56, (10.0,))
+
+
+def test_who_leads_sends_a_message_larger_than_the_limit_when_nothing_is_lent():
+    """Not while others may send, nor so soon that what they sent is within its bytes' time."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    a = shares["a"]
+    assert a.fits(0.1, (1980.0,))
+    lent = a.lend(0.1, "b", 0.2, 0.3, (10.0,))
+    assert not a.fits(0.1, (1980.0,))
+    assert not a.fits(2.2, (1980.0,))
+    assert a.opens(2.2, (1980.0,), 2.4) == pytest.approx(lent.ends + 2.0, abs=0.01)
 
 
 @pytest.mark.parametrize("amount", [985.0, 1000.0])

@@ -110,6 +110,20 @@ def test_the_medium_is_measured_within_the_run():
     assert found["offered_max_share"] == pytest.approx(1.0)
 
 
+def test_a_frame_that_waits_counts_when_it_is_sent():
+    """Two that were published apart and sent together fill a window; what daemons say in between is no frame."""
+    events = [
+        RUN,
+        *(published(number, 1.5 * number) for number in range(2)),
+        *(received(number, 1.7 + number / 10, 1.5 * number) for number in range(2)),
+        *(Serve("with", START + t, "r1", "operator", 60) for t in (0.1, 1.55)),
+        *(Serve("with", START + t, "r1", "operator", 1000) for t in (0.9, 1.6, 1.75)),
+        Counts("with", "r1", 2, 2, 0, 0),
+    ]
+    assert of(events)["offered_max_share"] == pytest.approx(2.0)
+    assert of([e for e in events if not isinstance(e, Counts)])["offered_max_share"] == pytest.approx(1.0)
+
+
 def test_without_the_filter_everything_is_offered():
     """Stock routers count nothing, and four frames a second apart fill a closed window twice."""
     found = of([event for event in HANDMADE if not isinstance(event, Counts)])
