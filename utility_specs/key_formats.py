@@ -22,7 +22,7 @@ LONGEST = 1024
 MOST = 16
 """Chunks that one captures at most."""
 MOST_WILD = 3
-"""`**` in one at most: with each, Zenoh takes as many times longer to compare two as they have chunks."""
+"""`**` in one at most, and `$*`: with each, Zenoh takes as many times longer to compare as there are chunks or letters."""
 
 
 def as_text(capture: str) -> str:
@@ -48,6 +48,8 @@ class KeyFormat:
         chunks = written.split("/")
         if chunks.count("**") > MOST_WILD:
             raise ValueError(f"has more than {MOST_WILD} **")
+        if written.count("$*") > MOST_WILD:
+            raise ValueError(f"has more than {MOST_WILD} $*")
         plain = [_plain(chunk) for chunk in chunks]
         captures = tuple(
             (found[1], place) for place, chunk in enumerate(chunks) if (found := _CAPTURE.fullmatch(chunk))

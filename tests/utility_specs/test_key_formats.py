@@ -1,5 +1,7 @@
 """Key expressions that capture chunks; what is refused is among the broken specs."""
 
+import re
+
 import pytest
 import zenoh
 from hypothesis import given
@@ -59,3 +61,12 @@ def test_every_key_that_is_included_gives_its_chunks_back(front, middle, back):
     key = "/".join([*front, *middle, *back])
     assert zenoh.KeyExpr(form.expression).includes(key)
     assert list(form.captured(key).values()) == [*front, *back]
+
+
+@pytest.mark.parametrize(
+    ("written", "says"), [("**/a/" * 4 + "b", "has more than 3 **"), ("x$*a$*b$*c$*", "has more than 3 $*")]
+)
+def test_what_takes_ages_to_compare_is_refused(written, says):
+    """Three wildcards of unknown length are as many as a spec needs."""
+    with pytest.raises(ValueError, match=re.escape(says)):
+        KeyFormat.parse(written)
