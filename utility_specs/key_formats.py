@@ -22,7 +22,7 @@ LONGEST = 1024
 MOST = 16
 """Chunks that one captures at most."""
 MOST_WILD = 3
-"""`**` in one at most, and `$*`: with each, Zenoh takes as many times longer to compare as there are chunks or letters."""
+"""`**` or `$*` in one at most: with each, Zenoh takes as many times longer as there are chunks or letters."""
 
 
 def as_text(capture: str) -> str:
