@@ -170,5 +170,5 @@ class CompletedUct:
 def shares(tables: Tables) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
     """Return the greatest share of a limit that each level uses; a little for one that uses nothing."""
     limits = np.array([max(constraint.limit, 1e-9) for constraint in tables.problem.constraints])
-    share = (tables.checks.share / limits).max(axis=1, initial=0.0)
+    share = (tables.checks.share[:, : len(limits)] / limits).max(axis=1, initial=0.0)
     return np.where(share > 0, share, 1e-9)
