@@ -79,7 +79,7 @@ class Core:
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
         due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
-        if self.settings.coordination == "shares":
+        if self.gate.sharing:
             due = min(due, self.shares.due_at(now))
             if self.shares.confirmed(now):  # a plan that cannot be told yet is not made yet
                 due = min(due, max(self.layout.due_at, self._speaks_at(now)))
@@ -320,12 +320,13 @@ class Core:
 
     def _lay_out(self, now: float, commands: list[Command]) -> None:
         """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
-        if self.settings.coordination != "shares":
+        leader = self.shares.leader if self.gate.sharing else ""
+        if leader != self._leader:
+            self._leader = leader
+            self.telling.set_rate()
+        if not self.gate.sharing:
             return
         self.shares.confirmed(now)
-        if self.shares.leader != self._leader:
-            self._leader = self.shares.leader
-            self.telling.set_rate()
         if now >= self._speaks_at(now):
             self._tickets += 1
             before = self.layout.lent
@@ -358,7 +359,7 @@ class Core:
             if digest.streams:
                 self.layout.hurry()
             grants = digest.grants if peer.offset.known else ()
-            uncertainty = peer.offset.uncertainty(now) if grants else 0.0
+            uncertainty = self.view.doubt(now, peer) if grants else 0.0
             self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
             self.outsiders.note(now, digest.tag, known=self.shares.knows(digest.epoch, self.view.peers))
             self.channel.capacity.heard(now, digest)

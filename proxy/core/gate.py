@@ -112,7 +112,7 @@ class Gate:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
         self.wakes_at = math.inf
-        if not self._sharing:
+        if self._settings.coordination != "shares":
             self._rooms.look(now, self.limits)
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
@@ -154,7 +154,7 @@ class Gate:
 
     def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
         """Return the constraints in force that leave no room for a message now, as a problem names them."""
-        if self._sharing:
+        if self.sharing:
             return tuple(_held(self.limits[k]) for k in self._shares.lacking(now, use))
         sent = self._others(now)
         return tuple(
@@ -166,7 +166,7 @@ class Gate:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem: the union's and, where others lend to us, what we hold of them."""
         shares = self._shares
-        if not self._sharing:
+        if not self.sharing:
             if self._rooms.late:
                 return Limits(self.limits, self._held(self._rooms.held), shares.sent())
             return Limits(self.limits, (), shares.sent(), self._others(now))
@@ -235,11 +235,11 @@ class Gate:
         if not self.limits:
             return True
         if now >= until:
-            alone = self._sharing or self._rooms.late
+            alone = self.sharing or self._rooms.late
             view = self._view
             streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
             held = [
-                self._shares.held(now, k) if self._sharing else self._rooms.held(k, limit)
+                self._shares.held(now, k) if self.sharing else self._rooms.held(k, limit)
                 for k, limit in enumerate(self.limits)
             ]
             roomy = fits(view, streams, self.limits, held)
@@ -249,7 +249,7 @@ class Gate:
     def _unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
         silent = sum(peer.state is None for peer in self._view.peers.values())
-        if not silent or not self._sharing:
+        if not silent or not self.sharing:
             return self.pass_on(sample.sample, "passed:unwanted")
         use = use_of(sample.size, 1 if is_broadcast(self._settings.transport) else silent, self.limits)
         if lacking := [k for k, amount in enumerate(use) if amount > self._shares.free(now, k)]:
@@ -326,14 +326,15 @@ class Gate:
         return use_of(sample.size, self._view.copies(stream) if stream is not None else 1, self.limits)
 
     @property
-    def _sharing(self) -> bool:
-        return self._settings.coordination == "shares"
+    def sharing(self) -> bool:
+        """Whether each robot sends only what is lent to it: as configured, or because news take long."""
+        return self._settings.coordination == "shares" or self._rooms.late
 
     def _waits(self, now: float, sample: Waiting) -> bool:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
         if self._deletions.holds(sample):
             return True
-        if not self._sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
+        if not self.sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
             return False
         use = self._use(now, sample)
         if self._shares.fits(now, use):

@@ -125,8 +125,8 @@ class Layout:
     def _vague(self, now: float) -> bool:
         """Whether robots may be so wrong about our clock that slots are better than grants for single messages."""
         window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
-        offsets = (peer.offset for peer in self._view.peers.values() if peer.offset.known)
-        return max((offset.uncertainty(now) for offset in offsets), default=0.0) > STANDING * window
+        known = [peer for peer in self._view.peers.values() if peer.offset.known]
+        return max((self._view.doubt(now, peer) for peer in known), default=0.0) > STANDING * window
 
     def _stand(self, now: float) -> None:
         """Lend slots, and lengthen those that are to stay."""
@@ -186,7 +186,7 @@ class Layout:
     def _slack(self, now: float, stream: Stream, peer: Peer) -> float:
         off = self._off.get((stream.robot, stream.key))
         deviation = max(spread(stream), 0.0 if off is None else off.deviation)
-        return LEAST_SLACK + SPREADS * deviation + peer.offset.uncertainty(now)
+        return LEAST_SLACK + SPREADS * deviation + self._view.doubt(now, peer)
 
     def _look_back(self) -> None:
         """How far off what was expected came, as far as we are told."""

@@ -126,7 +126,7 @@ class Telling:
     def set_rate(self) -> None:
         """A part of what all may tell each other is for who plans for all; the others have news."""
         robots, part = len(self._view.peers) + 1, 1.0
-        if self._view.settings.coordination == "shares" and self._shares.leader and robots > 1:
+        if self._gate.sharing and self._shares.leader and robots > 1:
             part = LEADERS_PART * robots if self._shares.leads else 1.0 - LEADERS_PART
         allowance = self._view.settings.allowance * self._channel.part
         self.pacer.set_rate(part * allowance_of(self._view.specs, allowance, robots))
@@ -165,7 +165,7 @@ class Telling:
         self._next_digest = self._digest_due(now)
 
     def _digest_due(self, now: float) -> float:
-        sharing = self._view.settings.coordination == "shares" and bool(self._view.peers)
+        sharing = self._gate.sharing and bool(self._view.peers)
         if sharing:
             if not self._shares.epoch and now < self._settled_at + HELLO:
                 return self._settled_at + HELLO
@@ -230,7 +230,7 @@ class Telling:
         All are told of an epoch, and now and then of the rest.
         """
         shares, peers = self._shares, self._view.peers
-        if self._view.settings.coordination != "shares" or not peers:
+        if not self._gate.sharing or not peers:
             return ""
         if shares.leads:
             if self._told_epoch != shares.epoch:

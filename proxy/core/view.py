@@ -30,6 +30,8 @@ SILENT = 60.0
 """Streams of a plain node are forgotten after this long [s]..."""
 PERIODS = 5.0
 """... and so many of their periods."""
+ALIKE = 0.005
+"""Ways there and back differ by this part, where nothing worse comes of it than messages too many."""
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
 MOST_MATCHING = 4096
@@ -203,6 +205,14 @@ class SharedView:
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
         return {peer.robot: name for name, peer in self.peers.items()} | {self.settings.robot: tag(self.settings.zid)}
+
+    def doubt(self, now: float, peer: Peer) -> float:
+        """What we take a peer's clock to be off by at most from what we estimate [s].
+
+        That the ways there and back take alike nobody knows; only where the union need not hold for certain we go by it.
+        """
+        most = peer.offset.uncertainty(now)
+        return most if self.settings.coordination == "shares" else min(most, ALIKE * peer.offset.latency)
 
     def peer_called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
