@@ -22,6 +22,8 @@ from proxy.core.wire import Digest, Echo, State
 
 LEADERS_PART = 0.35
 """Of what all robots may tell each other, this part is for the one that leads."""
+FAR_LEADERS_PART = 0.6
+"""... and this where news take so long that what is lost comes too late when it is told once more."""
 AHEAD = 0.15
 """Others are lent what they need so much before they need it [s]."""
 ALL_PART = 0.3
@@ -127,14 +129,15 @@ class Telling:
         """A part of what all may tell each other is for who plans for all; the others have news."""
         robots, part = len(self._view.peers) + 1, 1.0
         if self._gate.sharing and self._shares.leader and robots > 1:
-            part = LEADERS_PART * robots if self._shares.leads else 1.0 - LEADERS_PART
+            leaders = FAR_LEADERS_PART if self._gate.late else LEADERS_PART
+            part = leaders * robots if self._shares.leads else 1.0 - leaders
         allowance = self._view.settings.allowance * self._channel.part
         self.pacer.set_rate(part * allowance_of(self._view.specs, allowance, robots))
 
     def speaks_again(self) -> float:
         """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
         latency = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
-        return self.pacer.interval + latency + AHEAD
+        return self._times * self.pacer.interval + latency + AHEAD
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
@@ -244,7 +247,7 @@ class Telling:
         """How often it is told what is lent: once, or more where much gets lost; that is looked at now and then."""
         if now >= self._lost_at + LOSSES_PACE:
             lost = [part for peer in self._view.peers.values() for part in (peer.loss_in, peer.loss_out) if part]
-            self._lost_at, self._times = now, 1 + sum(max(lost, default=0.0) > most for most in LOSSES)
+            self._lost_at, self._times = now, 1 + self._gate.late + sum(max(lost, default=0.0) > most for most in LOSSES)
         return self._times
 
     def _straggler(self, now: float) -> str:
