@@ -13,10 +13,10 @@ from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
+from proxy.core.lateness import Lateness
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
 from proxy.core.plenty import EACH, PACE, fits
-from proxy.core.rooms import Rooms
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Sent, Stream
@@ -56,7 +56,7 @@ class Gate:
         self.pending: Pending | None = None
         self.decisions = Decisions()
         self._complaint = ""
-        self._rooms = Rooms(view)
+        self._lateness = Lateness(view)
         self._deletions = Deletions()
         self.promised: Promises | None = None
         """What we let others send, where it is we who lend."""
@@ -77,8 +77,8 @@ class Gate:
 
     @property
     def late(self) -> bool:
-        """Whether news take so long that each robot keeps to what is its own."""
-        return self._rooms.late
+        """Whether each robot would decide alone, but news take too long."""
+        return self._lateness.late
 
     def put(self, waiting: Waiting) -> list[Command]:
         """Queue a sample for its decision; it may evict another one."""
@@ -113,7 +113,7 @@ class Gate:
         commands: list[Command] = []
         self.wakes_at = math.inf
         if self._settings.coordination != "shares":
-            self._rooms.look(now, self.limits)
+            self._lateness.look(now, self.limits)
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
@@ -160,15 +160,13 @@ class Gate:
         return tuple(
             limit.name
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount) or self._no_room(now, k, amount)
+            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount)
         )
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem: the union's and, where others lend to us, what we hold of them."""
         shares = self._shares
         if not self.sharing:
-            if self._rooms.late:
-                return Limits(self.limits, self._held(self._rooms.held), shares.sent())
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads and not self.standing:
             play = [PLAY if limit.shared else 0.0 for limit in self.limits]
@@ -235,13 +233,9 @@ class Gate:
         if not self.limits:
             return True
         if now >= until:
-            alone = self.sharing or self._rooms.late
             view = self._view
-            streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
-            held = [
-                self._shares.held(now, k) if self.sharing else self._rooms.held(k, limit)
-                for k, limit in enumerate(self.limits)
-            ]
+            streams = [s for s in (view.own() if self.sharing else view.streams()) if view.competes(now, s)]
+            held = [self._shares.held(now, k) if self.sharing else limit.limit for k, limit in enumerate(self.limits)]
             roomy = fits(view, streams, self.limits, held)
             self._room = now + max(PACE, EACH * len(streams)), roomy
         return roomy
@@ -328,7 +322,7 @@ class Gate:
     @property
     def sharing(self) -> bool:
         """Whether each robot sends only what is lent to it: as configured, or because news take long."""
-        return self._settings.coordination == "shares" or self._rooms.late
+        return self._settings.coordination == "shares" or self.late
 
     def _waits(self, now: float, sample: Waiting) -> bool:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
@@ -358,11 +352,6 @@ class Gate:
         """What we know to be sent, by anybody, within the window that ends now."""
         since = now - limit.window
         return sum(use[k] for t, use in sent if t >= since) + self._shares.used(now, k)
-
-    def _no_room(self, now: float, k: int, amount: float) -> bool:
-        """Whether a message is more than what is ours; one larger than any limit may go where all is."""
-        held = self._rooms.held(k, self.limits[k])
-        return held < self.limits[k].limit and amount > held - self._shares.used(now, k)
 
     def _held(self, held: Callable[[int, Limit], float]) -> tuple[Constraint, ...]:
         """Return what we hold of each limit, as constraints."""

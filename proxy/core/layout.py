@@ -6,6 +6,7 @@ robots are lent what these take, around the time at which they are expected. The
 """
 
 import math
+import operator
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -32,6 +33,10 @@ LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 LARGER = 1.5
 """A slot may be larger than what it is for by this factor."""
+IRREGULAR = 0.05
+"""Where news take long slots are lent when messages come earlier or later by this part of the shortest window..."""
+KEEPS = 0.8
+"""... and still when it is a little less: so many times that."""
 LEARNING = 0.2
 """So much counts the last message of a stream for how far off they are."""
 REMEMBERED = 16
@@ -70,7 +75,7 @@ class Layout:
         self._asked_at, self._hurried = now, False
         self._forget(now)
         plenty = self._plenty.there(now, [limit for limit in self._gate.limits if limit.shared])
-        self._gate.standing = plenty or self._vague(now)
+        self._gate.standing = plenty or self._vague(now) or self._irregular(now)
         if self._gate.standing:
             self._gate.promised, self._ticket = None, None
             self._promised.clear()
@@ -127,6 +132,16 @@ class Layout:
         window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
         known = [peer for peer in self._view.peers.values() if peer.offset.known]
         return max((self._view.doubt(now, peer) for peer in known), default=0.0) > STANDING * window
+
+    def _irregular(self, now: float) -> bool:
+        """Whether what is lent ahead of time would have to leave much time for when messages come."""
+        if not self._gate.late:
+            return False
+        window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
+        streams = [stream for stream in self._view.streams() if self._view.competes(now, stream)]
+        weights = [max(stream.newest.scale, 1e-9) for stream in streams]
+        mean = sum(map(operator.mul, weights, map(spread, streams))) / max(sum(weights), 1e-9)
+        return bool(SPREADS * mean > IRREGULAR * window * (KEEPS if self._gate.standing else 1.0))
 
     def _stand(self, now: float) -> None:
         """Lend slots, and lengthen those that are to stay."""

@@ -137,7 +137,7 @@ class Telling:
     def speaks_again(self) -> float:
         """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
         latency = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
-        return self._times * self.pacer.interval + latency + AHEAD
+        return (1 + self._gate.late) * self.pacer.interval + latency + AHEAD
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
@@ -247,7 +247,10 @@ class Telling:
         """How often it is told what is lent: once, or more where much gets lost; that is looked at now and then."""
         if now >= self._lost_at + LOSSES_PACE:
             lost = [part for peer in self._view.peers.values() for part in (peer.loss_in, peer.loss_out) if part]
-            self._lost_at, self._times = now, 1 + self._gate.late + sum(max(lost, default=0.0) > most for most in LOSSES)
+            self._lost_at, self._times = (
+                now,
+                1 + self._gate.late + sum(max(lost, default=0.0) > most for most in LOSSES),
+            )
         return self._times
 
     def _straggler(self, now: float) -> str:

@@ -209,7 +209,7 @@ class SharedView:
     def doubt(self, now: float, peer: Peer) -> float:
         """What we take a peer's clock to be off by at most from what we estimate [s].
 
-        That the ways there and back take alike nobody knows; only where the union need not hold for certain we go by it.
+        That the ways there and back take alike nobody knows: where the union has to hold for certain it is not assumed.
         """
         most = peer.offset.uncertainty(now)
         return most if self.settings.coordination == "shares" else min(most, ALIKE * peer.offset.latency)
