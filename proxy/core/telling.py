@@ -26,7 +26,7 @@ AHEAD = 0.15
 """Others are lent what they need so much before they need it [s]."""
 ALL_PART = 0.3
 """Where one robot leads, this part of the allowance is for telling all what concerns only some..."""
-ALL_PACE = 30.0
+ALL_PACE = 60.0
 """... and they are told at least this often [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
@@ -36,7 +36,7 @@ LOSSES_PACE = 0.5
 """How much gets lost is looked at this often [s]."""
 STRAGGLER_PACE = 0.3
 """Those who do not say that they follow are told of who leads this often [s]."""
-ECHO_PACE = 2.0
+ECHO_PACE = 5.0
 """Digests that concern one robot echo its own this often [s]."""
 VAGUE = 0.03
 """... and more often where clocks are not known to this [s]."""
