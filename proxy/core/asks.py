@@ -12,6 +12,8 @@ PATIENCE = 0.25
 """A sample waits so long at most for what is lent to us from then on [s]."""
 ANSWERED = 0.06
 """Who asks hears the answer so much later at most, besides the latency there and back [s]."""
+HELD = 0.9
+HOLD = 1.0
 NEAR = 2.0
 """A stream whose period is so many of these times can use for its next sample what is lent for the last one."""
 SPREADS = 2.0
@@ -39,6 +41,14 @@ def asks(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...
 def serves(view: SharedView, stream: Stream, other: Peer, limits: tuple[Limit, ...]) -> bool:
     """Whether what is lent for a sample that is generated already is of use: it waits, or the next one is near."""
     return stream.schedule.period <= NEAR * _delay(other) or asks(view, stream, other, limits)
+
+
+def held_until(stream: Stream, t_gen: float, other: Peer) -> float:
+    """Until when a sample waits for who leads to lend what it takes."""
+    answer = t_gen + 3.0 * other.offset.latency + ANSWERED
+    if not stream.information_type.markovian:
+        return answer
+    return max(answer, t_gen + min(HOLD, HELD * stream.schedule.period))
 
 
 def _delay(other: Peer) -> float:

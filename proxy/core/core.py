@@ -313,7 +313,7 @@ class Core:
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
-            self.telling.urgent |= self.gate.wakes_at < math.inf
+            self.telling.urgent |= self.gate.wakes_at < math.inf and self.telling.has_news()
         commands += self.telling.due(now, digests=not self.layout.pending)
         self.view.sweep(now)
         return commands

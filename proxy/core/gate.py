@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from planner import Aggregation, Constraint, Plan
-from proxy.core.asks import ANSWERED, PATIENCE, asks
+from proxy.core.asks import ANSWERED, PATIENCE, held_until
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -349,9 +349,11 @@ class Gate:
     def _answer_by(self, sample: Waiting) -> float | None:
         """Until when a sample waits for who leads to lend what it takes; None where we do not ask."""
         stream, leader = self._view.known(self._settings.robot, sample.key), self._view.peers.get(self._shares.leader)
-        if stream is None or leader is None or not asks(self._view, stream, leader, self.limits):
+        if stream is None or leader is None or not leader.offset.known:
             return None
-        return sample.t_gen + 3.0 * leader.offset.latency + ANSWERED
+        if 2.0 * leader.offset.latency + ANSWERED > PATIENCE:
+            return None
+        return held_until(stream, sample.t_gen, leader)
 
     def _known_use(self, now: float, limit: Limit, k: int, sent: Sequence[tuple[float, tuple[float, ...]]]) -> float:
         """What we know to be sent, by anybody, within the window that ends now."""

@@ -28,6 +28,8 @@ ALL_PART = 0.3
 """Where one robot leads, this part of the allowance is for telling all what concerns only some..."""
 ALL_PACE = 60.0
 """... and they are told at least this often [s]."""
+ALL_LEAST = 10.0
+"""... but not more often than this [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
 LOSSES = (0.04, 0.2)
@@ -188,6 +190,11 @@ class Telling:
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to or self.pacer.again else max(due, self._told_at + NEWS_PACE)
 
+    def has_news(self) -> bool:
+        """Whether there is news of our streams."""
+        self._look_for_news()
+        return self._unknown or self._news
+
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""
         changes = self._view.revision, sum(map(_CHANGES, self._view.own())), self.pacer.revision
@@ -271,7 +278,7 @@ class Telling:
 
     def _all_pace(self) -> float:
         """How often all are told what concerns only some [s]."""
-        return min(ALL_PACE, max(SLOW, self._digest_copies() * self.pacer.interval / ALL_PART))
+        return min(ALL_PACE, max(ALL_LEAST, self._digest_copies() * self.pacer.interval / ALL_PART))
 
     def _size_of(self, digest: Digest, to: str) -> int:
         """The size of a digest [B]; on the air, where one for all goes, its key has no number to stand for it."""

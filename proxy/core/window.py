@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
-from proxy.core.asks import serves
+from proxy.core.asks import held_until
 from proxy.core.competition import Competition
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
@@ -163,13 +163,13 @@ class WindowBuilder:
     def _asking(self, now: float, c: _Candidate, limits: Limits) -> list[_Open]:
         """Where we lend, return what another robot has generated, told us of, and waits with."""
         stream, last = c.stream, c.stream.newest
-        if limits.promised is None or stream.robot == self._view.settings.robot or now - last.t_gen > ASKED:
+        if limits.promised is None or stream.robot == self._view.settings.robot :
             return []
         peer = self._view.peer_called(stream.robot)
-        if peer is None or not serves(self._view, stream, peer, limits.union):
+        if peer is None or 2.0 * peer.offset.latency + 0.06 > 0.25 or now + peer.offset.latency + LEAD > held_until(stream, last.t_gen, peer):
             return []
         promised = limits.promised.get((stream.robot, stream.key), ())
-        known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
+        known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen + 0.5 * stream.schedule.period for p in promised[-1:])])
         return [_Open(last.t_gen, c, last.size, last.scale, last.features)] if last.t_gen > known else []
 
     def _possible(self, m: _Open, limits: Limits) -> bool:
