@@ -24,6 +24,7 @@ from proxy.core.layout import Layout
 from proxy.core.limits import limits_of, use_of
 from proxy.core.mode import Mode
 from proxy.core.outsiders import Outsiders
+from proxy.core.peer import Peer
 from proxy.core.plausible import PATIENCE, objection, objection_to_state
 from proxy.core.report import report
 from proxy.core.settings import CoreSettings
@@ -355,15 +356,22 @@ class Core:
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
         if self.view.heard_digest(now, digest):
-            if digest.streams:
+            if digest.streams or digest.returned:
                 self.layout.hurry()
             grants = digest.grants if peer.offset.known else ()
             uncertainty = peer.offset.uncertainty(now) if grants else 0.0
             self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
+            if digest.returned and peer.offset.known:
+                self._take_back(now, peer, digest)
             self.outsiders.note(now, digest.tag, known=self.shares.knows(digest.epoch, self.view.peers))
             self.channel.capacity.heard(now, digest)
             self.telling.look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
+
+    def _take_back(self, now: float, peer: Peer, digest: Digest) -> None:
+        ours, uncertainty = peer.offset.ours, peer.offset.uncertainty(now)
+        unused = self.shares.take_back(now, digest.tag, digest.epoch, digest.returned, ours, uncertainty)
+        self.layout.unused(peer.robot, unused)
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)

@@ -181,7 +181,7 @@ class Telling:
             retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
             return max(now, min(retold, all_due))
         speak = self._channel.capacity.speak(now)
-        news = speak or self.pacer.again or self._news
+        news = speak or self.pacer.again or self._news or bool(self._shares.returned(now))
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
@@ -223,7 +223,9 @@ class Telling:
             echoes=self.pacer.echoes(now, self._echoes(to), copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
+            returned=self._shares.returned(now),
         )
+        self._shares.told_returned()
         self._channel.capacity.told(digest)
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
