@@ -15,10 +15,10 @@ import msgpack
 from proxy.core.errors import MalformedWireError
 from proxy.core.fixed import coded, decoded, seconds, ticks
 from proxy.core.wire import (
+    BEGINS,
     MOST_ORIGINS,
     MOST_SUBSCRIPTIONS,
     MOST_TOLD,
-    BEGINS,
     PARTS,
     Digest,
     Echo,

@@ -362,15 +362,14 @@ class Core:
             uncertainty = peer.offset.uncertainty(now) if grants else 0.0
             self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
             if digest.returned and peer.offset.known:
-                self._take_back(now, peer, digest)
+                self._take_back(peer, digest)
             self.outsiders.note(now, digest.tag, known=self.shares.knows(digest.epoch, self.view.peers))
             self.channel.capacity.heard(now, digest)
             self.telling.look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
 
-    def _take_back(self, now: float, peer: Peer, digest: Digest) -> None:
-        ours, uncertainty = peer.offset.ours, peer.offset.uncertainty(now)
-        unused = self.shares.take_back(now, digest.tag, digest.epoch, digest.returned, ours, uncertainty)
+    def _take_back(self, peer: Peer, digest: Digest) -> None:
+        unused = self.shares.take_back(digest.tag, digest.epoch, digest.returned, peer.offset.latest)
         self.layout.unused(peer.robot, unused)
 
     def _membership(self, now: float) -> None:

@@ -56,6 +56,8 @@ class DigestPacer:
         self._debt = -SAVED * LEAST_ALLOWANCE
         self._updated = now
         self._size = float(LEAST_DIGEST)
+        """What a digest to one robot takes, by the latest ones [B]."""
+        self._spoke = False
         self._depth = 150.0
         """What the dearest of the recent digests cost, all copies together [B]."""
         self._last = now - SLOW
@@ -116,7 +118,8 @@ class DigestPacer:
         """A digest of so many bytes went out in so many copies."""
         self._fill(now)
         counted = max(size + OVERHEAD, LEAST_DIGEST)
-        self._size += LATEST * (counted - self._size)
+        self._size += (LATEST if self._spoke else 1.0) * (counted - self._size)
+        self._spoke = True
         cost = counted * max(1, copies)
         self._depth = max(cost, 0.9 * self._depth)
         self._tokens -= cost

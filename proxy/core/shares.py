@@ -16,6 +16,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from proxy.core.epochs import EDGE, NEWCOMERS, Epochs
 from proxy.core.limits import Limit
@@ -27,6 +28,10 @@ MOST_GRANTS = 1024
 """Grants that can be alive at the same time."""
 TOLD = 2
 """What is given back is told so often: digests may be lost."""
+MOST_RETURNED = 32
+"""Of so much one digest tells that it is given back."""
+LONGEST = 10.0
+"""What is given back is remembered for so long after it would have ended: grants may be on their way [s]."""
 STAYS = 2.5
 """What is lent for so long at once is lent for more than one message [s]."""
 
@@ -78,6 +83,8 @@ class Shares:
         """What we were lent, by the begin on the clock of who lent it, and the amounts."""
         self._given_back: dict[int, tuple[Returned, int]] = {}
         """What we gave back lately, by the last digits of its begin, and how often that is still to be told."""
+        self._over: dict[tuple[float, tuple[int, ...]], float] = {}
+        """What we gave back, by begin and amounts as above, and until when we were lent it [s]."""
         self._factors = [1.0] * len(limits)
         self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
 
@@ -232,22 +239,25 @@ class Shares:
         for place, lent in list(self._borrowed.items()):
             if lent.ends < now and not lent.stays and lent in self._lent:
                 self._give_back(now, place, None)
-        return tuple(returned for returned, _ in self._given_back.values())
+        return tuple(islice((returned for returned, _ in self._given_back.values()), MOST_RETURNED))
 
     def told_returned(self) -> None:
         """Who lends was told once what we give back."""
-        self._given_back = {b: (each, times - 1) for b, (each, times) in self._given_back.items() if times > 1}
+        told = dict(islice(self._given_back.items(), MOST_RETURNED))
+        self._given_back = {b: v for b, v in self._given_back.items() if b not in told}
+        self._given_back |= {b: (each, times - 1) for b, (each, times) in told.items() if times > 1}
 
     def take_back(
         self,
-        now: float,
         peer: str,
         epoch: int,
         returned: Iterable[Returned],
-        ours: Callable[[float], float] = lambda t: t,
-        uncertainty: float = 0.0,
+        latest: Callable[[float], float] = lambda t: t,
     ) -> list[Lent]:
-        """A robot gives back what we lent to it; return what of it was not used at all."""
+        """A robot gives back what we lent to it; return what of it was not used at all.
+
+        `latest` is what our clock showed at most when that of the robot showed a time.
+        """
         unused: list[Lent] = []
         if not self.leads or epoch != self.epoch:
             return unused
@@ -256,7 +266,7 @@ class Shares:
             back = named.get(_digits(lent.begins))
             if back is None:
                 continue
-            ends = max(lent.begins, _rounded(ours(back.used) + uncertainty) + EDGE)
+            ends = max(lent.begins, _rounded(latest(back.used)) + EDGE)
             if back.used and ends >= lent.ends:
                 continue
             self._lent.remove(lent)
@@ -384,6 +394,9 @@ class Shares:
         if grant.peer != self.own or grant in self._told or len(grant.parts) != sum(c.shared for c in self._limits):
             return
         longest = max(self._windows(), default=0.0)
+        self._over = {known: ends for known, ends in self._over.items() if ends + longest + LONGEST > now}
+        if (grant.begins, grant.parts) in self._over:
+            return  # who lends has not heard yet that we gave it back
         self._told = {known: ends for known, ends in self._told.items() if ends + longest + 1.0 > now}
         self._lent = [lent for lent in self._lent if lent.ends + longest >= now]
         begins, ends = ours(grant.begins) + uncertainty, ours(grant.ends) - uncertainty
@@ -416,9 +429,9 @@ class Shares:
         self._lent[where : where + 1] = [] if used is None else [replace(lent, ends=used)]
         shared = [k for k, limit in enumerate(self._limits) if limit.shared]
         if any(self._free(now, now, k) < 0.0 for k in shared):
-            self._lent[where : where + (used is not None)] = [lent]
-        elif len(self._given_back) < MOST_GRANTS:
-            begins = _digits(place[0])
+            self._lent[where : where + (used is not None)], self._borrowed[place] = [lent], lent
+        else:
+            begins, self._over[place] = _digits(place[0]), lent.ends
             self._given_back[begins] = Returned(begins, used or 0.0), TOLD
 
     def _parts(self, k: int, amount: float) -> int:
@@ -452,7 +465,7 @@ class Shares:
 
     def _turned(self) -> None:
         """What was lent before counts no more."""
-        self._lent, self._told, self._borrowed, self._given_back = [], {}, {}, {}
+        self._lent, self._told, self._borrowed, self._given_back, self._over = [], {}, {}, {}, {}
         self._offered_until = -math.inf
 
     def _left_at(self, now: float) -> float:

@@ -323,6 +323,8 @@ class Mission:
 
     def speak(self, name):
         letter = name, self.shares[name].epoch, self.shares[name].grants(self.clock(name))
+        letter = *letter, self.shares[name].returned(self.clock(name))
+        self.shares[name].told_returned()
         for to in self.shares:
             for _ in range(self.rng.choice([1, 1, 2])):
                 if to != name and self.rng.random() >= self.loss:
@@ -331,11 +333,13 @@ class Mission:
     def hear(self):
         due = [letter for letter in self.mail if letter[0] <= self.now]
         self.mail = [letter for letter in self.mail if letter[0] > self.now]
-        for _, to, by, epoch, grants in due:
+        for _, to, by, epoch, grants, returned in due:
             wrong = self.rng.uniform(-0.1, 0.1)
             offset = self.clocks[to] - self.clocks[by] + wrong
             ours = partial(lambda offset, t: t + offset, offset)
             self.shares[to].heard(self.clock(to), by, epoch, grants, ours=ours, uncertainty=0.1)
+            latest = partial(lambda offset, t: t + offset + 0.1, offset)
+            self.shares[to].take_back(by, epoch, returned, latest)
 
     def act(self, name):
         share, now = self.shares[name], self.clock(name)
