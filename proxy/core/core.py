@@ -24,6 +24,7 @@ from proxy.core.layout import Layout
 from proxy.core.limits import limits_of, use_of
 from proxy.core.mode import Mode
 from proxy.core.outsiders import Outsiders
+from proxy.core.peer import Peer
 from proxy.core.plausible import PATIENCE, objection, objection_to_state
 from proxy.core.report import report
 from proxy.core.settings import CoreSettings
@@ -313,7 +314,7 @@ class Core:
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
-            self.telling.urgent |= self.gate.wakes_at < math.inf
+            self.telling.urgent |= self.gate.wakes_at < math.inf and self.telling.has_news()
         commands += self.telling.due(now, digests=not self.layout.pending)
         self.view.sweep(now)
         return commands
@@ -356,15 +357,21 @@ class Core:
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
         if self.view.heard_digest(now, digest):
-            if digest.streams:
+            if digest.streams or digest.returned:
                 self.layout.hurry()
             grants = digest.grants if peer.offset.known else ()
             uncertainty = self.view.doubt(now, peer) if grants else 0.0
             self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
+            if digest.returned and peer.offset.known:
+                self._take_back(peer, digest)
             self.outsiders.note(now, digest.tag, known=self.shares.knows(digest.epoch, self.view.peers))
             self.channel.capacity.heard(now, digest)
             self.telling.look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
+
+    def _take_back(self, peer: Peer, digest: Digest) -> None:
+        unused = self.shares.take_back(digest.tag, digest.epoch, digest.returned, peer.offset.latest)
+        self.layout.unused(peer.robot, unused)
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from planner import Aggregation, Constraint, Plan
-from proxy.core.asks import ANSWERED, PATIENCE, asks
+from proxy.core.asks import PATIENCE, waits_until
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -342,11 +342,9 @@ class Gate:
         return True
 
     def _answer_by(self, sample: Waiting) -> float | None:
-        """Until when a sample waits for who leads to lend what it takes; None where we do not ask."""
+        """Until when a sample waits for who leads to lend what it takes; None where we cannot ask."""
         stream, leader = self._view.known(self._settings.robot, sample.key), self._view.peers.get(self._shares.leader)
-        if stream is None or leader is None or not asks(self._view, stream, leader, self.limits):
-            return None
-        return sample.t_gen + 3.0 * leader.offset.latency + ANSWERED
+        return None if stream is None or leader is None else waits_until(stream, sample.t_gen, leader)
 
     def _known_use(self, now: float, limit: Limit, k: int, sent: Sequence[tuple[float, tuple[float, ...]]]) -> float:
         """What we know to be sent, by anybody, within the window that ends now."""

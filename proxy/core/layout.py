@@ -119,6 +119,13 @@ class Layout:
         due = [e for e in chosen if e.message.t_gen <= (now if self._asks(e.stream) else until)]
         return sum(self._promise(now, expected) for expected in due) > 0
 
+    def unused(self, robot: str, lent: Iterable[Lent]) -> None:
+        """A robot did not use this: what it was for may be sent after all, if we lend for it again."""
+        ends = {each.ends for each in lent}
+        for place, promises in self._promised.items():
+            if place[0] == robot and ends:
+                promises[:] = [promise for promise in promises if promise.ends not in ends]
+
     def hurry(self) -> None:
         """There is news: plan anew at once, or as soon as a large team leaves time for it."""
         self._hurried = True

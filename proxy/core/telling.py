@@ -28,8 +28,10 @@ AHEAD = 0.15
 """Others are lent what they need so much before they need it [s]."""
 ALL_PART = 0.3
 """Where one robot leads, this part of the allowance is for telling all what concerns only some..."""
-ALL_PACE = 30.0
+ALL_PACE = 60.0
 """... and they are told at least this often [s]."""
+ALL_LEAST = 10.0
+"""... but not more often than this [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
 LOSSES = (0.04, 0.2)
@@ -38,7 +40,7 @@ LOSSES_PACE = 0.5
 """How much gets lost is looked at this often [s]."""
 STRAGGLER_PACE = 0.3
 """Those who do not say that they follow are told of who leads this often [s]."""
-ECHO_PACE = 2.0
+ECHO_PACE = 5.0
 """Digests that concern one robot echo its own this often [s]."""
 VAGUE = 0.03
 """... and more often where clocks are not known to this [s]."""
@@ -182,7 +184,7 @@ class Telling:
             retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
             return max(now, min(retold, all_due))
         speak = self._channel.capacity.speak(now)
-        news = speak or self.pacer.again or self._news
+        news = speak or self.pacer.again or self._news or bool(self._shares.returned(now))
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
@@ -190,6 +192,11 @@ class Telling:
         due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to or self.pacer.again else max(due, self._told_at + NEWS_PACE)
+
+    def has_news(self) -> bool:
+        """Whether there is news of our streams."""
+        self._look_for_news()
+        return self._unknown or self._news
 
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""
@@ -219,7 +226,9 @@ class Telling:
             echoes=self.pacer.echoes(now, self._echoes(to), copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
+            returned=self._shares.returned(now),
         )
+        self._shares.told_returned()
         self._channel.capacity.told(digest)
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
@@ -277,7 +286,7 @@ class Telling:
 
     def _all_pace(self) -> float:
         """How often all are told what concerns only some [s]."""
-        return min(ALL_PACE, max(SLOW, self._digest_copies() * self.pacer.interval / ALL_PART))
+        return min(ALL_PACE, max(ALL_LEAST, self._digest_copies() * self.pacer.interval / ALL_PART))
 
     def _size_of(self, digest: Digest, to: str) -> int:
         """The size of a digest [B]; on the air, where one for all goes, its key has no number to stand for it."""

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
-from proxy.core.asks import serves
+from proxy.core.asks import LEAD, serves
 from proxy.core.competition import Competition
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
@@ -35,10 +35,6 @@ MOST_FACTS = 16
 """So many of the messages last sent of a stream are facts where more than one counts."""
 MOST_OF_BEST = 24
 """So many forecasts of a stream are planned for where the best message counts: time grows with their square."""
-LEAD = 0.02
-"""A robot hears what we let it send so much before it decides on it, besides the latency [s]."""
-ASKED = 0.25
-"""A robot waits so long for us to lend what a message takes [s]."""
 OVERHEARD = 0.05
 """What was sent we have overheard so much later at most, besides the latency and the stream's jitter [s]."""
 MOST_OF_OWN = 3
@@ -163,13 +159,14 @@ class WindowBuilder:
     def _asking(self, now: float, c: _Candidate, limits: Limits) -> list[_Open]:
         """Where we lend, return what another robot has generated, told us of, and waits with."""
         stream, last = c.stream, c.stream.newest
-        if limits.promised is None or stream.robot == self._view.settings.robot or now - last.t_gen > ASKED:
+        if limits.promised is None or stream.robot == self._view.settings.robot:
             return []
         peer = self._view.peer_called(stream.robot)
-        if peer is None or not serves(self._view, stream, peer, limits.union):
+        if peer is None or not serves(now, stream, peer):
             return []
         promised = limits.promised.get((stream.robot, stream.key), ())
-        known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
+        half = 0.5 * stream.schedule.period
+        known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen + half for p in promised[-1:])])
         return [_Open(last.t_gen, c, last.size, last.scale, last.features)] if last.t_gen > known else []
 
     def _possible(self, m: _Open, limits: Limits) -> bool:
