@@ -75,7 +75,7 @@ class Channel:
             receivers={name for names in wanting for name in names},
             longest=max((part * time for each in parts for part, time in zip(each, windows, strict=True)), default=0.0),
             each=tuple(sum(each[k] for each in parts) for k in range(len(factors))),
-            leader=self._shares.leader if self._view.settings.coordination == "shares" else "",
+            leader=self._shares.leader if self._gate.sharing else "",
         )
 
     def _parts(self, stream: Stream) -> tuple[float, ...]:

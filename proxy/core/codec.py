@@ -15,6 +15,7 @@ import msgpack
 from proxy.core.errors import MalformedWireError
 from proxy.core.fixed import coded, decoded, seconds, ticks
 from proxy.core.wire import (
+    BEGINS,
     MOST_ORIGINS,
     MOST_SUBSCRIPTIONS,
     MOST_TOLD,
@@ -22,6 +23,7 @@ from proxy.core.wire import (
     Digest,
     Echo,
     Grant,
+    Returned,
     State,
     StreamDigest,
     StreamState,
@@ -45,6 +47,8 @@ MOST_PHASES = 1_000_000
 MAX_LATENCY = 3600.0
 MAX_LENT = 3_600_000
 MAX_SCALE = 1e15
+MOST_RETURNED = 128
+"""Fields of what is given back."""
 _WRAP = 65_536
 _LARGEST = 3.5e38
 
@@ -58,6 +62,7 @@ def pack_digest(digest: Digest) -> bytes:
         [_grant_fields(sent, grant) for grant in digest.grants],
         [field for e in digest.echoes for field in _echo_fields(sent, e)],
         [coded(part) for part in digest.capacity],
+        [field for each in digest.returned for field in _returned_fields(sent, each)],
     ]
     while lists and not lists[-1]:
         lists.pop()
@@ -136,6 +141,16 @@ def _grant(sent: int, f: list[Any]) -> Grant:
     return Grant(_tag(f[0]), begins / 1e3, ends / 1e3, tuple(_count(part, PARTS) for part in f[3:]))
 
 
+def _returned_fields(sent: int, r: Returned) -> tuple[int, int]:
+    """Nothing is used in the future of the digest that tells of it, so a time that is less than none means none."""
+    return r.begins, max(0, sent - ticks(r.used)) if r.used else -1
+
+
+def _returned(sent: int, f: tuple[Any, ...]) -> Returned:
+    begins, ago = _count(f[0], BEGINS - 1), _whole(f[1])
+    return Returned(begins, seconds(sent - ago) if ago >= 0 else 0.0)
+
+
 def _echo_fields(sent: int, e: Echo) -> tuple[Any, ...]:
     heard = sent - ticks(e.received)
     return _packed_tag(e.peer), ticks(e.sent) % _WRAP, heard, e.samples, coded(e.latency), coded(e.per_byte)
@@ -167,7 +182,7 @@ def _echo(sent: int, peer: str, echoed: int, r: tuple[Any, ...]) -> Echo:
 
 def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -> Digest:
     sent = _whole(f[1])
-    streams, grants, echoes, capacity = [*map(_list, f[6:10]), [], [], [], []][:4]
+    streams, grants, echoes, capacity, returned = [*map(_list, f[6:11]), [], [], [], [], []][:5]
     return Digest(
         robot=robot,
         tag=tag,
@@ -180,6 +195,7 @@ def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -
         grants=tuple(_grant(sent, grant) for grant in _each(grants, 4, 3 + 64)),
         echoes=_echoes(sent, echoes, own, ours),
         capacity=tuple(_amount(part, 1.0) for part in capacity),
+        returned=tuple(_returned(sent, each) for each in _records(_at_most(returned, MOST_RETURNED), 2)),
     )
 
 

@@ -24,6 +24,7 @@ from proxy.core.layout import Layout
 from proxy.core.limits import limits_of, use_of
 from proxy.core.mode import Mode
 from proxy.core.outsiders import Outsiders
+from proxy.core.peer import Peer
 from proxy.core.plausible import PATIENCE, objection, objection_to_state
 from proxy.core.report import report
 from proxy.core.settings import CoreSettings
@@ -79,7 +80,7 @@ class Core:
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]."""
         due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
-        if self.settings.coordination == "shares":
+        if self.gate.sharing:
             due = min(due, self.shares.due_at(now))
             if self.shares.confirmed(now):  # a plan that cannot be told yet is not made yet
                 due = min(due, max(self.layout.due_at, self._speaks_at(now)))
@@ -315,19 +316,20 @@ class Core:
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
-            self.telling.urgent |= self.gate.wakes_at < math.inf
+            self.telling.urgent |= self.gate.wakes_at < math.inf and self.telling.has_news()
         commands += self.telling.due(now, digests=not self.layout.pending)
         self.view.sweep(now)
         return commands
 
     def _lay_out(self, now: float, commands: list[Command]) -> None:
         """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
-        if self.settings.coordination != "shares":
+        leader = self.shares.leader if self.gate.sharing else ""
+        if leader != self._leader:
+            self._leader = leader
+            self.telling.set_rate()
+        if not self.gate.sharing:
             return
         self.shares.confirmed(now)
-        if self.shares.leader != self._leader:
-            self._leader = self.shares.leader
-            self.telling.set_rate()
         if now >= self._speaks_at(now):
             self._tickets += 1
             before = self.layout.lent
@@ -357,15 +359,21 @@ class Core:
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
         if self.view.heard_digest(now, digest):
-            if digest.streams:
+            if digest.streams or digest.returned:
                 self.layout.hurry()
             grants = digest.grants if peer.offset.known else ()
-            uncertainty = peer.offset.uncertainty(now) if grants else 0.0
+            uncertainty = self.view.doubt(now, peer) if grants else 0.0
             self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
+            if digest.returned and peer.offset.known:
+                self._take_back(peer, digest)
             self.outsiders.note(now, digest.tag, known=self.shares.knows(digest.epoch, self.view.peers))
             self.channel.capacity.heard(now, digest)
             self.telling.look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
+
+    def _take_back(self, peer: Peer, digest: Digest) -> None:
+        unused = self.shares.take_back(digest.tag, digest.epoch, digest.returned, peer.offset.latest)
+        self.layout.unused(peer.robot, unused)
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from planner import Aggregation, Constraint, Plan
-from proxy.core.asks import ANSWERED, PATIENCE, asks
+from proxy.core.asks import PATIENCE, waits_until
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -14,10 +14,10 @@ from proxy.core.deletions import Deletions
 from proxy.core.fallback import TokenBuckets
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
+from proxy.core.lateness import Lateness
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
 from proxy.core.plenty import EACH, PACE, fits
-from proxy.core.rooms import Rooms
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.stream import Sent, Stream
@@ -58,7 +58,7 @@ class Gate:
         self.decisions = Decisions()
         self._complaint = ""
         self._buckets = TokenBuckets()
-        self._rooms = Rooms(view)
+        self._lateness = Lateness(view)
         self._deletions = Deletions()
         self.promised: Promises | None = None
         """What we let others send, where it is we who lend."""
@@ -79,8 +79,8 @@ class Gate:
 
     @property
     def late(self) -> bool:
-        """Whether news take so long that each robot keeps to what is its own."""
-        return self._rooms.late
+        """Whether each robot would decide alone, but news take too long."""
+        return self._lateness.late
 
     def put(self, waiting: Waiting) -> list[Command]:
         """Queue a sample for its decision; it may evict another one."""
@@ -114,8 +114,8 @@ class Gate:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
         self.wakes_at = math.inf
-        if not self._sharing:
-            self._rooms.look(now, self.limits)
+        if self._settings.coordination != "shares":
+            self._lateness.look(now, self.limits)
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
@@ -156,21 +156,19 @@ class Gate:
 
     def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
         """Return the constraints in force that leave no room for a message now, as a problem names them."""
-        if self._sharing:
+        if self.sharing:
             return tuple(_held(self.limits[k]) for k in self._shares.lacking(now, use))
         sent = self._others(now)
         return tuple(
             limit.name
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount) or self._no_room(now, k, amount)
+            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount)
         )
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem: the union's and, where others lend to us, what we hold of them."""
         shares = self._shares
-        if not self._sharing:
-            if self._rooms.late:
-                return Limits(self.limits, self._held(self._rooms.held), shares.sent())
+        if not self.sharing:
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads and not self.standing:
             play = [PLAY if limit.shared else 0.0 for limit in self.limits]
@@ -239,14 +237,10 @@ class Gate:
         if not self.limits:
             return True
         if now >= until:
-            alone = self._sharing or self._rooms.late
             view = self._view
-            own = [s for s in view.own() if view.competes(now, s)] if alone else []
-            streams = own if alone else view.competition.all(now)
-            held = [
-                self._shares.held(now, k) if self._sharing else self._rooms.held(k, limit)
-                for k, limit in enumerate(self.limits)
-            ]
+            own = [s for s in view.own() if view.competes(now, s)] if self.sharing else []
+            streams = own if self.sharing else view.competition.all(now)
+            held = [self._shares.held(now, k) if self.sharing else limit.limit for k, limit in enumerate(self.limits)]
             roomy = fits(view, streams, self.limits, held)
             self._room = now + max(PACE, EACH * len(streams)), roomy
         return roomy
@@ -257,7 +251,7 @@ class Gate:
         Then who leads has decided on it beside those of all others, which we do not know better.
         """
         shares = self._shares
-        if not (self._sharing and shares.leader and sample.markovian) or shares.leads or shares.stays(now):
+        if not (self.sharing and shares.leader and sample.markovian) or shares.leads or shares.stays(now):
             return False
         if any(s is not stream and self._view.competes(now, s) for s in self._view.own()):
             return False
@@ -268,7 +262,7 @@ class Gate:
     def _unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
         silent = sum(peer.state is None for peer in self._view.peers.values())
-        if not silent or not self._sharing:
+        if not silent or not self.sharing:
             return self.pass_on(sample.sample, "passed:unwanted")
         use = use_of(sample.size, 1 if is_broadcast(self._settings.transport) else silent, self.limits)
         if lacking := [k for k, amount in enumerate(use) if amount > self._shares.free(now, k)]:
@@ -294,10 +288,10 @@ class Gate:
 
     def _rooms_left(self, now: float) -> list[float]:
         """What we may use of each limit in a window, our own sends included."""
-        if self._sharing:
+        if self.sharing:
             return [self._shares.held(now, k) for k in range(len(self.limits))]
         used = [sum(use[k] for t, use in self._others(now) if t >= now - c.window) for k, c in enumerate(self.limits)]
-        return [max(0.0, self._rooms.held(k, c) - used[k]) for k, c in enumerate(self.limits)]
+        return [max(0.0, c.limit - used[k]) for k, c in enumerate(self.limits)]
 
     def _send(self, now: float, sample: Waiting, use: tuple[float, ...], reason: str) -> Command:
         stream = self._own(now, sample)
@@ -360,14 +354,15 @@ class Gate:
         return use_of(sample.size, self._view.copies(stream) if stream is not None else 1, self.limits)
 
     @property
-    def _sharing(self) -> bool:
-        return self._settings.coordination == "shares"
+    def sharing(self) -> bool:
+        """Whether each robot sends only what is lent to it: as configured, or because news take long."""
+        return self._settings.coordination == "shares" or self.late
 
     def _waits(self, now: float, sample: Waiting) -> bool:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
         if self._deletions.holds(sample):
             return True
-        if not self._sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
+        if not self.sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
             return False
         use = self._use(now, sample)
         if self._shares.fits(now, use):
@@ -381,21 +376,14 @@ class Gate:
         return True
 
     def _answer_by(self, sample: Waiting) -> float | None:
-        """Until when a sample waits for who leads to lend what it takes; None where we do not ask."""
+        """Until when a sample waits for who leads to lend what it takes; None where we cannot ask."""
         stream, leader = self._view.known(self._settings.robot, sample.key), self._view.peers.get(self._shares.leader)
-        if stream is None or leader is None or not asks(self._view, stream, leader, self.limits):
-            return None
-        return sample.t_gen + 3.0 * leader.offset.latency + ANSWERED
+        return None if stream is None or leader is None else waits_until(stream, sample.t_gen, leader)
 
     def _known_use(self, now: float, limit: Limit, k: int, sent: Sequence[tuple[float, tuple[float, ...]]]) -> float:
         """What we know to be sent, by anybody, within the window that ends now."""
         since = now - limit.window
         return sum(use[k] for t, use in sent if t >= since) + self._shares.used(now, k)
-
-    def _no_room(self, now: float, k: int, amount: float) -> bool:
-        """Whether a message is more than what is ours; one larger than any limit may go where all is."""
-        held = self._rooms.held(k, self.limits[k])
-        return held < self.limits[k].limit and amount > held - self._shares.used(now, k)
 
     def _held(self, held: Callable[[int, Limit], float]) -> tuple[Constraint, ...]:
         """Return what we hold of each limit, as constraints."""

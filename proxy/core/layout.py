@@ -6,6 +6,7 @@ robots are lent what these take, around the time at which they are expected. The
 """
 
 import math
+import operator
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -36,6 +37,10 @@ SLOW = 0.05
 """Where planning takes this part of the shortest window, what it says comes too late: slots are lent..."""
 FORGETTING = 0.98
 """... and while they are, each time it is forgotten by this factor how long planning took."""
+IRREGULAR = 0.05
+"""Where news take long slots are lent when messages come earlier or later by this part of the shortest window..."""
+KEEPS = 0.8
+"""... and still when it is a little less: so many times that."""
 LEARNING = 0.2
 """So much counts the last message of a stream for how far off they are, and the last plan for how long it took."""
 REMEMBERED = 16
@@ -75,7 +80,7 @@ class Layout:
         self._asked_at, self._hurried = now, False
         self._forget(now)
         plenty = self._plenty.there(now, [limit for limit in self._gate.limits if limit.shared])
-        self._gate.standing = plenty or self._vague(now)
+        self._gate.standing = plenty or self._vague(now) or self._irregular(now)
         if self._gate.standing:
             self._gate.promised, self._ticket = None, None
             self._promised.clear()
@@ -128,6 +133,13 @@ class Layout:
         shared = tuple(limit for limit in self._gate.limits if limit.shared)
         return tuple(MARGIN * amount for amount in use_of(expected.message.size, expected.copies, shared))
 
+    def unused(self, robot: str, lent: Iterable[Lent]) -> None:
+        """A robot did not use this: what it was for may be sent after all, if we lend for it again."""
+        ends = {each.ends for each in lent}
+        for place, promises in self._promised.items():
+            if place[0] == robot and ends:
+                promises[:] = [promise for promise in promises if promise.ends not in ends]
+
     def hurry(self) -> None:
         """There is news: plan anew at once, or as soon as a large team leaves time for it."""
         self._hurried = True
@@ -139,9 +151,19 @@ class Layout:
     def _vague(self, now: float) -> bool:
         """Whether robots may be so wrong about our clock, or we so slow, that slots are better than single grants."""
         window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
-        offsets = (peer.offset for peer in self._view.peers.values() if peer.offset.known)
-        uncertainty = max((offset.uncertainty(now) for offset in offsets), default=0.0)
-        return uncertainty > STANDING * window or self._took > SLOW * window
+        known = [peer for peer in self._view.peers.values() if peer.offset.known]
+        doubt = max((self._view.doubt(now, peer) for peer in known), default=0.0)
+        return doubt > STANDING * window or self._took > SLOW * window
+
+    def _irregular(self, now: float) -> bool:
+        """Whether what is lent ahead of time would have to leave much time for when messages come."""
+        if not self._gate.late:
+            return False
+        window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
+        streams = self._view.competition.all(now)
+        weights = [max(stream.newest.scale, 1e-9) for stream in streams]
+        mean = sum(map(operator.mul, weights, map(spread, streams))) / max(sum(weights), 1e-9)
+        return bool(SPREADS * mean > IRREGULAR * window * (KEEPS if self._gate.standing else 1.0))
 
     def _stand(self, now: float) -> None:
         """Lend slots, and lengthen those that are to stay."""
@@ -200,7 +222,7 @@ class Layout:
     def _slack(self, now: float, stream: Stream, peer: Peer) -> float:
         off = self._off.get((stream.robot, stream.key))
         deviation = max(spread(stream), 0.0 if off is None else off.deviation)
-        return LEAST_SLACK + SPREADS * deviation + peer.offset.uncertainty(now)
+        return LEAST_SLACK + SPREADS * deviation + self._view.doubt(now, peer)
 
     def _look_back(self) -> None:
         """How far off what was expected came, as far as we are told."""

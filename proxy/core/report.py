@@ -52,7 +52,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
 
 def _leader(core: Core) -> str | None:
     """Who lends to all where robots share; nobody as long as they do not agree."""
-    if core.settings.coordination != "shares":
+    if not core.gate.sharing:
         return None
     peer = core.view.peers.get(core.shares.leader)
     return core.settings.robot if core.shares.leads else None if peer is None else peer.robot

@@ -16,10 +16,11 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from proxy.core.epochs import EDGE, NEWCOMERS, Epochs
 from proxy.core.limits import Limit
-from proxy.core.wire import PARTS, Grant
+from proxy.core.wire import BEGINS, PARTS, Grant, Returned
 
 HOLDABLE = 0.98
 """Part of a limit that one robot can come to hold: all but the floor, and some room."""
@@ -27,6 +28,12 @@ MOST_GRANTS = 1024
 """Grants that can be alive at the same time."""
 ALL = 0.99
 """Who may send a message larger than the limit was lent all that robots can hold, or lacks no more than rounding."""
+TOLD = 2
+"""What is given back is told so often: digests may be lost."""
+MOST_RETURNED = 32
+"""Of so much one digest tells that it is given back."""
+LONGEST = 10.0
+"""What is given back is remembered for so long after it would have ended: grants may be on their way [s]."""
 STAYS = 2.5
 """What is lent for so long at once is lent for more than one message [s]."""
 
@@ -83,6 +90,10 @@ class Shares:
         """Grants that we made, or heard of: these are remembered for as long as they could come again."""
         self._borrowed: dict[tuple[float, tuple[int, ...]], Lent] = {}
         """What we were lent, by the begin on the clock of who lent it, and the amounts."""
+        self._given_back: dict[int, tuple[Returned, int]] = {}
+        """What we gave back lately, by the last digits of its begin, and how often that is still to be told."""
+        self._over: dict[tuple[float, tuple[int, ...]], float] = {}
+        """What we gave back, by begin and amounts as above, and until when we were lent it [s]."""
         self._factors = [1.0] * len(limits)
         self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
 
@@ -227,11 +238,56 @@ class Shares:
         longest = max((self._window(k) for k in range(len(self._limits))), default=0.0)
         while self._sent and self._sent[0][0] < now - longest:
             self._sent.popleft()
+        self._spend(now, use)
 
     def use_at_most(self, now: float, use: tuple[float, ...], part: float) -> None:
         """Traffic that nobody decided on is sent now; it counts up to `part` of what we hold, the rest is left."""
         room = (part * self.held(now, k) - self.used(now, k) for k in range(len(self._limits)))
         self.use(now, tuple(max(0.0, min(amount, left)) for amount, left in zip(use, room, strict=True)))
+
+    def returned(self, now: float) -> tuple[Returned, ...]:
+        """What we give back to who lends and did not tell often enough."""
+        for place, lent in list(self._borrowed.items()):
+            if lent.ends < now and not lent.stays and lent in self._lent:
+                self._give_back(now, place, None)
+        return tuple(islice((returned for returned, _ in self._given_back.values()), MOST_RETURNED))
+
+    def told_returned(self) -> None:
+        """Who lends was told once what we give back."""
+        told = dict(islice(self._given_back.items(), MOST_RETURNED))
+        self._given_back = {b: v for b, v in self._given_back.items() if b not in told}
+        self._given_back |= {b: (each, times - 1) for b, (each, times) in told.items() if times > 1}
+
+    def take_back(
+        self,
+        peer: str,
+        epoch: int,
+        returned: Iterable[Returned],
+        latest: Callable[[float], float] = lambda t: t,
+    ) -> list[Lent]:
+        """A robot gives back what we lent to it; return what of it was not used at all.
+
+        `latest` is what our clock showed at most when that of the robot showed a time.
+        """
+        unused: list[Lent] = []
+        if not self.leads or epoch != self.epoch:
+            return unused
+        named = {each.begins: each for each in returned}
+        for lent in [each for each in self._lent if each.robot == peer and not each.stays] if named else ():
+            back = named.get(_digits(lent.begins))
+            if back is None:
+                continue
+            ends = max(lent.begins, _rounded(latest(back.used)) + EDGE)
+            if back.used and ends >= lent.ends:
+                continue
+            self._lent.remove(lent)
+            if back.used:
+                self._lent.append(replace(lent, ends=ends))
+            else:
+                unused.append(lent)
+            self._told = {g: e for g, e in self._told.items() if (g.peer, g.begins) != (peer, lent.begins)}
+            self._offered_until = -math.inf
+        return unused
 
     def sent(self) -> tuple[tuple[float, tuple[float, ...]], ...]:
         """Our sends that may still count, as (time, use), oldest first."""
@@ -355,6 +411,9 @@ class Shares:
         if grant.peer != self.own or grant in self._told or len(grant.parts) != sum(c.shared for c in self._limits):
             return
         longest = max(self._windows(), default=0.0)
+        self._over = {known: ends for known, ends in self._over.items() if ends + longest + LONGEST > now}
+        if (grant.begins, grant.parts) in self._over:
+            return  # who lends has not heard yet that we gave it back
         self._told = {known: ends for known, ends in self._told.items() if ends + longest + 1.0 > now}
         self._lent = [lent for lent in self._lent if lent.ends + longest >= now]
         begins, ends = ours(grant.begins) + uncertainty, ours(grant.ends) - uncertainty
@@ -368,6 +427,29 @@ class Shares:
                 self._lent.remove(shorter)
             self._borrowed[place] = Lent(self.own, begins, ends, amounts)
             self._lent.append(self._borrowed[place])
+
+    def _spend(self, now: float, use: tuple[float, ...]) -> None:
+        """What was lent for the message that is sent now has served."""
+        if self.leads:
+            return
+        left = list(use)
+        begun = [(place, lent) for place, lent in self._borrowed.items() if lent in self._lent and not lent.stays]
+        for place, lent in sorted(begun, key=lambda each: each[1].ends):
+            if lent.begins <= now <= lent.ends and any(left[k] > 0.0 for k in range(len(lent.amounts))):
+                left[: len(lent.amounts)] = [a - b for a, b in zip(left, lent.amounts, strict=False)]
+                self._give_back(now, place, now)
+
+    def _give_back(self, now: float, place: tuple[float, tuple[int, ...]], used: float | None) -> None:
+        """Hold nothing any more of what we were lent but for what we sent, if all that we sent still fits then."""
+        lent = self._borrowed.pop(place)
+        where = self._lent.index(lent)
+        self._lent[where : where + 1] = [] if used is None else [replace(lent, ends=used)]
+        shared = [k for k, limit in enumerate(self._limits) if limit.shared]
+        if any(self._free(now, now, k) < 0.0 for k in shared):
+            self._lent[where : where + (used is not None)], self._borrowed[place] = [lent], lent
+        else:
+            begins, self._over[place] = _digits(place[0]), lent.ends
+            self._given_back[begins] = Returned(begins, used or 0.0), TOLD
 
     def _parts(self, k: int, amount: float) -> int:
         """An amount in parts of the ceiling, which all robots agree on; at most all of it."""
@@ -427,7 +509,7 @@ class Shares:
 
     def _turned(self) -> None:
         """What was lent before counts no more."""
-        self._lent, self._told, self._borrowed = [], {}, {}
+        self._lent, self._told, self._borrowed, self._given_back, self._over = [], {}, {}, {}, {}
         self._offered_until = -math.inf
 
     def _left_at(self, now: float) -> float:
@@ -440,6 +522,11 @@ class Shares:
 def _identity(limit: Limit) -> tuple[str, str]:
     """What makes a constraint the same one under new specs: amounts of another kind are in another unit."""
     return limit.name, limit.measure.kind
+
+
+def _digits(begins: float) -> int:
+    """By what a robot names what it was lent: the last digits of when it begins."""
+    return round(begins * 1e3) % BEGINS
 
 
 def _rounded(t: float) -> float:

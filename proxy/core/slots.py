@@ -6,7 +6,7 @@ the next one goes where it gains most for what it takes, as long as there is roo
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,8 +37,6 @@ MARGIN = 1.01
 
 Place = tuple[str, str]
 """A stream, by robot and key."""
-Reach = Callable[[Stream], tuple[float, float]]
-"""What messages of a stream take to who gains by them [s], and how many these are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,12 +53,9 @@ def lengthened_by(now: float, offset: ClockOffset) -> float:
     return now + offset.latency + offset.uncertainty(now) + LOOK
 
 
-def demands(now: float, view: SharedView, limits: Sequence[Limit], reach: Reach | None = None) -> list[Demand]:
-    """Return what all streams that compete would gain, by robot and key; `limits` are those that robots share.
-
-    `reach` tells when messages of a stream arrive [s] and with how many; by default as it was measured.
-    """
-    return [_demand(now, view, stream, limits, reach) for stream in view.competition.all(now)]
+def demands(now: float, view: SharedView, limits: Sequence[Limit]) -> list[Demand]:
+    """Return what all streams that compete would gain, by robot and key; `limits` are those that robots share."""
+    return [_demand(now, view, stream, limits) for stream in view.competition.all(now)]
 
 
 def allot(wanted: Sequence[Demand], room: Sequence[float], held: Mapping[Place, int]) -> dict[Place, int]:
@@ -83,17 +78,14 @@ def allot(wanted: Sequence[Demand], room: Sequence[float], held: Mapping[Place, 
     return slots
 
 
-def _demand(
-    now: float, view: SharedView, stream: Stream, limits: Sequence[Limit], reach: Reach | None = None
-) -> Demand:
+def _demand(now: float, view: SharedView, stream: Stream, limits: Sequence[Limit]) -> Demand:
     window = max((limit.window for limit in limits), default=0.0)
     period = max(stream.schedule.period, 1e-3)
     most = min(MOST_SLOTS, math.floor(window / period + 1e-9) + 1)
     rounds = math.ceil(window / period - 1e-9) * period
     intervals = [period if n == most else rounds / n for n in range(1, most + 1)]
     audience = view.audiences.of(now, stream)
-    latency, share = (audience.mean, audience.share) if reach is None else reach(stream)
-    worth = _worth(stream, np.array(intervals), latency, share)
+    worth = _worth(stream, np.array(intervals), audience.mean, audience.share)
     use = use_of(stream.newest.size, view.copies(stream), tuple(limits))
     gains = tuple(np.diff(worth, prepend=0.0).tolist())
     return Demand((stream.robot, stream.key), tuple(MARGIN * amount for amount in use), gains)

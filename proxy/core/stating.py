@@ -12,6 +12,8 @@ LEAST_CHANGE = 0.1
 """Periods are estimates: only one that moved by this part is news."""
 LEAST_GROWTH = 0.5
 """So are sizes, which every digest tells anew."""
+RHYTHMIC = {"", "periodic"}
+"""Of streams that generate so, digests tell the rhythm."""
 WALL_STEP = 1e-3
 """A wall clock that moved by more than this is told anew [s]."""
 
@@ -71,12 +73,15 @@ def _news(told: State, state: State) -> tuple[StreamState, ...]:
 
 
 def _moved(told: StreamState, stream: StreamState) -> bool:
-    if (told.key, told.information_type, told.schedule) != (stream.key, stream.information_type, stream.schedule):
+    if (told.key, told.information_type) != (stream.key, stream.information_type):
         return True
+    if abs(stream.size - told.size) > LEAST_GROWTH * max(stream.size, 1):
+        return True
+    if {told.schedule, stream.schedule} <= RHYTHMIC:
+        return False
     change = LEAST_CHANGE * max(stream.period, 1e-9)
-    if abs(stream.jitter - told.jitter) > change or abs(stream.period - told.period) > change:
-        return True
-    return abs(stream.size - told.size) > LEAST_GROWTH * max(stream.size, 1)
+    moved = abs(stream.jitter - told.jitter) > change or abs(stream.period - told.period) > change
+    return moved or told.schedule != stream.schedule
 
 
 def _lost(told: State, state: State) -> bool:

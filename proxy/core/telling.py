@@ -22,12 +22,16 @@ from proxy.core.wire import Digest, Echo, State
 
 LEADERS_PART = 0.35
 """Of what all robots may tell each other, this part is for the one that leads."""
+FAR_LEADERS_PART = 0.6
+"""... and this where news take so long that what is lost comes too late when it is told once more."""
 AHEAD = 0.15
 """Others are lent what they need so much before they need it [s]."""
 ALL_PART = 0.3
 """Where one robot leads, this part of the allowance is for telling all what concerns only some..."""
-ALL_PACE = 30.0
+ALL_PACE = 60.0
 """... and they are told at least this often [s]."""
+ALL_LEAST = 10.0
+"""... but not more often than this [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
 LOSSES = (0.04, 0.2)
@@ -36,7 +40,7 @@ LOSSES_PACE = 0.5
 """How much gets lost is looked at this often [s]."""
 STRAGGLER_PACE = 0.3
 """Those who do not say that they follow are told of who leads this often [s]."""
-ECHO_PACE = 2.0
+ECHO_PACE = 5.0
 """Digests that concern one robot echo its own this often [s]."""
 VAGUE = 0.03
 """... and more often where clocks are not known to this [s]."""
@@ -126,15 +130,16 @@ class Telling:
     def set_rate(self) -> None:
         """A part of what all may tell each other is for who plans for all; the others have news."""
         robots, part = len(self._view.peers) + 1, 1.0
-        if self._view.settings.coordination == "shares" and self._shares.leader and robots > 1:
-            part = LEADERS_PART * robots if self._shares.leads else 1.0 - LEADERS_PART
+        if self._gate.sharing and self._shares.leader and robots > 1:
+            leaders = FAR_LEADERS_PART if self._gate.late else LEADERS_PART
+            part = leaders * robots if self._shares.leads else 1.0 - leaders
         allowance = self._view.settings.allowance * self._channel.part
         self.pacer.set_rate(part * allowance_of(self._view.specs, allowance, robots))
 
     def speaks_again(self) -> float:
         """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
         latency = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
-        return self.pacer.interval + latency + AHEAD
+        return (1 + self._gate.late) * self.pacer.interval + latency + AHEAD
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
@@ -165,7 +170,7 @@ class Telling:
         self._next_digest = self._digest_due(now)
 
     def _digest_due(self, now: float) -> float:
-        sharing = self._view.settings.coordination == "shares" and bool(self._view.peers)
+        sharing = self._gate.sharing and bool(self._view.peers)
         if sharing:
             if not self._shares.epoch and now < self._settled_at + HELLO:
                 return self._settled_at + HELLO
@@ -179,7 +184,7 @@ class Telling:
             retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
             return max(now, min(retold, all_due))
         speak = self._channel.capacity.speak(now)
-        news = speak or self.pacer.again or self._news
+        news = speak or self.pacer.again or self._news or bool(self._shares.returned(now))
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
@@ -187,6 +192,11 @@ class Telling:
         due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to or self.pacer.again else max(due, self._told_at + NEWS_PACE)
+
+    def has_news(self) -> bool:
+        """Whether there is news of our streams."""
+        self._look_for_news()
+        return self._unknown or self._news
 
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""
@@ -216,7 +226,9 @@ class Telling:
             echoes=self.pacer.echoes(now, self._echoes(to), copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
+            returned=self._shares.returned(now),
         )
+        self._shares.told_returned()
         self._channel.capacity.told(digest)
         self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
         self._view.sent_digest(now)
@@ -230,7 +242,7 @@ class Telling:
         All are told of an epoch, and now and then of the rest.
         """
         shares, peers = self._shares, self._view.peers
-        if self._view.settings.coordination != "shares" or not peers:
+        if not self._gate.sharing or not peers:
             return ""
         if shares.leads:
             if self._told_epoch != shares.epoch:
@@ -244,7 +256,10 @@ class Telling:
         """How often it is told what is lent: once, or more where much gets lost; that is looked at now and then."""
         if now >= self._lost_at + LOSSES_PACE:
             lost = [part for peer in self._view.peers.values() for part in (peer.loss_in, peer.loss_out) if part]
-            self._lost_at, self._times = now, 1 + sum(max(lost, default=0.0) > most for most in LOSSES)
+            self._lost_at, self._times = (
+                now,
+                1 + self._gate.late + sum(max(lost, default=0.0) > most for most in LOSSES),
+            )
         return self._times
 
     def _straggler(self, now: float) -> str:
@@ -271,7 +286,7 @@ class Telling:
 
     def _all_pace(self) -> float:
         """How often all are told what concerns only some [s]."""
-        return min(ALL_PACE, max(SLOW, self._digest_copies() * self.pacer.interval / ALL_PART))
+        return min(ALL_PACE, max(ALL_LEAST, self._digest_copies() * self.pacer.interval / ALL_PART))
 
     def _size_of(self, digest: Digest, to: str) -> int:
         """The size of a digest [B]; on the air, where one for all goes, its key has no number to stand for it."""

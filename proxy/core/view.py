@@ -26,6 +26,8 @@ DIGEST = 150
 """A digest is about so large on the way [B]."""
 LEAST_LATENCY = 1e-6
 """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
+ALIKE = 0.005
+"""Ways there and back differ by this part, where nothing worse comes of it than messages too many."""
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
 
@@ -173,6 +175,14 @@ class SharedView:
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
         return {peer.robot: name for name, peer in self.peers.items()} | {self.settings.robot: tag(self.settings.zid)}
+
+    def doubt(self, now: float, peer: Peer) -> float:
+        """What we take a peer's clock to be off by at most from what we estimate [s].
+
+        That the ways there and back take alike nobody knows: where the union has to hold for certain it is not assumed.
+        """
+        most = peer.offset.uncertainty(now)
+        return most if self.settings.coordination == "shares" else min(most, ALIKE * peer.offset.latency)
 
     def peer_called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""

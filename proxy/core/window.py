@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
-from proxy.core.asks import serves
+from proxy.core.asks import LEAD, serves
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
@@ -35,10 +35,6 @@ MOST_FACTS = 16
 """So many of the messages last sent of a stream are facts where more than one counts."""
 MOST_OF_BEST = 24
 """So many forecasts of a stream are planned for where the best message counts: time grows with their square."""
-LEAD = 0.02
-"""A robot hears what we let it send so much before it decides on it, besides the latency [s]."""
-ASKED = 0.25
-"""A robot waits so long for us to lend what a message takes [s]."""
 OVERHEARD = 0.05
 """What was sent we have overheard so much later at most, besides the latency and the stream's jitter [s]."""
 MOST_OF_OWN = 3
@@ -155,7 +151,7 @@ class WindowBuilder:
         ]
         opened += [_expect(c, t) for c in candidates for t in c.times]
         if limits.promised is not None:
-            opened += [m for c in candidates for m in self._asking(now, c, limits, limits.promised)]
+            opened += [m for c in candidates for m in self._asking(now, c, limits.promised)]
         if limits.holds is not None:
             opened = [m for m in opened if m.current or not m.of.own or limits.holds(m.t_gen, _use(m, limits))]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
@@ -169,16 +165,16 @@ class WindowBuilder:
         c.times = [t for t in c.times if t not in times]
         return [_expect(c, t) for t in times]
 
-    def _asking(self, now: float, c: _Candidate, limits: Limits, promises: Promises) -> list[_Open]:
+    def _asking(self, now: float, c: _Candidate, promises: Promises) -> list[_Open]:
         """Where we lend, return what another robot has generated, told us of, and waits with."""
         stream, last = c.stream, c.stream.newest
-        if c.own or now - last.t_gen > ASKED:
+        if c.own:
             return []
         peer = self._view.peer_called(stream.robot)
-        if peer is None or not serves(self._view, stream, peer, limits.union):
+        if peer is None or not serves(now, stream, peer):
             return []
-        promised = promises.get((stream.robot, stream.key), ())
-        known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen for p in promised[-1:])])
+        promised, half = promises.get((stream.robot, stream.key), ()), 0.5 * stream.schedule.period
+        known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen + half for p in promised[-1:])])
         return [_Open(last.t_gen, c, last.size, last.scale, last.features)] if last.t_gen > known else []
 
     def _expected(self, m: _Open) -> Expected | None:

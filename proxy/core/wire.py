@@ -74,6 +74,21 @@ class Grant:
     parts: tuple[int, ...]
 
 
+BEGINS = 65_536
+"""Of when a grant begins so many milliseconds tell which one is meant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Returned:
+    """The sender gives back what it was lent: after `used` on its clock it uses no more of it [s]; 0.0: it used none.
+
+    `begins` are the last digits of when the grant begins, in milliseconds of who lends (modulo `BEGINS`).
+    """
+
+    begins: int
+    used: float
+
+
 @dataclass(frozen=True, slots=True)
 class Digest:
     """One robot's news. `tag` is the short form of its id."""
@@ -93,6 +108,7 @@ class Digest:
     """Number of the state in force (see `State.number`): who knows another one asks for it."""
     capacity: tuple[float, ...] = ()
     """Of every adaptive limit, in the order of the constraints, the part of its ceiling that the channel bears."""
+    returned: tuple[Returned, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

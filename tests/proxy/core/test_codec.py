@@ -22,7 +22,7 @@ from proxy.core.codec import (
 )
 from proxy.core.errors import MalformedWireError
 from proxy.core.fixed import rounded, single, ticks
-from proxy.core.wire import PARTS, Digest, Echo, Grant, State, StreamDigest, StreamState
+from proxy.core.wire import PARTS, Digest, Echo, Grant, Returned, State, StreamDigest, StreamState
 
 time = st.integers(0, 10**13).map(lambda ticks_: ticks_ / 1e4)
 count = st.integers(0, 2**53)
@@ -270,3 +270,10 @@ def test_digests_are_small():
     assert length(streams=streams[:1]) == 42
     assert length(grants=grants[:1]) == 35
     assert length(streams=streams, grants=grants, echoes=echoes) <= 350
+
+
+def test_what_is_given_back_travels():
+    """By the last digits of its begin, and until when it was used, or that it was not."""
+    back = (Returned(65_535, 12.25), Returned(7, 0.0))
+    digest = Digest("r1", "t", 13.0, 5, 0, 0, returned=back)
+    assert unpack_digest(pack_digest(digest), "r1", "t").returned == back

@@ -358,6 +358,8 @@ class Mission:
 
     def speak(self, name):
         letter = name, self.shares[name].epoch, self.shares[name].grants(self.clock(name))
+        letter = *letter, self.shares[name].returned(self.clock(name))
+        self.shares[name].told_returned()
         for to in self.shares:
             for _ in range(self.rng.choice([1, 1, 2])):
                 if to != name and self.rng.random() >= self.loss:
@@ -366,11 +368,13 @@ class Mission:
     def hear(self):
         due = [letter for letter in self.mail if letter[0] <= self.now]
         self.mail = [letter for letter in self.mail if letter[0] > self.now]
-        for _, to, by, epoch, grants in due:
+        for _, to, by, epoch, grants, returned in due:
             wrong = self.rng.uniform(-0.1, 0.1)
             offset = self.clocks[to] - self.clocks[by] + wrong
             ours = partial(lambda offset, t: t + offset, offset)
             self.shares[to].heard(self.clock(to), by, epoch, grants, ours=ours, uncertainty=0.1)
+            latest = partial(lambda offset, t: t + offset + 0.1, offset)
+            self.shares[to].take_back(by, epoch, returned, latest)
 
     def act(self, name):
         share, now = self.shares[name], self.clock(name)
@@ -539,3 +543,99 @@ def test_slots_for_one_robot_are_told_apart():
     assert len({slot.begins for slot in slots}) == 3
     tell(shares, "a", "b", 0.2)
     assert shares["b"].held(0.3, 0) == pytest.approx(900.0)
+
+
+def lending(now=0.1, ends=1.5):
+    """A team of two in which 300 B are lent to `b` from 1.0 on."""
+    shares = team("ab")
+    agree(shares, now)
+    shares["a"].lend(now, "b", 1.0, ends, (300.0,))
+    tell(shares, "a", "b", 0.2)
+    return shares
+
+
+def give_back(shares, now, wrong=0.0):
+    """What `b` gives back reaches `a`, whose clock may be ahead by `wrong`."""
+    returned = shares["b"].returned(now)
+    unused = shares["a"].take_back("b", shares["b"].epoch, returned, partial(lambda by, t: t + by, wrong))
+    shares["b"].told_returned()
+    return returned, unused
+
+
+def test_what_has_served_comes_back_one_window_after_it_was_used():
+    """Who lends may lend it again by then; until it has heard of it, nothing changes."""
+    shares = lending()
+    shares["b"].use(1.1, (300.0,))
+    assert [shares["a"].held(t, 0) for t in (2.2, 2.6)] == pytest.approx([690.0, 990.0])
+    returned, unused = give_back(shares, 1.2)
+    assert ([each.used for each in returned], unused) == ([1.1], [])
+    assert [shares["a"].held(t, 0) for t in (2.0, 2.2)] == pytest.approx([690.0, 990.0])
+    assert shares["a"].grants(1.3) == ()
+    assert not shares["b"].fits(1.3, (20.0,))
+
+
+def test_what_is_given_back_is_told_twice():
+    """Digests may be lost."""
+    shares = lending()
+    shares["b"].use(1.1, (300.0,))
+    assert [len(give_back(shares, t)[0]) for t in (1.2, 1.3, 1.4)] == [1, 1, 0]
+
+
+def test_what_was_not_used_comes_back_at_once():
+    """When it is over, for it might have been used until then."""
+    shares = lending()
+    assert give_back(shares, 1.4) == ((), [])
+    (lent,) = shares["a"].lent(1.5)
+    returned, unused = give_back(shares, 1.6)
+    assert ([each.used for each in returned], unused) == ([0.0], [lent])
+    assert shares["a"].held(1.7, 0) == pytest.approx(990.0)
+    assert shares["b"].held(1.7, 0) == 0.0
+
+
+def test_what_may_have_been_used_at_the_end_is_not_back_sooner():
+    """Who lends does not know the other one's clock that well."""
+    shares = lending()
+    shares["b"].use(1.1, (300.0,))
+    give_back(shares, 1.2, wrong=5.0)
+    assert shares["a"].held(2.4, 0) == pytest.approx(690.0)
+
+
+def test_only_who_lends_takes_back_what_it_lent_itself_in_this_epoch():
+    """Of others, of another epoch, or of what is not known, nothing counts."""
+    shares = lending()
+    shares["b"].use(1.1, (300.0,))
+    returned, (before,) = shares["b"].returned(1.2), shares["a"].lent(1.2)
+    assert shares["a"].take_back("c", shares["a"].epoch, returned) == []
+    assert shares["a"].take_back("b", 7, returned) == []
+    assert shares["b"].take_back("a", shares["b"].epoch, returned) == []
+    assert shares["a"].take_back("b", shares["a"].epoch, [replace(returned[0], begins=7)]) == []
+    assert shares["a"].lent(1.3) == (before,)
+
+
+def test_what_was_given_back_is_not_held_again_when_it_is_lengthened():
+    """Who lends had not heard of it when it let us use it for longer."""
+    shares = lending()
+    shares["b"].use(1.1, (300.0,))
+    shares["a"].lengthen(1.2, *shares["a"].lent(1.2), 3.0)
+    tell(shares, "a", "b", 1.3)
+    assert [shares["b"].held(t, 0) for t in (2.0, 2.2)] == pytest.approx([300.0, 0.0])
+
+
+def test_slots_are_not_given_back():
+    """They are lengthened, or end."""
+    shares = lending(ends=5.0)
+    shares["b"].use(1.1, (300.0,))
+    assert give_back(shares, 1.2)[0] == ()
+    assert shares["b"].returned(5.1) == ()
+
+
+def test_what_other_sends_still_need_is_not_given_back():
+    """Two sends of 200 B need both times 300 B that are lent."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    for begins in (1.0, 1.01):
+        shares["a"].lend(0.1, "b", begins, 1.5, (300.0,))
+    tell(shares, "a", "b", 0.2)
+    shares["b"].use(1.1, (400.0,))
+    assert [each.used for each in shares["b"].returned(1.6)] == [1.1, 1.1]
+    assert shares["b"].held(1.6, 0) == pytest.approx(600.0)

@@ -29,16 +29,17 @@ def test_streams_are_told_with_what_is_typical_of_them(make_specs):
     ("changes", "news"),
     [
         ({"period": 0.51}, False),
-        ({"period": 0.6}, True),
+        ({"period": 0.6}, False),
+        ({"period": 0.6, "schedule": "poisson"}, True),
         ({"size": 1400}, False),
         ({"size": 3000}, True),
-        ({"jitter": 0.2}, True),
+        ({"jitter": 0.2}, False),
         ({"schedule": "bursts"}, True),
         ({"information_type": "video"}, True),
     ],
 )
 def test_estimates_are_news_when_they_moved(changes, news):
-    """Then the update holds that stream alone."""
+    """Then the update holds that stream alone; digests tell of a rhythm."""
     state = replace(TOLD, streams=(replace(CAMERA, **changes), replace(CAMERA, id=2)), number=5)
     assert differs(TOLD, replace(state, streams=state.streams[:1])) is news
     update = update_of(TOLD, state)
@@ -66,3 +67,13 @@ def test_what_is_too_much_is_left_out_and_counted():
     short, left = shortened(replace(TOLD, streams=long, subscriptions=("k" * 1000,) * 100))
     assert (len(short.streams), len(short.subscriptions)) == (100, 50)
     assert shortened(TOLD) == (TOLD, 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "news"), [({"period": 0.51}, False), ({"period": 0.6}, True), ({"jitter": 0.2}, True)]
+)
+def test_the_pace_of_streams_without_a_rhythm_is_news_when_it_moved(changes, news):
+    """No digest tells of it."""
+    random = replace(CAMERA, schedule="poisson")
+    told = replace(TOLD, streams=(random,))
+    assert differs(told, replace(told, streams=(replace(random, **changes),))) is news

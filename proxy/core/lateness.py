@@ -1,0 +1,41 @@
+"""Whether news of others come so late that robots that each plan for all would take the same room.
+
+What was sent within the latency is known to nobody else. While that is a good part of the window, one robot plans for
+all, as where limits are shared: it lends, and nobody sends what was not lent. Only that clocks are trusted there.
+"""
+
+import math
+from collections.abc import Sequence
+
+from proxy.core.limits import Limit
+from proxy.core.view import SharedView
+
+LATE = 0.1
+"""News are late where they take this part of the shortest window..."""
+STAYS = 0.8
+"""... and still when they take a little less: so many times that."""
+PACE = 0.25
+"""It is looked at this often [s]."""
+
+
+class Lateness:
+    """Looks now and then at how long news take; `late` while that is too long for each to decide alone."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self._due = -math.inf
+        self.late = False
+
+    def look(self, now: float, limits: Sequence[Limit]) -> None:
+        """See how long news take beside the windows of what robots share, if it is time to."""
+        if now < self._due:
+            return
+        self._due = now + PACE
+        window = min((limit.window for limit in limits if limit.shared), default=math.inf)
+        self.late = self._longest_way() >= window * LATE * (STAYS if self.late else 1.0)
+
+    def _longest_way(self) -> float:
+        """What messages take from any robot to any other at most, as far as that is known [s]."""
+        peers = self._view.peers.values()
+        told = (line.fixed for peer in peers for line in peer.heard_by.values())
+        return max([*(peer.offset.latency for peer in peers), *told], default=0.0)

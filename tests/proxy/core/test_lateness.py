@@ -1,0 +1,84 @@
+"""Where all would plan for all and news take long, one robot plans and lends."""
+
+import pytest
+
+from planner import Throughput
+from proxy.core.lateness import LATE, PACE, STAYS, Lateness
+from proxy.core.limits import Limit
+from proxy.core.settings import CoreSettings
+from proxy.core.view import SharedView
+from studies.simulation.conditions import Conditions
+from studies.simulation.flights import fly
+from studies.simulation.missions import draw, scenario
+from studies.simulation.usage import usage
+from utility_specs import Specs
+
+WINDOW = 2.0
+CHANNEL = Limit("channel", WINDOW, 4000.0, Throughput(4000.0, WINDOW))
+
+
+@pytest.fixture
+def view():
+    made = SharedView(CoreSettings("r0", "r0-zid", transport="broadcast g", coordination="overhear"), Specs((), (), ""))
+    made.add_peer(0.0, "r1", "r1-zid")
+    return made
+
+
+def measure(view, latency):
+    offset = next(iter(view.peers.values())).offset
+    offset.heard(1.0, 1.0 + latency)
+    offset.echoed(1.0, 1.0 + latency)
+
+
+def test_news_are_late_by_the_shortest_window(view):
+    """A tenth of it; without any limit nothing is late."""
+    measure(view, 1.01 * LATE * WINDOW)
+    lateness = Lateness(view)
+    lateness.look(0.0, ())
+    assert not lateness.late
+    lateness.look(0.5 * PACE, (CHANNEL,))
+    assert not lateness.late
+    lateness.look(PACE, (CHANNEL,))
+    assert lateness.late
+
+
+def test_news_that_become_a_little_quicker_are_still_late(view):
+    """So that a team does not waver."""
+    measure(view, 1.01 * LATE * WINDOW)
+    lateness = Lateness(view)
+    lateness.look(0.0, (CHANNEL,))
+    for part, late in ((1.01 * STAYS, True), (0.99 * STAYS, False), (1.01 * STAYS, False)):
+        now = lateness._due
+        view.peers.clear()
+        view.add_peer(now, "r1", "r1-zid")
+        measure(view, part * LATE * WINDOW)
+        lateness.look(now, (CHANNEL,))
+        assert lateness.late is late
+
+
+def test_clocks_are_trusted_only_where_the_union_need_not_hold_for_certain(view):
+    """That ways there and back take alike nobody knows."""
+    measure(view, 1.0)
+    peer = next(iter(view.peers.values()))
+    assert view.doubt(1.0, peer) < 0.02
+    shares = SharedView(CoreSettings("r0", "r0-zid"), Specs((), (), ""))
+    shares.add_peer(0.0, "r1", "r1-zid")
+    measure(shares, 1.0)
+    assert shares.doubt(1.0, next(iter(shares.peers.values()))) >= 1.0
+
+
+@pytest.mark.parametrize(("name", "least"), [("mixed", 1.5), ("few", 1.4)])
+def test_at_a_latency_of_a_second_the_union_keeps_the_limit(name, least):
+    """Ten robots, five messages in 2.5 s, 1 % lost; of two a second that would be allowed most are sent.
+
+    Messages whose times are known are lent one by one, others have slots.
+    """
+    how = Conditions(coordination="overhear", transport="broadcast", limit=5, latency=1.0, loss=0.01, seconds=15.0)
+    flown = draw(scenario(name), 0, how)
+    team = fly(flown, how, 0)
+    used = usage(flown, team, how)
+    assert used.exceeding == 0.0
+    assert used.messages >= least
+    leader = next(core for core in team.cores.values() if core.shares.leads)
+    assert leader.gate.late
+    assert leader.gate.standing is (name == "few")
