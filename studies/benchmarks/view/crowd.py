@@ -192,12 +192,12 @@ class Crowd:
 
 
 def measure_crowd(*, quick: bool) -> Table:
-    """Measure a team of ten and a crowd of a hundred side by side; `quick`: of two and four."""
+    """Measure a team of ten and a crowd of a hundred side by side; `quick`: of four and five."""
     coordinations: tuple[Coordination, ...] = ("overhear", "shares")
     rows = [
         (f"{robots} robots, {coordination}", *_cost(robots, coordination, 1 if quick else 3).cells())
         for coordination in coordinations
-        for robots in ((2, 4) if quick else (10, 100))
+        for robots in ((4, 5) if quick else (10, 100))
     ]
     return Table(
         f"One core in a crowd, {STREAMS} streams of each robot",
