@@ -18,14 +18,15 @@ from typing import Any
 
 from proxy.core.arrivals import HELPED, LOST, SPAN, Arrivals
 from proxy.core.delays import NEW, Queue, Ways, queue
-from proxy.core.estimate import Estimate
+from proxy.core.estimate import DRAIN, Estimate
 from proxy.core.hearing import Hearing
 from proxy.core.limits import Limit
+from proxy.core.load import SPAN as SPAN_OF_USE
 from proxy.core.load import Load
 from proxy.core.wire import Digest
 
-BEARABLE = 0.05
-"""Digests may wait so long [s], besides the time that the longest sample takes."""
+BEARABLE, BEHIND = 0.05, 2.0
+"""Digests may wait so long [s], besides so many times what the longest sample takes: robots send independently."""
 LONGEST = 0.25
 """The time of the longest sample counts up to this [s]."""
 PACE = 0.1
@@ -44,6 +45,8 @@ RECENT = 0.8
 """Delays are as old as this at most [s], or as twice the time between digests."""
 WIDEST = 0.5
 """Bursts of limits with longer windows are taken for queues [s]."""
+LONGEST_TURN = 1.0
+"""When a queue has drained all robots send again within a window, but not later than this [s]."""
 LATELY = 2.5
 """The others say something often if much was used so long ago [s]."""
 FADING = 1.0
@@ -59,14 +62,17 @@ class Seen:
     """What the view knows of the use of the channel: samples `dropped` so far by anybody, whom our samples go to.
 
     `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
-    of every adaptive limit's ceiling that one sample of each stream takes together, `leader` who lends, if any.
+    of every adaptive limit's ceiling that one sample of each stream takes together, `one` the largest of these, `leader` whose word counts for all,
+    if anybody's; `lends`: whether nothing is sent but what it lends.
     """
 
     dropped: int
     receivers: Collection[str]
     longest: float
     each: tuple[float, ...]
+    one: tuple[float, ...]
     leader: str = ""
+    lends: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +92,11 @@ class Capacity:
         self._limits: tuple[Limit, ...] = ()
         self._estimates: list[Estimate] = []
         self._force: list[float] = []
+        self._lasting: list[float] = []
+        self._drained: list[float] = []
+        """What is in force for who begins anew first."""
+        self._turns: list[tuple[float, float]] = []
+        """Until when we send less, and how much, because a queue was there [s]."""
         self._others_told: list[float] = []
         self._used: tuple[float, ...] = ()
         self._ways: dict[str, Ways] = {}
@@ -106,6 +117,9 @@ class Capacity:
         self._queue: Queue | None = None
         self._why = "nobody is there"
         self._leader = ""
+        self._lends = True
+        self._follows = False
+        """Whether another robot leads whose word we have."""
         self._used_at = -math.inf
 
     def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
@@ -117,6 +131,9 @@ class Capacity:
         for limit, estimate in zip(self._limits, self._estimates, strict=True):
             estimate.floor = limit.least
         self._force = [estimate.told(now) for estimate in self._estimates]
+        self._lasting = [estimate.part for estimate in self._estimates]
+        self._drained = list(self._force)
+        self._turns = [(now, 1.0)] * len(self._estimates)
         self._others_told = [1.0] * len(self._estimates)
         self._used = (0.0,) * len(self._estimates)
 
@@ -127,8 +144,8 @@ class Capacity:
         if not self._ways:
             self._hearing.restart(now)
         ways = self._ways.setdefault(digest.tag, Ways())
-        ways.here.note(now, digest.sent, now)
-        self._hearing.heard(now)
+        if ways.here.note(now, digest.sent, now):
+            self._hearing.heard(now, ways.here.waited)
         for echo in digest.echoes:
             if echo.peer == self._own and ways.there.note(now, echo.sent, echo.received):
                 self._hearing.heard_by(now)
@@ -154,15 +171,22 @@ class Capacity:
         self._arrivals.forget(peer)
         self._most_dropped = 0
 
+    def waiting(self, now: float) -> float:
+        """How long news of others wait on their way here [s]."""
+        overdue = self._hearing.stale(now) if self._why == "overdue" else 0.0
+        return max(overdue, self._queue.delay if self._queue else 0.0)
+
     def due(self, now: float) -> bool:
         """Whether it is time to look at the channel."""
         return bool(self._estimates) and now >= self._looked_at + PACE
 
     def look(self, now: float, seen: Seen) -> None:
         """Grow or decrease the estimates by what is seen now."""
-        self._looked_at, self._leader = now, seen.leader
+        self._looked_at, self._leader, self._lends = now, seen.leader, seen.lends
+        since = -math.inf if seen.lends else now - FRESH
+        self._follows = self._leader != self._own and self._told.get(self._leader, (-math.inf, ()))[0] > since
         self._note_drops(now, seen.dropped)
-        bearable = BEARABLE + min(seen.longest, LONGEST)
+        bearable = BEARABLE + BEHIND * min(seen.longest, LONGEST)
         recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
         settled = max(estimate.settled_at for estimate in self._estimates)
         self._queue = self._worst(now, seen.receivers, -math.inf, recent, bearable)
@@ -171,7 +195,7 @@ class Capacity:
         self._used_at = now if self._in_use else self._used_at
         if not self._ways:
             self._why = "nobody is there"
-        elif self._hears_nothing(now):
+        elif not (self._follows and seen.lends) and self._hears_nothing(now, bearable):
             self._queue = None
         elif new is not None and new.delay > bearable:
             self._why = "delay"
@@ -183,13 +207,16 @@ class Capacity:
                 estimate.linger(now, self._queue.delay)
         elif self._judge_loss(now, used):
             self._why = "loss"
-        elif self._queue is None or new is None:
+        elif (self._queue is None or new is None) and not (self._follows and seen.lends):
             self._why = "settling"
-        elif self._queue.delay > bearable / 2.0:
+        elif self._queue is not None and self._queue.delay > bearable / 2.0:
             self._why = "some delay"
         else:
             self._why = "free"
-            self._grow(now, used, seen)
+            if self._follows:
+                self._catch_up(now)
+            else:
+                self._grow(now, used, seen)
         if self._why not in ("free", "settling"):
             self._free_at = now
         self._combine(now, seen.receivers)
@@ -198,6 +225,11 @@ class Capacity:
     def factors(self) -> tuple[float, ...]:
         """Of every adaptive limit, the part of its ceiling that is in force."""
         return tuple(self._force)
+
+    @property
+    def lasting(self) -> tuple[float, ...]:
+        """The same for when queues have drained."""
+        return tuple(self._lasting)
 
     def wake_at(self, now: float) -> list[float]:
         """When limits change by themselves [s]."""
@@ -209,19 +241,26 @@ class Capacity:
 
     def news(self, now: float) -> bool:
         """Whether the others should hear at once what we would tell them."""
-        told = self.telling(now)[: len(self._estimates)]
+        told = self.telling(now)
         if len(told) > len(self._last_told):
             return True
-        pairs = zip(told, self._last_told, strict=False)
+        count = len(self._estimates)
+        places = [k for k in range(len(told)) if not count <= k < 2 * count]
+        pairs = [(told[k], self._last_told[k]) for k in places]
         return any(new < FELL * old or new > ROSE * old for new, old in pairs)
 
     def telling(self, now: float) -> tuple[float, ...]:
         """What a digest says: of every adaptive limit, the part that the channel bears by our evidence.
 
         Who leads says what it has in force, by the evidence of all, and of every limit the part that is used by all.
+        Who follows and has nothing against that says so.
         """
         if self._leader == self._own:
-            return (*self._force, *(min(used, 1.0) for used in self._used))
+            drains = self._drained if self._drained != self._lasting else ()
+            return (*self._lasting, *(min(used, 1.0) for used in self._used), *drains)
+        if self._follows:
+            pairs = zip(self._estimates, self._others_told, strict=True)
+            return tuple(estimate.part if estimate.part < FELL * others else 1.0 for estimate, others in pairs)
         return tuple(estimate.told(now) for estimate in self._estimates)
 
     def told(self, digest: Digest) -> None:
@@ -263,21 +302,19 @@ class Capacity:
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
         links = [ways.link for ways in outward]
         inward = list(self._ways.values())
-        if self._follows:
+        if self._lends and self._follows:
             outward = inward = [self._ways[self._leader]]
         groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
         found = [queue(now, ways, since, bearable / 2.0, recent=recent, span=span) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
 
-    def _hears_nothing(self, now: float) -> bool:
+    def _hears_nothing(self, now: float, bearable: float) -> bool:
         """Whether nothing comes through, or what is overdue may wait in a queue; then less is sent."""
-        if self._follows:
-            return False
         if self._hearing.silent(now):
             self._why = "silence"
             self._fade(now)
             return True
-        if now < self._used_at + LATELY and self._hearing.overdue(now):
+        if now < self._used_at + LATELY and self._hearing.overdue(now, bearable, len(self._ways)):
             self._why = "overdue"
             for estimate in self._estimates:
                 estimate.hold(now)
@@ -291,9 +328,11 @@ class Capacity:
                 estimate.fade()
 
     def _cut(self, now: float, used: Sequence[float], standing: Queue) -> None:
-        for part, force, estimate in zip(used, self._force, self._estimates, strict=True):
+        for part, force, estimate in zip(used, self._lasting, self._estimates, strict=True):
             # Whole samples never fill a limit; much less than it means that others than us fill the channel.
-            borne = min(max(part / MOSTLY, 0.5 * force), force)
+            # So soon after another decrease what is used says little.
+            lately = now < estimate.settled_at + 2.0 * SPAN_OF_USE
+            borne = force if lately else min(max(part / MOSTLY, 0.5 * force), force)
             estimate.cut(now, borne, standing.share, standing.delay)
 
     def _judge_loss(self, now: float, used: Sequence[float]) -> bool:
@@ -320,11 +359,17 @@ class Capacity:
         pressed = now < self._pressed_until
         for k, (force, estimate) in enumerate(zip(self._force, self._estimates, strict=True)):
             others = self._others(now, k)
-            follows = self._follows and others > estimate.part
-            if follows or used[k] >= (HALF_USED if pressed else USED) * force or (pressed and seen.each[k] > force):
-                estimate.grow(now, elapsed, AHEAD * force, others)
+            if used[k] >= (HALF_USED if pressed else USED) * force or (pressed and max(used[k] + seen.one[k], seen.each[k]) > force):
+                estimate.grow(now, elapsed, AHEAD * force, min(others, force) if self._leader == self._own else others)
             else:
                 self._why = "not used"
+
+    def _catch_up(self, now: float) -> None:
+        """Nothing stands in the way that we know of: come to what the leader has in force."""
+        elapsed, self._free_at = now - self._free_at, now
+        for k, estimate in enumerate(self._estimates):
+            word = self._others(now, k)
+            estimate.grow(now, elapsed, word, word)
 
     def _others(self, now: float, k: int) -> float:
         """The least that any other robot tells; nothing when none does, or when only we see what is lost by load."""
@@ -335,12 +380,32 @@ class Capacity:
     def _combine(self, now: float, receivers: Collection[str]) -> None:
         """Put in force what all tell together."""
         for k, estimate in enumerate(self._estimates):
-            own = estimate.told(now)
             others = min(self._bound(now, k, receivers, inside=inside) for inside in (True, False))
-            if others < FELL * self._others_told[k] and others < own:
+            if others < FELL * self._others_told[k] and others < estimate.told(now):
                 estimate.wait(now)
+            if self._follows:
+                estimate.follow(others, agrees=estimate.part >= FELL * self._others_told[k])
+            elif self._leader == self._own and others < FELL * estimate.part:
+                estimate.heed(now, others)
             self._others_told[k] = others
-            self._force[k] = min(own, others)
+            drains = self._drains(now)
+            self._lasting[k] = min(estimate.part, others)
+            self._drained[k] = min(estimate.told(now), others, *drains[k : k + 1])
+            self._force[k] = self._drained[k] if self._lends else self._in_turn(now, k)
+
+    def _in_turn(self, now: float, k: int) -> float:
+        """What is in force: when a queue has drained robots begin anew one after the other, within a window."""
+        if self._drained[k] < FELL * self._lasting[k]:
+            names = sorted((self._own, *self._ways))
+            turn = min(self._limits[k].window, LONGEST_TURN) * names.index(self._own) / len(names)
+            self._turns[k] = now + turn, self._drained[k]
+        begins, low = self._turns[k]
+        return min(self._drained[k], low) if now < begins else self._drained[k]
+
+    def _drains(self, now: float) -> tuple[float, ...]:
+        """What the leader has just said that is in force while a queue drains."""
+        t, told = self._told[self._leader] if self._follows else (-math.inf, ())
+        return told[2 * len(self._limits) :] if t >= now - DRAIN else ()
 
     def _bound(self, now: float, k: int, receivers: Collection[str], *, inside: bool) -> float:
         """What those tell who receive what we send, or the others: the least but one, where there are several."""
@@ -355,11 +420,6 @@ class Capacity:
     def _in_use(self) -> bool:
         """Whether much of any limit in force is used."""
         return any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
-
-    @property
-    def _follows(self) -> bool:
-        """Whether another robot lends, whom we have heard."""
-        return self._leader != self._own and self._leader in self._told
 
     def _words(self, now: float, k: int) -> list[tuple[str, tuple[float, ...]]]:
         """Who tells of a limit, and what: who lends, where we follow, however long ago that was."""

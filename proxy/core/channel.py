@@ -22,6 +22,7 @@ class Channel:
         self._gate = gate
         self._counts = counts
         self._ceilings: tuple[Limit, ...] = ()
+        self._waits = 0.0
         self._factors: tuple[float, ...] | None = ()
 
     @property
@@ -44,10 +45,13 @@ class Channel:
             return False
         self.capacity.sent(now, self._view.messages, self._view.bytes)
         self.capacity.look(now, self._seen(now))
+        self._waits = self.capacity.waiting(now)
         return self.capacity.news(now)
 
     def follow(self) -> SetPace | None:
         """Put in force what the channel bears; return the pace for the mesh when that is news."""
+        self._gate.lasting = in_force(self._ceilings, self.capacity.lasting)
+        self._gate.waiting = self._waits
         if self.capacity.factors == self._factors:
             return None
         self._factors = self.capacity.factors
@@ -59,6 +63,7 @@ class Channel:
 
     def _force(self, factors: tuple[float, ...]) -> None:
         self._gate.limits = in_force(self._ceilings, factors)
+        self._gate.lasting = in_force(self._ceilings, self.capacity.lasting)
         for k, (limit, ceiling) in enumerate(zip(self._gate.limits, self._ceilings, strict=True)):
             self._shares.set_factor(k, limit.limit / ceiling.limit)
 
@@ -75,7 +80,9 @@ class Channel:
             receivers={name for names in wanting for name in names},
             longest=max((part * time for each in parts for part, time in zip(each, windows, strict=True)), default=0.0),
             each=tuple(sum(each[k] for each in parts) for k in range(len(factors))),
-            leader=self._shares.leader if self._view.settings.coordination == "shares" else "",
+            one=tuple(max((each[k] for each in parts), default=0.0) for k in range(len(factors))),
+            leader=self._shares.leader,
+            lends=self._view.settings.coordination == "shares",
         )
 
     def _parts(self, stream: Stream) -> tuple[float, ...]:

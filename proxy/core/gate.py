@@ -51,8 +51,12 @@ class Gate:
         self._counts = counts
         self._windows = windows
         self.inbox = Inbox(settings.inbox, settings.backlog)
+        self.waiting = 0.0
+        """How long news of others wait on a channel that is full [s]."""
         self.mode = settings.mode
         self.limits: tuple[Limit, ...] = ()
+        self.lasting: tuple[Limit, ...] = ()
+        """The same, but for adaptive ones that are lower only until a queue has drained."""
         self.pending: Pending | None = None
         self.decisions = Decisions()
         self._complaint = ""
@@ -113,7 +117,7 @@ class Gate:
         commands: list[Command] = []
         self.wakes_at = math.inf
         if not self._sharing:
-            self._rooms.look(now, self.limits)
+            self._rooms.look(now, self.lasting, self.waiting)
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
@@ -168,7 +172,7 @@ class Gate:
         shares = self._shares
         if not self._sharing:
             if self._rooms.late:
-                return Limits(self.limits, self._held(self._rooms.held), shares.sent())
+                return Limits(self.limits, self._held(lambda k, _: self._room_of(k)), shares.sent())
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads and not self.standing:
             play = [PLAY if limit.shared else 0.0 for limit in self.limits]
@@ -239,8 +243,7 @@ class Gate:
             view = self._view
             streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
             held = [
-                self._shares.held(now, k) if self._sharing else self._rooms.held(k, limit)
-                for k, limit in enumerate(self.limits)
+                self._shares.held(now, k) if self._sharing else self._room_of(k) for k in range(len(self.limits))
             ]
             roomy = fits(view, streams, self.limits, held)
             self._room = now + max(PACE, EACH * len(streams)), roomy
@@ -360,8 +363,12 @@ class Gate:
 
     def _no_room(self, now: float, k: int, amount: float) -> bool:
         """Whether a message is more than what is ours; one larger than any limit may go where all is."""
-        held = self._rooms.held(k, self.limits[k])
+        held = self._room_of(k)
         return held < self.limits[k].limit and amount > held - self._shares.used(now, k)
+
+    def _room_of(self, k: int) -> float:
+        """What is ours of a limit, and less in proportion while a queue drains."""
+        return self._rooms.held(k, self.lasting[k]) * self.limits[k].limit / self.lasting[k].limit
 
     def _held(self, held: Callable[[int, Limit], float]) -> tuple[Constraint, ...]:
         """Return what we hold of each limit, as constraints."""

@@ -51,15 +51,15 @@ class Rooms:
         """Whether there are rooms: news take long."""
         return self._late
 
-    def look(self, now: float, limits: Sequence[Limit]) -> None:
-        """Work out whose the rooms are, if it is time to."""
+    def look(self, now: float, limits: Sequence[Limit], waiting: float = 0.0) -> None:
+        """Work out whose the rooms are, if it is time to; news are `waiting` so long on their way besides [s]."""
         if now < self._due:
             return
         self._due = now + max(PACE, EACH * sum(1 for _ in self._view.streams()))
         shared = [limit for limit in limits if limit.shared]
         window = min((limit.window for limit in shared), default=math.inf)
         self._latency = self._longest_way()
-        self._late = self._latency >= window * LATE * (STAYS if self._late else 1.0)
+        self._late = max(self._latency, waiting) >= window * LATE * (STAYS if self._late else 1.0)
         if not self._late:
             self._held.clear()
             return

@@ -89,8 +89,8 @@ def _demand(
 ) -> Demand:
     window = max((limit.window for limit in limits), default=0.0)
     period = max(stream.schedule.period, 1e-3)
-    most = min(MOST_SLOTS, math.floor(window / period + 1e-9) + 1)
-    rounds = math.ceil(window / period - 1e-9) * period
+    most = min(MOST_SLOTS, math.floor(window / period + 0.1) + 1)
+    rounds = math.ceil(window / period - 0.1) * period
     intervals = [period if n == most else rounds / n for n in range(1, most + 1)]
     audience = view.audiences.of(now, stream)
     latency, share = (audience.mean, audience.share) if reach is None else reach(stream)

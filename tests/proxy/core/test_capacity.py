@@ -41,7 +41,7 @@ class Channel:
                 if wait is not None:
                     self._speak(peer, wait, self.now - 0.001 * number, digest)
             if self.capacity.due(self.now):
-                self.capacity.look(self.now, Seen(self.dropped, self.receivers, 0.0, (0.01,), self.leader))
+                self.capacity.look(self.now, Seen(self.dropped, self.receivers, 0.0, (0.01,), (0.01,), self.leader))
         return self
 
     def _speak(self, peer, wait, now, ours):
