@@ -1,14 +1,13 @@
 """Adaptive limits: how much of each the channel bears, by our own evidence and by what the others tell of theirs.
 
 Every robot watches how long digests wait on their way, here and there, and whether anything gets through; from that it
-estimates what the channel bears and tells it in its digests. In force is the least that any robot tells, its own
-included; but of those whom our samples go to, and of the rest, the word of a single one does not count where there are
-several: it may be far away. So all come to nearly the same limit, and who decreases first decreases for all: the others
-wait for the effect.
+estimates what the channel bears and tells it in its digests (`words.py`). Where one robot leads, what it has in force
+holds for all, so all keep to the same limit, and only its estimate grows. The others follow it up and down, and object
+when they see a queue: that decreases it for all, once, for who hears of it waits for the effect.
 
-Where one robot leads and lends, the others hear of it alone. What it has in force holds for all: that it tells, and how
-much all use together. The others tell it what they see themselves, and take no silence for bad news: who hears nothing
-is lent nothing.
+After a decrease the queue has to drain: until then less is in force, which passes, so it is told beside what lasts. All
+would begin anew at once when it has; so they do one after the other, unless somebody lends. Followers of one who lends
+take no silence for bad news: who hears nothing is lent nothing.
 """
 
 import math
@@ -18,12 +17,13 @@ from typing import Any
 
 from proxy.core.arrivals import HELPED, LOST, SPAN, Arrivals
 from proxy.core.delays import NEW, Queue, Ways, queue
-from proxy.core.estimate import DRAIN, Estimate
+from proxy.core.estimate import Estimate
 from proxy.core.hearing import Hearing
 from proxy.core.limits import Limit
 from proxy.core.load import SPAN as SPAN_OF_USE
 from proxy.core.load import Load
 from proxy.core.wire import Digest
+from proxy.core.words import Words
 
 BEARABLE, BEHIND = 0.05, 2.0
 """Digests may wait so long [s], besides so many times what the longest sample takes: robots send independently."""
@@ -31,8 +31,6 @@ LONGEST = 0.25
 """The time of the longest sample counts up to this [s]."""
 PACE = 0.1
 """The channel is looked at this often at most [s]."""
-FRESH = 5.0
-"""What a robot tells counts for so long [s]."""
 USED, HALF_USED = 0.85, 0.5
 """A limit is used when this part of it is, or the lesser part, and samples had to be dropped."""
 MOSTLY = 0.6
@@ -62,8 +60,8 @@ class Seen:
     """What the view knows of the use of the channel: samples `dropped` so far by anybody, whom our samples go to.
 
     `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
-    of every adaptive limit's ceiling that one sample of each stream takes together, `one` the largest of these, `leader` whose word counts for all,
-    if anybody's; `lends`: whether nothing is sent but what it lends.
+    of every adaptive limit's ceiling that one sample of each stream takes together, and `one` the largest of these.
+    The word of the `leader` counts for all, if there is one; `lends`: whether nothing is sent but what it lends.
     """
 
     dropped: int
@@ -100,7 +98,7 @@ class Capacity:
         self._others_told: list[float] = []
         self._used: tuple[float, ...] = ()
         self._ways: dict[str, Ways] = {}
-        self._told: dict[str, tuple[float, tuple[float, ...]]] = {}
+        self._words = Words(own)
         self._last_told: tuple[float, ...] = ()
         self._load = Load()
         self._hearing = Hearing(now)
@@ -116,10 +114,6 @@ class Capacity:
         self._pressed_until = now
         self._queue: Queue | None = None
         self._why = "nobody is there"
-        self._leader = ""
-        self._lends = True
-        self._follows = False
-        """Whether another robot leads whose word we have."""
         self._used_at = -math.inf
 
     def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
@@ -152,7 +146,7 @@ class Capacity:
                 if echo.sent in self._said:
                     self._arrivals.note(now, self._said[echo.sent], digest.tag, echo.samples)
         self._load.note(now, digest.tag, digest.sent, digest.messages, digest.bytes)
-        self._told[digest.tag] = now, digest.capacity
+        self._words.note(now, digest)
 
     def gauged(self, now: float, peer: str, wait: float) -> None:
         """What we send a robot now is that long on its way [s], as our own socket tells."""
@@ -166,7 +160,7 @@ class Capacity:
     def forget(self, peer: str) -> None:
         """A robot left: it is no evidence of anything."""
         self._ways.pop(peer, None)
-        self._told.pop(peer, None)
+        self._words.forget(peer)
         self._load.forget(peer)
         self._arrivals.forget(peer)
         self._most_dropped = 0
@@ -182,20 +176,19 @@ class Capacity:
 
     def look(self, now: float, seen: Seen) -> None:
         """Grow or decrease the estimates by what is seen now."""
-        self._looked_at, self._leader, self._lends = now, seen.leader, seen.lends
-        since = -math.inf if seen.lends else now - FRESH
-        self._follows = self._leader != self._own and self._told.get(self._leader, (-math.inf, ()))[0] > since
+        self._looked_at, words = now, self._words
+        words.follow(now, seen.leader, lends=seen.lends)
         self._note_drops(now, seen.dropped)
         bearable = BEARABLE + BEHIND * min(seen.longest, LONGEST)
         recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
         settled = max(estimate.settled_at for estimate in self._estimates)
         self._queue = self._worst(now, seen.receivers, -math.inf, recent, bearable)
         new = self._worst(now, seen.receivers, settled, recent, bearable)
-        used = self._used = self._use(now)
+        used = self._used = words.used(self._limits) or self._load.parts(now, self._limits)
         self._used_at = now if self._in_use else self._used_at
         if not self._ways:
             self._why = "nobody is there"
-        elif not (self._follows and seen.lends) and self._hears_nothing(now, bearable):
+        elif not words.alone and self._hears_nothing(now, bearable):
             self._queue = None
         elif new is not None and new.delay > bearable:
             self._why = "delay"
@@ -207,16 +200,12 @@ class Capacity:
                 estimate.linger(now, self._queue.delay)
         elif self._judge_loss(now, used):
             self._why = "loss"
-        elif (self._queue is None or new is None) and not (self._follows and seen.lends):
+        elif (self._queue is None or new is None) and not words.alone:
             self._why = "settling"
         elif self._queue is not None and self._queue.delay > bearable / 2.0:
             self._why = "some delay"
         else:
-            self._why = "free"
-            if self._follows:
-                self._catch_up(now)
-            else:
-                self._grow(now, used, seen)
+            self._rise(now, used, seen)
         if self._why not in ("free", "settling"):
             self._free_at = now
         self._combine(now, seen.receivers)
@@ -255,10 +244,10 @@ class Capacity:
         Who leads says what it has in force, by the evidence of all, and of every limit the part that is used by all.
         Who follows and has nothing against that says so.
         """
-        if self._leader == self._own:
+        if self._words.leads:
             drains = self._drained if self._drained != self._lasting else ()
             return (*self._lasting, *(min(used, 1.0) for used in self._used), *drains)
-        if self._follows:
+        if self._words.follows:
             pairs = zip(self._estimates, self._others_told, strict=True)
             return tuple(estimate.part if estimate.part < FELL * others else 1.0 for estimate, others in pairs)
         return tuple(estimate.told(now) for estimate in self._estimates)
@@ -302,8 +291,8 @@ class Capacity:
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
         links = [ways.link for ways in outward]
         inward = list(self._ways.values())
-        if self._lends and self._follows:
-            outward = inward = [self._ways[self._leader]]
+        if self._words.alone:
+            outward = inward = [self._ways[self._words.leader]]
         groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
         found = [queue(now, ways, since, bearable / 2.0, recent=recent, span=span) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
@@ -352,46 +341,49 @@ class Capacity:
                     estimate.restore(part)
         return self._trial is not None
 
+    def _rise(self, now: float, used: Sequence[float], seen: Seen) -> None:
+        """Nothing stands in the way that we know of."""
+        self._why = "free"
+        if self._words.follows:
+            self._catch_up(now)
+        else:
+            self._grow(now, used, seen)
+
     def _grow(self, now: float, used: Sequence[float], seen: Seen) -> None:
         """Grow what is used, or what is too small for a sample of each stream: robots may wait for their turn then."""
         elapsed = min(now - self._free_at, max(1.0, self._hearing.gap(now)))
         self._free_at = now
         pressed = now < self._pressed_until
         for k, (force, estimate) in enumerate(zip(self._force, self._estimates, strict=True)):
-            others = self._others(now, k)
-            if used[k] >= (HALF_USED if pressed else USED) * force or (pressed and max(used[k] + seen.one[k], seen.each[k]) > force):
-                estimate.grow(now, elapsed, AHEAD * force, min(others, force) if self._leader == self._own else others)
+            full = used[k] >= (HALF_USED if pressed else USED) * force
+            if full or (pressed and max(used[k] + seen.one[k], seen.each[k]) > force):
+                # Nothing when only we see what is lost by load; and who leads knows no better than it says.
+                others = 0.0 if self._arrivals.blamed(now) else self._words.least(now, k)
+                estimate.grow(now, elapsed, AHEAD * force, min(others, force) if self._words.leads else others)
             else:
                 self._why = "not used"
 
     def _catch_up(self, now: float) -> None:
-        """Nothing stands in the way that we know of: come to what the leader has in force."""
+        """Come to what the leader has in force."""
         elapsed, self._free_at = now - self._free_at, now
-        for k, estimate in enumerate(self._estimates):
-            word = self._others(now, k)
+        for estimate, word in zip(self._estimates, self._others_told, strict=True):
             estimate.grow(now, elapsed, word, word)
-
-    def _others(self, now: float, k: int) -> float:
-        """The least that any other robot tells; nothing when none does, or when only we see what is lost by load."""
-        if self._arrivals.blamed(now):
-            return 0.0
-        return min((told[k] for _, told in self._words(now, k)), default=0.0)
 
     def _combine(self, now: float, receivers: Collection[str]) -> None:
         """Put in force what all tell together."""
+        words = self._words
         for k, estimate in enumerate(self._estimates):
-            others = min(self._bound(now, k, receivers, inside=inside) for inside in (True, False))
+            others = words.bound(now, k, self._limits[k], receivers)
             if others < FELL * self._others_told[k] and others < estimate.told(now):
                 estimate.wait(now)
-            if self._follows:
+            if words.follows:
                 estimate.follow(others, agrees=estimate.part >= FELL * self._others_told[k])
-            elif self._leader == self._own and others < FELL * estimate.part:
+            elif words.leads and others < FELL * estimate.part:
                 estimate.heed(now, others)
             self._others_told[k] = others
-            drains = self._drains(now)
             self._lasting[k] = min(estimate.part, others)
-            self._drained[k] = min(estimate.told(now), others, *drains[k : k + 1])
-            self._force[k] = self._drained[k] if self._lends else self._in_turn(now, k)
+            self._drained[k] = min(estimate.told(now), others, words.draining(now, k, len(self._limits)))
+            self._force[k] = self._drained[k] if words.lends else self._in_turn(now, k)
 
     def _in_turn(self, now: float, k: int) -> float:
         """What is in force: when a queue has drained robots begin anew one after the other, within a window."""
@@ -402,32 +394,7 @@ class Capacity:
         begins, low = self._turns[k]
         return min(self._drained[k], low) if now < begins else self._drained[k]
 
-    def _drains(self, now: float) -> tuple[float, ...]:
-        """What the leader has just said that is in force while a queue drains."""
-        t, told = self._told[self._leader] if self._follows else (-math.inf, ())
-        return told[2 * len(self._limits) :] if t >= now - DRAIN else ()
-
-    def _bound(self, now: float, k: int, receivers: Collection[str], *, inside: bool) -> float:
-        """What those tell who receive what we send, or the others: the least but one, where there are several."""
-        words = sorted(
-            min(max(told[k], self._limits[k].least), 1.0)
-            for peer, told in self._words(now, k)
-            if (peer in receivers) is inside
-        )
-        return words[min(1, len(words) - 1)] if words else 1.0
-
     @property
     def _in_use(self) -> bool:
         """Whether much of any limit in force is used."""
         return any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
-
-    def _words(self, now: float, k: int) -> list[tuple[str, tuple[float, ...]]]:
-        """Who tells of a limit, and what: who lends, where we follow, however long ago that was."""
-        heard = {self._leader: (now, self._told[self._leader][1])} if self._follows else self._told
-        return [(peer, told) for peer, (t, told) in heard.items() if t >= now - FRESH and len(told) > k]
-
-    def _use(self, now: float) -> tuple[float, ...]:
-        """What part of every adaptive limit is used by all, as far as we know or as who lends tells."""
-        count = len(self._limits)
-        told = self._told[self._leader][1] if self._follows else ()
-        return told[count : 2 * count] if len(told) >= 2 * count else self._load.parts(now, self._limits)

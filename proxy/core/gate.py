@@ -242,9 +242,7 @@ class Gate:
             alone = self._sharing or self._rooms.late
             view = self._view
             streams = [s for s in (view.own() if alone else view.streams()) if view.competes(now, s)]
-            held = [
-                self._shares.held(now, k) if self._sharing else self._room_of(k) for k in range(len(self.limits))
-            ]
+            held = [self._shares.held(now, k) if self._sharing else self._room_of(k) for k in range(len(self.limits))]
             roomy = fits(view, streams, self.limits, held)
             self._room = now + max(PACE, EACH * len(streams)), roomy
         return roomy

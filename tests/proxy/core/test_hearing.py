@@ -53,6 +53,7 @@ def test_what_waited_on_its_way_is_no_fresh_news():
     """However much of it comes; nor is what overtook it forgotten."""
     hearing = spoken(0.2, 20.0)
     for tenth in range(1, 10):
+        hearing.said(20.0 + tenth / 10.0)
         hearing.heard(20.0 + tenth / 10.0, tenth / 10.0)
     assert hearing.stale(20.9) == pytest.approx(0.89)
     assert hearing.overdue(20.9, 0.1, 2)
