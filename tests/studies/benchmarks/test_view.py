@@ -37,7 +37,7 @@ def test_what_bad_networks_cost_is_told_for_each_arrangement(tables):
 
 def test_limits_that_follow_the_medium_are_measured_beside_right_ones(monkeypatch):
     """A limit that never exceeds the least rate keeps delays short; one far below it reaches less."""
-    course = adaptive.Course(teams=(2,), halved=6.0, doubled=11.0, end=14.0)
+    course = adaptive.Course(teams=(2,), seeds=(1,), halved=6.0, doubled=11.0, end=14.0)
     right = f'limit = "{adaptive.PART * adaptive.RATE / 2.0} B/s"'
     monkeypatch.setattr(adaptive, "ADAPTIVE", right)
     constant, halved, *_ = adaptive.adaptive_rows(course)
