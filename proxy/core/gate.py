@@ -366,7 +366,7 @@ class Gate:
 
     def _room_of(self, k: int) -> float:
         """What is ours of a limit, and less in proportion while a queue drains."""
-        return self._rooms.held(k, self.lasting[k]) * self.limits[k].limit / self.lasting[k].limit
+        return self._rooms.held(k, self.lasting[k]) * (self.limits[k].limit / self.lasting[k].limit)
 
     def _held(self, held: Callable[[int, Limit], float]) -> tuple[Constraint, ...]:
         """Return what we hold of each limit, as constraints."""
