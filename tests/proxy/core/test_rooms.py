@@ -1,5 +1,7 @@
 """Where all plan for all and news take long, each robot keeps to what all agree is its own."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
@@ -98,6 +100,17 @@ def test_while_news_are_quick_there_are_no_rooms(specs):
     assert Rooms(view).held(0, limit) == limit.limit
 
 
+def test_while_news_wait_on_a_full_channel_there_are_rooms(specs):
+    """However quick they were before; and none any more when they do not."""
+    limit = limit_of(1)
+    rooms = Rooms(views_of(specs, [1.0, 2.0], 0.02)[0])
+    rooms.look(5.0, (limit,), 0.5)
+    assert rooms.late
+    assert rooms.held(0, limit) == 0.0
+    rooms.look(6.0, (limit,))
+    assert not rooms.late
+
+
 def test_who_gets_a_room_waits_until_the_others_can_know_and_who_loses_one_does_not(specs):
     """The other robot's samples become worth less, then more than ours again."""
     limit = limit_of(1)
@@ -134,6 +147,21 @@ def test_a_message_larger_than_the_limit_may_go_where_all_is_held(make_talk, mak
         gate.next(3.5 + 0.25 * step, 100 + step)
     assert gate.fits(8.5, (5000.0,))
     gate.problem_limits(8.5)
+
+
+def test_while_a_queue_drains_rooms_are_smaller(make_talk, make_specs):
+    """In proportion, so that robots that do not hear of each other send less together."""
+    talk = make_talk(make_specs(limit="80 kbit/s"), coordination="overhear")
+    talk.want(0.0)
+    gate = talk.core.gate
+    for step in range(6):
+        talk.publish(1.0 + 0.4 * step, size=1000)
+    gate.waiting = 0.5
+    gate.next(6.0, 99)
+    assert gate.late
+    assert gate.fits(6.0, (1000.0,))
+    gate.limits = tuple(replace(limit, limit=0.1 * limit.limit) for limit in gate.lasting)
+    assert not gate.fits(6.0, (1000.0,))
 
 
 def test_at_a_latency_of_a_second_the_union_keeps_the_limit():
