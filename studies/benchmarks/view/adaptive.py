@@ -64,7 +64,7 @@ class Course:
     """Teams of so many robots; the medium is halved and doubled again at these times, and the flight ends [s]."""
 
     teams: tuple[int, ...] = (2, 5, 8)
-    seeds: tuple[int, ...] = (1, 2)
+    seeds: tuple[int, ...] = (1, 2, 3, 4)
     halved: float = 15.0
     doubled: float = 25.0
     end: float = 35.0
