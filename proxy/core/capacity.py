@@ -1,14 +1,13 @@
 """Adaptive limits: how much of each the channel bears, by our own evidence and by what the others tell of theirs.
 
 Every robot watches how long digests wait on their way, here and there, and whether anything gets through; from that it
-estimates what the channel bears and tells it in its digests. In force is the least that any robot tells, its own
-included; but of those whom our samples go to, and of the rest, the word of a single one does not count where there are
-several: it may be far away. So all come to nearly the same limit, and who decreases first decreases for all: the others
-wait for the effect.
+estimates what the channel bears and tells it in its digests (`words.py`). Where one robot leads, what it has in force
+holds for all, so all keep to the same limit, and only its estimate grows. The others follow it up and down, and object
+when they see a queue: that decreases it for all, once, for who hears of it waits for the effect.
 
-Where one robot leads and lends, the others hear of it alone. What it has in force holds for all: that it tells, and how
-much all use together. The others tell it what they see themselves, and take no silence for bad news: who hears nothing
-is lent nothing.
+After a decrease the queue has to drain: until then less is in force, which passes, so it is told beside what lasts. All
+would begin anew at once when it has; so they do one after the other, unless somebody lends. Followers of one who lends
+take no silence for bad news: who hears nothing is lent nothing.
 """
 
 import math
@@ -21,17 +20,17 @@ from proxy.core.delays import NEW, Queue, Ways, queue
 from proxy.core.estimate import Estimate
 from proxy.core.hearing import Hearing
 from proxy.core.limits import Limit
+from proxy.core.load import SPAN as SPAN_OF_USE
 from proxy.core.load import Load
 from proxy.core.wire import Digest
+from proxy.core.words import Words
 
-BEARABLE = 0.05
-"""Digests may wait so long [s], besides the time that the longest sample takes."""
+BEARABLE, BEHIND = 0.05, 2.0
+"""Digests may wait so long [s], besides so many times what the longest sample takes: robots send independently."""
 LONGEST = 0.25
 """The time of the longest sample counts up to this [s]."""
 PACE = 0.1
 """The channel is looked at this often at most [s]."""
-FRESH = 5.0
-"""What a robot tells counts for so long [s]."""
 USED, HALF_USED = 0.85, 0.5
 """A limit is used when this part of it is, or the lesser part, and samples had to be dropped."""
 MOSTLY = 0.6
@@ -44,6 +43,8 @@ RECENT = 0.8
 """Delays are as old as this at most [s], or as twice the time between digests."""
 WIDEST = 0.5
 """Bursts of limits with longer windows are taken for queues [s]."""
+LONGEST_TURN = 1.0
+"""When a queue has drained all robots send again within a window, but not later than this [s]."""
 LATELY = 2.5
 """The others say something often if much was used so long ago [s]."""
 FADING = 1.0
@@ -59,14 +60,17 @@ class Seen:
     """What the view knows of the use of the channel: samples `dropped` so far by anybody, whom our samples go to.
 
     `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
-    of every adaptive limit's ceiling that one sample of each stream takes together, `leader` who lends, if any.
+    of every adaptive limit's ceiling that one sample of each stream takes together, and `one` the largest of these.
+    The word of the `leader` counts for all, if there is one; `lends`: whether nothing is sent but what it lends.
     """
 
     dropped: int
     receivers: Collection[str]
     longest: float
     each: tuple[float, ...]
+    one: tuple[float, ...]
     leader: str = ""
+    lends: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,10 +90,15 @@ class Capacity:
         self._limits: tuple[Limit, ...] = ()
         self._estimates: list[Estimate] = []
         self._force: list[float] = []
+        self._lasting: list[float] = []
+        self._drained: list[float] = []
+        """What is in force for who begins anew first."""
+        self._turns: list[tuple[float, float]] = []
+        """Until when we send less, and how much, because a queue was there [s]."""
         self._others_told: list[float] = []
         self._used: tuple[float, ...] = ()
         self._ways: dict[str, Ways] = {}
-        self._told: dict[str, tuple[float, tuple[float, ...]]] = {}
+        self._words = Words(own)
         self._last_told: tuple[float, ...] = ()
         self._load = Load()
         self._hearing = Hearing(now)
@@ -105,7 +114,6 @@ class Capacity:
         self._pressed_until = now
         self._queue: Queue | None = None
         self._why = "nobody is there"
-        self._leader = ""
         self._used_at = -math.inf
 
     def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
@@ -117,6 +125,9 @@ class Capacity:
         for limit, estimate in zip(self._limits, self._estimates, strict=True):
             estimate.floor = limit.least
         self._force = [estimate.told(now) for estimate in self._estimates]
+        self._lasting = [estimate.part for estimate in self._estimates]
+        self._drained = list(self._force)
+        self._turns = [(now, 1.0)] * len(self._estimates)
         self._others_told = [1.0] * len(self._estimates)
         self._used = (0.0,) * len(self._estimates)
 
@@ -127,15 +138,15 @@ class Capacity:
         if not self._ways:
             self._hearing.restart(now)
         ways = self._ways.setdefault(digest.tag, Ways())
-        ways.here.note(now, digest.sent, now)
-        self._hearing.heard(now)
+        if ways.here.note(now, digest.sent, now):
+            self._hearing.heard(now, ways.here.waited)
         for echo in digest.echoes:
             if echo.peer == self._own and ways.there.note(now, echo.sent, echo.received):
                 self._hearing.heard_by(now)
                 if echo.sent in self._said:
                     self._arrivals.note(now, self._said[echo.sent], digest.tag, echo.samples)
         self._load.note(now, digest.tag, digest.sent, digest.messages, digest.bytes)
-        self._told[digest.tag] = now, digest.capacity
+        self._words.note(now, digest)
 
     def gauged(self, now: float, peer: str, wait: float) -> None:
         """What we send a robot now is that long on its way [s], as our own socket tells."""
@@ -149,10 +160,15 @@ class Capacity:
     def forget(self, peer: str) -> None:
         """A robot left: it is no evidence of anything."""
         self._ways.pop(peer, None)
-        self._told.pop(peer, None)
+        self._words.forget(peer)
         self._load.forget(peer)
         self._arrivals.forget(peer)
         self._most_dropped = 0
+
+    def waiting(self, now: float) -> float:
+        """How long news of others wait on their way here [s]."""
+        overdue = self._hearing.stale(now) if self._why == "overdue" else 0.0
+        return max(overdue, self._queue.delay if self._queue else 0.0)
 
     def due(self, now: float) -> bool:
         """Whether it is time to look at the channel."""
@@ -160,18 +176,19 @@ class Capacity:
 
     def look(self, now: float, seen: Seen) -> None:
         """Grow or decrease the estimates by what is seen now."""
-        self._looked_at, self._leader = now, seen.leader
+        self._looked_at, words = now, self._words
+        words.follow(now, seen.leader, lends=seen.lends)
         self._note_drops(now, seen.dropped)
-        bearable = BEARABLE + min(seen.longest, LONGEST)
+        bearable = BEARABLE + BEHIND * min(seen.longest, LONGEST)
         recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
         settled = max(estimate.settled_at for estimate in self._estimates)
         self._queue = self._worst(now, seen.receivers, -math.inf, recent, bearable)
         new = self._worst(now, seen.receivers, settled, recent, bearable)
-        used = self._used = self._use(now)
+        used = self._used = words.used(self._limits) or self._load.parts(now, self._limits)
         self._used_at = now if self._in_use else self._used_at
         if not self._ways:
             self._why = "nobody is there"
-        elif self._hears_nothing(now):
+        elif not words.alone and self._hears_nothing(now, bearable):
             self._queue = None
         elif new is not None and new.delay > bearable:
             self._why = "delay"
@@ -183,13 +200,12 @@ class Capacity:
                 estimate.linger(now, self._queue.delay)
         elif self._judge_loss(now, used):
             self._why = "loss"
-        elif self._queue is None or new is None:
+        elif (self._queue is None or new is None) and not words.alone:
             self._why = "settling"
-        elif self._queue.delay > bearable / 2.0:
+        elif self._queue is not None and self._queue.delay > bearable / 2.0:
             self._why = "some delay"
         else:
-            self._why = "free"
-            self._grow(now, used, seen)
+            self._rise(now, used, seen)
         if self._why not in ("free", "settling"):
             self._free_at = now
         self._combine(now, seen.receivers)
@@ -198,6 +214,11 @@ class Capacity:
     def factors(self) -> tuple[float, ...]:
         """Of every adaptive limit, the part of its ceiling that is in force."""
         return tuple(self._force)
+
+    @property
+    def lasting(self) -> tuple[float, ...]:
+        """The same for when queues have drained."""
+        return tuple(self._lasting)
 
     def wake_at(self, now: float) -> list[float]:
         """When limits change by themselves [s]."""
@@ -209,19 +230,26 @@ class Capacity:
 
     def news(self, now: float) -> bool:
         """Whether the others should hear at once what we would tell them."""
-        told = self.telling(now)[: len(self._estimates)]
+        told = self.telling(now)
         if len(told) > len(self._last_told):
             return True
-        pairs = zip(told, self._last_told, strict=False)
+        count = len(self._estimates)
+        places = [k for k in range(len(told)) if not count <= k < 2 * count]
+        pairs = [(told[k], self._last_told[k]) for k in places]
         return any(new < FELL * old or new > ROSE * old for new, old in pairs)
 
     def telling(self, now: float) -> tuple[float, ...]:
         """What a digest says: of every adaptive limit, the part that the channel bears by our evidence.
 
         Who leads says what it has in force, by the evidence of all, and of every limit the part that is used by all.
+        Who follows and has nothing against that says so.
         """
-        if self._leader == self._own:
-            return (*self._force, *(min(used, 1.0) for used in self._used))
+        if self._words.leads:
+            drains = self._drained if self._drained != self._lasting else ()
+            return (*self._lasting, *(min(used, 1.0) for used in self._used), *drains)
+        if self._words.follows:
+            pairs = zip(self._estimates, self._others_told, strict=True)
+            return tuple(estimate.part if estimate.part < FELL * others else 1.0 for estimate, others in pairs)
         return tuple(estimate.told(now) for estimate in self._estimates)
 
     def told(self, digest: Digest) -> None:
@@ -263,21 +291,19 @@ class Capacity:
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
         links = [ways.link for ways in outward]
         inward = list(self._ways.values())
-        if self._follows:
-            outward = inward = [self._ways[self._leader]]
+        if self._words.alone:
+            outward = inward = [self._ways[self._words.leader]]
         groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
         found = [queue(now, ways, since, bearable / 2.0, recent=recent, span=span) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
 
-    def _hears_nothing(self, now: float) -> bool:
+    def _hears_nothing(self, now: float, bearable: float) -> bool:
         """Whether nothing comes through, or what is overdue may wait in a queue; then less is sent."""
-        if self._follows:
-            return False
         if self._hearing.silent(now):
             self._why = "silence"
             self._fade(now)
             return True
-        if now < self._used_at + LATELY and self._hearing.overdue(now):
+        if now < self._used_at + LATELY and self._hearing.overdue(now, bearable, len(self._ways)):
             self._why = "overdue"
             for estimate in self._estimates:
                 estimate.hold(now)
@@ -291,9 +317,11 @@ class Capacity:
                 estimate.fade()
 
     def _cut(self, now: float, used: Sequence[float], standing: Queue) -> None:
-        for part, force, estimate in zip(used, self._force, self._estimates, strict=True):
+        for part, force, estimate in zip(used, self._lasting, self._estimates, strict=True):
             # Whole samples never fill a limit; much less than it means that others than us fill the channel.
-            borne = min(max(part / MOSTLY, 0.5 * force), force)
+            # So soon after another decrease what is used says little.
+            lately = now < estimate.settled_at + 2.0 * SPAN_OF_USE
+            borne = force if lately else min(max(part / MOSTLY, 0.5 * force), force)
             estimate.cut(now, borne, standing.share, standing.delay)
 
     def _judge_loss(self, now: float, used: Sequence[float]) -> bool:
@@ -313,61 +341,60 @@ class Capacity:
                     estimate.restore(part)
         return self._trial is not None
 
+    def _rise(self, now: float, used: Sequence[float], seen: Seen) -> None:
+        """Nothing stands in the way that we know of."""
+        self._why = "free"
+        if self._words.follows:
+            self._catch_up(now)
+        else:
+            self._grow(now, used, seen)
+
     def _grow(self, now: float, used: Sequence[float], seen: Seen) -> None:
         """Grow what is used, or what is too small for a sample of each stream: robots may wait for their turn then."""
         elapsed = min(now - self._free_at, max(1.0, self._hearing.gap(now)))
         self._free_at = now
         pressed = now < self._pressed_until
         for k, (force, estimate) in enumerate(zip(self._force, self._estimates, strict=True)):
-            others = self._others(now, k)
-            follows = self._follows and others > estimate.part
-            if follows or used[k] >= (HALF_USED if pressed else USED) * force or (pressed and seen.each[k] > force):
-                estimate.grow(now, elapsed, AHEAD * force, others)
+            full = used[k] >= (HALF_USED if pressed else USED) * force
+            if full or (pressed and max(used[k] + seen.one[k], seen.each[k]) > force):
+                # Nothing when only we see what is lost by load; and who leads knows no better than it says.
+                others = 0.0 if self._arrivals.blamed(now) else self._words.least(now, k)
+                estimate.grow(now, elapsed, AHEAD * force, min(others, force) if self._words.leads else others)
             else:
                 self._why = "not used"
 
-    def _others(self, now: float, k: int) -> float:
-        """The least that any other robot tells; nothing when none does, or when only we see what is lost by load."""
-        if self._arrivals.blamed(now):
-            return 0.0
-        return min((told[k] for _, told in self._words(now, k)), default=0.0)
+    def _catch_up(self, now: float) -> None:
+        """Come to what the leader has in force."""
+        elapsed, self._free_at = now - self._free_at, now
+        for estimate, word in zip(self._estimates, self._others_told, strict=True):
+            estimate.grow(now, elapsed, word, word)
 
     def _combine(self, now: float, receivers: Collection[str]) -> None:
         """Put in force what all tell together."""
+        words = self._words
         for k, estimate in enumerate(self._estimates):
-            own = estimate.told(now)
-            others = min(self._bound(now, k, receivers, inside=inside) for inside in (True, False))
-            if others < FELL * self._others_told[k] and others < own:
+            others = words.bound(now, k, self._limits[k], receivers)
+            if others < FELL * self._others_told[k] and others < estimate.told(now):
                 estimate.wait(now)
+            if words.follows:
+                estimate.follow(others, agrees=estimate.part >= FELL * self._others_told[k])
+            elif words.leads and others < FELL * estimate.part:
+                estimate.heed(now, others)
             self._others_told[k] = others
-            self._force[k] = min(own, others)
+            self._lasting[k] = min(estimate.part, others)
+            self._drained[k] = min(estimate.told(now), others, words.draining(now, k, len(self._limits)))
+            self._force[k] = self._drained[k] if words.lends else self._in_turn(now, k)
 
-    def _bound(self, now: float, k: int, receivers: Collection[str], *, inside: bool) -> float:
-        """What those tell who receive what we send, or the others: the least but one, where there are several."""
-        words = sorted(
-            min(max(told[k], self._limits[k].least), 1.0)
-            for peer, told in self._words(now, k)
-            if (peer in receivers) is inside
-        )
-        return words[min(1, len(words) - 1)] if words else 1.0
+    def _in_turn(self, now: float, k: int) -> float:
+        """What is in force: when a queue has drained robots begin anew one after the other, within a window."""
+        if self._drained[k] < FELL * self._lasting[k]:
+            names = sorted((self._own, *self._ways))
+            turn = min(self._limits[k].window, LONGEST_TURN) * names.index(self._own) / len(names)
+            self._turns[k] = now + turn, self._drained[k]
+        begins, low = self._turns[k]
+        return min(self._drained[k], low) if now < begins else self._drained[k]
 
     @property
     def _in_use(self) -> bool:
         """Whether much of any limit in force is used."""
         return any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
-
-    @property
-    def _follows(self) -> bool:
-        """Whether another robot lends, whom we have heard."""
-        return self._leader != self._own and self._leader in self._told
-
-    def _words(self, now: float, k: int) -> list[tuple[str, tuple[float, ...]]]:
-        """Who tells of a limit, and what: who lends, where we follow, however long ago that was."""
-        heard = {self._leader: (now, self._told[self._leader][1])} if self._follows else self._told
-        return [(peer, told) for peer, (t, told) in heard.items() if t >= now - FRESH and len(told) > k]
-
-    def _use(self, now: float) -> tuple[float, ...]:
-        """What part of every adaptive limit is used by all, as far as we know or as who lends tells."""
-        count = len(self._limits)
-        told = self._told[self._leader][1] if self._follows else ()
-        return told[count : 2 * count] if len(told) >= 2 * count else self._load.parts(now, self._limits)

@@ -22,6 +22,7 @@ class Channel:
         self._gate = gate
         self._counts = counts
         self._ceilings: tuple[Limit, ...] = ()
+        self._waits = 0.0
         self._factors: tuple[float, ...] | None = ()
 
     @property
@@ -44,10 +45,12 @@ class Channel:
             return False
         self.capacity.sent(now, self._view.messages, self._view.bytes)
         self.capacity.look(now, self._seen(now))
+        self._waits = self.capacity.waiting(now)
         return self.capacity.news(now)
 
     def follow(self) -> SetPace | None:
         """Put in force what the channel bears; return the pace for the mesh when that is news."""
+        self._gate.waiting = self._waits
         if self.capacity.factors == self._factors:
             return None
         self._factors = self.capacity.factors
@@ -75,7 +78,9 @@ class Channel:
             receivers={name for names in wanting for name in names},
             longest=max((part * time for each in parts for part, time in zip(each, windows, strict=True)), default=0.0),
             each=tuple(sum(each[k] for each in parts) for k in range(len(factors))),
-            leader=self._shares.leader if self._gate.sharing else "",
+            one=tuple(max((each[k] for each in parts), default=0.0) for k in range(len(factors))),
+            leader=self._shares.leader,
+            lends=self._gate.sharing,
         )
 
     def _parts(self, stream: Stream) -> tuple[float, ...]:

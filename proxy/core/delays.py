@@ -53,6 +53,11 @@ class OneWay:
             self._newest.popleft()
         return True
 
+    @property
+    def waited(self) -> float:
+        """How long the newest of these waited [s]."""
+        return self._newest[-1][2] - self._least[0][1]
+
     def waits(self, since: float, recent: float) -> list[tuple[float, float]]:
         """When each came that went into the queue since then and is so recent, and how long it waited [s]."""
         waits = [(t, took - self._least[0][1]) for t, _, took in self._newest if t >= recent]

@@ -70,6 +70,16 @@ class Estimate:
             step = min(STEP * (1.0 + max(0.0, calm if others > 0.0 else 0.0)), fastest)
         self.part = max(self.part, min(self.part + step * elapsed, most, 1.0))
 
+    def follow(self, word: float, *, agrees: bool) -> None:
+        """Another robot says what is in force: that is ours, too, if we agree with it, or if it is less."""
+        self.part = max(self.floor, word if agrees else min(self.part, word))
+
+    def heed(self, now: float, word: float) -> None:
+        """Others say that the channel bears less."""
+        self.part = max(self.floor, min(self.part, word))
+        self._probing = False
+        self._cut_at = now
+
     def cut(self, now: float, used: float, share: float, delay: float) -> None:
         """A queue of `delay` [s] grew while `used` was sent, of which `share` came through."""
         failed = not self._probing and now < self._settled_at + AGAIN_WITHIN
@@ -84,7 +94,7 @@ class Estimate:
 
     def linger(self, now: float, delay: float) -> None:
         """A queue still stands: if we decreased for it, it drains longer, and once more if it has doubled since."""
-        if not self._cut_at < now < min(self._drained_at + SETTLE, self._cut_at + LONGEST_DRAIN):
+        if not self._cut_at < now < min(self._drained_at + SETTLE, self._cut_at + LONGEST_DRAIN + delay / (1.0 - LEFT)):
             return
         if delay > 2.0 * self._cut_for:
             self._cut_for = math.inf
@@ -97,7 +107,6 @@ class Estimate:
         """What tells of the channel is overdue: that may be a queue, so little is sent until something comes."""
         self._draining = LEFT
         self._drained_at = max(self._drained_at, now + SETTLE)
-        self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
 
     def wait(self, now: float) -> None:
         """Others decreased for all: let that show."""

@@ -52,6 +52,8 @@ class Gate:
         self._counts = counts
         self._windows = windows
         self.inbox = Inbox(settings.inbox, settings.backlog)
+        self.waiting = 0.0
+        """How long news of others wait on a channel that is full [s]."""
         self.mode = settings.mode
         self.limits: tuple[Limit, ...] = ()
         self.pending: Pending | None = None
@@ -115,7 +117,7 @@ class Gate:
         commands: list[Command] = []
         self.wakes_at = math.inf
         if self._settings.coordination != "shares":
-            self._lateness.look(now, self.limits)
+            self._lateness.look(now, self.limits, self.waiting)
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands

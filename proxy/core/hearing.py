@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Iterable
 from itertools import pairwise
 
-OVERDUE, SPARE = 0.6, 2.0
+OVERDUE, SPARE = 0.35, 2.0
 """Where much is sent something is overdue after so long [s], and after so many times what lies between our digests."""
 SILENCE = 2.5
 """Robots say something every second if they may: silence is at least this long [s]."""
@@ -28,6 +28,7 @@ class Hearing:
     def __init__(self, now: float) -> None:
         self._said: deque[float] = deque((now,), maxlen=5)
         self._heard = now
+        self._newest = now
         self._heard_by: deque[float] = deque((now,), maxlen=5)
 
     @property
@@ -39,9 +40,10 @@ class Hearing:
         """A digest of ours goes out."""
         self._said.append(now)
 
-    def heard(self, now: float) -> None:
-        """A digest of another robot arrived."""
+    def heard(self, now: float, waited: float = 0.0) -> None:
+        """A digest of another robot arrived that had waited so long on its way [s]."""
         self._heard = now
+        self._newest = max(self._newest, now - waited)
 
     def heard_by(self, now: float) -> None:
         """Another robot tells that a digest of ours arrived which it had not told of before."""
@@ -49,16 +51,20 @@ class Hearing:
 
     def restart(self, now: float) -> None:
         """Nobody was there to be heard until now."""
-        self._heard = now
+        self._heard = self._newest = now
         self._heard_by = deque((now,), maxlen=5)
 
     def gap(self, now: float) -> float:
         """The longest time between two of our last digests [s]; the others' are as far apart."""
         return _longest((*self._said, now))
 
-    def overdue(self, now: float) -> bool:
+    def overdue(self, now: float, bearable: float, robots: int) -> bool:
         """Whether the others should have been heard by now: what they said waits somewhere."""
-        return now - self._heard > max(OVERDUE, SPARE * self.gap(now))
+        return self.stale(now) > bearable + max(OVERDUE, SPARE * self.gap(now) / min(robots, 2))
+
+    def stale(self, now: float) -> float:
+        """How old the newest is that we have heard [s]."""
+        return now - self._newest
 
     def silent(self, now: float) -> bool:
         """Whether nothing gets through, one way or the other."""

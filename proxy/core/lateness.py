@@ -26,13 +26,16 @@ class Lateness:
         self._due = -math.inf
         self.late = False
 
-    def look(self, now: float, limits: Sequence[Limit]) -> None:
-        """See how long news take beside the windows of what robots share, if it is time to."""
+    def look(self, now: float, limits: Sequence[Limit], waiting: float = 0.0) -> None:
+        """See how long news take beside the windows of what robots share, if it is time to.
+
+        They are `waiting` so long on their way besides, where the channel is full [s].
+        """
         if now < self._due:
             return
         self._due = now + PACE
         window = min((limit.window for limit in limits if limit.shared), default=math.inf)
-        self.late = self._longest_way() >= window * LATE * (STAYS if self.late else 1.0)
+        self.late = max(self._longest_way(), waiting) >= window * LATE * (STAYS if self.late else 1.0)
 
     def _longest_way(self) -> float:
         """What messages take from any robot to any other at most, as far as that is known [s]."""

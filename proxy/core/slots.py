@@ -81,8 +81,8 @@ def allot(wanted: Sequence[Demand], room: Sequence[float], held: Mapping[Place, 
 def _demand(now: float, view: SharedView, stream: Stream, limits: Sequence[Limit]) -> Demand:
     window = max((limit.window for limit in limits), default=0.0)
     period = max(stream.schedule.period, 1e-3)
-    most = min(MOST_SLOTS, math.floor(window / period + 1e-9) + 1)
-    rounds = math.ceil(window / period - 1e-9) * period
+    most = min(MOST_SLOTS, math.floor(window / period + 0.1) + 1)
+    rounds = math.ceil(window / period - 0.1) * period
     intervals = [period if n == most else rounds / n for n in range(1, most + 1)]
     audience = view.audiences.of(now, stream)
     worth = _worth(stream, np.array(intervals), audience.mean, audience.share)

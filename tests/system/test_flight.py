@@ -14,7 +14,9 @@ SECONDS = 12.0
 STALL = 0.04
 """Where a camera publishes so much too late, the machine was busy with something else, for daemons as well [s]."""
 FLIGHTS = 4
-"""So many are flown at most until the machine lets one be flown."""
+"""So many are flown at most until the machine lets one be flown..."""
+STALLED = 0.8
+"""... and if it never did, this part of what is asked has to do."""
 
 
 @pytest.mark.parametrize(
@@ -31,9 +33,7 @@ def test_a_flight_is_worth_most_of_what_it_could_be(team, transport, loss, least
         print(f"{transport}, {loss} % of packets lost: {share:.1%} of the offline optimum; {late:.3f} s late")
         if late < STALL or share >= least:
             break
-    else:
-        pytest.skip("the machine is too busy to fly")
-    assert share >= least
+    assert share >= (least if late < STALL else STALLED * least)
 
 
 def flown(robots):

@@ -26,6 +26,7 @@ class Channel:
         self.use = 1.0
         self.hears_us = True
         self.leader = ""
+        self.lends = True
         self.tells_use = ()
 
     def run(self, seconds):
@@ -41,7 +42,9 @@ class Channel:
                 if wait is not None:
                     self._speak(peer, wait, self.now - 0.001 * number, digest)
             if self.capacity.due(self.now):
-                self.capacity.look(self.now, Seen(self.dropped, self.receivers, 0.0, (0.01,), self.leader))
+                self.capacity.look(
+                    self.now, Seen(self.dropped, self.receivers, 0.0, (0.01,), (0.01,), self.leader, self.lends)
+                )
         return self
 
     def _speak(self, peer, wait, now, ours):
@@ -212,16 +215,15 @@ def test_who_uses_the_channel_speaks_often():
     assert not channel.run(5.0).capacity.speak(channel.now + 0.3)
 
 
-def test_who_follows_a_leader_takes_its_word_for_the_use_by_all_and_for_the_limit():
-    """Our own use is but a part of it, others are not asked, and a follower grows to what the leader has in force."""
+def test_who_follows_a_leader_takes_its_word_for_the_limit():
+    """Up and down; others are not asked, and who has nothing against it tells no number of its own."""
     channel = Channel(peers=("op", "a", "b"))
     channel.leader, channel.use, channel.tells_use = "op", 0.1, (0.05,)
     channel.tells |= {"op": 0.2, "a": 0.1, "b": 0.1}
     assert channel.run(10.0).factor == pytest.approx(0.2)
-    assert channel.capacity.telling(channel.now) == (INITIAL,)
-    channel.tells_use = (0.19,)
+    assert channel.capacity.telling(channel.now) == (1.0,)
     channel.tells["op"] = 0.6
-    assert channel.run(5.0).factor == pytest.approx(0.6)
+    assert channel.run(0.2).factor == pytest.approx(0.6)
     assert channel.why in ("free", "not used")
 
 
@@ -249,7 +251,7 @@ def test_a_follower_sees_a_queue_before_its_leader_alone():
 
 
 def test_who_leads_tells_what_is_in_force_and_how_much_is_used():
-    """What two others tell it is in force, so that is what it tells; what it finds itself is kept."""
+    """What two others have against more decreases it once: then it grows as ever."""
     channel = Channel(peers=("a", "b"), receivers=())
     channel.leader = "us"
     channel.run(20.0).tells |= {"a": 0.4, "b": 0.4}
@@ -257,5 +259,76 @@ def test_who_leads_tells_what_is_in_force_and_how_much_is_used():
     assert force == channel.factor == pytest.approx(0.4)
     assert used == pytest.approx(0.4, rel=0.1)
     channel.tells |= {"a": 1.0, "b": 1.0}
-    assert channel.run(0.1).factor == 1.0
+    assert channel.run(1.0).factor == pytest.approx(0.4, rel=0.1)
+    channel.tells["a"] = 0.2
+    assert channel.run(20.0).factor == 1.0
+
+
+def queue_of(channel, *waits, peers=("op",)):
+    """Let a queue grow in front of these peers, to as much as the last of these."""
+    for wait in waits:
+        channel.waits |= dict.fromkeys(peers, wait)
+        channel.run(0.1)
+    return channel
+
+
+def test_who_leads_tells_apart_what_passes():
+    """While a queue drains less is in force; the others hear of both at once, and the lasting part stays."""
+    channel = Channel(peers=("a", "b"), receivers=())
+    channel.leader = "us"
+    queue_of(channel.run(20.0), *(0.1 * i for i in range(1, 7)), peers=("a", "b"))
+    lasting, _, draining = channel.capacity.telling(channel.now)
+    assert draining == channel.factor < 0.7 * lasting
+    assert (lasting,) == channel.capacity.lasting
     assert channel.capacity.news(channel.now)
+    assert channel.capacity.waiting(channel.now) > 0.3
+    queue_of(channel, *[0.0] * 30, peers=("a", "b"))
+    assert len(channel.capacity.telling(channel.now)) == 2
+    assert channel.factor >= lasting
+    assert channel.capacity.waiting(channel.now) == 0.0
+
+
+def test_who_follows_drains_with_its_leader():
+    """For as long as it says so, and half a second."""
+    channel = Channel(peers=("op", "a"))
+    channel.leader, channel.tells_use = "op", (0.5, 0.2)
+    channel.tells["op"] = 0.6
+    assert channel.run(5.0).factor == pytest.approx(0.2)
+    assert channel.capacity.lasting == pytest.approx((0.6,))
+    channel.tells_use = (0.5,)
+    assert channel.run(0.2).factor == pytest.approx(0.6)
+
+
+def test_who_sees_a_queue_that_its_leader_does_not_objects():
+    """Until it has nothing against more any more; the leader it is who decreases the limit for all."""
+    channel = Channel(peers=("op", "a", "b"))
+    channel.leader, channel.tells_use = "op", (0.9,)
+    channel.tells["op"] = 0.8
+    queue_of(channel.run(10.0), *(0.1 * i for i in range(1, 9)))
+    (told,) = channel.capacity.telling(channel.now)
+    assert told < 0.75
+    assert channel.capacity.news(channel.now)
+    queue_of(channel, *[0.0] * 100)
+    assert channel.capacity.telling(channel.now) == (1.0,)
+    assert channel.factor == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize(("peers", "later"), [(("a", "b"), True), (("x", "y"), False)])
+def test_robots_begin_anew_one_after_the_other(peers, later):
+    """Where nobody lends: by their names, within a window."""
+    channel = Channel(peers=peers, receivers=())
+    channel.leader, channel.lends = peers[0], False
+    channel.tells_use = (0.5, 0.2)
+    channel.run(10.0).tells_use = (0.5,)
+    assert (channel.run(0.2).factor < 0.5) is later
+    assert channel.run(0.5).factor == pytest.approx(1.0)
+
+
+def test_a_leader_that_does_not_lend_is_followed_while_it_speaks():
+    """Silence counts; and what the others tell when it has said nothing for long."""
+    channel = Channel(peers=("op", "a", "b"))
+    channel.leader, channel.lends, channel.tells_use = "op", False, (0.5,)
+    channel.tells["op"] = 0.3
+    assert channel.run(3.0).factor == pytest.approx(0.3)
+    channel.waits["op"] = None
+    assert channel.run(10.0).factor > 0.35

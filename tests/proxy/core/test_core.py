@@ -508,7 +508,7 @@ def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs, coordinati
     assert talk.all(SetPace)[-1].rate == pytest.approx(adaptive["in_force"] * 100_000.0)
     told = talk.all(SendDigest)[-1].digest.capacity
     assert told[0] == pytest.approx(adaptive["told"], rel=0.2)
-    assert told[1:] == (pytest.approx((adaptive["used"],), rel=0.2) if coordination == "shares" else ())
+    assert told[1:] == pytest.approx((adaptive["used"],), rel=0.2)
     talk.tell(ev.PeerGone(21.0, "op", "zz-op"))
     talk.tell(ev.SpecsChanged(22.0, make_specs()))
     assert "adaptive" not in talk.core.status(22.0)["budget"][0]

@@ -12,6 +12,8 @@ DEEDS = st.lists(
         st.tuples(st.just("cut"), st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 10.0)),
         st.tuples(st.just("fade")),
         st.tuples(st.just("wait")),
+        st.tuples(st.just("heed"), st.floats(0.0, 2.0)),
+        st.tuples(st.just("hold")),
         st.tuples(st.just("linger"), st.floats(0.0, 5.0)),
         st.tuples(st.just("restore"), st.floats(0.0, 2.0)),
     ),
@@ -26,10 +28,21 @@ def test_it_stays_between_floor_and_ceiling(floor, deeds):
     for name, *words in deeds:
         now += 0.3
         before = estimate.part
-        getattr(estimate, name)(*([now, *words] if name in ("grow", "cut", "linger", "wait") else words))
+        getattr(estimate, name)(
+            *([now, *words] if name in ("grow", "cut", "linger", "wait", "heed", "hold") else words)
+        )
         assert floor <= estimate.told(now) <= estimate.part <= 1.0
         assert (estimate.part >= before) if name in ("grow", "restore") else (estimate.part <= before)
-        assert estimate.settled_at >= estimate.drained_at
+        assert name != "cut" or estimate.settled_at >= estimate.drained_at
+
+
+@given(st.floats(0.001, 0.99), st.floats(0.0, 1.0), st.booleans())
+def test_a_follower_takes_over_what_it_agrees_with_and_what_is_less(floor, word, agrees):
+    """Never less than the floor."""
+    estimate = Estimate(0.0, floor)
+    before = estimate.part
+    estimate.follow(word, agrees=agrees)
+    assert estimate.part == max(floor, word if agrees else min(before, word))
 
 
 def settled(part=0.5):
@@ -97,14 +110,14 @@ def test_after_silence_it_may_grow_fast():
 
 
 def test_a_queue_that_still_stands_drains_longer():
-    """At less, for two seconds at most; and one that has doubled meanwhile is reason for one other decrease."""
+    """At less, not for ever; and one that has doubled meanwhile is reason for one other decrease."""
     estimate = settled(0.9)
     estimate.cut(10.0, 0.9, 1.0, 0.1)
     before = estimate.part
     for tenth in range(1, 30):
         estimate.linger(10.0 + tenth / 10.0, 0.18)
     assert estimate.part == before
-    assert 11.9 < estimate.drained_at < 12.3
+    assert 12.0 < estimate.drained_at < 12.6
     assert estimate.told(11.9) == pytest.approx((1.0 - 0.18 / 0.5) * before)
     estimate.cut(20.0, 0.9, 1.0, 0.1)
     before = estimate.part

@@ -1,5 +1,7 @@
 """Silence is told apart from robots that may seldom speak."""
 
+import pytest
+
 from proxy.core.hearing import Hearing
 
 
@@ -36,12 +38,25 @@ def test_silence_is_when_nobody_hears_us():
 def test_what_is_overdue_is_noticed_before_silence():
     """Where all speak often; who seldom speaks does not expect much."""
     hearing = spoken(0.2, 20.0)
-    assert not hearing.overdue(20.3)
+    assert not hearing.overdue(20.3, 0.1, 1)
     hearing.said(20.3)
     hearing.said(20.6)
-    assert hearing.overdue(20.7)
+    assert not hearing.overdue(20.7, 0.1, 1)
+    assert hearing.overdue(20.7, 0.1, 2)
+    assert hearing.overdue(21.0, 0.1, 1)
+    assert not hearing.overdue(20.7, 0.4, 2)
     assert not hearing.silent(20.7)
-    assert not spoken(4.0, 40.0).overdue(43.0)
+    assert not spoken(4.0, 40.0).overdue(43.0, 0.1, 9)
+
+
+def test_what_waited_on_its_way_is_no_fresh_news():
+    """However much of it comes; nor is what overtook it forgotten."""
+    hearing = spoken(0.2, 20.0)
+    for tenth in range(1, 10):
+        hearing.said(20.0 + tenth / 10.0)
+        hearing.heard(20.0 + tenth / 10.0, tenth / 10.0)
+    assert hearing.stale(20.9) == pytest.approx(0.89)
+    assert hearing.overdue(20.9, 0.1, 2)
 
 
 def test_how_rarely_we_are_told_that_we_are_heard_is_learnt():

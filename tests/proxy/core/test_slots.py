@@ -42,3 +42,17 @@ def test_a_stream_that_sends_more_often_gains_by_every_slot_less(make_talk):
     assert list(demand.gains) == sorted(demand.gains, reverse=True)
     assert min(demand.gains) > 0.0
     assert len(demand.gains) == int(max(limit.window for limit in shared) / 0.4) + 1
+
+
+@pytest.mark.parametrize("off", [-0.01, 0.01])
+def test_a_stream_that_fits_evenly_gains_alike_when_its_period_is_a_little_off(make_talk, off):
+    """Else slots would move whenever somebody measures it anew."""
+    talk = make_talk(settle=0.0)
+    window = max(limit.window for limit in talk.core.gate.limits if limit.shared)
+    for number in range(6):
+        talk.publish(0.1 + 0.5 * (1.0 + off) * window * number)
+    talk.want(3.0 * window)
+    shared = tuple(limit for limit in talk.core.gate.limits if limit.shared)
+    (demand,) = demands(3.1 * window, talk.core.view, shared)
+    assert len(demand.gains) == 3
+    assert demand.gains[1] / demand.gains[0] < 0.5
