@@ -39,8 +39,6 @@ REFRESH = 10.0
 """What was told of a stream is told again after this time: it may have been lost [s]."""
 MOST_REFRESHED = 2
 """Streams told again in one digest."""
-LATEST = 0.2
-"""So much counts the last digest for how large the next one will be."""
 SAVED = 10.0
 """So much of the allowance may be saved for states [s]."""
 
@@ -56,8 +54,6 @@ class DigestPacer:
         self._debt = -SAVED * LEAST_ALLOWANCE
         self._updated = now
         self._size = float(LEAST_DIGEST)
-        """What a digest to one robot takes, by the latest ones [B]."""
-        self._spoke = False
         self._depth = 150.0
         """What the dearest of the recent digests cost, all copies together [B]."""
         self._last = now - SLOW
@@ -117,10 +113,8 @@ class DigestPacer:
     def sent(self, now: float, size: int, copies: int) -> None:
         """A digest of so many bytes went out in so many copies."""
         self._fill(now)
-        counted = max(size + OVERHEAD, LEAST_DIGEST)
-        self._size += (LATEST if self._spoke else 1.0) * (counted - self._size)
-        self._spoke = True
-        cost = counted * max(1, copies)
+        self._size = max(size + OVERHEAD, LEAST_DIGEST)
+        cost = self._size * max(1, copies)
         self._depth = max(cost, 0.9 * self._depth)
         self._tokens -= cost
         self._last = now

@@ -48,12 +48,12 @@ def shortened(state: State) -> tuple[State, int]:
     return (replace(state, streams=streams, subscriptions=subscriptions, origins=origins), left) if left else (state, 0)
 
 
-def differs(told: State, state: State) -> bool:
-    """Whether a state is news."""
+def differs(told: State, state: State, *, rhythms: bool = True) -> bool:
+    """Whether a state is news; `rhythms`: even if no more than these changed, of which digests tell."""
     stepped = abs(state.wall_offset - told.wall_offset) > WALL_STEP
     return (
         stepped
-        or bool(_news(told, state))
+        or bool(_news(told, state, rhythms))
         or _apart_from_streams(told) != _apart_from_streams(state)
         or _lost(told, state)
     )
@@ -67,17 +67,17 @@ def update_of(told: State, state: State) -> State | None:
     return State(state.robot, state.zid, "", "", news, (), state.wall_offset, number=state.number, since=told.number)
 
 
-def _news(told: State, state: State) -> tuple[StreamState, ...]:
+def _news(told: State, state: State, rhythms: bool = True) -> tuple[StreamState, ...]:  # noqa: FBT001, FBT002
     before = {stream.id: stream for stream in told.streams}
-    return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s))
+    return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s, rhythms))
 
 
-def _moved(told: StreamState, stream: StreamState) -> bool:
+def _moved(told: StreamState, stream: StreamState, rhythms: bool) -> bool:  # noqa: FBT001
     if (told.key, told.information_type) != (stream.key, stream.information_type):
         return True
     if abs(stream.size - told.size) > LEAST_GROWTH * max(stream.size, 1):
         return True
-    if {told.schedule, stream.schedule} <= RHYTHMIC:
+    if not rhythms and {told.schedule, stream.schedule} <= RHYTHMIC:
         return False
     change = LEAST_CHANGE * max(stream.period, 1e-9)
     moved = abs(stream.jitter - told.jitter) > change or abs(stream.period - told.period) > change

@@ -40,7 +40,7 @@ LOSSES_PACE = 0.5
 """How much gets lost is looked at this often [s]."""
 STRAGGLER_PACE = 0.3
 """Those who do not say that they follow are told of who leads this often [s]."""
-ECHO_PACE = 5.0
+ECHO_PACE = 2.0
 """Digests that concern one robot echo its own this often [s]."""
 VAGUE = 0.03
 """... and more often where clocks are not known to this [s]."""
@@ -145,7 +145,7 @@ class Telling:
         """Publish what is new of our state, or all of it, or nothing."""
         self._restate_at, self._restated = math.inf, now
         state, left = shortened(state_of(self._view, self._gate.mode))
-        if self.state.number and not differs(self.state, state):
+        if self.state.number and not differs(self.state, state, rhythms=self._view.settings.coordination != "shares"):
             return []
         state = replace(state, number=self.state.number + 1)
         update = update_of(self.state, state)

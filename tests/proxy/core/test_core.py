@@ -450,15 +450,18 @@ def test_an_answer_is_checked_against_the_constraints_in_force(make_talk, make_s
 
 
 def test_others_are_told_how_streams_generate(make_talk):
-    """Digests tell of a rhythm; that a stream has none, and how often it generates, is news of the state."""
+    """Period and jitter, and again when it becomes clear that it is another kind of stream."""
     talk = make_talk()
     talk.want(0.0)
     for t in periodic(30, jitter=0.02):
         talk.publish(t)
+    (stream,) = talk.all(SendState)[-1].state.streams
+    assert (stream.schedule, stream.period) == ("periodic", pytest.approx(1.0, rel=0.1))
+    assert stream.jitter < 0.1
     for t in poisson(60, seed=3):
         talk.publish(36.0 + t)
     kinds = [command.state.streams[0].schedule for command in talk.all(SendState) if command.state.streams]
-    assert list(dict.fromkeys(kinds)) == ["", "poisson"]
+    assert list(dict.fromkeys(kinds)) == ["", "periodic", "poisson"]
     assert talk.all(SendState)[-1].state.streams[0].jitter > 0.5
     (told,) = talk.core.status(100.0)["streams"]
     assert (told["schedule"], told["jitter"] > 0.1, told["forecast"]) == ("poisson", True, {})
