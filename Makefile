@@ -31,15 +31,15 @@ setup: .venv/ready
 demo: setup
 	$(BIN)/sendworthy demo $(DEMO)
 
-# Four at a time, for most wait for each other most of the time: what goes between sessions; between daemons, and then
+# Four at a time, for most wait for each other most of the time: what goes between daemons; between sessions, and then
 # the searches; the studies; all else.
 PYTEST := $(BIN)/python -m pytest -m "not system"
 COVERED = COVERAGE_FILE=$(CURDIR)/build/coverage/$(1) $(PYTEST) --cov --cov-report=
 test: setup
 	@rm -rf build/coverage && mkdir -p build/coverage
 	@$(PYTEST) tests/studies > build/test-studies.log 2>&1 & studies=$$!; \
-	$(call COVERED,sessions) $(SESSIONS) > build/test-sessions.log 2>&1 & sessions=$$!; \
-	$(call COVERED,daemons) $(DAEMONS) $(SEARCH) > build/test-daemons.log 2>&1 & daemons=$$!; \
+	$(call COVERED,sessions) $(SESSIONS) $(SEARCH) > build/test-sessions.log 2>&1 & sessions=$$!; \
+	$(call COVERED,daemons) $(DAEMONS) > build/test-daemons.log 2>&1 & daemons=$$!; \
 	$(call COVERED,rest) $(addprefix --ignore=,$(SESSIONS) $(DAEMONS) $(SEARCH) tests/studies); failed=$$?; \
 	wait $$sessions || failed=1; wait $$daemons || failed=1; wait $$studies || failed=1; \
 	cat build/test-sessions.log build/test-daemons.log build/test-studies.log; \

@@ -132,7 +132,7 @@ class _Flights:
             else:
                 measured.append(", ".join(_calm(team, since - SETTLED, until) for team in teams))
             name = f'Rate {what}, limit = "adaptive", {self.robots} robots: {self.coordination}, {self.transport}'
-            yield name, asked, ", ".join(measured), "yes" if min(share, used / constant) >= ASKED else "no"
+            yield name, asked, ", ".join(measured), "yes" if share >= ASKED and used >= ASKED * constant else "no"
 
     def _fly(self, limit: str, rate: float, changes: tuple[tuple[float, float], ...] = ()) -> list[Team]:
         teams = []
