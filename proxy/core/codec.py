@@ -63,6 +63,7 @@ def pack_digest(digest: Digest) -> bytes:
         [field for e in digest.echoes for field in _echo_fields(sent, e)],
         [coded(part) for part in digest.capacity],
         [field for each in digest.returned for field in _returned_fields(sent, each)],
+        [1] if digest.lends else [],
     ]
     while lists and not lists[-1]:
         lists.pop()
@@ -182,7 +183,7 @@ def _echo(sent: int, peer: str, echoed: int, r: tuple[Any, ...]) -> Echo:
 
 def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -> Digest:
     sent = _whole(f[1])
-    streams, grants, echoes, capacity, returned = [*map(_list, f[6:11]), [], [], [], [], []][:5]
+    streams, grants, echoes, capacity, returned, lends = [*map(_list, f[6:12]), [], [], [], [], [], []][:6]
     return Digest(
         robot=robot,
         tag=tag,
@@ -196,6 +197,7 @@ def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -
         echoes=_echoes(sent, echoes, own, ours),
         capacity=tuple(_amount(part, 1.0) for part in capacity),
         returned=tuple(_returned(sent, each) for each in _records(_at_most(returned, MOST_RETURNED), 2)),
+        lends=bool(lends),
     )
 
 

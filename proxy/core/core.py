@@ -327,6 +327,7 @@ class Core:
         if leader != self._leader:
             self._leader = leader
             self.telling.set_rate()
+            self.telling.urgent = True
         if not self.gate.sharing:
             return
         self.shares.confirmed(now)

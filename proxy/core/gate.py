@@ -60,7 +60,7 @@ class Gate:
         self.decisions = Decisions()
         self._complaint = ""
         self._buckets = TokenBuckets()
-        self._lateness = Lateness(view)
+        self._lateness = Lateness(view, shares)
         self._deletions = Deletions()
         self.promised: Promises | None = None
         """What we let others send, where it is we who lend."""

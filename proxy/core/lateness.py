@@ -2,12 +2,14 @@
 
 What was sent within the latency is known to nobody else. While that is a good part of the window, one robot plans for
 all, as where limits are shared: it lends, and nobody sends what was not lent. Only that clocks are trusted there.
+Whether it is so who leads says, for all have to do the same.
 """
 
 import math
 from collections.abc import Sequence
 
 from proxy.core.limits import Limit
+from proxy.core.shares import Shares
 from proxy.core.view import SharedView
 
 LATE = 0.1
@@ -21,16 +23,21 @@ PACE = 0.25
 class Lateness:
     """Looks now and then at how long news take; `late` while that is too long for each to decide alone."""
 
-    def __init__(self, view: SharedView) -> None:
+    def __init__(self, view: SharedView, shares: Shares) -> None:
         self._view = view
+        self._shares = shares
         self._due = -math.inf
         self.late = False
 
     def look(self, now: float, limits: Sequence[Limit], waiting: float = 0.0) -> None:
-        """See how long news take beside the windows of what robots share, if it is time to.
+        """See how long news take beside the windows of what robots share, if that falls to us and it is time to.
 
         They are `waiting` so long on their way besides, where the channel is full [s].
         """
+        if not self._shares.leads:
+            leader = self._view.peers.get(self._shares.leader)
+            self.late = leader is not None and leader.digest is not None and leader.digest.lends
+            return
         if now < self._due:
             return
         self._due = now + PACE

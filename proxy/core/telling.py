@@ -227,6 +227,7 @@ class Telling:
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
             returned=self._shares.returned(now),
+            lends=self._gate.late,
         )
         self._shares.told_returned()
         self._channel.capacity.told(digest)

@@ -109,6 +109,8 @@ class Digest:
     capacity: tuple[float, ...] = ()
     """Of every adaptive limit, in the order of the constraints, the part of its ceiling that the channel bears."""
     returned: tuple[Returned, ...] = ()
+    lends: bool = False
+    """Whether news take too long for each to decide alone, so that who leads lends; only its word counts."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,9 @@ from planner import Throughput
 from proxy.core.lateness import LATE, PACE, STAYS, Lateness
 from proxy.core.limits import Limit
 from proxy.core.settings import CoreSettings
+from proxy.core.shares import Shares
 from proxy.core.view import SharedView
+from proxy.core.wire import Digest
 from studies.simulation.conditions import Conditions
 from studies.simulation.flights import fly
 from studies.simulation.missions import draw, scenario
@@ -24,16 +26,26 @@ def view():
     return made
 
 
+@pytest.fixture
+def shares():
+    """Of a robot that leads: it has heard the other one."""
+    made = Shares("a", (CHANNEL,), floor=0.01, settled_at=0.0)
+    made.set_members(-1.0, "ab")
+    made.heard(0.0, "b", 0)
+    assert made.leads
+    return made
+
+
 def measure(view, latency):
     offset = next(iter(view.peers.values())).offset
     offset.heard(1.0, 1.0 + latency)
     offset.echoed(1.0, 1.0 + latency)
 
 
-def test_news_are_late_by_the_shortest_window(view):
+def test_news_are_late_by_the_shortest_window(view, shares):
     """A tenth of it; without any limit nothing is late."""
     measure(view, 1.01 * LATE * WINDOW)
-    lateness = Lateness(view)
+    lateness = Lateness(view, shares)
     lateness.look(0.0, ())
     assert not lateness.late
     lateness.look(0.5 * PACE, (CHANNEL,))
@@ -42,10 +54,10 @@ def test_news_are_late_by_the_shortest_window(view):
     assert lateness.late
 
 
-def test_news_that_become_a_little_quicker_are_still_late(view):
+def test_news_that_become_a_little_quicker_are_still_late(view, shares):
     """So that a team does not waver."""
     measure(view, 1.01 * LATE * WINDOW)
-    lateness = Lateness(view)
+    lateness = Lateness(view, shares)
     lateness.look(0.0, (CHANNEL,))
     for part, late in ((1.01 * STAYS, True), (0.99 * STAYS, False), (1.01 * STAYS, False)):
         now = lateness._due
@@ -54,6 +66,22 @@ def test_news_that_become_a_little_quicker_are_still_late(view):
         measure(view, part * LATE * WINDOW)
         lateness.look(now, (CHANNEL,))
         assert lateness.late is late
+
+
+def test_whether_news_are_late_says_who_leads(view, shares):
+    """Whatever a robot finds itself: where they did not agree, one would wait for what the other does not lend."""
+    following = Shares("b", (CHANNEL,), floor=0.01, settled_at=0.0)
+    following.set_members(-1.0, "ab")
+    following.heard(0.0, "a", shares.epoch)
+    assert following.leader == "a"
+    view.add_peer(0.0, "a", "a")
+    lateness = Lateness(view, following)
+    measure(view, 1.01 * LATE * WINDOW)
+    for now, lends in enumerate((None, False, True, False)):
+        if lends is not None:
+            assert view.heard_digest(now, Digest("a", "a", now, shares.epoch, 0, 0, lends=lends))
+        lateness.look(now, (CHANNEL,))
+        assert lateness.late is bool(lends)
 
 
 def test_clocks_are_trusted_only_where_the_union_need_not_hold_for_certain(view):
