@@ -277,3 +277,13 @@ def test_what_is_given_back_travels():
     back = (Returned(65_535, 12.25), Returned(7, 0.0))
     digest = Digest("r1", "t", 13.0, 5, 0, 0, returned=back)
     assert unpack_digest(pack_digest(digest), "r1", "t").returned == back
+
+
+@pytest.mark.parametrize("returned", [(), (Returned(7, 0.0),)])
+def test_that_who_leads_lends_travels(returned):
+    """It takes a byte for itself and one for each list before it that is empty."""
+    digest = Digest("r1", "t", 13.0, 5, 0, 0, returned=returned, lends=True)
+    assert unpack_digest(pack_digest(digest), "r1", "t") == digest
+    silent = dataclasses.replace(digest, lends=False)
+    assert unpack_digest(pack_digest(silent), "r1", "t") == silent
+    assert len(pack_digest(digest)) <= len(pack_digest(silent)) + 7
