@@ -48,6 +48,8 @@ class Lent:
     amounts: tuple[float, ...]
     lead: float = 0.0
     """So long before, nobody else may send either: it is for a message larger than a limit [s]."""
+    unsure: float = 0.0
+    """So much less of the time is ours than was lent, for what clocks may be wrong by [s]."""
 
     @property
     def since(self) -> float:
@@ -57,7 +59,7 @@ class Lent:
     @property
     def stays(self) -> bool:
         """Whether it is a slot, which is lengthened as a rule before it ends."""
-        return self.ends - self.begins >= STAYS
+        return self.ends - self.begins + self.unsure >= STAYS
 
     def at(self, t: float, k: int, window: float) -> float:
         """What of constraint `k` belongs to the robot at a time, for sends within the window that ends then."""
@@ -425,7 +427,8 @@ class Shares:
             if (shorter := self._borrowed.get(place)) is not None:
                 begins, ends = min(begins, shorter.begins), max(ends, shorter.ends)
                 self._lent.remove(shorter)
-            self._borrowed[place] = Lent(self.own, begins, ends, amounts)
+            unsure = grant.ends - grant.begins - (ends - begins)
+            self._borrowed[place] = Lent(self.own, begins, ends, amounts, unsure=unsure)
             self._lent.append(self._borrowed[place])
 
     def _spend(self, now: float, use: tuple[float, ...]) -> None:

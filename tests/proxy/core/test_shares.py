@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from planner.measures import Energy, Messages, Throughput
 from proxy.core.limits import Limit
-from proxy.core.shares import MOST_GRANTS, NEWCOMERS, Shares
+from proxy.core.shares import MOST_GRANTS, NEWCOMERS, STAYS, Shares
 
 LIMIT = Limit("throughput", 1.0, 1000.0, Throughput(1000.0, 1.0))
 BATTERY = Limit("energy", 1.0, 2.0, Energy(2.0, 1.0, per_byte=1e-3))
@@ -639,3 +639,16 @@ def test_what_other_sends_still_need_is_not_given_back():
     shares["b"].use(1.1, (400.0,))
     assert [each.used for each in shares["b"].returned(1.6)] == [1.1, 1.1]
     assert shares["b"].held(1.6, 0) == pytest.approx(600.0)
+
+
+def test_slots_are_not_given_back_however_little_clocks_leave_of_them():
+    """Who leads lengthens them, and could not if they were given back."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    shares["a"].lend(0.1, "b", 1.0, 1.1 + STAYS, (300.0,))
+    shares["b"].heard(0.2, "a", shares["a"].epoch, shares["a"].grants(0.2), uncertainty=0.5)
+    assert shares["b"].fits(2.1, (300.0,))
+    assert shares["b"].returned(4.0) == ()
+    shares["a"].lend(0.3, "b", 1.0, 0.5 + STAYS, (300.0,))
+    shares["b"].heard(0.4, "a", shares["a"].epoch, shares["a"].grants(0.4), uncertainty=0.5)
+    assert len(shares["b"].returned(4.0)) == 1
