@@ -4,8 +4,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 PACKAGES := planner proxy utility_specs studies
-SESSIONS := tests/ros2 tests/proxy/bridge
-DAEMONS := $(addprefix tests/proxy/,commands test_daemon.py test_installations.py test_partition.py) tests/deploy
+SESSIONS := tests/proxy/bridge
+DAEMONS := tests/ros2 $(addprefix tests/proxy/,commands test_daemon.py test_installations.py test_partition.py) tests/deploy
 SEARCH := tests/planner
 
 .PHONY: setup demo test lint bench study qualify test-system transparency lock clean FORCE
