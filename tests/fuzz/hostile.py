@@ -91,7 +91,7 @@ class Besieged:
         assert len(core.strangers._heard) <= MOST
         assert all(len(kept) <= MOST_EACH for kept in core.strangers._heard.values())
         assert set(core.telling.asking._open) <= set(view.peers)
-        assert core.shares.members == frozenset(view.peers) | {"00000000"}
+        assert core.shares.members == (frozenset(view.peers) - core.outsiders.found) | {"00000000"}
         assert core.wake_at(self.now) >= self.now
         honest = view.peers[HONEST[:8]]
         assert (honest.name, honest.keys, honest.subscriptions) == ("honest", {1: KEY}, ("robot/*/camera",))
