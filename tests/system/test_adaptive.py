@@ -37,8 +37,8 @@ def test_a_constant_link_is_used_and_a_halved_one_is_noticed(stream):
     count = len(heard.numbers(KEY))
     wait_until(lambda: time.monotonic() >= begun + 8.0, 10, "a while")
     used = (robot.host.sent() - before) / (time.monotonic() - begun)
-    assert used >= 0.8 * FULL
-    assert len(heard.numbers(KEY)) - count >= 0.7 * FULL * 8.0 / SIZE
+    assert used >= 0.7 * FULL
+    assert len(heard.numbers(KEY)) - count >= 0.6 * FULL * 8.0 / SIZE
     robot.host.slow_down("1mbit")
     halved = time.monotonic()
     wait_until(lambda: late(heard, 0.5) > STALE, 5, "a queue")
