@@ -13,9 +13,9 @@ from proxy.reloading import read_specs
 from tests.proxy.nodes import Heard, answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
-RELOADS = int(os.environ.get("RELOADS", "40"))
+RELOADS = int(os.environ.get("RELOADS", "150"))
 """The long run has a thousand."""
-RATE = 200 if "RELOADS" in os.environ else 50
+RATE = 200 if "RELOADS" in os.environ else 100
 """Samples per second; few enough that those of a second in which the machine stands still can wait."""
 SPECS = """
 [[constraint]]
