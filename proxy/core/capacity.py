@@ -91,6 +91,7 @@ class Capacity:
         self._estimates: list[Estimate] = []
         self._force: list[float] = []
         self._lasting: list[float] = []
+        """What is in force when queues have drained."""
         self._drained: list[float] = []
         """What is in force for who begins anew first."""
         self._turns: list[tuple[float, float]] = []
@@ -214,11 +215,6 @@ class Capacity:
     def factors(self) -> tuple[float, ...]:
         """Of every adaptive limit, the part of its ceiling that is in force."""
         return tuple(self._force)
-
-    @property
-    def lasting(self) -> tuple[float, ...]:
-        """The same for when queues have drained."""
-        return tuple(self._lasting)
 
     def wake_at(self, now: float) -> list[float]:
         """When limits change by themselves [s]."""

@@ -22,7 +22,6 @@ class Channel:
         self._gate = gate
         self._counts = counts
         self._ceilings: tuple[Limit, ...] = ()
-        self._waits = 0.0
         self._factors: tuple[float, ...] | None = ()
 
     @property
@@ -38,6 +37,7 @@ class Channel:
         if self._factors or self.capacity.factors:
             self._factors = None  # so that the driver is told
         self._force(self.capacity.factors)
+        self._gate.waiting = 0.0  # until it is looked at again: without adaptive limits never
 
     def look(self, now: float) -> bool:
         """Look at the channel when it is time to; return whether all should hear of it at once."""
@@ -45,12 +45,11 @@ class Channel:
             return False
         self.capacity.sent(now, self._view.messages, self._view.bytes)
         self.capacity.look(now, self._seen(now))
-        self._waits = self.capacity.waiting(now)
+        self._gate.waiting = self.capacity.waiting(now)
         return self.capacity.news(now)
 
     def follow(self) -> SetPace | None:
         """Put in force what the channel bears; return the pace for the mesh when that is news."""
-        self._gate.waiting = self._waits
         if self.capacity.factors == self._factors:
             return None
         self._factors = self.capacity.factors

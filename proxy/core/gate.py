@@ -240,8 +240,7 @@ class Gate:
             return True
         if now >= until:
             view = self._view
-            own = [s for s in view.own() if view.competes(now, s)] if self.sharing else []
-            streams = own if self.sharing else view.competition.all(now)
+            streams = [s for s in view.own() if view.competes(now, s)] if self.sharing else view.competition.all(now)
             held = [self._shares.held(now, k) if self.sharing else limit.limit for k, limit in enumerate(self.limits)]
             roomy = fits(view, streams, self.limits, held)
             self._room = now + max(PACE, EACH * len(streams)), roomy

@@ -16,11 +16,11 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from itertools import islice
 
 from proxy.core.epochs import EDGE, NEWCOMERS, Epochs
+from proxy.core.given_back import Borrowed, GivenBack, last_digits
 from proxy.core.limits import Limit
-from proxy.core.wire import BEGINS, PARTS, Grant, Returned
+from proxy.core.wire import PARTS, Grant, Returned
 
 HOLDABLE = 0.98
 """Part of a limit that one robot can come to hold: all but the floor, and some room."""
@@ -28,12 +28,6 @@ MOST_GRANTS = 1024
 """Grants that can be alive at the same time."""
 ALL = 0.99
 """Who may send a message larger than the limit was lent all that robots can hold, or lacks no more than rounding."""
-TOLD = 2
-"""What is given back is told so often: digests may be lost."""
-MOST_RETURNED = 32
-"""Of so much one digest tells that it is given back."""
-LONGEST = 10.0
-"""What is given back is remembered for so long after it would have ended: grants may be on their way [s]."""
 STAYS = 2.5
 """What is lent for so long at once is lent for more than one message [s]."""
 
@@ -90,12 +84,8 @@ class Shares:
         """Until then these are the grants for the digest, unless others come [s]."""
         self._told: dict[Grant, float] = {}
         """Grants that we made, or heard of: these are remembered for as long as they could come again."""
-        self._borrowed: dict[tuple[float, tuple[int, ...]], Lent] = {}
-        """What we were lent, by the begin on the clock of who lent it, and the amounts."""
-        self._given_back: dict[int, tuple[Returned, int]] = {}
-        """What we gave back lately, by the last digits of its begin, and how often that is still to be told."""
-        self._over: dict[tuple[float, tuple[int, ...]], float] = {}
-        """What we gave back, by begin and amounts as above, and until when we were lent it [s]."""
+        self._borrowed: dict[Borrowed, Lent] = {}
+        self._given_back = GivenBack()
         self._factors = [1.0] * len(limits)
         self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
 
@@ -252,13 +242,11 @@ class Shares:
         for place, lent in list(self._borrowed.items()):
             if lent.ends < now and not lent.stays and lent in self._lent:
                 self._give_back(now, place, None)
-        return tuple(islice((returned for returned, _ in self._given_back.values()), MOST_RETURNED))
+        return self._given_back.untold()
 
     def told_returned(self) -> None:
         """Who lends was told once what we give back."""
-        told = dict(islice(self._given_back.items(), MOST_RETURNED))
-        self._given_back = {b: v for b, v in self._given_back.items() if b not in told}
-        self._given_back |= {b: (each, times - 1) for b, (each, times) in told.items() if times > 1}
+        self._given_back.told()
 
     def take_back(
         self,
@@ -276,7 +264,7 @@ class Shares:
             return unused
         named = {each.begins: each for each in returned}
         for lent in [each for each in self._lent if each.robot == peer and not each.stays] if named else ():
-            back = named.get(_digits(lent.begins))
+            back = named.get(last_digits(lent.begins))
             if back is None:
                 continue
             ends = max(lent.begins, _rounded(latest(back.used)) + EDGE)
@@ -413,8 +401,9 @@ class Shares:
         if grant.peer != self.own or grant in self._told or len(grant.parts) != sum(c.shared for c in self._limits):
             return
         longest = max(self._windows(), default=0.0)
-        self._over = {known: ends for known, ends in self._over.items() if ends + longest + LONGEST > now}
-        if (grant.begins, grant.parts) in self._over:
+        place = grant.begins, grant.parts
+        self._given_back.forget(now - longest)
+        if place in self._given_back:
             return  # who lends has not heard yet that we gave it back
         self._told = {known: ends for known, ends in self._told.items() if ends + longest + 1.0 > now}
         self._lent = [lent for lent in self._lent if lent.ends + longest >= now]
@@ -422,7 +411,6 @@ class Shares:
         if begins <= ends and ends >= now and len(self._lent) < MOST_GRANTS:
             self._told[grant] = ends
             amounts = tuple(self._amount(k, part) for k, part in enumerate(grant.parts))
-            place = grant.begins, grant.parts
             self._borrowed = {known: lent for known, lent in self._borrowed.items() if lent in self._lent}
             if (shorter := self._borrowed.get(place)) is not None:
                 begins, ends = min(begins, shorter.begins), max(ends, shorter.ends)
@@ -442,7 +430,7 @@ class Shares:
                 left[: len(lent.amounts)] = [a - b for a, b in zip(left, lent.amounts, strict=False)]
                 self._give_back(now, place, now)
 
-    def _give_back(self, now: float, place: tuple[float, tuple[int, ...]], used: float | None) -> None:
+    def _give_back(self, now: float, place: Borrowed, used: float | None) -> None:
         """Hold nothing any more of what we were lent but for what we sent, if all that we sent still fits then."""
         lent = self._borrowed.pop(place)
         where = self._lent.index(lent)
@@ -451,8 +439,7 @@ class Shares:
         if any(self._free(now, now, k) < 0.0 for k in shared):
             self._lent[where : where + (used is not None)], self._borrowed[place] = [lent], lent
         else:
-            begins, self._over[place] = _digits(place[0]), lent.ends
-            self._given_back[begins] = Returned(begins, used or 0.0), TOLD
+            self._given_back.add(place, lent.ends, used)
 
     def _parts(self, k: int, amount: float) -> int:
         """An amount in parts of the ceiling, which all robots agree on; at most all of it."""
@@ -512,7 +499,7 @@ class Shares:
 
     def _turned(self) -> None:
         """What was lent before counts no more."""
-        self._lent, self._told, self._borrowed, self._given_back, self._over = [], {}, {}, {}, {}
+        self._lent, self._told, self._borrowed, self._given_back = [], {}, {}, GivenBack()
         self._offered_until = -math.inf
 
     def _left_at(self, now: float) -> float:
@@ -525,11 +512,6 @@ class Shares:
 def _identity(limit: Limit) -> tuple[str, str]:
     """What makes a constraint the same one under new specs: amounts of another kind are in another unit."""
     return limit.name, limit.measure.kind
-
-
-def _digits(begins: float) -> int:
-    """By what a robot names what it was lent: the last digits of when it begins."""
-    return round(begins * 1e3) % BEGINS
 
 
 def _rounded(t: float) -> float:

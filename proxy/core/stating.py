@@ -53,7 +53,7 @@ def differs(told: State, state: State, *, rhythms: bool = True) -> bool:
     stepped = abs(state.wall_offset - told.wall_offset) > WALL_STEP
     return (
         stepped
-        or bool(_news(told, state, rhythms))
+        or bool(_news(told, state, rhythms=rhythms))
         or _apart_from_streams(told) != _apart_from_streams(state)
         or _lost(told, state)
     )
@@ -67,12 +67,12 @@ def update_of(told: State, state: State) -> State | None:
     return State(state.robot, state.zid, "", "", news, (), state.wall_offset, number=state.number, since=told.number)
 
 
-def _news(told: State, state: State, rhythms: bool = True) -> tuple[StreamState, ...]:  # noqa: FBT001, FBT002
+def _news(told: State, state: State, *, rhythms: bool = True) -> tuple[StreamState, ...]:
     before = {stream.id: stream for stream in told.streams}
-    return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s, rhythms))
+    return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s, rhythms=rhythms))
 
 
-def _moved(told: StreamState, stream: StreamState, rhythms: bool) -> bool:  # noqa: FBT001
+def _moved(told: StreamState, stream: StreamState, *, rhythms: bool) -> bool:
     if (told.key, told.information_type) != (stream.key, stream.information_type):
         return True
     if abs(stream.size - told.size) > LEAST_GROWTH * max(stream.size, 1):

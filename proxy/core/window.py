@@ -198,8 +198,8 @@ class WindowBuilder:
 
     def _candidate(self, now: float, place: int, stream: Stream) -> _Candidate:
         view, own = self._view, stream.robot == self._view.settings.robot
-        markovian = stream.information_type.aggregation is Aggregation.MOST_RECENT
-        return _Candidate(stream, place, view.copies(stream), view.audiences.of(now, stream), own, markovian, [])
+        markovian, audience = stream.information_type.markovian, view.audiences.of(now, stream)
+        return _Candidate(stream, place, view.copies(stream), audience, own, markovian, [])
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.

@@ -44,3 +44,12 @@ def test_a_limit_that_is_fixed_again_ends_the_pace(make_talk, make_specs):
     talk.want(0.0)
     talk.tell(ev.SpecsChanged(1.0, make_specs(limit="80 kbit/s")))
     assert talk.all(SetPace)[-1].rate == math.inf
+
+
+def test_what_is_not_looked_at_any_more_is_not_late_for_ever(make_talk, make_specs):
+    """Where limits stop being adaptive, nobody finds that a queue has drained."""
+    talk = make_talk(make_specs(text=ADAPTIVE))
+    talk.want(0.0)
+    talk.core.gate.waiting = 0.5
+    talk.tell(ev.SpecsChanged(1.0, make_specs(limit="80 kbit/s")))
+    assert talk.core.gate.waiting == 0.0
