@@ -1,12 +1,16 @@
-"""The command: `python -m studies.qualification [STAGE ...]`: hours of runs, and a dated page of what came of them."""
+"""The command: `python -m studies.qualification [STAGE ...]`: hours of runs, and a dated page of what came of them.
+
+Stages may be run one by one: the page shows how each ended when it last ran here, and of which version.
+"""
 
 import argparse
+import json
 import os
 import subprocess
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -20,16 +24,22 @@ LOGS = ROOT / "build" / "qualify"
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a stage ended: its exit code, how long it took [s], and the last line that it printed."""
+    """How a stage ended: its exit code, how long it took [s], and the last line that it printed.
 
-    stage: Stage
+    It began at `date`, and ran `version`, which ends in a plus where files were changed since that commit.
+    """
+
     code: int
     seconds: float
     last: str
+    date: str
+    version: str
 
 
-def main(arguments: Sequence[str] | None = None, stages: Sequence[Stage] = STAGES, page: Path = PAGE) -> int:
-    """Run the stages, all unless some are named; write the page when all were run. Return 1 when one failed."""
+def main(
+    arguments: Sequence[str] | None = None, stages: Sequence[Stage] = STAGES, page: Path = PAGE, logs: Path = LOGS
+) -> int:
+    """Run the stages, all unless some are named, and write the page. Return 1 when one failed."""
     parser = argparse.ArgumentParser(prog="python -m studies.qualification", description=__doc__)
     names = [stage.name for stage in stages]
     parser.add_argument("stages", nargs="*", metavar="STAGE", help=f"of {', '.join(names)}; all by default")
@@ -37,15 +47,15 @@ def main(arguments: Sequence[str] | None = None, stages: Sequence[Stage] = STAGE
     if unknown := set(asked) - set(names):
         parser.error(f"{min(unknown)!r} is not one of {', '.join(names)}")
     print(machine(), flush=True)
-    outcomes = [_run(stage) for stage in stages if stage.name in asked]
-    if asked == names:
-        write_page(page, "The long runs", [_table(outcomes)], datetime.now(UTC), parser.prog)
-    return int(any(outcome.code for outcome in outcomes))
+    logs.mkdir(parents=True, exist_ok=True)
+    failed = [stage.name for stage in stages if stage.name in asked and _run(stage, logs).code]
+    write_page(page, "The long runs", [_table(stages, logs)], datetime.now(UTC), parser.prog)
+    return int(bool(failed))
 
 
-def _run(stage: Stage) -> Outcome:
-    LOGS.mkdir(parents=True, exist_ok=True)
-    log, began = LOGS / f"{stage.name}.log", time.monotonic()
+def _run(stage: Stage, logs: Path) -> Outcome:
+    log, began = logs / f"{stage.name}.log", time.monotonic()
+    date, version = f"{datetime.now(UTC):%Y-%m-%d %H:%M}", _version()
     with log.open("w") as written:
         environment = os.environ | dict(stage.environment)
         environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
@@ -53,16 +63,29 @@ def _run(stage: Stage) -> Outcome:
             stage.command, cwd=ROOT, env=environment, stdout=written, stderr=subprocess.STDOUT, check=False
         ).returncode
     lines = [line.strip("= ") for line in log.read_text(errors="replace").splitlines() if line.strip("= ")]
-    outcome = Outcome(stage, code, time.monotonic() - began, lines[-1] if lines else "")
-    print(f"{stage.name}: {'failed, see ' + str(log) if code else 'passed'}, {outcome.seconds:.0f} s: {outcome.last}")
+    outcome = Outcome(code, time.monotonic() - began, lines[-1] if lines else "", date, version)
+    log.with_suffix(".json").write_text(json.dumps(asdict(outcome)))
+    ended = f"failed, see {log}" if code else "passed"
+    print(f"{stage.name}: {ended}, {outcome.seconds:.0f} s: {outcome.last}", flush=True)
     return outcome
 
 
-def _table(outcomes: Sequence[Outcome]) -> Table:
-    rows = tuple(
-        (each.stage.shows, "no" if each.code else "yes", f"{each.seconds:.0f} s", each.last) for each in outcomes
-    )
-    return Table("Stages", ("what", "passed", "took", "it said at last"), rows)
+def _version() -> str:
+    """Return the commit that is run; empty where there is no history."""
+    git = ("git", "describe", "--always", "--dirty=+", "--exclude=*")
+    return subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+
+
+def _table(stages: Sequence[Stage], logs: Path) -> Table:
+    columns = ("what", "passed", "began (UTC)", "version", "took", "it said at last")
+    return Table("Stages", columns, tuple((stage.shows, *_cells(logs / f"{stage.name}.json")) for stage in stages))
+
+
+def _cells(kept: Path) -> tuple[str, ...]:
+    if not kept.exists():
+        return "not run", "", "", "", ""
+    outcome = Outcome(**json.loads(kept.read_text()))
+    return "no" if outcome.code else "yes", outcome.date, outcome.version, f"{outcome.seconds:.0f} s", outcome.last
 
 
 if __name__ == "__main__":
