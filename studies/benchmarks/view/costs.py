@@ -12,7 +12,7 @@ from studies.workload import SCENARIOS
 
 def cost_table(results: Results, extent: Extent) -> Table:
     """Return a row for each condition: shares of the bound and of one central decider."""
-    usual = [one for one in results["limits"] if one.flight.how.limit == extent.usual and one.flight.course.seed == 0]
+    usual = results["usual"]
     conditions: list[tuple[str, Sequence[Flown]]] = [
         ("latency 20 ms, loss 1 %", usual),
         *((f"latency {1000 * t:g} ms", _with(results, "latency", t)) for t in extent.latencies),
@@ -28,7 +28,8 @@ def cost_table(results: Results, extent: Extent) -> Table:
         rows,
         "Share of one central decider at the same latency and loss [%], in brackets the share of the offline bound,"
         " which loses nothing. After the / the part of windows that exceed the limit [%], and the most messages too"
-        " many. While a robot is gone its samples are not published; the bound and the central decider have them.",
+        f" many. {extent.many} seeds of each latency, {extent.seeds} of losses and churn, one of clocks. While a robot"
+        " is gone its samples are not published; the bound and the central decider have them.",
     )
 
 
