@@ -1,12 +1,22 @@
 """The daemon's clocks. Only drivers read them; the core and the planner are told the time."""
 
+import ctypes
+import math
 import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from proxy.core.wire import MOST_CLOCK_ERROR
 
 PACE = 1.0
 """Time between two looks at what the wall clock shows [s]."""
 STEP = 1e-3
 """Less than this is no step of the wall clock [s]."""
+CALM = 600.0
+"""A wall clock is known better than it was when it has been for so long [s]."""
 _READINGS = 5
+_UNSYNCHRONISED = 0x40
+"""The kernel's flag of it (STA_UNSYNC)."""
 
 monotonic = time.monotonic
 """Seconds on the clock all decisions are made on."""
@@ -22,23 +32,57 @@ def wall_offset() -> float:
     return min(_reading() for _ in range(_READINGS))[1]
 
 
+def kernel_error() -> float:
+    """What the kernel takes the wall clock to be wrong by at most [s], as chrony told it; infinite when nobody did."""
+    shown = _Timex()
+    ctypes.CDLL(None).adjtimex(ctypes.byref(shown))
+    return math.inf if shown.status & _UNSYNCHRONISED else shown.maxerror * 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Wall:
+    """What the wall clock shows more than the monotonic clock, and is wrong by at most; 0.0: nobody knows [s]."""
+
+    offset: float
+    error: float
+
+
 class WallWatch:
-    """Notices when somebody sets the wall clock. `offset` is what it showed more than the monotonic clock [s]."""
+    """Notices when somebody sets the wall clock. `offset` is what it showed more than the monotonic clock [s].
 
-    def __init__(self, offset: float) -> None:
-        self._offset = offset
+    `bound` is what it is wrong by at most while it is synchronised, as the operator says; 0.0: that is not known [s].
+    It counts for more while the kernel knows less, whom `kernel` asks.
+    """
+
+    def __init__(self, offset: float, bound: float = 0.0, kernel: Callable[[], float] = kernel_error) -> None:
+        self._told = Wall(offset, 0.0)
+        self._bound = bound
+        self._kernel = kernel
         self._due = monotonic() + PACE
+        self._worse_at = -math.inf
 
-    def look(self, now: float) -> float | None:
-        """Return what the wall clock now shows more than the monotonic clock if that is news; cheap as a rule."""
+    def look(self, now: float) -> Wall | None:
+        """Return what is known of the wall clock now if that is news; cheap as a rule."""
         if now < self._due:
             return None
         self._due = now + PACE
-        offset = wall_offset()
-        if abs(offset - self._offset) < STEP:
+        offset, error = wall_offset(), self._error(now)
+        if abs(offset - self._told.offset) < STEP and error == self._told.error:
             return None
-        self._offset = offset
-        return offset
+        self._told = Wall(offset, error)
+        return self._told
+
+    def _error(self, now: float) -> float:
+        """In steps of twice as much: what the kernel says grows until it is told anew, and each step is told."""
+        if not self._bound:
+            return 0.0
+        known = max(self._kernel(), self._bound)
+        error = self._bound * 2.0 ** math.ceil(math.log2(known / self._bound)) if known <= MOST_CLOCK_ERROR else 0.0
+        told = self._told.error
+        if not told or not error or error >= told:
+            self._worse_at = now
+            return error
+        return error if now >= self._worse_at + CALM else told
 
 
 def _reading() -> tuple[float, float]:
@@ -47,3 +91,17 @@ def _reading() -> tuple[float, float]:
     shown = wall()
     after = monotonic()
     return after - before, shown - (before + after) / 2.0
+
+
+class _Timex(ctypes.Structure):
+    """The begin of the kernel's `struct timex`, and room for its rest."""
+
+    _fields_ = (
+        ("modes", ctypes.c_uint),
+        ("offset", ctypes.c_long),
+        ("freq", ctypes.c_long),
+        ("maxerror", ctypes.c_long),
+        ("esterror", ctypes.c_long),
+        ("status", ctypes.c_int),
+        ("rest", ctypes.c_char * 256),
+    )

@@ -163,6 +163,17 @@ class PlannerConfig(Section):
     )
 
 
+class ClockConfig(Section):
+    """`[clock]`: how right the wall clock of this robot is."""
+
+    error: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="what the wall clock is wrong by at most while it is synchronised [s]; 0: not known",
+    )
+
+
 class LogConfig(Section):
     """`[log]`: what the daemon writes to standard error."""
 
@@ -182,6 +193,7 @@ class Config(Section):
     specs: SpecsConfig = SpecsConfig()
     fleet: FleetConfig = FleetConfig()
     planner: PlannerConfig = PlannerConfig()
+    clock: ClockConfig = ClockConfig()
     log: LogConfig = LogConfig()
 
     @field_validator("planner")

@@ -155,7 +155,7 @@ class Daemon:
         self._zids = {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())}
         robot = self.robot = free_name(sides.mesh, config.robot)
         core = Core(_core_settings(config, robot, self._zids["mesh"]), self._specs, clock.monotonic())
-        loop = self._loop = Loop(core, self._execute)
+        loop = self._loop = Loop(core, self._execute, config.clock.error)
         planner = config.planner
         # The paper's search comes with the paper's reduction; `best` has its own and ignores this.
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")

@@ -29,9 +29,12 @@ _Timed = tuple[float, int, Item]
 
 
 class Loop:
-    """Feeds the core. `execute` carries out each command, on this thread: it must not block."""
+    """Feeds the core. `execute` carries out each command, on this thread: it must not block.
 
-    def __init__(self, core: Core, execute: Callable[[Command], None]) -> None:
+    While it is synchronised the wall clock is wrong by `clock_error` at most [s]; 0.0: that is not known.
+    """
+
+    def __init__(self, core: Core, execute: Callable[[Command], None], clock_error: float = 0.0) -> None:
         self.core = core
         self.faults = 0
         """Events that the core could not digest."""
@@ -42,7 +45,7 @@ class Loop:
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
         self._refusing = threading.Lock()
-        self._wall = clock.WallWatch(core.view.wall_offset)
+        self._wall = clock.WallWatch(core.view.wall_offset, clock_error)
         self._thread = threading.Thread(target=self._run, name="loop", daemon=True)
 
     def start(self) -> None:
@@ -122,9 +125,9 @@ class Loop:
             if event is not None:
                 self.handle(event)
             now = clock.monotonic()
-            offset = self._wall.look(now)
-            if offset is not None:
-                self.handle(ClockChanged(now, offset))
+            wall = self._wall.look(now)
+            if wall is not None:
+                self.handle(ClockChanged(now, wall.offset, wall.error))
             return self.core.wake_at(now)
         except Exception:
             self.faults += 1

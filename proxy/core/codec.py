@@ -16,6 +16,7 @@ from proxy.core.errors import MalformedWireError
 from proxy.core.fixed import coded, decoded, seconds, ticks
 from proxy.core.wire import (
     BEGINS,
+    MOST_CLOCK_ERROR,
     MOST_ORIGINS,
     MOST_SUBSCRIPTIONS,
     MOST_TOLD,
@@ -88,6 +89,7 @@ def pack_state(state: State) -> bytes:
     if not state.since:
         fields += [state.mode, state.specs, state.transport]
         fields += [list(state.subscriptions), [_packed_id(origin) for origin in state.origins]]
+        fields += [ticks(state.clock_error)] * (state.clock_error > 0.0)
     packed = _pack(fields)
     return min(packed, zlib.compress(packed, 9), key=len)
 
@@ -221,7 +223,13 @@ def _state(f: list[Any], robot: str) -> State:
         origins=tuple(_id(origin) for origin in _at_most(f[10], MOST_ORIGINS)),
         transport=_name(f[8]),
         number=number,
+        clock_error=_clock_error(f[11:12]),
     )
+
+
+def _clock_error(f: list[Any]) -> float:
+    """Older versions do not tell it."""
+    return seconds(_count(f[0], ticks(MOST_CLOCK_ERROR))) if f else 0.0
 
 
 def _stream_state_fields(s: StreamState) -> list[Any]:

@@ -212,9 +212,10 @@ class Core:
 
     @_on.register
     def _(self, event: ev.ClockChanged) -> list[Command]:
-        if abs(event.wall_offset - self.telling.state.wall_offset) > WALL_STEP:
+        stepped = abs(event.wall_offset - self.telling.state.wall_offset) > WALL_STEP
+        if stepped or event.error != self.view.clock_error:
             self.telling.restate(event.now)
-        self.view.wall_offset = event.wall_offset
+        self.view.set_wall_clock(event.wall_offset, event.error)
         return self._compare_clocks(event.now)
 
     @_on.register

@@ -150,10 +150,11 @@ class MatchingChanged:
 
 @dataclass(frozen=True, slots=True)
 class ClockChanged:
-    """Our wall clock was set: it now shows `wall_offset` [s] more than the monotonic clock."""
+    """Our wall clock shows `wall_offset` [s] more than the monotonic clock, wrong by `error` at most; 0.0: unknown."""
 
     now: float
     wall_offset: float
+    error: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,8 @@
 No message arrives before it is sent. So each digest heard bounds the offset from above, each echo of one of ours from
 below, and a bound stays one as long as it widens by what clocks drift at most. The truth is between the best bounds
 there ever were; the middle is the estimate, and half the width what it may be wrong by, whatever waited where. That
-is half the best round trip, and the drift since.
+is half the best round trip, and the drift since. Where ways take long that is much: wall clocks of which both robots
+know that they are right bound the offset, too, unless digests prove them wrong.
 """
 
 import math
@@ -34,6 +35,8 @@ class ClockOffset:
         self._most: _Bound | None = None
         self._least: _Bound | None = None
         self._last: _Bound | None = None
+        self._shown: tuple[_Bound, float] | None = None
+        """What wall clocks showed last, and how wrong that may be [s]."""
         self._offset: float | None = 0.0
         """The estimate; None when it is to be worked out anew."""
         self.jumps = 0
@@ -55,6 +58,14 @@ class ClockOffset:
             self._least = new
         self._agree()
 
+    def shown(self, now: float, offset: float, error: float) -> None:
+        """By the wall clocks of both, the offset is this at `now`, and wrong by `error` at most [s]."""
+        self._shown, self._offset = (_Bound(now, offset), error), None
+
+    def unshown(self) -> None:
+        """Forget what wall clocks showed: one was set, so it was wrong."""
+        self._shown = self._offset = None
+
     @property
     def known(self) -> bool:
         """Whether both directions were seen."""
@@ -71,7 +82,8 @@ class ClockOffset:
         """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than `DRIFT`; else infinite."""
         if self._most is None or self._least is None or self._last is None:
             return math.inf
-        return self._width(self._last.at) / 2.0 + RESOLUTION + DRIFT * abs(now - self._last.at)
+        least, most = self._between(self._last.at)
+        return (most - least) / 2.0 + RESOLUTION + DRIFT * abs(now - self._last.at)
 
     @property
     def latency(self) -> float:
@@ -92,23 +104,36 @@ class ClockOffset:
     def _estimated(self) -> float:
         if self._last is None or self._most is None:
             return 0.0
-        most = self._most.offset + self._most.widened(self._last.at)
-        if self._least is None:
-            return most
-        return (most + self._least.offset - self._least.widened(self._last.at)) / 2.0
+        least, most = self._between(self._last.at)
+        return most if math.isinf(least) else (most + least) / 2.0
 
-    def _width(self, now: float) -> float:
-        """The distance between the bounds at `now` [s]; negative when they contradict each other."""
-        if self._most is None or self._least is None:
-            return math.inf
-        return self._most.offset + self._most.widened(now) - self._least.offset + self._least.widened(now)
+    def _between(self, now: float) -> tuple[float, float]:
+        """The least and the most that the offset can be at `now` [s]."""
+        least, most = self._by_digests(now)
+        if self._shown is None:
+            return least, most
+        bound, error = self._shown
+        error += bound.widened(now) + RESOLUTION
+        if bound.offset - error > most or bound.offset + error < least:
+            return least, most
+        return max(least, bound.offset - error), min(most, bound.offset + error)
+
+    def _by_digests(self, now: float) -> tuple[float, float]:
+        """The same by digests and echoes alone: when these contradict each other the least is more than the most."""
+        least = -math.inf if self._least is None else self._least.offset - self._least.widened(now)
+        most = math.inf if self._most is None else self._most.offset + self._most.widened(now)
+        return least, most
 
     def _agree(self) -> None:
         """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
         self._offset = None
-        if self._last is None or self._width(self._last.at) >= -RESOLUTION:
+        if self._last is None or not self._contradictory(self._last.at):
             return
         self.jumps += 1
         self._most = self._last
-        if self._width(self._last.at) < -RESOLUTION:
+        if self._contradictory(self._last.at):
             self._least = None
+
+    def _contradictory(self, now: float) -> bool:
+        least, most = self._by_digests(now)
+        return most - least < -RESOLUTION

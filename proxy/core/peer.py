@@ -81,6 +81,8 @@ class Peer:
     pending: dict[int, StreamDigest] = field(default_factory=dict)
     wall_offset: float | None = None
     """Its wall clock minus its monotonic clock [s]; None until it said."""
+    clock_error: float = 0.0
+    """What its wall clock shows wrong at most [s]; 0.0: it does not know."""
     apart: float | None = None
     """Its wall clock minus ours [s], when that is worth a warning."""
     samples: int = 0
@@ -165,9 +167,10 @@ class Peer:
         if (self.mode, self.specs) != (state.mode, state.specs):
             self.restart_losses()
         self.mode, self.specs = state.mode, state.specs
-        self.transport = state.transport
+        self.transport, self.clock_error = state.transport, state.clock_error
         before = self.wall_offset
         if before is not None and abs(before - state.wall_offset) > SET:
+            self.offset.unshown()
             self._read(now - UNHEARD)
             self.wall_offset = state.wall_offset
             self._read(now, before)

@@ -145,6 +145,7 @@ def _peer(peer: Peer, core: Core, now: float) -> dict[str, Any]:
         "clock_uncertainty": peer.offset.uncertainty(now) if known else None,
         "clock_jumps": peer.offset.jumps,
         "wall_ahead": ahead,
+        "wall_error": peer.clock_error or None,
         "digest_age": now - peer.digest_received if peer.digest else None,
         "samples": peer.samples,
         "implausible": peer.implausible,

@@ -31,6 +31,7 @@ def state_of(view: SharedView, mode: Mode) -> State:
         wall_offset=view.wall_offset,
         origins=tuple(view.origins),
         transport=settings.transport,
+        clock_error=view.clock_error,
     )
 
 
@@ -90,7 +91,7 @@ def _lost(told: State, state: State) -> bool:
 
 
 def _apart_from_streams(state: State) -> Iterable[object]:
-    return state.mode, state.specs, state.subscriptions, state.origins
+    return state.mode, state.specs, state.subscriptions, state.origins, state.clock_error
 
 
 def _stream_state(stream: Stream) -> StreamState:

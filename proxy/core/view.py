@@ -8,7 +8,7 @@ from proxy.core.competition import Competition
 from proxy.core.events import SampleHeard
 from proxy.core.interest import Interest
 from proxy.core.latency import Latency
-from proxy.core.peer import Peer, latency_of
+from proxy.core.peer import SET, Peer, latency_of
 from proxy.core.schedules.told import heard
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
@@ -28,6 +28,8 @@ LEAST_LATENCY = 1e-6
 """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
 ALIKE = 0.005
 """Ways there and back differ by this part, where nothing worse comes of it than messages too many."""
+UNTOLD = 2e-3
+"""Two wall clocks may have moved so much against each other and nobody said so, because it is too little [s]."""
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
 
@@ -42,6 +44,8 @@ class SharedView:
         """The other robots, by tag."""
         self.wall_offset = settings.wall_offset
         """Our wall clock minus our monotonic clock [s]."""
+        self.clock_error = 0.0
+        """What our wall clock shows wrong at most [s]; 0.0: nobody knows."""
         self.audiences = Audiences(self)
         self.competition = Competition(self)
         self.interest: tuple[str, ...] = ()
@@ -194,6 +198,13 @@ class SharedView:
             return self.settings.robot
         return self._robots.get(origin) or f"{PLAIN}{origin}"
 
+    def set_wall_clock(self, offset: float, error: float) -> None:
+        """Our wall clock shows so much more than the monotonic one, wrong by `error` at most; 0.0: unknown [s]."""
+        if abs(offset - self.wall_offset) > SET:
+            for peer in self.peers.values():
+                peer.offset.unshown()
+        self.wall_offset, self.clock_error = offset, error
+
     def claim(self, origin: str | None) -> bool:
         """A sample with this origin entered our app side; True when that made it newly ours."""
         if origin is None or origin in self.origins or not self.robot_of(origin).startswith(PLAIN):
@@ -253,6 +264,9 @@ class SharedView:
             peer.restart_losses()  # it may not count what we count
         peer.heard_digest(now, digest)
         self._told_at[peer.robot] = now
+        if self.clock_error and peer.clock_error and peer.wall_offset is not None and digest.state == peer.number:
+            error = self.clock_error + peer.clock_error + UNTOLD
+            peer.offset.shown(now, peer.wall_offset - self.wall_offset, error)
         for echo in digest.echoes:
             self._heard_echo(now, peer, echo)
         if not is_broadcast(peer.transport):

@@ -149,10 +149,14 @@ class State:
     """How its samples travel."""
     number: int = 0
     """Counts the robot's states."""
+    clock_error: float = 0.0
+    """What its wall clock shows wrong at most [s]; 0.0: nobody knows. An update leaves it as it was."""
     since: int = 0
     """0: this is all. Else only what is new of the streams since the state of that number; the rest is as it was."""
 
 
+MOST_CLOCK_ERROR = 1.0
+"""A wall clock of which no more is known than this is not known [s]."""
 MOST_TOLD = 4096
 """Streams in a state."""
 MOST_SUBSCRIPTIONS = 1024

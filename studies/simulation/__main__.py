@@ -75,6 +75,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--seed", type=int, default=0, help="the first one")
     add("--seeds", type=int, default=1)
     add("--skew", type=float, default=0.0, help="fly again with clocks off by so much, one way and the other [s]")
+    add("--clock-error", type=float, default=0.0, help="wall clocks are known to be right but for this [s]")
     add("--digests-inside", action="store_true", help="digests use of the limit, too")
     add("--digests-by-unicast", dest="digests_on_air", action="store_false", help="also where samples are broadcast")
     return parser

@@ -26,7 +26,8 @@ class Conditions:
     `limit` counts messages per `WINDOW` of 25 that are generated. With `digests_inside` it is what messages and digests
     may use together, else what is left to messages. `latency` and `jitter` are seconds, `loss`, `duplication` and
     `reordering` probabilities; `ways` are those of single pairs. `rate` is that of the medium [B/s]; as it is, no queue
-    shows. `rates` are times [s] and rates. With `digests_on_air` a digest is broadcast where samples are.
+    shows. `rates` are times [s] and rates. With `digests_on_air` a digest is broadcast where samples are. Wall
+    clocks are wrong by `clock_error` at most, as their robots know [s]; 0.0: they do not know.
     """
 
     coordination: Coordination = "shares"
@@ -46,6 +47,7 @@ class Conditions:
     rate: float = 1e6
     rates: tuple[tuple[float, float], ...] = ()
     clocks: Mapping[str, Clock] = field(default_factory=dict)
+    clock_error: float = 0.0
     ways: Mapping[tuple[str, str], Way] = field(default_factory=dict)
     happenings: Sequence[Happening] = ()
 

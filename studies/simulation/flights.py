@@ -5,6 +5,7 @@ from typing import TypeVar
 from planner import SearchSettings
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import UNICAST, broadcast
+from studies.simulation.clocks import synchronised
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.medium import Medium
 from studies.simulation.missions import Mission
@@ -37,7 +38,7 @@ def crew(kind: type[T], flown: Mission, how: Conditions, seed: int) -> T:
         ),
         seed=seed,
         iterations=how.iterations,
-        clocks=how.clocks,
+        clocks=how.clocks or synchronised(flown.interests, how.clock_error, seed),
         settings=CoreSettings(
             "",
             "",

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from proxy.clock import PACE, STEP
+from proxy.clock import PACE, STEP, Wall
 from proxy.core.core import Core
 from proxy.core.wire import State
 from studies.simulation.clocks import Clock
@@ -24,13 +24,13 @@ class Member:
     look: float = 0.0
     running: bool = True
 
-    def wall_step(self, t: float) -> float | None:
-        """What the wall clock shows more than the monotonic one, if that is news; looked at as often as daemons do."""
+    def wall_step(self, t: float) -> Wall | None:
+        """What is known of the wall clock, if that is news; looked at as often as daemons do."""
         if t < self.look:
             return None
         self.look = t + PACE
-        offset = self.clock.wall_time(t) - self.now(t)
-        return None if abs(offset - self.core.view.wall_offset) < STEP else offset
+        shown, view = Wall(self.clock.wall_time(t) - self.now(t), self.clock.error), self.core.view
+        return shown if abs(shown.offset - view.wall_offset) >= STEP or shown.error != view.clock_error else None
 
     def now(self, t: float) -> float:
         """What its monotonic clock shows at true time `t` [s]."""

@@ -99,7 +99,7 @@ class Team:
             self._execute(member, t, command)
         stepped = member.wall_step(t)
         if stepped is not None:
-            self._feed(member, t, ev.ClockChanged(member.now(t), stepped))
+            self._feed(member, t, ev.ClockChanged(member.now(t), stepped.offset, stepped.error))
             return
         wake = member.clock.true(member.core.wake_at(member.now(t)))
         if member.wake <= t or wake < member.wake:

@@ -46,6 +46,7 @@ def test_defaults_are_those_of_the_manual():
             "engine": "native",
             "coordination": "auto",
         },
+        "clock": {"error": 0.0},
         "log": {"level": "info"},
     }
 

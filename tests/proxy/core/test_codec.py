@@ -21,8 +21,8 @@ from proxy.core.codec import (
     unpack_state,
 )
 from proxy.core.errors import MalformedWireError
-from proxy.core.fixed import rounded, single, ticks
-from proxy.core.wire import PARTS, Digest, Echo, Grant, Returned, State, StreamDigest, StreamState
+from proxy.core.fixed import rounded, seconds, single, ticks
+from proxy.core.wire import MOST_CLOCK_ERROR, PARTS, Digest, Echo, Grant, Returned, State, StreamDigest, StreamState
 
 time = st.integers(0, 10**13).map(lambda ticks_: ticks_ / 1e4)
 count = st.integers(0, 2**53)
@@ -91,6 +91,7 @@ states = st.builds(
     origins=st.lists(zid, max_size=2).map(tuple),
     transport=name,
     number=count,
+    clock_error=st.integers(0, ticks(MOST_CLOCK_ERROR)).map(seconds),
 )
 
 
@@ -231,6 +232,9 @@ WHOLE = [4, b"ab", 1, 0, [], 0, "enforce", "s", "unicast", [], []]
         (10, [b"z"] * 257),
         (10, [7]),
         (10, [b"z" * 33]),
+        (11, -1),
+        (11, ticks(1.1)),
+        (11, 0.5),
         (3, -1),
     ],
 )

@@ -104,3 +104,61 @@ def test_no_clock_showed_later_than_the_latest():
     offset.echoed(10.9, 1.0)
     assert offset.latest(1.0) == pytest.approx(11.1, abs=1e-3)
     assert offset.latest(0.0) > offset.latest(1.0) - 1.0
+
+
+@given(
+    offset=st.floats(-1e5, 1e5),
+    wrong=st.floats(-0.02, 0.02),
+    ways=st.tuples(DELAYS, DELAYS),
+    later=st.floats(0.0, 50.0),
+    drift=st.floats(-DRIFT, DRIFT),
+)
+def test_wall_clocks_that_are_right_bound_it_too(offset, wrong, ways, later, drift):
+    """However unlike the ways there and back are; the truth is never outside."""
+    clock = ClockOffset()
+    clock.heard(100.0 - offset, 100.0 + ways[0])
+    clock.echoed(100.0, 100.0 - offset + ways[1])
+    before = clock.uncertainty(101.0)
+    clock.shown(100.0, offset + wrong, 0.02)
+    assert clock.uncertainty(101.0) <= min(before, 0.021) + 1e-3
+    at = 104.0 + later
+    theirs = at - offset - drift * (at - 100.0)
+    clock.heard(theirs, at)
+    assert abs(clock.offset - (at - theirs)) <= clock.uncertainty(at) + 1e-6
+    assert clock.jumps == 0
+
+
+def far(*shown):
+    """Ways there and back that take a second each, an offset of 5 s, and what wall clocks show."""
+    clock = ClockOffset()
+    clock.heard(0.0, 6.0)
+    clock.echoed(6.0, 2.0)
+    if shown:
+        clock.shown(6.0, *shown)
+    return clock
+
+
+def test_wall_clocks_that_cannot_be_right_count_for_nothing():
+    """Digests prove it, and clocks have not jumped."""
+    for wrong in (far(6.2, 0.1), far(3.8, 0.1)):
+        assert (wrong.offset, wrong.uncertainty(6.0)) == (far().offset, far().uncertainty(6.0))
+        assert wrong.jumps == 0
+    assert far(5.7, 0.1).offset == pytest.approx(5.7, abs=1e-3)
+    assert far(5.7, 0.1).latency == pytest.approx(1.0, abs=1e-3)
+
+
+def test_what_wall_clocks_show_alone_is_not_enough():
+    """How wrong the clock of a robot may be is known when there was an echo."""
+    clock = ClockOffset()
+    clock.heard(0.0, 6.0)
+    clock.shown(6.0, 5.0, 0.1)
+    assert clock.uncertainty(6.0) == math.inf
+    assert clock.offset == pytest.approx(5.0)
+
+
+def test_a_clock_that_was_set_was_wrong():
+    """What it showed before is forgotten."""
+    clock = far(5.0, 0.02)
+    assert clock.uncertainty(6.0) == pytest.approx(0.02, abs=1e-4)
+    clock.unshown()
+    assert clock.uncertainty(6.0) == pytest.approx(1.0, abs=1e-2)

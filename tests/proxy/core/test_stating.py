@@ -46,7 +46,9 @@ def test_estimates_are_news_when_they_moved(changes, news):
     assert [stream.id for stream in update.streams] == ([1, 2] if news else [2])
 
 
-@pytest.mark.parametrize("changes", [{"mode": "shadow"}, {"subscriptions": ()}, {"streams": ()}, {"origins": ("x",)}])
+@pytest.mark.parametrize(
+    "changes", [{"mode": "shadow"}, {"subscriptions": ()}, {"streams": ()}, {"origins": ("x",)}, {"clock_error": 0.1}]
+)
 def test_other_changes_are_told_whole(changes):
     """They are rare."""
     state = replace(TOLD, **changes)

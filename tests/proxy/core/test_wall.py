@@ -83,3 +83,45 @@ def test_a_step_of_our_own_wall_clock_is_told(make_talk):
     assert [c.state.wall_offset for c in said if isinstance(c, SendState)] == [940.0]
     text = "the clock of r2 is 60.000 s ahead of that of r1: timestamps cannot be compared"
     assert clock_notices(said) == [("warning", text)]
+
+
+def tells(talk, at, number, error, wall_offset=1500.0):
+    """Robot r2 tells in a state how wrong its wall clock is, then sends a digest; return how well we know its clock."""
+    told = State("r2", "z-r2", "enforce", "", wall_offset=wall_offset, number=number, clock_error=error)
+    talk.tell(ev.StateHeard(at, told))
+    talk.tell(ev.DigestHeard(at + 0.5, Digest("r2", "z-r2", at - 499.51, 0, 0, 0, state=number)))
+    return round(talk.core.status(at + 0.5)["peers"][0]["clock_uncertainty"], 3)
+
+
+def test_wall_clocks_that_are_known_to_be_right_bound_the_offset(make_talk):
+    """If both are, and nothing else is in force; what is known fades slowly when they are known no more."""
+    talk = make_talk(wall_offset=1000.0)
+    meet(talk, 1500.0)
+    assert tells(talk, 2.0, 1, 0.001) == 0.01
+    talk.tell(ev.ClockChanged(3.0, 1000.0, 0.001))
+    assert tells(talk, 4.0, 2, 0.001) == 0.004
+    assert talk.core.status(5.0)["peers"][0]["wall_error"] == 0.001
+    assert tells(talk, 6.0, 3, 0.0) == 0.004
+    assert talk.core.status(7.0)["peers"][0]["wall_error"] is None
+    assert tells(talk, 16.0, 4, 0.0) == 0.006
+
+
+def test_what_a_wall_clock_showed_before_it_was_set_is_forgotten(make_talk):
+    """Ours or theirs: it was not right."""
+    talk = make_talk(wall_offset=1000.0)
+    meet(talk, 1500.0)
+    talk.tell(ev.ClockChanged(2.0, 1000.0, 0.001))
+    assert tells(talk, 3.0, 1, 0.001) == 0.004
+    assert tells(talk, 5.0, 2, 0.0, wall_offset=1500.1) == 0.01
+    assert tells(talk, 7.0, 3, 0.001) == 0.004
+    talk.tell(ev.ClockChanged(9.0, 1000.1, 0.0))
+    assert tells(talk, 10.0, 4, 0.001) > 0.01
+
+
+def test_how_wrong_our_wall_clock_may_be_is_told(make_talk):
+    """At once, as a step is."""
+    talk = make_talk(wall_offset=1000.0)
+    meet(talk, 1500.0)
+    talk.tell(ev.TimePassed(2.0))
+    said = talk.tell(ev.ClockChanged(3.0, 1000.0, 0.02))
+    assert [(c.state.clock_error, c.update) for c in said if isinstance(c, SendState)] == [(0.02, None)]

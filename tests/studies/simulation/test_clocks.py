@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studies.simulation.clocks import EPOCH, Clock, booted_without_time
+from studies.simulation.clocks import EPOCH, Clock, booted_without_time, synchronised
 
 
 @given(st.floats(-1e6, 1e6), st.floats(-500, 500), st.floats(0, 1e5))
@@ -32,3 +32,12 @@ def test_a_robot_without_time_starts_in_1970():
     clock = booted_without_time(30.0)
     assert clock.wall_time(1.0) == 1.0
     assert clock.wall_time(30.0) == EPOCH + 30.0
+
+
+def test_synchronised_clocks_are_wrong_by_no_more_than_they_say():
+    """Each by something else."""
+    clocks = synchronised(("r1", "r2", "op"), 0.02, 7)
+    off = [clock.wall_time(3.0) - EPOCH - 3.0 for clock in clocks.values()]
+    assert len(set(off)) == 3
+    assert max(map(abs, off)) <= 0.02 + 1e-6
+    assert {clock.error for clock in clocks.values()} == {0.02}
