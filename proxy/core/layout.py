@@ -18,7 +18,7 @@ from proxy.core.inbox import Waiting
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
-from proxy.core.shares import Lent, Shares
+from proxy.core.shares import STAYS, Lent, Shares
 from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, Place, allot, demands, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
@@ -194,8 +194,12 @@ class Layout:
             lent = self._shares.lend(now, peer, now, heard + RENEWED, demand.use)
             if lent is None:
                 break
-            slots.append(lent)
             self.lent += 1
+            # One that begins late and ends so soon that it seems to be for one message would be given back.
+            longer = lent if lent.stays else self._shares.lengthen(now, lent, lent.begins + STAYS + RENEWED)
+            if longer is None:
+                break
+            slots.append(longer)
 
     def _asks(self, stream: Stream) -> bool:
         peer = self._view.peer_called(stream.robot)
