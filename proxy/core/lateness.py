@@ -35,6 +35,9 @@ class Lateness:
         They are `waiting` so long on their way besides, where the channel is full [s].
         """
         if not self._shares.leads:
+            if now >= self._due and self._view.peers:
+                self._due = now + PACE
+                self._shares.confirmed(now)  # time alone may have it fall to us
             leader = self._view.peers.get(self._shares.leader)
             self.late = leader is not None and leader.digest is not None and leader.digest.lends
             return
