@@ -116,8 +116,7 @@ class Gate:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
         self.wakes_at = math.inf
-        if self._settings.coordination != "shares":
-            self._lateness.look(now, self.limits, self.waiting)
+        self._lateness.look(now, self.limits, self.waiting)
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands

@@ -34,13 +34,15 @@ class Lateness:
 
         They are `waiting` so long on their way besides, where the channel is full [s].
         """
+        due = now >= self._due
+        if due and self._view.peers:
+            self._shares.confirmed(now)  # time alone may have it fall to us
         if not self._shares.leads:
             leader = self._view.peers.get(self._shares.leader)
             self.late = leader is not None and leader.digest is not None and leader.digest.lends
+        self._due = now + PACE if due else self._due
+        if not (due and self._shares.leads):
             return
-        if now < self._due:
-            return
-        self._due = now + PACE
         window = min((limit.window for limit in limits if limit.shared), default=math.inf)
         self.late = max(self._longest_way(), waiting) >= window * LATE * (STAYS if self.late else 1.0)
 

@@ -18,7 +18,7 @@ from proxy.core.inbox import Waiting
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
-from proxy.core.shares import Lent, Shares
+from proxy.core.shares import STAYS, Lent, Shares
 from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, Place, allot, demands, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
@@ -162,7 +162,7 @@ class Layout:
         window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
         streams = self._view.competition.all(now)
         weights = [max(stream.newest.scale, 1e-9) for stream in streams]
-        mean = sum(map(operator.mul, weights, map(spread, streams))) / max(sum(weights), 1e-9)
+        mean = sum(map(operator.mul, weights, map(self._spread, streams))) / max(sum(weights), 1e-9)
         return bool(SPREADS * mean > IRREGULAR * window * (KEEPS if self._gate.standing else 1.0))
 
     def _stand(self, now: float) -> None:
@@ -194,8 +194,12 @@ class Layout:
             lent = self._shares.lend(now, peer, now, heard + RENEWED, demand.use)
             if lent is None:
                 break
-            slots.append(lent)
             self.lent += 1
+            # One that begins late and ends so soon that it seems to be for one message would be given back.
+            longer = lent if lent.stays else self._shares.lengthen(now, lent, lent.begins + STAYS + RENEWED)
+            if longer is None:
+                break
+            slots.append(longer)
 
     def _asks(self, stream: Stream) -> bool:
         peer = self._view.peer_called(stream.robot)
@@ -220,21 +224,28 @@ class Layout:
         return True
 
     def _slack(self, now: float, stream: Stream, peer: Peer) -> float:
-        off = self._off.get((stream.robot, stream.key))
-        deviation = max(spread(stream), 0.0 if off is None else off.deviation)
-        return LEAST_SLACK + SPREADS * deviation + self._view.doubt(now, peer)
+        return LEAST_SLACK + SPREADS * self._spread(stream) + self._view.doubt(now, peer)
 
-    def _look_back(self) -> None:
+    def _spread(self, stream: Stream) -> float:
+        """How far generation times deviate from what is expected, in standard deviations [s]."""
+        off = self._off.get((stream.robot, stream.key))
+        return max(stream.schedule.jitter, 0.0 if off is None else off.deviation)
+
+    def _look_back(self, now: float) -> None:
         """How far off what was expected came, as far as we are told."""
-        for place, promises in self._promised.items():
-            stream = self._view.known(*place)
-            if stream is not None and stream.last is not None:
-                self._off.setdefault(place, _Off()).note(stream.newest.t_gen, promises, 0.5 * stream.schedule.period)
+        streams = [stream for place in self._promised if (stream := self._view.known(*place)) is not None]
+        for stream in self._view.competition.all(now) if self._gate.late else streams:
+            place = stream.robot, stream.key
+            due = [promise.t_gen for promise in self._promised.get(place, ())]
+            if (rhythm := stream.schedule.rhythm) is not None and stream.last is not None:
+                due.append(rhythm.due(stream.generated))
+            if stream.last is not None:
+                self._off.setdefault(place, _Off()).note(stream.newest.t_gen, due, 0.5 * stream.schedule.period)
         if len(self._off) > self._view.settings.streams:
             self._off = {place: off for place, off in self._off.items() if place in self._promised}
 
     def _forget(self, now: float) -> None:
-        self._look_back()
+        self._look_back(now)
         for place, promises in list(self._promised.items()):
             promises[:] = [p for p in promises[-REMEMBERED:] if p.ends >= now - DOUBT]
             if not promises:
@@ -253,12 +264,12 @@ class _Off:
         """In standard deviations [s]."""
         return math.sqrt(self.square)
 
-    def note(self, t_gen: float, promises: Iterable[Promise], most: float) -> None:
+    def note(self, t_gen: float, due: Iterable[float], most: float) -> None:
         """A message was generated then; one more than `most` off was not the one expected [s]."""
         if t_gen <= self.looked_at:
             return
         self.looked_at = t_gen
-        off = min((abs(t_gen - p.t_gen) for p in promises), default=math.inf)
+        off = min((abs(t_gen - t) for t in due), default=math.inf)
         if off < most:
             self.square += LEARNING * (off * off - self.square)
 
@@ -266,8 +277,3 @@ class _Off:
 def _fits(use: tuple[float, ...], amounts: tuple[float, ...]) -> bool:
     """Whether a slot has room for a message and a margin, and for not much more."""
     return all(amount * MARGIN >= need >= amount / LARGER for need, amount in zip(use, amounts, strict=True))
-
-
-def spread(stream: Stream) -> float:
-    """How far generation times deviate from what is expected, in standard deviations [s]."""
-    return stream.schedule.jitter

@@ -76,8 +76,8 @@ class Telling:
         self._settled_at = now + view.settings.settle
         self._told_all_at = self._told_at = now
         self._echoed_at: dict[str, float] = {}
-        self._told_epoch = 0
-        """Epochs are told at once, and paid for later."""
+        self._told_epoch, self._told_late = 0, False
+        """Epochs, and whether who leads lends, are told at once, and paid for later."""
         self._told_messages = 0
         """Messages put on the air that we told of."""
         self._state_at = self._restated = now - STATE_PACE
@@ -174,7 +174,7 @@ class Telling:
         if sharing:
             if not self._shares.epoch and now < self._settled_at + HELLO:
                 return self._settled_at + HELLO
-            if self._told_epoch != self._shares.epoch:
+            if self._rules_changed:
                 return now
         self._look_for_news()
         if self._unknown and self._view.peers and self.pacer.solvent:
@@ -192,6 +192,12 @@ class Telling:
         due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to or self.pacer.again else max(due, self._told_at + NEWS_PACE)
+
+    @property
+    def _rules_changed(self) -> bool:
+        """Whether all have to be told at once who leads, or by us as who leads that we lend from now on."""
+        shares = self._shares
+        return self._told_epoch != shares.epoch or (shares.leads and self._gate.late and not self._told_late)
 
     def has_news(self) -> bool:
         """Whether there is news of our streams."""
@@ -231,7 +237,7 @@ class Telling:
         )
         self._shares.told_returned()
         self._channel.capacity.told(digest)
-        self._told_epoch, self._told_messages = self._shares.epoch, digest.messages
+        self._told_epoch, self._told_messages, self._told_late = self._shares.epoch, digest.messages, digest.lends
         self._view.sent_digest(now)
         self.pacer.sent(now, self._size_of(digest, to), copies)
         self.urgent = bool(self.pacer.addressee(self._shares.grants(now), self._often(now))) and not self.pacer.again
@@ -246,7 +252,7 @@ class Telling:
         if not self._gate.sharing or not peers:
             return ""
         if shares.leads:
-            if self._told_epoch != shares.epoch:
+            if self._rules_changed:
                 return ""
             granted = self.pacer.addressee(shares.grants(now), self._often(now))
             to = granted or self._straggler(now) or self._next_to_time(now)
