@@ -52,6 +52,8 @@ class Gate:
         self._counts = counts
         self._windows = windows
         self.inbox = Inbox(settings.inbox, settings.backlog)
+        self.play = PLAY
+        """What who lends plans to leave between what one robot sent and what another one sends for it [s]."""
         self.waiting = 0.0
         """How long news of others wait on a channel that is full [s]."""
         self.mode = settings.mode
@@ -172,7 +174,7 @@ class Gate:
         if not self.sharing:
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads and not self.standing:
-            play = [PLAY if limit.shared else 0.0 for limit in self.limits]
+            play = [self.play if limit.shared else 0.0 for limit in self.limits]
             union = tuple(
                 replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
             )

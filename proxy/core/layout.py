@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from planner import Plan
 from proxy.core.asks import ANSWERED, SPREADS, asks
 from proxy.core.commands import Decide
-from proxy.core.gate import Gate
+from proxy.core.gate import PLAY, Gate
 from proxy.core.inbox import Waiting
+from proxy.core.lateness import LATE
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
@@ -90,6 +91,7 @@ class Layout:
             else:
                 self._stand(now)
             return []
+        self._gate.play = PLAY + self._overlap(now)
         self._outlook = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
         if self._outlook.problem is None or not self._outlook.ahead:
             self._promise_all(now, self._outlook.demanded, now + 2.0 * PACE)
@@ -150,20 +152,34 @@ class Layout:
 
     def _vague(self, now: float) -> bool:
         """Whether robots may be so wrong about our clock, or we so slow, that slots are better than single grants."""
-        window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
-        known = [peer for peer in self._view.peers.values() if peer.offset.known]
-        doubt = max((self._view.doubt(now, peer) for peer in known), default=0.0)
-        return doubt > STANDING * window or self._took > SLOW * window
+        window = self._shortest()
+        return self._doubt(now) > STANDING * window or self._took > SLOW * window
+
+    def _overlap(self, now: float) -> float:
+        """What the grants for two messages keep the second one waiting, as clocks are known [s].
+
+        As a rule nothing, for what was used is given back before; not where that takes too long.
+        """
+        way = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
+        return 2.0 * self._doubt(now) if way >= LATE * self._shortest() else 0.0
+
+    def _doubt(self, now: float) -> float:
+        """What our clock may be wrong by at most for any robot [s]."""
+        known = (peer for peer in self._view.peers.values() if peer.offset.known)
+        return max((self._view.doubt(now, peer) for peer in known), default=0.0)
+
+    def _shortest(self) -> float:
+        """The shortest window of what robots share [s]."""
+        return min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
 
     def _irregular(self, now: float) -> bool:
         """Whether what is lent ahead of time would have to leave much time for when messages come."""
         if not self._gate.late:
             return False
-        window = min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
         streams = self._view.competition.all(now)
         weights = [max(stream.newest.scale, 1e-9) for stream in streams]
         mean = sum(map(operator.mul, weights, map(self._spread, streams))) / max(sum(weights), 1e-9)
-        return bool(SPREADS * mean > IRREGULAR * window * (KEEPS if self._gate.standing else 1.0))
+        return bool(SPREADS * mean > IRREGULAR * self._shortest() * (KEEPS if self._gate.standing else 1.0))
 
     def _stand(self, now: float) -> None:
         """Lend slots, and lengthen those that are to stay."""

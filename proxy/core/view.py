@@ -264,9 +264,8 @@ class SharedView:
             peer.restart_losses()  # it may not count what we count
         peer.heard_digest(now, digest)
         self._told_at[peer.robot] = now
-        if self.clock_error and peer.clock_error and peer.wall_offset is not None and digest.state == peer.number:
-            error = self.clock_error + peer.clock_error + UNTOLD
-            peer.offset.shown(now, peer.wall_offset - self.wall_offset, error)
+        if digest.state == peer.number:
+            self._compare_walls(now, peer)
         for echo in digest.echoes:
             self._heard_echo(now, peer, echo)
         if not is_broadcast(peer.transport):
@@ -274,6 +273,12 @@ class SharedView:
         for news in digest.streams:
             self._take(now, peer, news)
         return True
+
+    def _compare_walls(self, now: float, peer: Peer) -> None:
+        """What the state of a peer says of its wall clock holds now: a bound, where both are known to be right."""
+        if self.clock_error and peer.clock_error and peer.wall_offset is not None:
+            error = self.clock_error + peer.clock_error + UNTOLD
+            peer.offset.shown(now, peer.wall_offset - self.wall_offset, error)
 
     def heard_state(self, now: float, state: State) -> bool:
         """A peer's state arrived; news of its streams that waited for their keys is taken in.
@@ -286,6 +291,7 @@ class SharedView:
             return False
         subscriptions, origins = peer.subscriptions, peer.origins
         peer.take_state(now, whole)
+        self._compare_walls(now, peer)
         self._note_broadcasting()
         if peer.subscriptions != subscriptions:
             self._table.revision += 1

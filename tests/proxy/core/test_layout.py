@@ -5,6 +5,7 @@ from collections import Counter
 from proxy.core.commands import SendDigest
 from proxy.core.core import Core
 from proxy.core.events import TimePassed
+from proxy.core.gate import PLAY
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly, team
 from studies.simulation.missions import draw, scenario
@@ -64,6 +65,17 @@ def test_where_clocks_are_known_badly_slots_are_lent():
     assert told.messages >= 0.4
     assert [core.gate.standing for core in flight.cores.values() if core.shares.leads] == [True]
     assert any(lent.stays for core in flight.cores.values() for lent in core.shares._lent)
+
+
+def test_where_wall_clocks_are_known_to_be_right_single_messages_are_lent():
+    """At a latency of 1 s, too; what clocks may be wrong by is left between them, and the limit is kept."""
+    how, flight = flown(latency=1.0, clock_error=0.02)
+    assert usage(mission_of(how), flight, how).exceeding == 0.0
+    (leader,) = (core for core in flight.cores.values() if core.shares.leads)
+    assert not leader.gate.standing
+    assert leader.gate.play > 2 * 0.02
+    _, near = flown()
+    assert {core.gate.play for core in near.cores.values()} == {PLAY}
 
 
 def test_who_plans_slowly_lends_slots():
