@@ -1,5 +1,7 @@
 """The core as transcripts of events and commands."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
@@ -578,6 +580,26 @@ def test_an_old_state_changes_nothing_unless_digests_speak_of_it(make_talk):
     told_by(talk, 1.2, number=6)
     talk.tell(ev.StateHeard(1.3, State("op", "zz-op", "enforce", "", (), ("b/*",), number=6)))
     assert talk.core.view.peers["zz-op"].subscriptions == ("b/*",)
+
+
+def test_a_false_state_gives_way_to_the_one_that_digests_speak_of(make_talk):
+    """Somebody tells a state of a high number in a robot's name: what digests of that robot name is asked for."""
+    talk = make_talk()
+    talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
+    true = State("op", "zz-op", "enforce", "", (), ("robot/*/camera",), number=3)
+    talk.tell(ev.StateHeard(0.1, true))
+    talk.tell(ev.DigestHeard(0.2, Digest("op", "zz-op", 0.2, 0, 0, 0, state=3)))
+    asked = len(talk.all(AskState))
+    talk.tell(ev.StateHeard(1.0, replace(true, subscriptions=(), number=2**50)))
+    talk.tell(ev.TimePassed(9.0))
+    assert len(talk.all(AskState)) == asked
+    talk.tell(ev.DigestHeard(9.0, Digest("op", "zz-op", 9.0, 0, 0, 0, state=3)))
+    talk.tell(ev.TimePassed(10.0))
+    assert len(talk.all(AskState)) == asked + 1
+    talk.tell(ev.StateHeard(10.1, true))
+    assert talk.core.view.peers["zz-op"].subscriptions == true.subscriptions
+    talk.tell(ev.TimePassed(60.0))
+    assert len(talk.all(AskState)) == asked + 1
 
 
 def test_what_a_robot_subscribes_to_is_passed_on_once(make_talk):
