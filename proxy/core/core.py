@@ -35,7 +35,7 @@ from proxy.core.stream import Generated, Stream
 from proxy.core.telling import Telling
 from proxy.core.view import SharedView
 from proxy.core.wall import WallClocks
-from proxy.core.warnings import namesake_warning, transport_warnings
+from proxy.core.warnings import namesake_warnings, transport_warnings
 from proxy.core.window import WindowBuilder
 from proxy.core.wire import Digest, StreamDigest, tag
 from utility_specs import Specs
@@ -229,6 +229,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.PeerAppeared) -> list[Command]:
+        before = namesake_warnings(self.view)
         if event.zid == self.settings.zid or not self.view.add_peer(event.now, event.robot, event.zid):
             return []
         name = tag(event.zid)
@@ -239,9 +240,7 @@ class Core:
         notices: list[Command] = [Notice("info", f"robot {robot} is on the mesh")]
         for heard, digest in self.strangers.introduce(name):
             notices += self._hear(heard, digest)
-        if robot != event.robot:
-            notices.append(Notice("error", namesake_warning(event.robot, event.zid, robot)))
-        return notices
+        return [*notices, *(Notice("error", said) for said in namesake_warnings(self.view) if said not in before)]
 
     @_on.register
     def _(self, event: ev.PeerGone) -> list[Command]:

@@ -675,6 +675,35 @@ def test_two_robots_of_one_name_are_said_loudly(make_talk):
     assert talk.core.status(2.0)["warnings"] == []
 
 
+def test_who_starts_with_a_name_that_is_taken_is_said_loudly(make_talk):
+    """It adds a part of its id itself, and everybody says so, be it the own name or that of another robot."""
+    talk = make_talk()
+    talk.tell(ev.PeerAppeared(0.0, "r2", "abcdef"))
+    talk.tell(ev.PeerAppeared(0.1, "r2-beef", "cafe00"))
+    assert not [notice for notice in talk.all(Notice) if notice.level == "error"]
+    talk.tell(ev.PeerAppeared(0.2, "r2-cafe", "cafe01"))
+    talk.tell(ev.PeerAppeared(0.3, "r1-1234", "123456"))
+    errors = [notice.text for notice in talk.all(Notice) if notice.level == "error"]
+    assert ["called 'r2'" in errors[0], "called 'r1'" in errors[1]] == [True, True]
+    assert talk.core.status(1.0)["warnings"] == errors
+    talk.tell(ev.PeerGone(2.0, "r2-cafe", "cafe01"))
+    assert talk.core.status(2.0)["warnings"] == errors[1:]
+
+
+def test_the_status_tells_which_streams_are_over_and_no_more_sends_than_samples(make_talk):
+    """What was heard from the air is not told of yet; a stream that is silent for ten periods is over."""
+    talk = make_talk()
+    talk.want(0.0)
+    for step in range(4):
+        talk.publish(1.0 + step)
+    (stream,) = talk.core.view.own()
+    stream.forwarded = 9
+    (told,) = talk.core.status(5.0)["streams"]
+    assert (told["over"], told["generated"], told["forwarded"]) == (False, 9, 9)
+    (told,) = talk.core.status(15.0)["streams"]
+    assert told["over"]
+
+
 def test_a_robot_that_starts_anew_is_heard_again(make_talk):
     """Its digests count after a silence, though their time is before that of the last one."""
     talk = make_talk()
