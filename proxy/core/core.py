@@ -229,10 +229,12 @@ class Core:
 
     @_on.register
     def _(self, event: ev.PeerAppeared) -> list[Command]:
-        before = namesake_warnings(self.view)
+        before, known = namesake_warnings(self.view), dict(self.view.peers)
         if event.zid == self.settings.zid or not self.view.add_peer(event.now, event.robot, event.zid):
             return []
         name = tag(event.zid)
+        for other in known.keys() - self.view.peers.keys():  # it had to leave for the new one
+            self._forget(other)
         self._membership(event.now)
         self.telling.pacer.forget()
         self.telling.asking.want(event.now, name)
@@ -249,11 +251,15 @@ class Core:
             return []
         robot = peer.robot
         self.view.gone(event.zid)
-        self.telling.asking.done(tag(event.zid))
-        self.shares.forget(tag(event.zid))
-        self.channel.capacity.forget(tag(event.zid))
+        self._forget(tag(event.zid))
         self._membership(event.now)
         return [NoteInterest(event.zid, ()), Notice("info", f"robot {robot} left the mesh")]
+
+    def _forget(self, name: str) -> None:
+        """The robot with this tag is not in the view any more."""
+        self.telling.asking.done(name)
+        self.shares.forget(name)
+        self.channel.capacity.forget(name)
 
     @_on.register
     def _(self, event: ev.InterestChanged) -> list[Command]:

@@ -23,6 +23,7 @@ from proxy.core.commands import (
 from proxy.core.fixed import rounded, single
 from proxy.core.mode import Mode
 from proxy.core.telling import ON_ITS_WAY
+from proxy.core.view import MOST_PEERS
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
@@ -543,6 +544,18 @@ def test_a_newcomer_is_asked_for_its_state_until_it_tells(make_talk):
     talk.tell(ev.TimePassed(120.0))
     assert len(talk.all(AskState)) == 5
     assert talk.core.status(120.0)["asked"] == 5
+
+
+def test_a_robot_that_has_to_leave_for_a_new_one_is_asked_no_more(make_talk):
+    """However many tokens there are, the core goes on."""
+    talk = make_talk()
+    talk.want(0.0)
+    for number in range(2 * MOST_PEERS):
+        talk.tell(ev.PeerAppeared(1.0, f"x{number}", f"{number:08x}ff"))
+    for step in range(200):
+        talk.tell(ev.TimePassed(2.0 + 0.1 * step))
+    assert len(talk.all(AskState)) > 200
+    assert "op" in {peer["robot"] for peer in talk.core.status(30.0)["peers"]}
 
 
 def test_a_lost_state_is_asked_for(make_talk):
