@@ -50,8 +50,8 @@ def competing(status: Status, specs: Specs, key: str) -> tuple[Competitor, ...]:
         of = types.get(str(each.get("type")))
         value = None if of is None else each.get("scale", 0.0) * integral(of.utility, 1.0)
         note = f"type {quoted(str(each.get('type')))} is not in these specs" if of is None else rules(of)
-        if not each.get("receivers", 0):
-            note = ", ".join(filter(None, [note, "nobody wants it"]))
+        facts = ["nobody wants it"] * (not each.get("receivers", 0)) + ["it is over"] * bool(each.get("over"))
+        note = ", ".join(filter(None, [note, *facts]))
         this = each.get("key") == key and each.get("robot") == status.get("robot")
         name = f"{each.get('key')} of {each.get('robot')}"
         found.append(Competitor(name, value, each.get("size"), this=this, note=note))
@@ -75,7 +75,8 @@ def _stream(each: Status, *, several: bool) -> Iterator[tuple[str, str]]:
     """What is known of one stream."""
     made, sent = each.get("generated", 0), each.get("forwarded", 0)
     period = each.get("period")
-    every = f", every {duration(period)}" if period else ""
+    mean = " on average" if str(each.get("schedule")).startswith(("bursts", "poisson")) else ""
+    every = f", every {duration(period)}{mean}" if period and not each.get("over") else ""
     if several:
         yield (f"  of {each.get('robot', UNKNOWN)}", "")
     yield ("  generates", f"{schedule(each)}{every}, the last {_ago(each.get('last_generated'))}")

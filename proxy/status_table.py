@@ -301,8 +301,12 @@ def share(part: float | None, whole: float | None) -> str:
 
 
 def schedule(stream: Status) -> str:
-    """Write how a stream generates, and how exactly it keeps to that."""
-    kind = str(stream.get("schedule") or UNKNOWN).split()[0]
+    """Write how a stream generates, and how exactly it keeps to that; or that no more is expected of it."""
+    if stream.get("over"):
+        return "over"
+    kind, *rest = str(stream.get("schedule") or UNKNOWN).split()
+    if kind == "bursts" and rest:
+        return f"bursts of {rest[0]}"
     jitter, period = stream.get("jitter"), stream.get("period")
     return f"{kind} ±{share(jitter, period)}" if kind == "periodic" and jitter is not None and period else kind
 
@@ -310,4 +314,6 @@ def schedule(stream: Status) -> str:
 def rate(stream: Status) -> str:
     """Write how many samples of a stream were sent per second, as far as its period is known."""
     period, generated = stream.get("period"), stream.get("generated", 0)
+    if stream.get("over"):
+        return "0"
     return f"{stream.get('forwarded', 0) / generated / period:.2g}" if period and generated else UNKNOWN

@@ -35,7 +35,7 @@ from proxy.core.stream import Generated, Stream
 from proxy.core.telling import Telling
 from proxy.core.view import SharedView
 from proxy.core.wall import WallClocks
-from proxy.core.warnings import namesake_warning, transport_warnings
+from proxy.core.warnings import namesake_warnings, transport_warnings
 from proxy.core.window import WindowBuilder
 from proxy.core.wire import Digest, StreamDigest, tag
 from utility_specs import Specs
@@ -230,9 +230,12 @@ class Core:
 
     @_on.register
     def _(self, event: ev.PeerAppeared) -> list[Command]:
+        before, known = namesake_warnings(self.view), dict(self.view.peers)
         if event.zid == self.settings.zid or not self.view.add_peer(event.now, event.robot, event.zid):
             return []
         name = tag(event.zid)
+        for other in known.keys() - self.view.peers.keys():  # it had to leave for the new one
+            self._forget(other)
         self._membership(event.now)
         self.telling.pacer.forget()
         self.telling.asking.want(event.now, name)
@@ -240,9 +243,7 @@ class Core:
         notices: list[Command] = [Notice("info", f"robot {robot} is on the mesh")]
         for heard, digest in self.strangers.introduce(name):
             notices += self._hear(heard, digest)
-        if robot != event.robot:
-            notices.append(Notice("error", namesake_warning(event.robot, event.zid, robot)))
-        return notices
+        return [*notices, *(Notice("error", said) for said in namesake_warnings(self.view) if said not in before)]
 
     @_on.register
     def _(self, event: ev.PeerGone) -> list[Command]:
@@ -251,11 +252,15 @@ class Core:
             return []
         robot = peer.robot
         self.view.gone(event.zid)
-        self.telling.asking.done(tag(event.zid))
-        self.shares.forget(tag(event.zid))
-        self.channel.capacity.forget(tag(event.zid))
+        self._forget(tag(event.zid))
         self._membership(event.now)
         return [NoteInterest(event.zid, ()), Notice("info", f"robot {robot} left the mesh")]
+
+    def _forget(self, name: str) -> None:
+        """The robot with this tag is not in the view any more."""
+        self.telling.asking.done(name)
+        self.shares.forget(name)
+        self.channel.capacity.forget(name)
 
     @_on.register
     def _(self, event: ev.InterestChanged) -> list[Command]:

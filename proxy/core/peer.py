@@ -16,6 +16,8 @@ MOST_PER_BYTE = 0.1
 """No channel takes as long for a byte [s/B]."""
 MOST_WAIT = 1.0
 """A sample that seems to have waited longer than this before it was sent was not the last one generated [s]."""
+APART = 2.0
+"""A timestamp that is further than this from when its sample was sent does not tell of that [s]."""
 EARLY = 0.005
 """A sample may seem to arrive so much before it was sent, besides what the clock offset may be wrong by [s]."""
 STANDS = 1e-5
@@ -36,15 +38,6 @@ WAITS = 5
 """Waits looked back on."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Heard:
-    """A sample that came at `at` [s], and should have been sent when its robot's wall clock showed `shown`."""
-
-    at: float
-    size: int
-    shown: float
-
-
 @dataclass(slots=True)
 class Incoming:
     """How the samples of one stream of a peer come in."""
@@ -52,11 +45,26 @@ class Incoming:
     heard: int = 0
     """Samples received."""
     stamp: float = -1.0
-    """Timestamp of the last one [s, its robot's wall clock]."""
+    """Timestamp of the last one [s, its robot's wall clock]; -1.0: it had none."""
+    at: float = 0.0
+    """When it came [s]."""
+    size: int = 0
+    astray: bool = False
+    """Whether its timestamps are of another clock than its robot's."""
     waits: deque[float] = field(default_factory=lambda: deque(maxlen=WAITS))
     """How long samples waited to be sent [s], as far as digests tell."""
     told: tuple[int, int] | None = None
     """Samples sent by the last news of it, and those received then."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Heard:
+    """A sample that came at `at` [s], and should have been sent when its robot's wall clock showed `shown`."""
+
+    at: float
+    size: int
+    shown: float
+    stream: Incoming
 
 
 @dataclass(slots=True)
@@ -218,6 +226,7 @@ class Peer:
         if incoming is None:
             return None
         incoming.heard += 1
+        incoming.at, incoming.size = now, size
         wait = middle(incoming.waits) if incoming.waits else 0.0
         if stamp is not None and self.wall_offset is not None and self.offset.known:
             stands, incoming.stamp = abs(stamp - incoming.stamp) < STANDS, stamp
@@ -226,7 +235,7 @@ class Peer:
             else:
                 if len(self._recent) == RECENT:
                     self._read(self._recent[0].at)
-                self._recent.append(_Heard(now, size, stamp + wait))
+                self._recent.append(_Heard(now, size, stamp + wait, incoming))
         self._read(now - UNHEARD)
         line = self._usually(now)
         return None if line is None else now - line.of(size) - wait
@@ -243,6 +252,8 @@ class Peer:
             self._due += news.forwarded - before[0]
             self._came += incoming.heard - before[1]
             self._in.read(self._due, self._came)
+            if news.forwarded - before[0] == incoming.heard - before[1] > 0:
+                self._compare(incoming, news)
         wait = news.t_forwarded - news.t_generated
         if (before is None or news.forwarded > before[0]) and 0.0 <= wait < MOST_WAIT:
             incoming.waits.append(wait)
@@ -253,6 +264,18 @@ class Peer:
         self._in.restart()
         for incoming in self._incoming.values():
             incoming.told = None
+
+    def _compare(self, incoming: Incoming, news: StreamDigest) -> None:
+        """All that was sent came: so news tells when the last one was sent, whatever an application stamped it with.
+
+        What was learned from timestamps of another clock is forgotten.
+        """
+        if incoming.stamp < 0.0 or self.wall_offset is None or not self.offset.known:
+            return
+        incoming.astray = abs(news.t_forwarded - (incoming.stamp - self.wall_offset)) > APART
+        line, took = self._samples.line, incoming.at - self.offset.ours(news.t_forwarded)
+        if incoming.astray and line is not None and line.of(incoming.size) > took + APART:
+            self._samples = LatencyFit()
 
     def _took(self, heard: _Heard, wall_offset: float) -> float | None:
         """The time from sending to receipt of a sample [s]; None when it cannot be right."""
@@ -269,6 +292,8 @@ class Peer:
             line = self._usually(heard.at)
             usual = line.of(heard.size) if line else 0.0
             offsets = (*others, *([] if self.wall_offset is None else [self.wall_offset]))
+            if heard.stream.astray:
+                offsets = ()
             times = [took for offset in offsets if (took := self._took(heard, offset)) is not None]
             if times:
                 self._samples.observe(heard.at, heard.size, min(times, key=lambda took: abs(took - usual)))

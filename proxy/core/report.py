@@ -102,7 +102,8 @@ def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
         "forecast": stream.forecasts,
         "size": last.size if last else 0,
         "scale": last.scale if last else 0.0,
-        "generated": stream.generated,
+        "over": stream.schedule.over(core.view.told_at(stream.robot, now)),
+        "generated": max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
         "forwarded": stream.forwarded,
         "by_reason": dict(sorted(stream.fates.items())),
         "receivers": core.view.receivers(stream),

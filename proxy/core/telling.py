@@ -118,11 +118,16 @@ class Telling:
         return commands
 
     def look_for_state(self, now: float, name: str) -> None:
-        """Ask a robot for its state if its digests speak of another one than we have."""
+        """Ask a robot for its state if its digests speak of another one than we have.
+
+        Of an older one only a digest tells that has just come: others are older than a state that has.
+        """
         peer = self._view.peers[name]
         if peer.state is None:
             self.asking.want(now, name)
-        elif peer.digest is not None and peer.digest.state > peer.number:
+        elif peer.digest is not None and (
+            peer.digest.state > peer.number or (peer.digest_received == now and 0 < peer.digest.state < peer.number)
+        ):
             self.asking.want(now + ON_ITS_WAY, name)
         else:
             self.asking.done(name)

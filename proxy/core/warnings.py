@@ -25,8 +25,14 @@ def namesake_warning(name: str, zid: str, shown: str) -> str:
 
 
 def namesake_warnings(view: SharedView) -> list[str]:
-    """Name every robot with a name that was taken when it came."""
-    return [namesake_warning(peer.name, peer.zid, peer.robot) for peer in view.namesakes()]
+    """Name every robot with a name that was taken when it came; who starts with one adds a part of its id itself."""
+    robots = [(peer.name, peer.zid) for peer in view.peers.values()] + [(view.settings.robot, view.settings.zid)]
+    names = {name for name, _ in robots}
+    renamed = [(name.removesuffix(f"-{zid[:4]}"), zid, name) for name, zid in robots]
+    return [
+        *(namesake_warning(peer.name, peer.zid, peer.robot) for peer in view.namesakes()),
+        *(namesake_warning(name, zid, shown) for name, zid, shown in renamed if name != shown and name in names),
+    ]
 
 
 def cast_warnings(limits: Iterable[Limit], transport: str) -> list[str]:

@@ -116,6 +116,22 @@ def test_streams_compete_by_what_their_bytes_are_worth(specs):
     ]
 
 
+def test_a_stream_that_is_over_is_said_to_be(specs):
+    """Nothing is planned for it any more, so it hardly competes."""
+    over = CAMERA | {"over": True}
+    assert "  generates   over, the last 34 ms ago" in known(STATUS | {"streams": [over]}, "robot/r1/camera")
+    (each,) = competing(STATUS | {"streams": [over]}, specs, "robot/r1/camera")
+    assert each.note == "it is over"
+
+
+@pytest.mark.parametrize("schedule", ["bursts 5 0.05", "poisson"])
+def test_what_is_not_periodic_comes_so_often_on_average(schedule):
+    """Nothing is claimed of when the next one comes."""
+    stream = CAMERA | {"schedule": schedule}
+    (line,) = [each for each in known(STATUS | {"streams": [stream]}, "robot/r1/camera") if "generates" in each]
+    assert line.endswith(", every 100 ms on average, the last 34 ms ago")
+
+
 def test_what_decisions_do_is_told_with_the_mode():
     """In shadow all is sent, whatever is decided."""
     assert (

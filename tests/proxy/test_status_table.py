@@ -261,12 +261,14 @@ def test_shares_and_rates_need_something_to_divide_by():
     assert share(1.0, None) == share(None, 1.0) == "-"
     assert rate({"period": 0.5, "generated": 10, "forwarded": 5}) == "1"
     assert rate({"period": 0.0, "generated": 10, "forwarded": 5}) == "-"
+    assert rate({"period": 0.5, "generated": 10, "forwarded": 5, "over": True}) == "0"
 
 
 def test_a_schedule_says_how_exactly_it_is_kept():
     """Where there is a period to keep; other kinds are told by name alone."""
     assert schedule({"schedule": "periodic", "period": 0.5, "jitter": 0.05}) == "periodic ±10%"
-    assert schedule({"schedule": "bursts 5 0.05", "period": 0.4, "jitter": 0.1}) == "bursts"
+    assert schedule({"schedule": "bursts 5 0.05", "period": 0.4, "jitter": 0.1}) == "bursts of 5"
+    assert schedule({"schedule": "periodic", "period": 0.5, "jitter": 0.05, "over": True}) == "over"
     assert schedule({"schedule": "", "period": 0.0, "jitter": 0.0}) == schedule({}) == "-"
 
 

@@ -1,5 +1,7 @@
 """The core as transcripts of events and commands."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
@@ -21,6 +23,7 @@ from proxy.core.commands import (
 from proxy.core.fixed import rounded, single
 from proxy.core.mode import Mode
 from proxy.core.telling import ON_ITS_WAY
+from proxy.core.view import MOST_PEERS
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
@@ -543,6 +546,18 @@ def test_a_newcomer_is_asked_for_its_state_until_it_tells(make_talk):
     assert talk.core.status(120.0)["asked"] == 5
 
 
+def test_a_robot_that_has_to_leave_for_a_new_one_is_asked_no_more(make_talk):
+    """However many tokens there are, the core goes on."""
+    talk = make_talk()
+    talk.want(0.0)
+    for number in range(2 * MOST_PEERS):
+        talk.tell(ev.PeerAppeared(1.0, f"x{number}", f"{number:08x}ff"))
+    for step in range(200):
+        talk.tell(ev.TimePassed(2.0 + 0.1 * step))
+    assert len(talk.all(AskState)) > 200
+    assert "op" in {peer["robot"] for peer in talk.core.status(30.0)["peers"]}
+
+
 def test_a_lost_state_is_asked_for(make_talk):
     """Digests name the state in force; an update of one that we lack is not taken in, the whole one is."""
     talk = make_talk()
@@ -578,6 +593,26 @@ def test_an_old_state_changes_nothing_unless_digests_speak_of_it(make_talk):
     told_by(talk, 1.2, number=6)
     talk.tell(ev.StateHeard(1.3, State("op", "zz-op", "enforce", "", (), ("b/*",), number=6)))
     assert talk.core.view.peers["zz-op"].subscriptions == ("b/*",)
+
+
+def test_a_false_state_gives_way_to_the_one_that_digests_speak_of(make_talk):
+    """Somebody tells a state of a high number in a robot's name: what digests of that robot name is asked for."""
+    talk = make_talk()
+    talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
+    true = State("op", "zz-op", "enforce", "", (), ("robot/*/camera",), number=3)
+    talk.tell(ev.StateHeard(0.1, true))
+    talk.tell(ev.DigestHeard(0.2, Digest("op", "zz-op", 0.2, 0, 0, 0, state=3)))
+    asked = len(talk.all(AskState))
+    talk.tell(ev.StateHeard(1.0, replace(true, subscriptions=(), number=2**50)))
+    talk.tell(ev.TimePassed(9.0))
+    assert len(talk.all(AskState)) == asked
+    talk.tell(ev.DigestHeard(9.0, Digest("op", "zz-op", 9.0, 0, 0, 0, state=3)))
+    talk.tell(ev.TimePassed(10.0))
+    assert len(talk.all(AskState)) == asked + 1
+    talk.tell(ev.StateHeard(10.1, true))
+    assert talk.core.view.peers["zz-op"].subscriptions == true.subscriptions
+    talk.tell(ev.TimePassed(60.0))
+    assert len(talk.all(AskState)) == asked + 1
 
 
 def test_what_a_robot_subscribes_to_is_passed_on_once(make_talk):
@@ -651,6 +686,35 @@ def test_two_robots_of_one_name_are_said_loudly(make_talk):
     assert talk.core.status(1.0)["peers"][0]["robot"] == "r1-abcd"
     talk.tell(ev.PeerGone(2.0, "r1", "abcdef"))
     assert talk.core.status(2.0)["warnings"] == []
+
+
+def test_who_starts_with_a_name_that_is_taken_is_said_loudly(make_talk):
+    """It adds a part of its id itself, and everybody says so, be it the own name or that of another robot."""
+    talk = make_talk()
+    talk.tell(ev.PeerAppeared(0.0, "r2", "abcdef"))
+    talk.tell(ev.PeerAppeared(0.1, "r2-beef", "cafe00"))
+    assert not [notice for notice in talk.all(Notice) if notice.level == "error"]
+    talk.tell(ev.PeerAppeared(0.2, "r2-cafe", "cafe01"))
+    talk.tell(ev.PeerAppeared(0.3, "r1-1234", "123456"))
+    errors = [notice.text for notice in talk.all(Notice) if notice.level == "error"]
+    assert ["called 'r2'" in errors[0], "called 'r1'" in errors[1]] == [True, True]
+    assert talk.core.status(1.0)["warnings"] == errors
+    talk.tell(ev.PeerGone(2.0, "r2-cafe", "cafe01"))
+    assert talk.core.status(2.0)["warnings"] == errors[1:]
+
+
+def test_the_status_tells_which_streams_are_over_and_no_more_sends_than_samples(make_talk):
+    """What was heard from the air is not told of yet; a stream that is silent for ten periods is over."""
+    talk = make_talk()
+    talk.want(0.0)
+    for step in range(4):
+        talk.publish(1.0 + step)
+    (stream,) = talk.core.view.own()
+    stream.forwarded = 9
+    (told,) = talk.core.status(5.0)["streams"]
+    assert (told["over"], told["generated"], told["forwarded"]) == (False, 9, 9)
+    (told,) = talk.core.status(15.0)["streams"]
+    assert told["over"]
 
 
 def test_a_robot_that_starts_anew_is_heard_again(make_talk):

@@ -112,6 +112,22 @@ def test_a_step_of_its_wall_clock_is_looked_at_anew_when_told(peer, error):
     assert peer.line_in.of(10_000) == pytest.approx(0.4, abs=1e-3)
 
 
+def test_an_application_with_a_clock_of_its_own_spoils_nothing(peer):
+    """News tells when samples were sent; what their timestamps made us believe is forgotten, and they count again."""
+    for at in range(2, 12):
+        hear(peer, float(at), 0.1, error=-5.0)
+    peer.heard_news(KEY, news(10, 10, 11.0, 11.0), wanted=True)
+    assert peer.latency_in.fixed == pytest.approx(5.1, abs=1e-3)
+    for at in range(12, 22):
+        hear(peer, float(at), 0.1, error=-5.0)
+    peer.heard_news(KEY, news(20, 20, 21.0, 21.0), wanted=True)
+    assert peer.latency_in is None
+    for at in range(22, 32):
+        hear(peer, float(at), 0.1)
+        peer.heard_news(KEY, news(at, at - 1, float(at), float(at)), wanted=True)
+    assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
+
+
 @pytest.mark.parametrize("error", [0.0, 0.3, -0.3, 60.0])
 def test_when_a_sample_was_generated_no_timestamp_tells(peer, error):
     """What samples take and how long they wait does, so a clock that was set alters nothing."""
