@@ -5,7 +5,7 @@ from statistics import fmean
 
 from studies.benchmarks.report import Table
 from studies.benchmarks.view.flown import Flown
-from studies.benchmarks.view.programme import Extent, wrong_clocks
+from studies.benchmarks.view.programme import CLOCK_ERROR, FAR, Extent, wrong_clocks
 from studies.benchmarks.view.targets import Results, by_arrangement
 from studies.workload import SCENARIOS
 
@@ -16,6 +16,7 @@ def cost_table(results: Results, extent: Extent) -> Table:
     conditions: list[tuple[str, Sequence[Flown]]] = [
         ("latency 20 ms, loss 1 %", usual),
         *((f"latency {1000 * t:g} ms", _with(results, "latency", t)) for t in extent.latencies),
+        (f"latency {1000 * FAR:g} ms, wall clocks known to {1000 * CLOCK_ERROR:g} ms", results["known clocks"]),
         *((f"loss {100 * p:g} %", _with(results, "loss", p)) for p in extent.losses),
         *((f"{what}, loss 0", results[what]) for what in wrong_clocks(extent)),
         ("a crash, a leave, two joins", results["churn"]),

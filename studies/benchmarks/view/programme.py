@@ -11,6 +11,8 @@ from studies.simulation.conditions import WARM_UP, Conditions, Coordination, Tra
 
 LATENCY, LOSS = 0.02, 0.01
 """Where nothing else is said [s], and as a probability."""
+FAR, CLOCK_ERROR = 1.0, 0.005
+"""The latency that is compared with the usual one, and what wall clocks may be wrong by where that is known [s]."""
 SKEW, STEP = 10.0, 60.0
 """How far clocks are off, one way and the other, and by how much they step [s]."""
 JITTER = 0.1
@@ -43,7 +45,7 @@ class Extent:
     scenarios: tuple[int, ...] = (0, 1, 2)
     limits: tuple[int, ...] = (2, 5, 10)
     usual: int = 5
-    latencies: tuple[float, ...] = (0.3, 1.0)
+    latencies: tuple[float, ...] = (0.3, FAR)
     losses: tuple[float, ...] = (0.0, 0.1, 0.3)
 
     def conditions(self) -> Conditions:
@@ -67,7 +69,7 @@ QUICK = Extent(
     scenarios=(1,),
     limits=(2,),
     usual=2,
-    latencies=(1.0,),
+    latencies=(FAR,),
     losses=(0.3,),
 )
 
@@ -81,6 +83,7 @@ def programme(extent: Extent) -> dict[str, list[Flight]]:
         "usual": _flights(extent, usual, seeds=extent.many),
         "inside": _flights(extent, replace(usual, digests_inside=True)),
         "latency": _flights(extent, *(replace(usual, latency=t) for t in extent.latencies), seeds=extent.many),
+        "known clocks": _flights(extent, replace(usual, latency=FAR, clock_error=CLOCK_ERROR), seeds=extent.many),
         "loss": _flights(extent, *(replace(usual, loss=loss) for loss in extent.losses)),
         "forecasts": list(_forecasts(extent)),
         "right clocks": _flights(extent, right, seeds=1),

@@ -33,7 +33,7 @@ def test_what_bad_networks_cost_is_told_for_each_arrangement(tables):
     """A row for each condition."""
     costs = tables[1]
     assert len(costs.columns) == 1 + len(ARRANGEMENTS)
-    assert len(costs.rows) == 1 + len(QUICK.latencies) + len(QUICK.losses) + len(wrong_clocks(QUICK)) + 1
+    assert len(costs.rows) == 2 + len(QUICK.latencies) + len(QUICK.losses) + len(wrong_clocks(QUICK)) + 1
     assert len(tables[2].rows) == len(ARRANGEMENTS)
 
 
