@@ -169,8 +169,9 @@ def _intervals(problem: Problem, columns: Columns) -> Floats:
 
 def _areas(problem: Problem, which: Ints, begin: Floats, end: Floats) -> Floats:
     """∫ of the utility of message `which[m]` over the ages `begin[m, 0]` to `end[m, j]` [1]."""
-    begin, rows = np.broadcast_to(begin, end.shape).ravel(), np.repeat(which, end.shape[1])
-    return integrals([m.utility for m in problem.messages], rows, begin, end.ravel()).reshape(end.shape)
+    columns = problem.columns
+    begin, rows = np.broadcast_to(begin, end.shape).ravel(), np.repeat(columns.utility[which], end.shape[1])
+    return integrals(columns.utilities, rows, begin, end.ravel()).reshape(end.shape)
 
 
 def _prices(problem: Problem, steady: _Steady) -> Floats:

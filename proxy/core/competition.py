@@ -6,7 +6,6 @@ what is asked of a stream is kept in arrays, and worked out anew only where some
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -88,11 +87,9 @@ class Competition:
     def _look(self, row: int, stream: Stream) -> None:
         """Take in what there is to know of a stream: `_cheapness` is what a byte of it is worth, less than nothing."""
         self._seen[row] = stream.changes
-        schedule, last = stream.schedule, stream.last
+        last = stream.last
         gaining = 0 if last is None else len(self._view.gaining(stream))
         self._wanted[row] = gaining > 0
-        self._last[row] = -math.inf if schedule.last is None else schedule.last
-        self._patience[row] = schedule.patience
-        self._next[row] = schedule.due(-math.inf)
+        self._last[row], self._patience[row], self._next[row] = stream.schedule.prospect()
         if last is not None:
             self._cheapness[row] = -last.scale * gaining / max(last.size * self._view.copies(stream), 1)

@@ -394,9 +394,8 @@ class Gate:
         """What we know others to have sent within the longest window, as (time, use)."""
         longest = max((limit.window for limit in self.limits), default=0.0)
         sent = self._view.sent_since(now - longest)
-        kinds = {(size, copies) for _, size, copies in sent}
-        alike = {(size, copies): use_of(size, copies, self.limits, own=False) for size, copies in kinds}
-        return tuple([(t, alike[size, copies]) for t, size, copies in sent])
+        alike = {amount: use_of(*amount, self.limits, own=False) for amount in {amount for _, amount in sent}}
+        return tuple([(t, alike[amount]) for t, amount in sent])
 
     def _lent(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
         """What others may send, as if they did so at the last moment; over a longer time again and again."""

@@ -31,6 +31,9 @@ ALIKE = 0.005
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
 
+Amount = tuple[int, int]
+"""The size of a sample [B], and in how many copies it goes on the air."""
+
 
 class SharedView:
     """Everything overheard, bounded: `evicted` counts what had to be forgotten."""
@@ -48,8 +51,8 @@ class SharedView:
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0
         self.bytes = 0
-        self.sends: deque[tuple[float, int, int]] = deque(maxlen=MOST_SENDS)
-        """What other robots sent within the longest window, as (time, size, copies)."""
+        self.sends: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
+        """When and how much other robots sent within the longest window."""
         self._tag = tag(settings.zid)
         self._evicted = 0
         self._interest = Interest()
@@ -134,11 +137,11 @@ class SharedView:
         noted = stream.note_sent(count, sent)
         stream.reach(self.wanting(stream))
         if stream.robot != self.settings.robot:
-            copies = self.copies(stream)
-            self.sends.extend((each.t_sent, each.size, copies) for each in noted)
+            amount = sent.size, self.copies(stream)
+            self.sends.extend([(each.t_sent, amount) for each in noted])
 
-    def sent_since(self, since: float) -> list[tuple[float, int, int]]:
-        """What other robots sent, as (time, size, copies); what is older is forgotten."""
+    def sent_since(self, since: float) -> list[tuple[float, Amount]]:
+        """When and how much other robots sent; what is older is forgotten."""
         kept = [each for each in self.sends if each[0] >= since]
         if len(kept) < len(self.sends):
             self.sends = deque(kept, self.sends.maxlen)
@@ -214,7 +217,7 @@ class SharedView:
             t_gen = peer.heard_sample(now, event.key, event.size, event.stamp)
             self._overhear(now, t_gen, event, peer)
         elif peer is not None:
-            self.sends.append((now, event.size, 1))
+            self.sends.append((now, (event.size, 1)))
         elif robot.startswith(PLAIN) and (stream := self._table.get(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
@@ -229,7 +232,7 @@ class SharedView:
         """
         stream = self._table.known(peer.robot, event.key)
         if stream is None or stream.last is None:
-            self.sends.append((now, event.size, 1))
+            self.sends.append((now, (event.size, 1)))
             return
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + SAME
