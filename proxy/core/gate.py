@@ -47,6 +47,7 @@ class Gate:
         self, settings: CoreSettings, view: SharedView, shares: Shares, counts: Counts, windows: WindowBuilder
     ) -> None:
         self._settings = settings
+        self._always_sharing = settings.coordination == "shares"
         self._view = view
         self._shares = shares
         self._counts = counts
@@ -116,8 +117,10 @@ class Gate:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
         self.wakes_at = math.inf
-        if self._settings.coordination != "shares":
+        if not self._always_sharing:
             self._lateness.look(now, self.limits, self.waiting)
+        if not self.inbox:
+            return commands
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
@@ -357,7 +360,7 @@ class Gate:
     @property
     def sharing(self) -> bool:
         """Whether each robot sends only what is lent to it: as configured, or because news take long."""
-        return self._settings.coordination == "shares" or self.late
+        return self._always_sharing or self._lateness.late
 
     def _waits(self, now: float, sample: Waiting) -> bool:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""

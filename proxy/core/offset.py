@@ -7,7 +7,7 @@ is half the best round trip, and the drift since.
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 DRIFT = 200e-6
 """The most that the clocks of two robots drift from each other: ±100 ppm each [s/s]."""
@@ -15,8 +15,7 @@ RESOLUTION = 2e-6
 """What times lose on the wire [s]."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Bound:
+class _Bound(NamedTuple):
     """The offset was no more (or no less) than `offset` when our clock showed `at`."""
 
     at: float
@@ -36,6 +35,8 @@ class ClockOffset:
         self._last: _Bound | None = None
         self._offset: float | None = 0.0
         """The estimate; None when it is to be worked out anew."""
+        self._wide = math.inf
+        """The distance between the bounds when the last digest came [s]."""
         self.jumps = 0
         """How often a clock stood still or jumped, as one does while its robot sleeps."""
 
@@ -69,9 +70,9 @@ class ClockOffset:
 
     def uncertainty(self, now: float) -> float:
         """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than `DRIFT`; else infinite."""
-        if self._most is None or self._least is None or self._last is None:
+        if self._last is None:
             return math.inf
-        return self._width(self._last.at) / 2.0 + RESOLUTION + DRIFT * abs(now - self._last.at)
+        return self._wide / 2.0 + RESOLUTION + DRIFT * abs(now - self._last.at)
 
     @property
     def latency(self) -> float:
@@ -97,18 +98,20 @@ class ClockOffset:
             return most
         return (most + self._least.offset - self._least.widened(self._last.at)) / 2.0
 
-    def _width(self, now: float) -> float:
-        """The distance between the bounds at `now` [s]; negative when they contradict each other."""
-        if self._most is None or self._least is None:
+    def _width(self) -> float:
+        """The distance between the bounds at the last digest [s]; negative when they contradict each other."""
+        if self._most is None or self._least is None or self._last is None:
             return math.inf
+        now = self._last.at
         return self._most.offset + self._most.widened(now) - self._least.offset + self._least.widened(now)
 
     def _agree(self) -> None:
         """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
-        self._offset = None
-        if self._last is None or self._width(self._last.at) >= -RESOLUTION:
+        self._offset, self._wide = None, self._width()
+        if self._wide >= -RESOLUTION:
             return
         self.jumps += 1
         self._most = self._last
-        if self._width(self._last.at) < -RESOLUTION:
+        if self._width() < -RESOLUTION:
             self._least = None
+        self._wide = self._width()

@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from proxy.core.latency import Latency, LatencyFit, middle
 from proxy.core.loss import Loss
@@ -36,8 +37,7 @@ WAITS = 5
 """Waits looked back on."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Heard:
+class _Heard(NamedTuple):
     """A sample that came at `at` [s], and should have been sent when its robot's wall clock showed `shown`."""
 
     at: float
@@ -267,7 +267,9 @@ class Peer:
             usual = line.of(heard.size) if line else 0.0
             offsets = (*others, *([] if self.wall_offset is None else [self.wall_offset]))
             times = [took for offset in offsets if (took := self._took(heard, offset)) is not None]
-            if times:
+            if len(times) == 1:
+                self._samples.observe(heard.at, heard.size, times[0])
+            elif times:
                 self._samples.observe(heard.at, heard.size, min(times, key=lambda took: abs(took - usual)))
             else:
                 self.implausible += 1

@@ -333,9 +333,10 @@ class SharedView:
         """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
         self._table.sweep(now)
 
-    def echoes(self) -> tuple[Echo, ...]:
-        """What we tell every peer of its last digest and of its samples."""
-        return tuple(_echo(name, peer, peer.digest) for name, peer in self.peers.items() if peer.digest is not None)
+    def echoes(self, to: str = "") -> tuple[Echo, ...]:
+        """What we tell every peer, or one of a tag, of its last digest and of its samples."""
+        peers = self.peers.items() if not to else [(to, self.peers[to])]
+        return tuple(_echo(name, peer, peer.digest) for name, peer in peers if peer.digest is not None)
 
     def sent_digest(self, at: float) -> None:
         """A digest of ours goes out."""
