@@ -25,7 +25,7 @@ often as it pays, will have replaced it.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -120,7 +120,7 @@ def _over_receivers(columns: Columns) -> Columns:
     late = (columns.delay * columns.share).sum(axis=1) / np.where(total > 0, total, 1.0)
     of = columns.stream
     times = np.stack((columns.t_gen, columns.t_sent, columns.t_rcv + late[of]))
-    return replace(columns, times=times, scale=columns.scale * total[of])
+    return columns._replace(times=times, scale=columns.scale * total[of])
 
 
 def _steady(problem: Problem, columns: Columns, interval: Floats) -> _Steady:

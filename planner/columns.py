@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 from operator import attrgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,8 +18,7 @@ if TYPE_CHECKING:
 _RECEIVER = attrgetter("delay", "share")
 
 
-@dataclass(frozen=True, slots=True)
-class Columns:
+class Columns(NamedTuple):
     """By message: its stream, whether it is `sent`, times [s], scale, and `use[m, k]` of constraint k.
 
     `opened` are the messages to decide. Utilities that messages share are there once: message m has

@@ -52,7 +52,7 @@ class Competition:
     def _rows(self, now: float) -> Rows:
         """Return the rows that compete. How long a stream is silent only its robot's news tells."""
         self._renew()
-        told = np.array([self._view.told_at(robot, now) for robot in self._robots])
+        told = np.array(self._view.all_told_at(self._robots, now))
         return np.flatnonzero((told[self._owner] - self._last < self._patience) & self._wanted)
 
     def _due(self, now: float, promised: Promises) -> Floats:

@@ -73,6 +73,9 @@ class Gate:
         """Samples whose worth by the specs in force is not known yet."""
         self._room = -math.inf, False
         """Whether there is room for all that may be sent, and until when that is taken for true [s]."""
+        self._others_known: tuple[float, int, tuple[Limit, ...]] = (-math.inf, 0, ())
+        """When, after how many notes and under which limits others had sent this."""
+        self._others_sent: tuple[tuple[float, tuple[float, ...]], ...] = ()
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
 
@@ -394,7 +397,13 @@ class Gate:
         return tuple(Constraint(_held(c), c.window, max(held(k, c), LEAST_HELD)) for k, c in enumerate(self.limits))
 
     def _others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
-        """What we know others to have sent within the longest window, as (time, use)."""
+        """What we know others to have sent within the longest window, as (time, use); a decision asks several times."""
+        known = now, self._view.sends_noted, self.limits
+        if known != self._others_known:
+            self._others_known, self._others_sent = known, self._sent_by_others(now)
+        return self._others_sent
+
+    def _sent_by_others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
         longest = max((limit.window for limit in self.limits), default=0.0)
         sent = self._view.sent_since(now - longest)
         alike = {amount: use_of(*amount, self.limits, own=False) for amount in {amount for _, amount in sent}}

@@ -1,7 +1,7 @@
 """The shared view: every stream, every peer, and what the channel carries, as far as this robot knows."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from planner import Aggregation
 from proxy.core.competition import Competition
@@ -53,6 +53,8 @@ class SharedView:
         self.bytes = 0
         self.sends: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
         """When and how much other robots sent within the longest window."""
+        self.sends_noted = 0
+        """How often anything was added to that."""
         self._tag = tag(settings.zid)
         self._evicted = 0
         self._interest = Interest()
@@ -138,7 +140,13 @@ class SharedView:
         stream.reach(self.wanting(stream))
         if stream.robot != self.settings.robot:
             amount = sent.size, self.copies(stream)
+            self.sends_noted += 1
             self.sends.extend([(each.t_sent, amount) for each in noted])
+
+    def _note_other(self, now: float, size: int) -> None:
+        """Something came of a stream that we know nothing of."""
+        self.sends_noted += 1
+        self.sends.append((now, (size, 1)))
 
     def sent_since(self, since: float) -> list[tuple[float, Amount]]:
         """When and how much other robots sent; what is older is forgotten."""
@@ -174,6 +182,11 @@ class SharedView:
     def told_at(self, robot: str, otherwise: float) -> float:
         """When the last digest of a robot came [s]; `otherwise` where none tells of its streams."""
         return self._told_at.get(robot, otherwise)
+
+    def all_told_at(self, robots: Iterable[str], otherwise: float) -> list[float]:
+        """Return the same for many robots."""
+        told_at = self._told_at.get
+        return [told_at(robot, otherwise) for robot in robots]
 
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
@@ -217,7 +230,7 @@ class SharedView:
             t_gen = peer.heard_sample(now, event.key, event.size, event.stamp)
             self._overhear(now, t_gen, event, peer)
         elif peer is not None:
-            self.sends.append((now, (event.size, 1)))
+            self._note_other(now, event.size)
         elif robot.startswith(PLAIN) and (stream := self._table.get(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
@@ -232,7 +245,7 @@ class SharedView:
         """
         stream = self._table.known(peer.robot, event.key)
         if stream is None or stream.last is None:
-            self.sends.append((now, (event.size, 1)))
+            self._note_other(now, event.size)
             return
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + SAME
