@@ -73,9 +73,10 @@ def _worth(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
         return _walked(tables, sends)
     state = [0] * tables.streams
     entries = []
+    stream, start, after = gains.stream.tolist(), gains.start.tolist(), gains.after.tolist()
     for level in sends:
-        entry = int(gains.start[level]) + state[gains.stream[level]]
-        state[gains.stream[level]] = int(gains.after[entry])
+        entry = start[level] + state[stream[level]]
+        state[stream[level]] = after[entry]
         entries.append(entry)
     aim = gains.aim_facts + float(gains.aim[entries].sum())
     if not gains.exact:

@@ -25,7 +25,7 @@ often as it pays, will have replaced it.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -120,7 +120,7 @@ def _over_receivers(columns: Columns) -> Columns:
     late = (columns.delay * columns.share).sum(axis=1) / np.where(total > 0, total, 1.0)
     of = columns.stream
     times = np.stack((columns.t_gen, columns.t_sent, columns.t_rcv + late[of]))
-    return replace(columns, times=times, scale=columns.scale * total[of])
+    return columns._replace(times=times, scale=columns.scale * total[of])
 
 
 def _steady(problem: Problem, columns: Columns, interval: Floats) -> _Steady:
@@ -169,8 +169,9 @@ def _intervals(problem: Problem, columns: Columns) -> Floats:
 
 def _areas(problem: Problem, which: Ints, begin: Floats, end: Floats) -> Floats:
     """∫ of the utility of message `which[m]` over the ages `begin[m, 0]` to `end[m, j]` [1]."""
-    begin, rows = np.broadcast_to(begin, end.shape).ravel(), np.repeat(which, end.shape[1])
-    return integrals([m.utility for m in problem.messages], rows, begin, end.ravel()).reshape(end.shape)
+    columns = problem.columns
+    begin, rows = np.broadcast_to(begin, end.shape).ravel(), np.repeat(columns.utility[which], end.shape[1])
+    return integrals(columns.utilities, rows, begin, end.ravel()).reshape(end.shape)
 
 
 def _prices(problem: Problem, steady: _Steady) -> Floats:

@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import chain
 from operator import attrgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from planner.utility import Flags, Floats, Ints
+from planner.utility import Flags, Floats, Ints, MessageUtility
+from planner.utility.base import told_apart
 
 if TYPE_CHECKING:
     from planner.problem import Aggregation, AggregationModel, Problem, Stream
 
-_ROW = attrgetter("stream", "sent", "t_gen", "t_sent", "t_rcv", "scale")
-_USE = attrgetter("use")
 _RECEIVER = attrgetter("delay", "share")
-_T_SENT = attrgetter("t_sent")
 
 
-@dataclass(frozen=True, slots=True)
-class Columns:
+class Columns(NamedTuple):
     """By message: its stream, whether it is `sent`, times [s], scale, and `use[m, k]` of constraint k.
 
-    `opened` are the messages to decide. Streams of one aggregation are together in `kinds`, the one that comes first
+    `opened` are the messages to decide. Utilities that messages share are there once: message m has
+    `utilities[utility[m]]`. Streams of one aggregation are together in `kinds`, the one that comes first
     first. By stream and receiver, filled up with receivers of no share: `delay` [s] and
     `share`. Of the traffic: `traffic_sent` [s] and `traffic_use[j, k]`.
     """
@@ -36,6 +33,8 @@ class Columns:
     times: Floats
     """t_gen, t_sent and t_rcv, one row each."""
     scale: Floats
+    utilities: list[MessageUtility]
+    utility: Ints
     use: Floats
     kinds: tuple[tuple[Aggregation | AggregationModel, list[int]], ...]
     delay: Floats
@@ -60,24 +59,27 @@ class Columns:
 
 
 def columns_of(problem: Problem) -> Columns:
-    """Read the columns of a problem in which every `use` has an entry for each constraint."""
+    """Read the columns of a problem with messages, in which every `use` has an entry for each constraint."""
     messages, constraints = problem.messages, len(problem.constraints)
-    rows = _numbers(list(map(_ROW, messages)), 6)
-    rows = np.ascontiguousarray(rows.T)
-    facts = rows[1] != 0
+    stream, t_gen, t_sent, t_rcv, of_each, scale, use, sent = zip(*messages, strict=True)
+    facts = np.array(sent, dtype=np.bool_)
     delay, share = _receivers(problem.streams)
+    utilities, utility = told_apart(of_each)
+    traffic_sent, traffic_use = zip(*problem.traffic, strict=True) if problem.traffic else ((), ())
     return Columns(
-        stream=rows[0].astype(np.int64),
+        stream=np.array(stream, dtype=np.int64),
         sent=facts,
         opened=np.flatnonzero(~facts),
-        times=rows[2:5],
-        scale=rows[5],
-        use=_numbers(list(map(_USE, messages)), constraints),
+        times=np.array((t_gen, t_sent, t_rcv), dtype=np.float64),
+        scale=np.array(scale, dtype=np.float64),
+        utilities=utilities,
+        utility=utility,
+        use=_numbers(use, constraints),
         kinds=_kinds(problem.streams),
         delay=delay,
         share=share,
-        traffic_sent=np.array(list(map(_T_SENT, problem.traffic)), dtype=np.float64),
-        traffic_use=_numbers(list(map(_USE, problem.traffic)), constraints),
+        traffic_sent=np.array(traffic_sent, dtype=np.float64),
+        traffic_use=_numbers(traffic_use, constraints),
     )
 
 

@@ -1,7 +1,6 @@
 """U of a plan by the definition (§2.2), message by message: what the tables of a search must add up to."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,7 +20,7 @@ def utility(problem: Problem, sends: Iterable[int]) -> float:
         received = [m for i, m in enumerate(problem.messages) if m.stream == number and (m.sent or i in chosen)]
         received.sort(key=lambda m: m.t_rcv)
         for receiver in stream.receivers:
-            arrived = [replace(m, t_rcv=m.t_rcv + receiver.delay) for m in received]
+            arrived = [m._replace(t_rcv=m.t_rcv + receiver.delay) for m in received]
             before_end = [m for m in arrived if m.t_rcv < problem.t_end]
             total += receiver.share * _aggregated(stream.aggregation, before_end, problem.t_end)
     return total

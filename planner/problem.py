@@ -1,16 +1,16 @@
 """A planning problem: the messages of one window, what they are worth, and what the channel allows.
 
-Everything here is frozen data. Times are seconds on one monotonic clock of the caller's choice, sizes are
-bytes. The terms are those of the model: a *stream* is one key of one robot, a *message* is a sample as the
-planner sees it, a *constraint* limits what the messages sent within a sliding window may use together (Eq. 5
-and 6).
+Everything here is frozen data, and what a decision has a hundred of are tuples, which are made in a third of the time.
+Times are seconds on one monotonic clock of the caller's choice, sizes are bytes. The terms are those of the model: a
+*stream* is one key of one robot, a *message* is a sample as the planner sees it, a *constraint* limits what the
+messages sent within a sliding window may use together (Eq. 5 and 6).
 """
 
 from collections.abc import Hashable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from planner.columns import Columns, columns_of
 from planner.utility import MessageUtility
@@ -29,8 +29,7 @@ class Aggregation(StrEnum):
     """The utility is that of the message received first; nothing after it is worth anything."""
 
 
-@dataclass(frozen=True, slots=True)
-class Message:
+class Message(NamedTuple):
     """A sample as the planner sees it.
 
     `use[k]` is what sending it uses of constraint `k` (bytes for `throughput`; 0 where the constraint does
@@ -101,8 +100,7 @@ class Constraint:
     limit: float
 
 
-@dataclass(frozen=True, slots=True)
-class Traffic:
+class Traffic(NamedTuple):
     """Something that was sent and uses the constraints, but is not a message of any stream of the problem."""
 
     t_sent: float

@@ -24,7 +24,8 @@ class Received:
         self.problem = problem
         self.index = indices[order]
         """The message of the problem at each place."""
-        self.utilities = [problem.messages[at].utility for at in self.index.tolist()]
+        self.utilities, self.utility = columns.utilities, columns.utility[self.index]
+        """Those that there are, and which of them the message at each place has."""
         self.stream = columns.stream[self.index]
         self.fact = columns.sent[self.index]
         self.t_gen = columns.t_gen[self.index]
@@ -57,13 +58,13 @@ class Received:
 
         Both times are on the clock of `t_rcv`; a receiver with a delay sees them later, but nothing after t_end.
         """
-        born, streams = self.t_gen[which], self.stream[which]
+        born, streams, utility = self.t_gen[which], self.stream[which], self.utility[which]
         total = np.zeros(len(which))
         for delay, share in zip(self.delay.T, self.share.T, strict=True):
             late = delay[streams]
             start = np.maximum(begin + late - born, 0.0)
             end = np.maximum(np.minimum(until + late, self.t_end) - born, start)
-            total += share[streams] * integrals(self.utilities, which, start, end)
+            total += share[streams] * integrals(self.utilities, utility, start, end)
         return self.scale[which] * total
 
 

@@ -58,7 +58,7 @@ class CentralDecider:
         message = self.mission.messages[index]
         self.sends.append(index)
         self._last[message.stream] = index
-        self._facts[index] = replace(message, sent=True)
+        self._facts[index] = message._replace(sent=True)
 
     def window(self, index: int) -> Problem:
         """Build the window that decides message `index`.

@@ -7,7 +7,7 @@ One forecast says when and what messages are *expected*. Several *futures* toget
 message to come the deviations are spread evenly over the futures (Latin hypercube sampling), so that a handful will do.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from statistics import NormalDist, fmean, pstdev
 
 import numpy as np
@@ -149,7 +149,7 @@ def _rhythm(mission: Problem, stream: int) -> _Rhythm | None:
     period = float(np.polyfit(np.arange(len(times)), times, 1)[0])
     uses = np.sort(np.array([m.use for m in messages]).reshape(len(messages), len(mission.constraints)), axis=0)
     utility = _mean_utility([m.utility for m in messages])
-    typical = replace(messages[0], utility=utility, use=tuple(uses.mean(axis=0).tolist()))
+    typical = messages[0]._replace(utility=utility, use=tuple(uses.mean(axis=0).tolist()))
     return _Rhythm(typical, period, pstdev((times - period * np.arange(len(times))).tolist()), uses)
 
 

@@ -106,7 +106,9 @@ def _cut(received: Received, places: Ints, until: float) -> _Cells:
         which, cell = (axis.ravel() for axis in np.indices((len(places), len(begin))))
         born = received.t_gen[places[which]] - delay
         start = np.maximum(begin[cell] - born, 0.0)
-        area = integrals(received.utilities, places[which], start, np.maximum(close[cell] - born, start))
+        area = integrals(
+            received.utilities, received.utility[places[which]], start, np.maximum(close[cell] - born, start)
+        )
         area *= share * received.scale[places[which]] * (begin[cell] >= t_rcv[which])
         parts.append((begin, area.reshape(len(places), -1), begin < t_end))
     begin, area, inside = (np.concatenate(column, axis=-1) for column in zip(*parts, strict=True))

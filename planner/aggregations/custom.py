@@ -7,7 +7,7 @@ is worked out along the path, in the Python engine.
 
 import math
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
 import numpy as np
@@ -82,7 +82,7 @@ class CustomStream:
         for end in self._ends:
             for receiver in self._receivers:
                 state, message = next(each), self._messages[place]
-                arrived = replace(message, t_rcv=message.t_rcv + receiver.delay)
+                arrived = message._replace(t_rcv=message.t_rcv + receiver.delay)
                 added.append(self._model.add(state, arrived) if arrived.t_rcv < end else state)
         return tuple(added)
 

@@ -34,11 +34,12 @@ class Batched(Protocol):
         """∫ of `utilities[which[j]]` over `[start[j], end[j]]` for every j [1]."""
 
 
-def told_apart(objects: Sequence[Shared], which: Ints) -> tuple[list[Shared], Ints]:
-    """Return each object once, and for every j which of these is `objects[which[j]]`: most messages share theirs."""
-    distinct = {id(each): each for each in objects}
+def told_apart(objects: Sequence[Shared]) -> tuple[list[Shared], Ints]:
+    """Return each object once, and for every one of them all which of these it is: most messages share theirs."""
+    keys = list(map(id, objects))
+    distinct = dict(zip(keys, objects, strict=True))
     place = {key: number for number, key in enumerate(distinct)}
-    return list(distinct.values()), np.array([place[id(each)] for each in objects])[which]
+    return list(distinct.values()), np.array([place[key] for key in keys], dtype=np.int64)
 
 
 def require_at_least_zero(kind: str, parameter: str, value: float) -> None:

@@ -59,7 +59,8 @@ class Custom:
     @classmethod
     def integrals(cls, utilities: Sequence[Self], which: Ints, start: Floats, end: Floats) -> Floats:
         """∫ of `utilities[which[j]]` over `[start[j], end[j]]` for every j [1]."""
-        distinct, of = told_apart(utilities, which)
+        distinct, number = told_apart(utilities)
+        of = number[which]
         row = PiecewiseLinear.row([utility.curve for utility in distinct])
         first, scale = of * len(GRID), np.array([utility.until for utility in distinct])[of]
         begin, until = first + _cells(start / scale), first + _cells(end / scale)

@@ -56,7 +56,8 @@ class Table:
         The points of all tables stand in one row and are found by table and age, as the real and the imaginary
         part of a complex number: NumPy sorts these by both.
         """
-        curves, of = told_apart([utility.curve for utility in utilities], which)
+        curves, number = told_apart([utility.curve for utility in utilities])
+        of = number[which]
         if len(curves) == 1:
             return _between(curves[0], start, end)
         row = PiecewiseLinear.row(curves)

@@ -6,7 +6,6 @@ what is asked of a stream is kept in arrays, and worked out anew only where some
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,7 +52,7 @@ class Competition:
     def _rows(self, now: float) -> Rows:
         """Return the rows that compete. How long a stream is silent only its robot's news tells."""
         self._renew()
-        told = np.array([self._view.told_at(robot, now) for robot in self._robots])
+        told = np.array(self._view.all_told_at(self._robots, now))
         return np.flatnonzero((told[self._owner] - self._last < self._patience) & self._wanted)
 
     def _due(self, now: float, promised: Promises) -> Floats:
@@ -88,11 +87,9 @@ class Competition:
     def _look(self, row: int, stream: Stream) -> None:
         """Take in what there is to know of a stream: `_cheapness` is what a byte of it is worth, less than nothing."""
         self._seen[row] = stream.changes
-        schedule, last = stream.schedule, stream.last
+        last = stream.last
         gaining = 0 if last is None else len(self._view.gaining(stream))
         self._wanted[row] = gaining > 0
-        self._last[row] = -math.inf if schedule.last is None else schedule.last
-        self._patience[row] = schedule.patience
-        self._next[row] = schedule.due(-math.inf)
+        self._last[row], self._patience[row], self._next[row] = stream.schedule.prospect()
         if last is not None:
             self._cheapness[row] = -last.scale * gaining / max(last.size * self._view.copies(stream), 1)

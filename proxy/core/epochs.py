@@ -47,6 +47,8 @@ class Epochs:
         self.epoch = 0
         self.leader = ""
         """Who lends in our epoch; nobody while empty."""
+        self.leads = False
+        """Whether it is we who lend."""
         self.members: frozenset[str] = frozenset((own,))
         """Tags of the robots that share, our own included."""
         self._limits = limits
@@ -65,11 +67,6 @@ class Epochs:
         self._next = (0, "")
         """The epoch that we enter at `_enters_at`, and who leads it; nobody any more while empty."""
         self._enters_at = 0.0
-
-    @property
-    def leads(self) -> bool:
-        """Whether it is we who lend."""
-        return self.leader == self.own
 
     @property
     def stragglers(self) -> list[str]:
@@ -124,7 +121,8 @@ class Epochs:
         """Take in that `peer` is in `epoch`; return whether it leads us there."""
         if peer not in self.members:
             return False
-        self._said[peer], self._behind = epoch, None
+        if self._said.get(peer) != epoch:
+            self._said[peer], self._behind = epoch, None
         if epoch > max(self.epoch, self._next[0]) and (leader := self._leader_of(epoch)):
             if leader == self.own:
                 self._propose(now, epoch)
@@ -187,7 +185,7 @@ class Epochs:
         self._follow(leader)
 
     def _follow(self, leader: str) -> None:
-        self.leader, self._awaited = leader, set()
+        self.leader, self.leads, self._awaited = leader, leader == self.own, set()
         self._turned()
 
     def _window(self) -> float:

@@ -47,13 +47,12 @@ class Gate:
         self, settings: CoreSettings, view: SharedView, shares: Shares, counts: Counts, windows: WindowBuilder
     ) -> None:
         self._settings = settings
+        self._always_sharing = settings.coordination == "shares"
         self._view = view
         self._shares = shares
         self._counts = counts
         self._windows = windows
         self.inbox = Inbox(settings.inbox, settings.backlog)
-        self.play = PLAY
-        """What who lends plans to leave between what one robot sent and what another one sends for it [s]."""
         self.waiting = 0.0
         """How long news of others wait on a channel that is full [s]."""
         self.mode = settings.mode
@@ -74,6 +73,9 @@ class Gate:
         """Samples whose worth by the specs in force is not known yet."""
         self._room = -math.inf, False
         """Whether there is room for all that may be sent, and until when that is taken for true [s]."""
+        self._others_known: tuple[float, int, tuple[Limit, ...]] = (-math.inf, 0, ())
+        """When, after how many notes and under which limits others had sent this."""
+        self._others_sent: tuple[tuple[float, tuple[float, ...]], ...] = ()
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
 
@@ -119,6 +121,8 @@ class Gate:
         commands: list[Command] = []
         self.wakes_at = math.inf
         self._lateness.look(now, self.limits, self.waiting)
+        if not self.inbox:
+            return commands
         while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
@@ -174,7 +178,7 @@ class Gate:
         if not self.sharing:
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads and not self.standing:
-            play = [self.play if limit.shared else 0.0 for limit in self.limits]
+            play = [PLAY if limit.shared else 0.0 for limit in self.limits]
             union = tuple(
                 replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
             )
@@ -358,7 +362,7 @@ class Gate:
     @property
     def sharing(self) -> bool:
         """Whether each robot sends only what is lent to it: as configured, or because news take long."""
-        return self._settings.coordination == "shares" or self.late
+        return self._always_sharing or self._lateness.late
 
     def _waits(self, now: float, sample: Waiting) -> bool:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
@@ -392,12 +396,17 @@ class Gate:
         return tuple(Constraint(_held(c), c.window, max(held(k, c), LEAST_HELD)) for k, c in enumerate(self.limits))
 
     def _others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
-        """What we know others to have sent within the longest window, as (time, use)."""
+        """What we know others to have sent within the longest window, as (time, use); a decision asks several times."""
+        known = now, self._view.sends_noted, self.limits
+        if known != self._others_known:
+            self._others_known, self._others_sent = known, self._sent_by_others(now)
+        return self._others_sent
+
+    def _sent_by_others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
         longest = max((limit.window for limit in self.limits), default=0.0)
         sent = self._view.sent_since(now - longest)
-        kinds = {(size, copies) for _, size, copies in sent}
-        alike = {(size, copies): use_of(size, copies, self.limits, own=False) for size, copies in kinds}
-        return tuple([(t, alike[size, copies]) for t, size, copies in sent])
+        alike = {amount: use_of(*amount, self.limits, own=False) for amount in {amount for _, amount in sent}}
+        return tuple([(t, alike[amount]) for t, amount in sent])
 
     def _lent(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
         """What others may send, as if they did so at the last moment; over a longer time again and again."""

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 MEMORY = 16
 """Samples of a class of sizes looked back on."""
@@ -35,8 +36,7 @@ class Latency:
         return self.fixed + self.per_byte * size
 
 
-@dataclass(frozen=True, slots=True)
-class _Taken:
+class _Taken(NamedTuple):
     """A message of `size` bytes, received at `at`, took `time` [s]."""
 
     at: float
@@ -57,14 +57,19 @@ class LatencyFit:
     """The line through what recent messages took. At most `CLASSES` times `MEMORY` are remembered."""
 
     def __init__(self) -> None:
-        self._classes: list[deque[_Taken]] = [deque(maxlen=MEMORY) for _ in range(CLASSES)]
+        self._classes: dict[int, deque[_Taken]] = {}
+        """By the number of a class, for those of which something was observed."""
         self._newest = 0.0
         self._line: Latency | None = None
         self._stale = False
 
     def observe(self, now: float, size: int, time: float) -> None:
         """A message of so many bytes that came at `now` took `time` [s]."""
-        self._classes[min(size.bit_length(), CLASSES - 1)].append(_Taken(now, float(size), time))
+        number = min(size.bit_length(), CLASSES - 1)
+        taken = self._classes.get(number)
+        if taken is None:
+            taken = self._classes[number] = deque(maxlen=MEMORY)
+        taken.append(_Taken(now, float(size), time))
         self._newest = now
         self._stale = True
 
@@ -76,9 +81,11 @@ class LatencyFit:
         return self._line
 
     def _fitted(self) -> Latency | None:
-        classes = [_summed_up(taken) for each in self._classes if each and (taken := self._recent(each))]
+        classes = [_summed_up(taken) for _, each in sorted(self._classes.items()) if (taken := self._recent(each))]
         if sum(each.count for each in classes) < ENOUGH:
             return None
+        if len(classes) == 1:
+            return Latency(classes[0].time)
         slope = _slope([each for each in classes if each.count >= ENOUGH])
         fixed = weighted_median((each.time - slope * each.size, float(each.count)) for each in classes)
         if fixed >= 0.0:

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from planner import Plan
 from proxy.core.asks import ANSWERED, SPREADS, asks
 from proxy.core.commands import Decide
-from proxy.core.gate import PLAY, Gate
+from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
-from proxy.core.lateness import LATE
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
@@ -91,7 +90,6 @@ class Layout:
             else:
                 self._stand(now)
             return []
-        self._gate.play = PLAY + self._overlap(now)
         self._outlook = self._windows.ahead(now, waiting, self._gate.problem_limits(now))
         if self._outlook.problem is None or not self._outlook.ahead:
             self._promise_all(now, self._outlook.demanded, now + 2.0 * PACE)
@@ -154,14 +152,6 @@ class Layout:
         """Whether robots may be so wrong about our clock, or we so slow, that slots are better than single grants."""
         window = self._shortest()
         return self._doubt(now) > STANDING * window or self._took > SLOW * window
-
-    def _overlap(self, now: float) -> float:
-        """What the grants for two messages keep the second one waiting, as clocks are known [s].
-
-        As a rule nothing, for what was used is given back before; not where that takes too long.
-        """
-        way = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
-        return 2.0 * self._doubt(now) if way >= LATE * self._shortest() else 0.0
 
     def _doubt(self, now: float) -> float:
         """What our clock may be wrong by at most for any robot [s]."""

@@ -8,7 +8,7 @@ know that they are right bound the offset, too, unless digests prove them wrong.
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 DRIFT = 200e-6
 """The most that the clocks of two robots drift from each other: ±100 ppm each [s/s]."""
@@ -16,8 +16,7 @@ RESOLUTION = 2e-6
 """What times lose on the wire [s]."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Bound:
+class _Bound(NamedTuple):
     """The offset was no more (or no less) than `offset` when our clock showed `at`."""
 
     at: float
@@ -39,6 +38,8 @@ class ClockOffset:
         """What wall clocks showed last, and how wrong that may be [s]."""
         self._offset: float | None = 0.0
         """The estimate; None when it is to be worked out anew."""
+        self._range = (-math.inf, math.inf)
+        """The least and the most that it can have been when the last digest came [s]."""
         self.jumps = 0
         """How often a clock stood still or jumped, as one does while its robot sleeps."""
 
@@ -60,11 +61,13 @@ class ClockOffset:
 
     def shown(self, now: float, offset: float, error: float) -> None:
         """By the wall clocks of both, the offset is this at `now`, and wrong by `error` at most [s]."""
-        self._shown, self._offset = (_Bound(now, offset), error), None
+        self._shown = _Bound(now, offset), error
+        self._agree()
 
     def unshown(self) -> None:
         """Forget what wall clocks showed: one was set, so it was wrong."""
-        self._shown = self._offset = None
+        self._shown = None
+        self._agree()
 
     @property
     def known(self) -> bool:
@@ -80,9 +83,9 @@ class ClockOffset:
 
     def uncertainty(self, now: float) -> float:
         """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than `DRIFT`; else infinite."""
-        if self._most is None or self._least is None or self._last is None:
+        if self._last is None or self._least is None:
             return math.inf
-        least, most = self._between(self._last.at)
+        least, most = self._range
         return (most - least) / 2.0 + RESOLUTION + DRIFT * abs(now - self._last.at)
 
     @property
@@ -104,36 +107,35 @@ class ClockOffset:
     def _estimated(self) -> float:
         if self._last is None or self._most is None:
             return 0.0
-        least, most = self._between(self._last.at)
+        least, most = self._range
         return most if math.isinf(least) else (most + least) / 2.0
 
-    def _between(self, now: float) -> tuple[float, float]:
-        """The least and the most that the offset can be at `now` [s]."""
-        least, most = self._by_digests(now)
-        if self._shown is None:
-            return least, most
-        bound, error = self._shown
-        error += bound.widened(now) + RESOLUTION
-        if bound.offset - error > most or bound.offset + error < least:
-            return least, most
-        return max(least, bound.offset - error), min(most, bound.offset + error)
+    def _agree(self) -> None:
+        """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
+        least, most = self._by_digests()
+        if most - least < -RESOLUTION:
+            self.jumps += 1
+            self._most = self._last
+            least, most = self._by_digests()
+            if most - least < -RESOLUTION:
+                least, self._least = -math.inf, None
+        self._offset, self._range = None, self._narrowed(least, most)
 
-    def _by_digests(self, now: float) -> tuple[float, float]:
-        """The same by digests and echoes alone: when these contradict each other the least is more than the most."""
+    def _by_digests(self) -> tuple[float, float]:
+        """The least and the most that the offset can have been at the last digest, by digests and echoes alone [s]."""
+        if self._last is None:
+            return -math.inf, math.inf
+        now = self._last.at
         least = -math.inf if self._least is None else self._least.offset - self._least.widened(now)
         most = math.inf if self._most is None else self._most.offset + self._most.widened(now)
         return least, most
 
-    def _agree(self) -> None:
-        """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
-        self._offset = None
-        if self._last is None or not self._contradictory(self._last.at):
-            return
-        self.jumps += 1
-        self._most = self._last
-        if self._contradictory(self._last.at):
-            self._least = None
-
-    def _contradictory(self, now: float) -> bool:
-        least, most = self._by_digests(now)
-        return most - least < -RESOLUTION
+    def _narrowed(self, least: float, most: float) -> tuple[float, float]:
+        """The same by wall clocks, too, unless they cannot be right [s]."""
+        if self._shown is None or self._last is None:
+            return least, most
+        bound, error = self._shown
+        error += bound.widened(self._last.at) + RESOLUTION
+        if bound.offset - error > most or bound.offset + error < least:
+            return least, most
+        return max(least, bound.offset - error), min(most, bound.offset + error)

@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from proxy.core.latency import Latency, LatencyFit, middle
 from proxy.core.loss import Loss
@@ -57,8 +58,7 @@ class Incoming:
     """Samples sent by the last news of it, and those received then."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Heard:
+class _Heard(NamedTuple):
     """A sample that came at `at` [s], and should have been sent when its robot's wall clock showed `shown`."""
 
     at: float
@@ -295,7 +295,9 @@ class Peer:
             if heard.stream.astray:
                 offsets = ()
             times = [took for offset in offsets if (took := self._took(heard, offset)) is not None]
-            if times:
+            if len(times) == 1:
+                self._samples.observe(heard.at, heard.size, times[0])
+            elif times:
                 self._samples.observe(heard.at, heard.size, min(times, key=lambda took: abs(took - usual)))
             else:
                 self.implausible += 1

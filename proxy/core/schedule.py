@@ -71,13 +71,13 @@ class Schedule:
     @property
     def period(self) -> float:
         """Mean time between samples [s]; 0.0 while fewer than two generation times are known."""
-        pattern = self._recognised()
+        pattern = self._pattern or self._recognised()
         return 0.0 if pattern is None else pattern.period
 
     @property
     def jitter(self) -> float:
         """Standard deviation of a generation time from what is expected [s]; 0.0 while not known."""
-        pattern = self._recognised()
+        pattern = self._pattern or self._recognised()
         return 0.0 if pattern is None else pattern.jitter
 
     @property
@@ -103,7 +103,7 @@ class Schedule:
         if self._patience is None:
             pattern = self._recognised()
             period = pattern.period if pattern else math.inf
-            self._patience = max(self._silence(pattern.pause), PERIODS * period) if pattern else STALE
+            self._patience = max(self._silence(self._pause), PERIODS * period) if pattern else STALE
             self._next = self._past[-1][1] + period if self._past else math.inf
         return self._patience
 
@@ -163,16 +163,18 @@ class Schedule:
 
     def forecast(self, after: float, until: float, most: int, now: float | None = None) -> list[float]:
         """Generation times expected in (after, until], at most `most` of them, in order, as things are at `now`."""
-        pattern = self._recognised()
+        pattern = self._pattern or self._recognised()
         if pattern is None or most <= 0 or until <= after:
             return []
         return pattern.expect(Span(after if now is None else now, after, until, most))
 
-    def due(self, now: float) -> float:
-        """About when the next sample comes [s], at the cost of a look; never, while no period is known."""
-        if self._patience is None:
-            self._patience = self.patience
-        return max(now, self._next)
+    def prospect(self) -> tuple[float, float, float]:
+        """Return when the last sample came, how long its patience is, and about when the next one comes [s].
+
+        The first one is -∞ and the last one ∞ while they are not known.
+        """
+        patience = self.patience if self._patience is None else self._patience
+        return self._past[-1][1] if self._past else -math.inf, patience, self._next
 
     def _goes_back(self, count: int | None, t_gen: float) -> bool:
         """Forget what stands in the way of a sample that comes before the last one; return whether it is to count.

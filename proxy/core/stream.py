@@ -3,7 +3,9 @@
 from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import NamedTuple
 
 from proxy.core.features import Outlook
 from proxy.core.fixed import rounded
@@ -17,8 +19,11 @@ LEADS = (1, 4)
 """Features that change with time are forecast for so many periods ahead: for the next sample, and for all others."""
 
 
-@dataclass(frozen=True, slots=True)
-class Generated:
+NONE: Mapping[str, float] = MappingProxyType({})
+"""No features."""
+
+
+class Generated(NamedTuple):
     """The last sample generated. `t_gen` is on our clock [s], `size` in bytes, `scale` its value factor.
 
     `features` are what is known of its features: of those of other robots' samples only what these tell.
@@ -27,18 +32,17 @@ class Generated:
     t_gen: float
     size: int
     scale: float
-    features: Mapping[str, float] = field(default_factory=dict)
+    features: Mapping[str, float] = NONE
 
 
-@dataclass(frozen=True, slots=True)
-class Sent:
+class Sent(NamedTuple):
     """A sample that was put on the air."""
 
     t_gen: float
     t_sent: float
     size: int
     scale: float
-    features: Mapping[str, float] = field(default_factory=dict)
+    features: Mapping[str, float] = NONE
 
 
 @dataclass(slots=True)
@@ -120,11 +124,11 @@ class Stream:
         """What is known of samples is worth what the specs in force now make of their features."""
         scale = self.information_type.scale
         if self.last is not None:
-            self.renew(replace(self.last, scale=rounded(scale(self.last.features))))
+            self.renew(self.last._replace(scale=rounded(scale(self.last.features))))
         if self.sent is not None:
-            self.sent = replace(self.sent, scale=rounded(scale(self.sent.features)))
+            self.sent = self.sent._replace(scale=rounded(scale(self.sent.features)))
         for k, sent in enumerate(self.recent):
-            self.recent[k] = replace(sent, scale=rounded(scale(sent.features)))
+            self.recent[k] = sent._replace(scale=rounded(scale(sent.features)))
 
     def note_sent(self, count: int, sent: Sent) -> list[Sent]:
         """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it.

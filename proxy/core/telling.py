@@ -294,7 +294,7 @@ class Telling:
         if offset.known and self._told_at - self._echoed_at.get(to, -math.inf) < pace:
             return ()
         self._echoed_at[to] = self._told_at
-        return tuple(echo for echo in self._view.echoes() if echo.peer == to)
+        return self._view.echoes(to)
 
     def _all_pace(self) -> float:
         """How often all are told what concerns only some [s]."""

@@ -1,7 +1,7 @@
 """The shared view: every stream, every peer, and what the channel carries, as far as this robot knows."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from planner import Aggregation
 from proxy.core.competition import Competition
@@ -33,6 +33,9 @@ UNTOLD = 2e-3
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
 
+Amount = tuple[int, int]
+"""The size of a sample [B], and in how many copies it goes on the air."""
+
 
 class SharedView:
     """Everything overheard, bounded: `evicted` counts what had to be forgotten."""
@@ -52,8 +55,10 @@ class SharedView:
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0
         self.bytes = 0
-        self.sends: deque[tuple[float, int, int]] = deque(maxlen=MOST_SENDS)
-        """What other robots sent within the longest window, as (time, size, copies)."""
+        self.sends: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
+        """When and how much other robots sent within the longest window."""
+        self.sends_noted = 0
+        """How often anything was added to that."""
         self._tag = tag(settings.zid)
         self._evicted = 0
         self._interest = Interest()
@@ -138,11 +143,17 @@ class SharedView:
         noted = stream.note_sent(count, sent)
         stream.reach(self.wanting(stream))
         if stream.robot != self.settings.robot:
-            copies = self.copies(stream)
-            self.sends.extend((each.t_sent, each.size, copies) for each in noted)
+            amount = sent.size, self.copies(stream)
+            self.sends_noted += 1
+            self.sends.extend([(each.t_sent, amount) for each in noted])
 
-    def sent_since(self, since: float) -> list[tuple[float, int, int]]:
-        """What other robots sent, as (time, size, copies); what is older is forgotten."""
+    def _note_other(self, now: float, size: int) -> None:
+        """Something came of a stream that we know nothing of."""
+        self.sends_noted += 1
+        self.sends.append((now, (size, 1)))
+
+    def sent_since(self, since: float) -> list[tuple[float, Amount]]:
+        """When and how much other robots sent; what is older is forgotten."""
         kept = [each for each in self.sends if each[0] >= since]
         if len(kept) < len(self.sends):
             self.sends = deque(kept, self.sends.maxlen)
@@ -175,6 +186,11 @@ class SharedView:
     def told_at(self, robot: str, otherwise: float) -> float:
         """When the last digest of a robot came [s]; `otherwise` where none tells of its streams."""
         return self._told_at.get(robot, otherwise)
+
+    def all_told_at(self, robots: Iterable[str], otherwise: float) -> list[float]:
+        """Return the same for many robots."""
+        told_at = self._told_at.get
+        return [told_at(robot, otherwise) for robot in robots]
 
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
@@ -225,7 +241,7 @@ class SharedView:
             t_gen = peer.heard_sample(now, event.key, event.size, event.stamp)
             self._overhear(now, t_gen, event, peer)
         elif peer is not None:
-            self.sends.append((now, event.size, 1))
+            self._note_other(now, event.size)
         elif robot.startswith(PLAIN) and (stream := self._table.get(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
@@ -240,7 +256,7 @@ class SharedView:
         """
         stream = self._table.known(peer.robot, event.key)
         if stream is None or stream.last is None:
-            self.sends.append((now, event.size, 1))
+            self._note_other(now, event.size)
             return
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + SAME
@@ -350,9 +366,10 @@ class SharedView:
         """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
         self._table.sweep(now)
 
-    def echoes(self) -> tuple[Echo, ...]:
-        """What we tell every peer of its last digest and of its samples."""
-        return tuple(_echo(name, peer, peer.digest) for name, peer in self.peers.items() if peer.digest is not None)
+    def echoes(self, to: str = "") -> tuple[Echo, ...]:
+        """What we tell every peer, or one of a tag, of its last digest and of its samples."""
+        peers = self.peers.items() if not to else [(to, self.peers[to])]
+        return tuple(_echo(name, peer, peer.digest) for name, peer in peers if peer.digest is not None)
 
     def sent_digest(self, at: float) -> None:
         """A digest of ours goes out."""

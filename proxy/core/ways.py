@@ -119,7 +119,7 @@ class Audience:
     @property
     def share(self) -> float:
         """How many they are, as far as messages get to them."""
-        return sum(r.share for r in self.receivers)
+        return sum([r.share for r in self.receivers])
 
     @property
     def mean(self) -> float:

@@ -15,6 +15,7 @@ from bisect import insort
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from heapq import heapify, heappop, heapreplace
 from itertools import chain, islice
 from operator import attrgetter
 from typing import NamedTuple
@@ -61,9 +62,9 @@ class _Candidate:
 
     @property
     def worth(self) -> float:
-        """Value per byte on the air, for all forecasts together that are still there."""
+        """Value per byte on the air."""
         last = self.stream.newest
-        return last.scale * self.audience.share / max(last.size * self.copies, 1) / len(self.times)
+        return last.scale * self.audience.share / max(last.size * self.copies, 1)
 
     @property
     def standard(self) -> bool:
@@ -214,7 +215,7 @@ class WindowBuilder:
         def end() -> float:
             ordered = sorted([t for c in candidates for t in c.times])
             full = ordered[settings.horizon - 1] if len(ordered) >= settings.horizon else until
-            return max([full, now + 2.0 * longest, *(c.times[0] for c in candidates if c.times)])
+            return max([full, now + 2.0 * longest, *[c.times[0] for c in candidates if c.times]])
 
         for c, after in zip(candidates, since, strict=True):
             c.times = c.stream.schedule.forecast(after, until, most, now)
@@ -236,14 +237,15 @@ class WindowBuilder:
             peer = view.peer_called(stream.robot)
             told = now + LEAD + (peer.offset.latency if peer is not None else 0.0)
             return max(told, promised[-1].t_gen + 0.5 * stream.schedule.period) if promised else told
-        heard = stream.schedule.last or now
+        schedule = stream.schedule
+        heard = schedule.last or now
         if stream.sent is not None:
-            heard = max(heard, stream.sent.t_gen + 0.5 * stream.schedule.period)
-        if not view.overhears(stream):
-            return max(heard, now - longest)
+            heard = max(heard, stream.sent.t_gen + 0.5 * schedule.period)
         if heard >= now:
             return heard
-        return max(heard, now - self._way_here(c) - OVERHEARD - stream.schedule.jitter)
+        if not view.overhears(stream):
+            return max(heard, now - longest)
+        return max(heard, now - self._way_here(c) - OVERHEARD - schedule.jitter)
 
     def _way_here(self, c: _Candidate) -> float:
         """What samples of another robot take to us [s]: others may be told of sooner."""
@@ -263,12 +265,12 @@ class WindowBuilder:
             (fact, None) for c in candidates for fact in _facts(c, now, nothing, promised)
         ]
         messages += [(_fact(m.of, _sent(m, now), 0.0, nothing), None) for m in demanded]
-        t_sent, uses = -math.inf, _Uses(limits)
+        t_sent, uses, lends = -math.inf, _Uses(limits), limits.promised is not None
         for m in opened:
-            t_sent = max(t_sent, m.t_gen, now if m.of.own or limits.promised is not None else -math.inf)
+            t_sent = max(t_sent, m.t_gen, now) if lends or m.of.own else max(t_sent, m.t_gen)
             messages.append((_message(m, t_sent, uses.of(m)), m))
         robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
-        messages.sort(key=lambda entry: (entry[0].t_gen, entry[0].stream))
+        messages.sort(key=_order)
         places = {place: m for place, (_, m) in enumerate(messages) if m is not None}
         current = next((place for place, m in places.items() if m.current), min(places))
         problem = Problem(
@@ -285,6 +287,11 @@ class WindowBuilder:
             goes_on=limits.stays,
         )
         return problem, places
+
+
+def _order(entry: tuple[Message, _Open | None]) -> tuple[float, int]:
+    """Messages stand by generation time; candidates, and so their streams, by robot and key."""
+    return entry[0].t_gen, entry[0].stream
 
 
 def _use(m: _Open, limits: Limits) -> tuple[float, ...]:
@@ -340,7 +347,7 @@ def _facts(c: _Candidate, now: float, nothing: tuple[float, ...], promised: Prom
     received counts from now on: what it was worth before no decision can change.
     """
     stream = c.stream
-    lent = promised.get((stream.robot, stream.key))
+    lent = promised.get((stream.robot, stream.key)) if promised else None
     if c.markovian and not lent:
         return [_fact(c, stream.recent[-1], -math.inf, nothing)] if stream.recent else []
     kind = stream.information_type.aggregation
@@ -386,11 +393,17 @@ def _bounded(c: _Candidate, times: list[float]) -> list[float]:
 
 def _thin(candidates: list[_Candidate], horizon: int) -> None:
     """Halve the forecasts that are worth least each until the window holds at most `horizon`."""
-    excess = sum(len(c.times) for c in candidates) - horizon
-    while excess > 0:
-        thickest = min((c for c in candidates if len(c.times) > 1), key=lambda c: c.worth, default=None)
-        if thickest is None:
-            return
+    excess = sum([len(c.times) for c in candidates]) - horizon
+    if excess <= 0:
+        return
+    left = [(c.worth / len(c.times), c.place, c) for c in candidates if len(c.times) > 1]
+    heapify(left)
+    while excess > 0 and left:
+        _, place, thickest = left[0]
         kept = thickest.times[::2]
         excess -= len(thickest.times) - len(kept)
         thickest.times = kept
+        if len(kept) > 1:
+            heapreplace(left, (thickest.worth / len(kept), place, thickest))
+        else:
+            heappop(left)

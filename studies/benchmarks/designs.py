@@ -65,7 +65,7 @@ class Mission:
         if limit.name != "units":
             return drawn
         sizes = np.random.default_rng(self.seed).uniform(*SIZES, len(drawn.messages)).tolist()
-        messages = (replace(message, use=(size,)) for message, size in zip(drawn.messages, sizes, strict=True))
+        messages = (message._replace(use=(size,)) for message, size in zip(drawn.messages, sizes, strict=True))
         return replace(drawn, messages=tuple(messages))
 
 

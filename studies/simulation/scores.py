@@ -47,7 +47,7 @@ def measure(flown: Mission, iterations: int) -> Yardsticks:
 
 def scored(problem: Problem) -> Problem:
     """Return the mission as it is scored: what was received before the end of the warm-up counts from then on."""
-    return replace(problem, messages=tuple(replace(m, t_rcv=max(m.t_rcv, WARM_UP)) for m in problem.messages))
+    return replace(problem, messages=tuple(m._replace(t_rcv=max(m.t_rcv, WARM_UP)) for m in problem.messages))
 
 
 def reached(flown: Mission, team: Team) -> float:
@@ -75,7 +75,7 @@ def same_decisions(flown: Mission, one: frozenset[int], other: frozenset[int]) -
 def _worth(flown: Mission, times: dict[int, float], receiver: str) -> float:
     """What one receiver got, divided by how many want the same."""
     messages = tuple(
-        replace(m, t_rcv=max(times.get(i, m.t_rcv), WARM_UP)) for i, m in enumerate(flown.problem.messages)
+        m._replace(t_rcv=max(times.get(i, m.t_rcv), WARM_UP)) for i, m in enumerate(flown.problem.messages)
     )
     wanting = sum(map(bool, flown.interests.values())) - (receiver != OPERATOR)
     return utility(replace(flown.problem, messages=messages), times) / wanting

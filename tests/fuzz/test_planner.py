@@ -120,12 +120,12 @@ def spoilt_window(draw):
     message = problem.messages[at]
     field = draw(st.sampled_from(("t_gen", "t_sent", "t_rcv", "scale", "use", "utility", "nothing")))
     if field in ("t_gen", "t_sent", "t_rcv", "scale"):
-        message = replace(message, **{field: draw(NUMBERS)})
+        message = message._replace(**{field: draw(NUMBERS)})
     elif field == "use":
-        message = replace(message, use=draw(st.lists(NUMBERS, max_size=limits + 1)))
+        message = message._replace(use=draw(st.lists(NUMBERS, max_size=limits + 1)))
     elif field == "utility":
-        message = replace(
-            message, utility=Crooked(draw(st.sampled_from((math.nan, math.inf, -1.0, 1e308, "much", ValueError("no")))))
+        message = message._replace(
+            utility=Crooked(draw(st.sampled_from((math.nan, math.inf, -1.0, 1e308, "much", ValueError("no")))))
         )
     return replace(problem, messages=(*problem.messages[:at], message, *problem.messages[at + 1 :]))
 

@@ -50,7 +50,7 @@ def test_charge_falls_with_what_a_message_still_occupies():
 def test_oversized_message_is_charged_for_its_stretched_window():
     """A message of three limits occupies the whole channel for three windows."""
     problem = alike((Constraint("c", 1.0, 10.0),))
-    heavy = replace(problem.messages[80], use=(30.0,))
+    heavy = problem.messages[80]._replace(use=(30.0,))
     problem = replace(problem, messages=(*problem.messages[:80], heavy, *problem.messages[81:]))
     beyond = look_beyond(problem)
     left = heavy.t_sent + 3.0 - problem.messages[-1].t_sent
@@ -124,6 +124,6 @@ def test_gains_add_up_to_the_objective(seed):
 def test_numbers_that_overflow_are_refused():
     """What is finite in the window may not be beyond it."""
     problem = alike((Constraint("c", 2.0, 1.0),), streams=1, seconds=0.2)
-    huge = tuple(replace(m, scale=1.5e308, utility=Video(a0=1.0, a1=1e4)) for m in problem.messages)
+    huge = tuple(m._replace(scale=1.5e308, utility=Video(a0=1.0, a1=1e4)) for m in problem.messages)
     with pytest.raises(ProblemError, match="not finite"):
         tabulate(replace(problem, messages=huge, t_end=0.2), beyond=True)

@@ -16,6 +16,7 @@ def test_columns_say_what_the_messages_say():
     for at, m in enumerate(GOOD.messages):
         row = (columns.stream[at], columns.sent[at], *columns.times[:, at], columns.scale[at], *columns.use[at])
         assert row == (m.stream, m.sent, m.t_gen, m.t_sent, m.t_rcv, m.scale, *m.use)
+        assert columns.utilities[columns.utility[at]] is m.utility
     assert columns.opened.tolist() == [at for at, m in enumerate(GOOD.messages) if not m.sent]
 
 

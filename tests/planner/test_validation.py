@@ -24,7 +24,7 @@ GOOD = window(3, robots=2, horizon=5)
 
 def with_message(index, **changes):
     messages = list(GOOD.messages)
-    messages[index] = dataclasses.replace(messages[index], **changes)
+    messages[index] = messages[index]._replace(**changes)
     return dataclasses.replace(GOOD, messages=tuple(messages))
 
 
@@ -74,7 +74,7 @@ def test_open_messages_must_be_in_order():
         start(with_message(first, t_sent=late, t_rcv=late), SearchSettings())
     same_stream = with_message(second, stream=GOOD.messages[first].stream)
     messages = list(same_stream.messages)
-    messages[first] = dataclasses.replace(messages[first], t_rcv=messages[second].t_rcv + 1.0)
+    messages[first] = messages[first]._replace(t_rcv=messages[second].t_rcv + 1.0)
     with pytest.raises(ProblemError, match="received out of order"):
         start(dataclasses.replace(same_stream, messages=tuple(messages)), SearchSettings())
 

@@ -22,7 +22,7 @@ def test_windows_hold_facts_the_current_message_and_what_comes():
         window = decided.window(index)
         check_problem(window)
         facts = [m for m in window.messages if m.sent]
-        assert replace(message, sent=False) == window.messages[window.current]
+        assert message._replace(sent=False) == window.messages[window.current]
         assert window.messages[window.current :] == flown.messages[index : index + 15]
         sent = [flown.messages[i] for i in decided.sends]
         recent = {m.t_gen for m in sent if m.t_sent >= message.t_sent - 0.5}
@@ -52,7 +52,7 @@ def test_interval_between_sends_is_that_of_generation_when_all_fits():
 def test_longest_window_is_stretched_by_oversized_messages():
     """A message of four limits looks back four windows; a limit of zero lets nothing look back."""
     flown = mission(MIXED, seed=0, seconds=3.0)
-    heavy = tuple(replace(m, use=(8.0,)) for m in flown.messages)
+    heavy = tuple(m._replace(use=(8.0,)) for m in flown.messages)
     assert longest_window(flown) == 0.5
     assert longest_window(replace(flown, messages=heavy)) == 2.0
     assert longest_window(replace(flown, constraints=(Constraint("messages", 0.5, 0.0),))) == 0.0
@@ -61,7 +61,7 @@ def test_longest_window_is_stretched_by_oversized_messages():
 def test_flights_break_no_constraint_with_oversized_messages():
     """Facts reach back far enough for messages that need a stretched window."""
     drawn = mission(MIXED, seed=0, seconds=10.0)
-    uneven = tuple(replace(m, use=(1.0 + 4.0 * (i % 7 == 0),)) for i, m in enumerate(drawn.messages))
+    uneven = tuple(m._replace(use=(1.0 + 4.0 * (i % 7 == 0),)) for i, m in enumerate(drawn.messages))
     flown = replace(drawn, messages=uneven)
     sends = CentralDecider(flown, horizon=10).fly(whenever_it_fits)
     assert sends

@@ -47,7 +47,7 @@ def test_slopes_are_means_and_other_utilities_those_of_the_first():
     slope = sum(m.utility.slope for m in own) / len(own)
     assert {type(m.utility) for m in expected} == {Linear}
     assert [m.utility.slope for m in expected] == pytest.approx([slope] * len(expected))
-    mixed = replace(flown, messages=(replace(flown.messages[0], utility=Video()), *flown.messages[1:]))
+    mixed = replace(flown, messages=(flown.messages[0]._replace(utility=Video()), *flown.messages[1:]))
     first = flown.messages[0].stream
     assert {m.utility for m in Forecaster(mixed).expect(30, 20) if m.stream == first} == {Video()}
 

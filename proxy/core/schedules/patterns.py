@@ -40,8 +40,7 @@ class Pattern(Protocol):
         """Return when samples are expected, in order."""
 
 
-@dataclass(frozen=True, slots=True)
-class Periodic:
+class Periodic(NamedTuple):
     """One sample every period; `rhythm.number` is the last one seen."""
 
     rhythm: Rhythm

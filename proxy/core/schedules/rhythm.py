@@ -6,9 +6,9 @@ squares over the others give the estimate.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
+from typing import NamedTuple
 
 Numbered = tuple[int, float]
 """The number of a sample and when it was generated [s]."""
@@ -21,8 +21,7 @@ WANDERING = 0.75
 """Jitter's variance over that of its steps: about 1/2 where deviations are independent, 1 where they add up."""
 
 
-@dataclass(frozen=True, slots=True)
-class Rhythm:
+class Rhythm(NamedTuple):
     """Sample `number` was due at `origin` [s], others every `period` [s], each `jitter` [s] off its time.
 
     `jitter` is a standard deviation; `known` samples tell all this.

@@ -85,5 +85,7 @@ def _areas(received: Received, present: Ints, edges: Floats) -> Floats:
     which, piece = (axis.ravel() for axis in np.indices((len(present), len(edges) - 1)))
     born = received.t_gen[present[which]]
     start = np.maximum(edges[:-1][piece] - born, 0.0)
-    area = integrals(received.utilities, present[which], start, np.maximum(edges[1:][piece] - born, start))
+    area = integrals(
+        received.utilities, received.utility[present[which]], start, np.maximum(edges[1:][piece] - born, start)
+    )
     return (received.scale[present[which]] * area).reshape(len(present), -1)

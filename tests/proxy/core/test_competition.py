@@ -117,7 +117,7 @@ def chosen(view, now, most, promised):
 
     def due(stream):
         ends = [p.t_gen + stream.schedule.period for p in promised.get((stream.robot, stream.key), ())]
-        return max([stream.schedule.due(now), *ends[-1:]])
+        return max([now, stream.schedule.prospect()[2], *ends[-1:]])
 
     def worth(stream):
         return stream.last.scale * len(view.gaining(stream)) / max(stream.last.size * view.copies(stream), 1)

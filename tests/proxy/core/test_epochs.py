@@ -3,6 +3,8 @@
 from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from planner.measures import Throughput
 from proxy.core.epochs import EDGE, LONGEST_WAIT, Epochs
@@ -108,3 +110,32 @@ def test_a_robot_alone_keeps_leading_under_other_limits():
     alone.set_limits(1.0, (replace(LIMIT, measure=Throughput(2000.0, 1.0)),), free=True)
     assert alone.epoch > before
     assert alone.confirmed(1.0)
+
+
+@given(
+    st.lists(
+        st.one_of(
+            st.tuples(st.just("heard"), st.sampled_from("abcd"), st.sampled_from((0, "ours", 1 << 32, 9 << 32))),
+            st.tuples(st.just("forget"), st.sampled_from("abcd"), st.none()),
+            st.tuples(st.just("members"), st.sets(st.sampled_from("abcd")), st.none()),
+        ),
+        max_size=20,
+    )
+)
+def test_who_lags_behind_is_known_whatever_was_said(happened):
+    """As if it were looked for anew each time; and who leads knows it."""
+    ours = epochs("b")
+    ours.set_members(0.0, "abcd")
+    said = {}
+    for number, (what, who, number_or_ours) in enumerate(happened, start=1):
+        epoch = ours.epoch if number_or_ours == "ours" else number_or_ours
+        if what == "heard":
+            ours.heard(float(number), who, epoch)
+            said |= {who: epoch} if who in ours.members else {}
+        elif what == "forget":
+            ours.forget(who)
+            said.pop(who, None)
+        else:
+            ours.set_members(float(number), who)
+        assert ours.stragglers == sorted(m for m in ours.members - {"b"} if said.get(m) != ours.epoch)
+        assert ours.leads == (ours.leader == "b")

@@ -9,7 +9,8 @@ from planner import Plan
 from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forward
 from proxy.core.mode import Mode
-from proxy.core.wire import Digest, State
+from proxy.core.transport import broadcast
+from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
 from tests.proxy.core.talk import SPEC, only
 
 AGGREGATIONS = ["most_recent", "best", "sum", "once"]
@@ -248,3 +249,30 @@ def test_what_never_came_to_a_decision_is_told_of_its_stream(make_talk, make_agg
     (stream,) = talk.core.status(0.3)["streams"]
     assert stream["by_reason"] == {"dropped:overflow": 1}
     assert talk.core.counts.conserved
+
+
+@hypothesis_settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=40)
+@given(steps=st.lists(st.sampled_from(["sample", "unknown", "digest", "wait", "specs", "ask"]), max_size=25))
+def test_what_others_sent_is_known_as_if_it_were_looked_for_each_time(make_talk, make_specs, steps):
+    """However often it is asked for at one moment, whatever came in between, under whatever limits."""
+    talk, now = make_talk(transport=broadcast("224.0.0.1:1")), 10.0
+    gate, view = talk.core.gate, talk.core.view
+    talk.tell(ev.PeerAppeared(now, "r2", "z-r2"))
+    camera = (StreamState(1, "robot/r2/camera", "camera", 0.1),)
+    talk.tell(
+        ev.StateHeard(now, State("r2", "z-r2", "enforce", "", camera, ("**",), transport=view.settings.transport))
+    )
+    for count, step in enumerate(steps, start=1):
+        size = 100 * count
+        if step == "sample":
+            talk.tell(ev.SampleHeard(now, "robot/r2/camera", size, "z-r2", None, None))
+        elif step == "unknown":
+            talk.tell(ev.SampleHeard(now, "other", size, "z-r2", None, None))
+        elif step == "digest":
+            news = StreamDigest(1, count, count, now, now, size, 1.0)
+            talk.tell(ev.DigestHeard(now, Digest("r2", tag("z-r2"), now + 1e-4 * count, 0, 0, 0, (news,))))
+        elif step == "specs":
+            talk.tell(ev.SpecsChanged(now, make_specs(limit=f"{count} kB/s", window=0.1 * count)))
+        elif step == "wait":
+            now += 0.3
+        assert gate._others(now) == gate._sent_by_others(now)

@@ -66,7 +66,14 @@ def test_no_message_takes_less_than_no_time(messages):
     fit = fitted(messages)
     assert fit.line.fixed >= 0.0
     assert fit.line.per_byte >= 0.0
-    assert sum(len(each) for each in fit._classes) <= CLASSES * MEMORY
+    assert sum(len(each) for each in fit._classes.values()) <= CLASSES * MEMORY
+
+
+@given(st.lists(st.tuples(st.integers(1024, 2047), st.floats(0.0, 10.0)), min_size=3, max_size=16))
+def test_of_one_class_all_is_the_middle(messages):
+    """As for sizes of several classes that are too few to tell a slope."""
+    line = fitted(messages).line
+    assert line.of(10_000) == pytest.approx(middle([took for _, took in messages]))
 
 
 def test_large_messages_that_are_quicker_than_small_ones_make_no_slope():

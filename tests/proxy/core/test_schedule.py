@@ -396,13 +396,12 @@ def test_whatever_is_seen_forecasts_are_in_order_and_bounded(events, most, ahead
         assert schedule.jitter >= 0.0
 
 
-def test_when_a_sample_is_about_due_is_known_at_a_look():
-    """One that is late is due now; without a period none is."""
+def test_last_sample_patience_and_next_sample_are_known_at_a_look():
+    """As they are asked for one by one; without a period nothing is due."""
     schedule = Schedule()
-    assert schedule.due(0.0) == math.inf
+    assert schedule.prospect() == (-math.inf, schedule.patience, math.inf)
     for count in range(1, 9):
         schedule.observe(count, 0.5 * count)
-    assert schedule.due(4.1) == pytest.approx(4.5)
-    assert schedule.due(4.8) == 4.8
+    assert schedule.prospect() == (4.0, schedule.patience, pytest.approx(4.5))
     schedule.observe(9, 4.5)
-    assert schedule.due(4.8) == pytest.approx(5.0)
+    assert schedule.prospect() == (4.5, schedule.patience, pytest.approx(5.0))

@@ -10,7 +10,7 @@ from proxy.core.stream import Generated, Sent, Stream
 from proxy.core.transport import UNICAST, broadcast
 from proxy.core.view import SharedView
 from proxy.core.ways import latency
-from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
+from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState, tag
 
 CAMERA = "robot/r2/camera"
 ONCE = """
@@ -99,6 +99,9 @@ def test_samples_of_a_peer_are_counted_for_it(view):
     assert [echo.samples for echo in view.echoes()] == [0]
     view.heard_digest(7.0, digest(7.0))
     assert [echo.samples for echo in view.echoes()] == [1]
+    assert view.echoes(to=view.echoes()[0].peer) == view.echoes()
+    view.add_peer(11.0, "r3", "z-r3")
+    assert view.echoes(to=tag("z-r3")) == ()
 
 
 def test_a_plain_node_is_estimated_from_what_is_heard(view):

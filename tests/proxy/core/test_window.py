@@ -239,7 +239,7 @@ def test_what_others_sent_of_once_still_uses_the_channel(make_specs):
     view, _ = aggregated(make_specs, '"once"')
     others = add_stream(view, "r2")
     view.note_sent(others, 1, Sent(9.7, 9.7, 1000, 1.0))
-    assert view.sent_since(9.0) == [(9.7, 1000, 1)]
+    assert view.sent_since(9.0) == [(9.7, (1000, 1))]
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
     assert len(problem.streams) == 1
 
@@ -315,7 +315,7 @@ def test_equal_latencies_give_the_plan_of_one_receiver_that_counts_for_all(
     merged = replace(
         problem,
         streams=tuple(replace(each, receivers=(Receiver(),)) for each in problem.streams),
-        messages=tuple(replace(m, scale=m.scale * robots) for m in problem.messages),
+        messages=tuple(m._replace(scale=m.scale * robots) for m in problem.messages),
     )
     found, expected = plan_of(problem), plan_of(merged)
     assert found.utility == pytest.approx(expected.utility)

@@ -151,7 +151,7 @@ def mixed_mission(seed: int, seconds: float = 20.0) -> Problem:
             for robot in range(len(flown.streams))
         ),
         messages=tuple(
-            replace(m, use=(*m.use, size), scale=m.scale * draw.uniform(0.1, 2.0))
+            m._replace(use=(*m.use, size), scale=m.scale * draw.uniform(0.1, 2.0))
             for m, size in zip(flown.messages, sizes, strict=True)
         ),
         constraints=(*flown.constraints, Constraint("bytes", 1.0, 1200.0)),

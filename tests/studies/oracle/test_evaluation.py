@@ -14,7 +14,7 @@ def test_streams_need_what_their_aggregation_needs():
     problem = replace(
         problem,
         streams=tuple(Stream(at, kind) for at, kind in enumerate(kinds)),
-        messages=tuple(replace(m, stream=at % 4) for at, m in enumerate(problem.messages)),
+        messages=tuple(m._replace(stream=at % 4) for at, m in enumerate(problem.messages)),
     )
     paths, ranks = build_worth(problem)
     recent, once, custom = 1 + 2 + 2 + 2, 2, 2 * (1 + 2) + 3
@@ -30,7 +30,7 @@ def test_ranks_where_the_newest_is_not_the_best():
     recent, _ = build_worth(of_kind(alike, Aggregation.MOST_RECENT))
     assert paths.gain.tolist() == recent.gain.tolist()
     assert len(ranks.rank) == 0
-    lasting = replace(alike, messages=(replace(alike.messages[0], utility=Linear(3.0, 0.01)), *alike.messages[1:]))
+    lasting = replace(alike, messages=(alike.messages[0]._replace(utility=Linear(3.0, 0.01)), *alike.messages[1:]))
     paths, ranks = build_worth(lasting)
     assert len(paths.gain) == 3
     assert ranks.message.tolist() == [0, 0, 1, 0, 2, 1]

@@ -77,7 +77,7 @@ def test_a_mission_of_all_kinds(seed):
 def test_everything_is_sent_without_constraints():
     """Where nothing limits, all messages are sent and the bound is the utility of all."""
     limited = one_stream([0.0, 1.0, 2.0], window=1.0, limit=1.0)
-    free = replace(limited, constraints=(), messages=tuple(replace(m, use=()) for m in limited.messages))
+    free = replace(limited, constraints=(), messages=tuple(m._replace(use=()) for m in limited.messages))
     for solution in (upper_bound(free), optimum(free)):
         assert solution.exact
         assert solution.sends.tolist() == [1.0, 1.0, 1.0]
@@ -94,7 +94,7 @@ def test_oversized_message_needs_a_stretched_window_for_itself():
     """A message of three limits is sent only when nothing was sent in three windows before it."""
     problem = one_stream([0.0, 2.0, 4.0], window=1.0, limit=1.0, sizes=[1.0, 1.0, 3.0])
     last_matters = replace(
-        problem, messages=(*problem.messages[:2], replace(problem.messages[2], scale=100.0)), t_end=6.0
+        problem, messages=(*problem.messages[:2], problem.messages[2]._replace(scale=100.0)), t_end=6.0
     )
     assert optimum(problem).sends.tolist() == [1.0, 1.0, 0.0]
     assert optimum(last_matters).sends.tolist() == [1.0, 0.0, 1.0]
@@ -110,7 +110,7 @@ def test_traffic_takes_its_part_of_the_window():
 def test_facts_are_counted_and_worth_something():
     """A message known to be sent uses its window and gains its utility."""
     problem = one_stream([0.0, 0.25, 2.0], window=0.5, limit=1.0)
-    known = replace(problem, current=1, messages=(replace(problem.messages[0], sent=True), *problem.messages[1:]))
+    known = replace(problem, current=1, messages=(problem.messages[0]._replace(sent=True), *problem.messages[1:]))
     solution = optimum(known)
     assert solution.sends.tolist() == [1.0, 0.0, 1.0]
     assert solution.utility == pytest.approx(utility(problem, [0, 2]))
@@ -128,7 +128,7 @@ def test_all_constraints_hold_at_once():
     problem = one_stream([0.0, 1.0, 2.0, 3.0], window=0.5, limit=1.0)
     pair = (*problem.constraints, Constraint("bytes", 1.5, 10.0))
     sizes = (5.0, 5.0, 8.0, 1.0)
-    messages = tuple(replace(m, use=(1.0, size)) for m, size in zip(problem.messages, sizes, strict=True))
+    messages = tuple(m._replace(use=(1.0, size)) for m, size in zip(problem.messages, sizes, strict=True))
     solution = optimum(replace(problem, constraints=pair, messages=messages))
     assert solution.sends.tolist() == [1.0, 1.0, 0.0, 1.0]
 
@@ -136,7 +136,7 @@ def test_all_constraints_hold_at_once():
 def test_fractions_are_told_from_plans():
     """Where sending halves beats any plan, the bound says that it is no plan; the optimum is below."""
     triangle = one_stream([0.0, 0.25, 0.5], window=0.5, limit=3.0, sizes=[2.0, 2.0, 2.0])
-    messages = tuple(replace(m, stream=i) for i, m in enumerate(triangle.messages))
+    messages = tuple(m._replace(stream=i) for i, m in enumerate(triangle.messages))
     problem = replace(triangle, streams=triangle.streams * 3, messages=messages)
     bound, best = upper_bound(problem), optimum(problem)
     assert not bound.exact
@@ -149,7 +149,7 @@ def test_fractions_are_told_from_plans():
 def test_what_nobody_receives_is_worth_nothing(kind):
     """A stream without receivers gains nothing and leaves the channel to the others, whatever its aggregation."""
     problem = one_stream([0.0, 0.25, 2.0, 2.25], window=0.5, limit=1.0)
-    messages = tuple(replace(m, stream=at % 2, scale=9.0 - 8.0 * (at % 2)) for at, m in enumerate(problem.messages))
+    messages = tuple(m._replace(stream=at % 2, scale=9.0 - 8.0 * (at % 2)) for at, m in enumerate(problem.messages))
     deaf = replace(problem, streams=(Stream(0, kind, ()), Stream(1)), messages=messages)
     for solution in (optimum(deaf), upper_bound(deaf)):
         assert solution.sends[[1, 3]].tolist() == [1.0, 1.0]

@@ -34,6 +34,6 @@ def test_what_breaks_a_constraint_is_not_sent_in_any_future():
     """A window without room is decided at once."""
     free = future(1.0)
     first, second = free.messages
-    full = replace(free, messages=(replace(first, sent=True), second), current=1)
+    full = replace(free, messages=(first._replace(sent=True), second), current=1)
     values = {field.name: getattr(full, field.name) for field in fields(full)}
     assert not Planned(SearchSettings(), 30)(Uncertain(**values, futures=(full, full)))

@@ -30,7 +30,7 @@ def full():
     """The first message was sent and leaves no room for the second."""
     free = window(first=100.0, second=1.0)
     first, second = free.messages
-    return replace(free, messages=(replace(first, sent=True), second), current=1)
+    return replace(free, messages=(first._replace(sent=True), second), current=1)
 
 
 @pytest.mark.parametrize("policy", POLICIES)
@@ -82,5 +82,5 @@ def test_rank_counts_what_a_message_uses():
     """Of two equally worthy messages the smaller one goes first; one that uses nothing before all."""
     equal = window(first=1.0, second=1.0)
     first, second = equal.messages
-    assert not by_rank(replace(equal, messages=(first, replace(second, use=(0.5,)))))
-    assert by_rank(replace(equal, messages=(replace(first, use=(0.0,)), replace(second, use=(0.5,)))))
+    assert not by_rank(replace(equal, messages=(first, second._replace(use=(0.5,)))))
+    assert by_rank(replace(equal, messages=(first._replace(use=(0.0,)), second._replace(use=(0.5,)))))

@@ -19,7 +19,7 @@ def drawn(seed):
     times = sorted(draw.uniform(0.0, 3.0) for _ in range(6))
     problem = of_kind(one_stream(times, window=0.5, limit=1.0), Aggregation.BEST, Receiver(), Receiver(0.4, 2.0))
     messages = tuple(
-        replace(m, utility=Linear(draw.uniform(0.2, 2.0), draw.uniform(0.01, 1.5)), sent=at == seed % 12)
+        m._replace(utility=Linear(draw.uniform(0.2, 2.0), draw.uniform(0.01, 1.5)), sent=at == seed % 12)
         for at, m in enumerate(problem.messages)
     )
     return replace(problem, messages=messages, current=1 if messages[0].sent else 0)

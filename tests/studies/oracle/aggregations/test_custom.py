@@ -30,7 +30,7 @@ def test_a_message_too_many_is_not_sent():
 def test_facts_alone_may_cost_something():
     """A mission that cannot but lose has a bound below nothing."""
     problem = of_kind(one_stream([float(at) for at in range(8)], window=0.5, limit=1.0), Annoyed())
-    messages = tuple(replace(m, sent=at < 7) for at, m in enumerate(problem.messages))
+    messages = tuple(m._replace(sent=at < 7) for at, m in enumerate(problem.messages))
     solution = upper_bound(replace(problem, messages=messages, current=7))
     assert solution.utility == pytest.approx(14.0 - 0.45 * 49)
     assert solution.sends[7] == pytest.approx(0.0)
@@ -40,7 +40,7 @@ def test_a_stream_of_facts_is_a_constant():
     """Where nothing is open, what is known to be sent counts all the same."""
     problem = one_stream([0.0, 1.0, 2.0], window=0.5, limit=1.0)
     first, second, third = problem.messages
-    known = replace(problem, messages=(first, replace(second, stream=1, sent=True), third))
+    known = replace(problem, messages=(first, second._replace(stream=1, sent=True), third))
     both = of_kind(known, Pairs(), streams=2)
     assert optimum(both).utility == pytest.approx(utility(both, [0, 2]))
 

@@ -15,7 +15,7 @@ def arcs_of(problem):
 def test_short_lives_need_few_arcs():
     """A message that is worthless before the next one is received has one arc out: to an empty node."""
     problem = one_stream([float(i) for i in range(50)], window=1.0, limit=1.0)
-    short = replace(problem, messages=tuple(replace(m, utility=Linear(1.0, 2.0)) for m in problem.messages))
+    short = replace(problem, messages=tuple(m._replace(utility=Linear(1.0, 2.0)) for m in problem.messages))
     arcs = arcs_of(short)
     assert len(arcs) == 3 * 50
     assert all(arcs[i, 50 + i + 1] == 0.25 for i in range(50))
@@ -34,7 +34,7 @@ def test_no_arc_passes_a_fact():
     """Every path goes through a message that is known to be sent."""
     problem = one_stream([0.0, 1.0, 2.0], window=1.0, limit=3.0)
     first, second, third = problem.messages
-    arcs = arcs_of(replace(problem, messages=(first, replace(second, sent=True), third)))
+    arcs = arcs_of(replace(problem, messages=(first, second._replace(sent=True), third)))
     assert (0, 2) not in arcs
     assert (4, 5) not in arcs
     assert (0, 1) in arcs
@@ -46,7 +46,7 @@ def test_each_stream_has_a_source_and_a_sink():
     problem = one_stream([0.0, 1.0, 2.0], window=1.0, limit=3.0)
     first, second, third = problem.messages
     network = build_network(
-        received(replace(problem, streams=problem.streams * 3, messages=(first, replace(second, stream=2), third)))
+        received(replace(problem, streams=problem.streams * 3, messages=(first, second._replace(stream=2), third)))
     )
     assert network.message.tolist() == [0, 2, 1]
     assert network.source.tolist() == [3, 6]
@@ -57,7 +57,7 @@ def test_each_stream_has_a_source_and_a_sink():
 def test_a_message_lives_as_long_as_anybody_has_use_for_it():
     """A receiver with a delay gets less of the first second and sees the end of its life as late as all others."""
     problem = one_stream([0.0, 1.0, 3.0], window=1.0, limit=1.0)
-    short = replace(problem, messages=tuple(replace(m, utility=Linear(2.0, 1.0)) for m in problem.messages))
+    short = replace(problem, messages=tuple(m._replace(utility=Linear(2.0, 1.0)) for m in problem.messages))
     two = arcs_of(of_kind(short, Aggregation.MOST_RECENT, Receiver(), Receiver(0.5, 3.0)))
     assert two[0, 1] == 1.5 + 3.0 * (1.5 + 0.5) / 2
     assert two[0, 3 + 2] == 2.0 + 3.0 * 1.5**2 / 2
@@ -67,7 +67,7 @@ def test_a_message_lives_as_long_as_anybody_has_use_for_it():
 def test_the_end_comes_earlier_for_those_who_wait():
     """What arrives after the end is worth nothing to that receiver, and what it has from before ends with the rest."""
     problem = one_stream([0.0, 1.0], window=1.0, limit=1.0)
-    flat = replace(problem, t_end=2.0, messages=tuple(replace(m, utility=Linear(1.0, 1e-9)) for m in problem.messages))
+    flat = replace(problem, t_end=2.0, messages=tuple(m._replace(utility=Linear(1.0, 1e-9)) for m in problem.messages))
     gains = arcs_of(of_kind(flat, Aggregation.MOST_RECENT, Receiver(), Receiver(1.25, 1.0)))
     assert abs(gains[0, 1] - (1.0 + 0.75)) < 1e-6
     assert abs(gains[1, 2 + 2] - 1.0) < 1e-6

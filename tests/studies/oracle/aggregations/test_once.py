@@ -14,7 +14,7 @@ def once(times, **facts):
     scales = facts.get("scales", [1.0] * len(times))
     known = facts.get("sent", [])
     messages = tuple(
-        replace(m, scale=scale, sent=at in known)
+        m._replace(scale=scale, sent=at in known)
         for at, (m, scale) in enumerate(zip(problem.messages, scales, strict=True))
     )
     return replace(problem, messages=messages, current=next(at for at, m in enumerate(messages) if not m.sent))
@@ -46,7 +46,7 @@ def test_a_fact_is_the_first_unless_something_comes_before():
 def test_streams_have_paths_of_their_own():
     """Each stream has its own first message, and each receiver adds its part."""
     problem = once([0.0, 1.0, 2.0, 3.0])
-    messages = tuple(replace(m, stream=at % 2) for at, m in enumerate(problem.messages))
+    messages = tuple(m._replace(stream=at % 2) for at, m in enumerate(problem.messages))
     two = of_kind(replace(problem, messages=messages), Aggregation.ONCE, Receiver(), Receiver(0.5, 2.0), streams=2)
     solution = optimum(two)
     assert solution.sends.tolist() == [1.0, 1.0, 0.0, 0.0]

@@ -13,7 +13,7 @@ def best(utilities, *receivers, sent=()):
     times = [float(at) for at in range(len(utilities))]
     problem = of_kind(one_stream(times, window=0.5, limit=1.0), Aggregation.BEST, *receivers)
     messages = tuple(
-        replace(m, utility=utility, sent=at in sent)
+        m._replace(utility=utility, sent=at in sent)
         for at, (m, utility) in enumerate(zip(problem.messages, utilities, strict=True))
     )
     return received(replace(problem, messages=messages, current=next(i for i, m in enumerate(messages) if not m.sent)))
