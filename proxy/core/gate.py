@@ -14,6 +14,7 @@ from proxy.core.deletions import Deletions
 from proxy.core.fallback import TokenBuckets
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
+from proxy.core.latency import middle
 from proxy.core.lateness import Lateness
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
@@ -28,7 +29,9 @@ from proxy.core.window import WindowBuilder
 LEAST_HELD = 1e-6
 """A constraint cannot be zero; this is as good."""
 PLAY = 0.005
-"""What one robot lends comes back so much later than it was to be sent, at least [s]."""
+"""What one robot lends comes back so much later than it was to be sent, at least [s]..."""
+DOUBTED = 1.5
+"""... and, where news take long, by so many times what clocks may be wrong by later still."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,13 +181,19 @@ class Gate:
         if not self.sharing:
             return Limits(self.limits, (), shares.sent(), self._others(now))
         if shares.leads and not self.standing:
-            play = [PLAY if limit.shared else 0.0 for limit in self.limits]
+            late = self._play(now)
+            play = [late if limit.shared else 0.0 for limit in self.limits]
             union = tuple(
                 replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
             )
             return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
         held = self._held(lambda k, _: shares.held(now, k))
         return Limits(self.limits, held, shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now))
+
+    def _play(self, now: float) -> float:
+        """How much later than planned what we lend comes back [s]: what can no longer be is planned for nothing."""
+        known = [peer for peer in self._view.peers.values() if peer.offset.known] if self.late else []
+        return PLAY + (DOUBTED * middle([self._view.doubt(now, peer) for peer in known]) if known else 0.0)
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
