@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from planner import Plan
 from proxy.core.asks import ANSWERED, SPREADS, asks
+from proxy.core.cadence import Place
 from proxy.core.commands import Decide
 from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
@@ -19,7 +20,7 @@ from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
 from proxy.core.shares import Lent, Shares
-from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, Place, allot, demands, lengthened_by
+from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, allot, demands, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 from proxy.core.window import Expected, Outlook, WindowBuilder
@@ -170,7 +171,9 @@ class Layout:
         shares, own = self._shares, self._view.settings.robot
         shared = tuple(limit for limit in self._gate.limits if limit.shared)
         tags = {peer.robot: name for name, peer in self._view.peers.items() if peer.offset.known}
-        wanted = [d for d in demands(now, self._view, shared) if d.place[0] == own or d.place[0] in tags]
+        wanted = [
+            d for d in demands(now, self._view, shared, self._gate.cadences) if d.place[0] == own or d.place[0] in tags
+        ]
         alive = set(shares.lent(now))
         self._slots = {
             place: left for place, slots in self._slots.items() if (left := [s for s in slots if s in alive])
