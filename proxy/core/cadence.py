@@ -28,6 +28,8 @@ DENSE = 8
 """Of a stream with more samples in a window hardly any time is lost until the next one comes: none has to wait."""
 LEAST_PATIENCE = 0.01
 """A sample waits a little longer than is best: samples come a little early or late [s]."""
+SLOWER = 0.01
+"""Samples are not taken to need longer by more than this from second to second: some waited without our knowing."""
 
 Amounts = Sequence[float]
 """Of every constraint, in its units."""
@@ -43,12 +45,21 @@ class Cadence:
     patience: float
 
 
+@dataclass(slots=True)
+class _Known:
+    utility: MessageUtility
+    what: tuple[int, float, float]
+    at: float
+    latency: float
+    cadences: tuple[Cadence, ...]
+
+
 class Cadences:
     """The cadences of streams whose newest sample counts; worked out anew when something about a stream has changed."""
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
-        self._known: dict[Place, tuple[MessageUtility, tuple[int, float, float], tuple[Cadence, ...]]] = {}
+        self._known: dict[Place, _Known] = {}
 
     def of(self, now: float, stream: Stream, window: float) -> tuple[Cadence, ...] | None:
         """Return what one message per window is worth to a stream, two, and so on; None where it does not matter when.
@@ -58,16 +69,18 @@ class Cadences:
         period, kind, place = stream.schedule.period, stream.information_type, (stream.robot, stream.key)
         if kind.aggregation is not Aggregation.MOST_RECENT or period <= 0.0 or window > DENSE * period:
             return None
-        utility = kind.utility_of(stream.newest.features)
-        latency = round(self._view.audiences.of(now, stream).mean, 2)
-        what = max(1, round(PARTS * window / period)), latency, round(period, 2)
+        utility, latency = kind.utility_of(stream.newest.features), self._view.audiences.of(now, stream).mean
         known = self._known.pop(place, None)
-        if known is None or known[0] is not utility or known[1] != what:
-            known = utility, what, cadences_for(utility, latency, period, what[0])
+        if known is not None:
+            latency = min(latency, known.latency + SLOWER * (now - known.at))
+        what = max(1, round(PARTS * window / period)), round(latency, 2), round(period, 2)
+        if known is None or known.utility is not utility or known.what != what:
+            known = _Known(utility, what, now, latency, cadences_for(utility, latency, period, what[0]))
         if len(self._known) >= self._view.settings.streams:
             del self._known[next(iter(self._known))]
+        known.at, known.latency = now, latency
         self._known[place] = known
-        return known[2]
+        return known.cadences
 
     def patience(
         self, now: float, stream: Stream, limits: Sequence[Limit], use: Amounts, held: Amounts

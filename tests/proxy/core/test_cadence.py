@@ -1,5 +1,6 @@
 """Cadences: how often a stream sends that may send so much in every window, and for how long its samples wait."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -72,6 +73,18 @@ def test_what_is_known_of_a_stream_stays_until_it_changes(make_talk):
     first = known.of(now, stream, WINDOW)
     assert known.of(now, stream, WINDOW) is first
     assert len(known.of(now, stream, 2.0 * WINDOW)) == 2 * len(first) - 1
+
+
+def test_what_samples_seem_to_take_for_a_while_changes_little(make_talk, monkeypatch):
+    """Some waited for a slot, and receivers take part of that for the way; where it is so for good, it counts."""
+    view, stream, now = talking(make_talk, 1.0)
+    known, audience = Cadences(view), view.audiences.of(now, stream)
+    before = known.of(now, stream, WINDOW)[0].rate
+    monkeypatch.setattr(view.audiences, "of", lambda *_: replace(audience, latency=audience.latency + 0.3))
+    assert known.of(now + 0.1, stream, WINDOW)[0].rate == pytest.approx(before, rel=0.02)
+    for second in range(1, 40):
+        known.of(now + second, stream, WINDOW)
+    assert known.of(now + 40.0, stream, WINDOW)[0].rate == Cadences(view).of(now, stream, WINDOW)[0].rate < before
 
 
 def test_where_samples_come_densely_or_unforeseen_it_does_not_matter_when(make_talk):
