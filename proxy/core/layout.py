@@ -19,7 +19,7 @@ from proxy.core.inbox import Waiting
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
-from proxy.core.shares import Lent, Shares
+from proxy.core.shares import STAYS, Lent, Shares
 from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, allot, demands, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
@@ -34,6 +34,8 @@ LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 LARGER = 1.5
 """A slot may be larger than what it is for by this factor."""
+LASTS = STAYS + 0.01
+"""A slot is for so long at least, however late it begins: what is shorter is given back when it was used [s]."""
 SLOW = 0.05
 """Where planning takes this part of the shortest window, what it says comes too late: slots are lent..."""
 FORGETTING = 0.98
@@ -194,7 +196,7 @@ class Layout:
                 slots[slots.index(slot)] = longer
                 self.lent += 1
         for _ in range(count - len(fitting)):
-            lent = self._shares.lend(now, peer, now, heard + RENEWED, demand.use)
+            lent = self._shares.lend(now, peer, now, heard + RENEWED, demand.use, lasting=LASTS)
             if lent is None:
                 break
             slots.append(lent)
