@@ -7,6 +7,7 @@ from functools import partial
 
 from planner import Aggregation, Constraint, Plan
 from proxy.core.asks import PATIENCE, waits_until
+from proxy.core.cadence import Cadences
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -66,6 +67,8 @@ class Gate:
         self._buckets = TokenBuckets()
         self._lateness = Lateness(view, shares)
         self._deletions = Deletions()
+        self.cadences = Cadences(view)
+        """How often streams send that have slots."""
         self.promised: Promises | None = None
         """What we let others send, where it is we who lend."""
         self.standing = False
@@ -263,12 +266,15 @@ class Gate:
     def _foreseen(self, now: float, stream: Stream, sample: Waiting, use: tuple[float, ...]) -> bool:
         """Whether what we hold was lent for this sample: nothing else of ours can use it, the next one comes too late.
 
-        Then who leads has decided on it beside those of all others, which we do not know better.
+        Then who leads has decided on it beside those of all others, which we do not know better. A slot was lent for
+        all samples that are like the ones to come.
         """
         shares = self._shares
-        if not (self.sharing and shares.leader and sample.markovian) or shares.leads or shares.stays(now):
+        if not (self.sharing and shares.leader and sample.markovian and self._alone(now, stream)):
             return False
-        if any(s is not stream and self._view.competes(now, s) for s in self._view.own()):
+        if self._slots(now):
+            return _usual(stream, sample)
+        if shares.leads or shares.stays(now):
             return False
         after = min(now, sample.t_gen + 0.5 * stream.schedule.period)  # the next one may be due already
         coming = stream.schedule.forecast(after, now + PATIENCE, 1, now)
@@ -382,13 +388,30 @@ class Gate:
         use = self._use(now, sample)
         if self._shares.fits(now, use):
             return False
-        opens = self._shares.opens(now, use, now + PATIENCE)
+        opens = self._shares.opens(now, use, self._patient_until(now, sample, use))
         if opens is None:
             opens = self._answer_by(sample)
             if opens is None or opens <= now:
                 return False
         self.wakes_at = min(self.wakes_at, opens)
         return True
+
+    def _patient_until(self, now: float, sample: Waiting, use: tuple[float, ...]) -> float:
+        """Until when a sample waits for room that we hold already [s]; with slots, as is best for its stream."""
+        stream = self._own(now, sample)
+        if stream is None or not (self._slots(now) and self._alone(now, stream)):
+            return now + PATIENCE
+        held = [self._shares.held(now, k) for k in range(len(use))]
+        patience = self.cadences.patience(now, stream, self.limits, use, held)
+        return now + PATIENCE if patience is None else sample.t_gen + patience
+
+    def _slots(self, now: float) -> bool:
+        """Whether what we hold is slots, or where we lead, what slots left."""
+        return self.standing if self._shares.leads else self._shares.stays(now)
+
+    def _alone(self, now: float, stream: Stream) -> bool:
+        """Whether no other stream of ours competes for what we hold."""
+        return not any(s is not stream and self._view.competes(now, s) for s in self._view.own())
 
     def _answer_by(self, sample: Waiting) -> float | None:
         """Until when a sample waits for who leads to lend what it takes; None where we cannot ask."""
@@ -426,6 +449,13 @@ class Gate:
             for lent in self._shares.lent(now)
             for n in range(1 + int((lent.ends - lent.begins) / shortest))
         )
+
+
+def _usual(stream: Stream, sample: Waiting) -> bool:
+    """Whether a sample is worth no less than those to come, as far as is known."""
+    like, kind = stream.expected(sample.t_gen), stream.information_type
+    alike = kind.utility_of(sample.features) is kind.utility_of(like.features)
+    return alike and sample.scale >= like.scale and sample.size <= like.size
 
 
 def _held(limit: Limit) -> str:

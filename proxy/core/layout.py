@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from planner import Plan
 from proxy.core.asks import ANSWERED, SPREADS, asks
+from proxy.core.cadence import Place
 from proxy.core.commands import Decide
 from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
@@ -19,7 +20,7 @@ from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
 from proxy.core.shares import STAYS, Lent, Shares
-from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, Place, allot, demands, lengthened_by
+from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, allot, demands, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 from proxy.core.window import Expected, Outlook, WindowBuilder
@@ -33,6 +34,8 @@ LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 LARGER = 1.5
 """A slot may be larger than what it is for by this factor."""
+LASTS = STAYS + 0.01
+"""A slot is for so long at least, however late it begins: what is shorter is given back when it was used [s]."""
 SLOW = 0.05
 """Where planning takes this part of the shortest window, what it says comes too late: slots are lent..."""
 FORGETTING = 0.98
@@ -176,7 +179,9 @@ class Layout:
         shares, own = self._shares, self._view.settings.robot
         shared = tuple(limit for limit in self._gate.limits if limit.shared)
         tags = {peer.robot: name for name, peer in self._view.peers.items() if peer.offset.known}
-        wanted = [d for d in demands(now, self._view, shared) if d.place[0] == own or d.place[0] in tags]
+        wanted = [
+            d for d in demands(now, self._view, shared, self._gate.cadences) if d.place[0] == own or d.place[0] in tags
+        ]
         alive = set(shares.lent(now))
         self._slots = {
             place: left for place, slots in self._slots.items() if (left := [s for s in slots if s in alive])
@@ -197,15 +202,11 @@ class Layout:
                 slots[slots.index(slot)] = longer
                 self.lent += 1
         for _ in range(count - len(fitting)):
-            lent = self._shares.lend(now, peer, now, heard + RENEWED, demand.use)
+            lent = self._shares.lend(now, peer, now, heard + RENEWED, demand.use, lasting=LASTS)
             if lent is None:
                 break
+            slots.append(lent)
             self.lent += 1
-            # One that begins late and ends so soon that it seems to be for one message would be given back.
-            longer = lent if lent.stays else self._shares.lengthen(now, lent, lent.begins + STAYS + RENEWED)
-            if longer is None:
-                break
-            slots.append(longer)
 
     def _asks(self, stream: Stream) -> bool:
         peer = self._view.peer_called(stream.robot)

@@ -287,8 +287,10 @@ class Shares:
         """How long before a message larger than a limit nobody else may send [s]; 0 for every other one."""
         return max((self._reserved(k, a) for k, a in enumerate(use) if self._exceeds(k, a)), default=0.0)
 
-    def lend(self, now: float, peer: str, earliest: float, latest: float, use: tuple[float, ...]) -> Lent | None:
-        """Let `peer` send `use`, of the shared limits, until `latest`; None when so much is not left.
+    def lend(
+        self, now: float, peer: str, earliest: float, latest: float, use: tuple[float, ...], *, lasting: float = 0.0
+    ) -> Lent | None:
+        """Let `peer` send `use`, of the shared limits, until `latest`, for `lasting` at least; None if none is left.
 
         It may from as early on as can be, but not before `earliest` [s]. What exceeds a limit is lent all of it, and
         nobody else anything from as long before as such a message needs.
@@ -298,12 +300,13 @@ class Shares:
         parts = tuple(self._parts(k, amount) for k, amount in enumerate(use))
         amounts = tuple(min(self._amount(k, part), self.whole(k)) for k, part in enumerate(parts))
         lead = self._lead(use)
-        ends = _rounded(latest)
+        last = _rounded(latest)
         taken = {e.begins for e in self._lent if e.robot == peer}
-        for chance in self._chances(max(now, earliest), ends, lead):
+        for chance in self._chances(max(now, earliest), last, lead):
             begins = chance
             while begins in taken:
                 begins = _rounded(begins + 1.5 * EDGE)
+            ends = max(last, _rounded(begins + lasting)) if lasting else last
             if len(self._lent) < MOST_GRANTS and self._lendable(begins - lead, ends, amounts):
                 lent = Lent(peer, begins, ends, amounts, lead)
                 self._lent.append(lent)

@@ -13,6 +13,7 @@ import numpy as np
 
 from planner import Aggregation
 from planner.utility.base import Floats
+from proxy.core.cadence import Cadences, Place
 from proxy.core.limits import Limit, use_of
 from proxy.core.offset import ClockOffset
 from proxy.core.stream import Stream
@@ -20,7 +21,7 @@ from proxy.core.view import SharedView
 
 STANDING = 0.1
 """Slots are lent where a robot may be wrong about our clock by this part of the shortest window."""
-STAYS = 1.2
+STAYS = 1.05
 """Who has a slot keeps it unless somebody else would gain so much more."""
 LASTING = 60.0
 """Messages of which more than the most recent one counts are worth what they are for so long [s]."""
@@ -34,9 +35,6 @@ MOST_SLOTS = 256
 """Slots at the same time."""
 MARGIN = 1.01
 """Messages may be larger by so much than the last one of the stream."""
-
-Place = tuple[str, str]
-"""A stream, by robot and key."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +51,13 @@ def lengthened_by(now: float, offset: ClockOffset) -> float:
     return now + offset.latency + offset.uncertainty(now) + LOOK
 
 
-def demands(now: float, view: SharedView, limits: Sequence[Limit]) -> list[Demand]:
-    """Return what all streams that compete would gain, by robot and key; `limits` are those that robots share."""
-    return [_demand(now, view, stream, limits) for stream in view.competition.all(now)]
+def demands(now: float, view: SharedView, limits: Sequence[Limit], cadences: Cadences) -> list[Demand]:
+    """Return what all streams that compete would gain, by robot and key, once it is known how often they send.
+
+    `limits` are those that robots share.
+    """
+    known = [stream for stream in view.competition.all(now) if stream.schedule.period > 0.0]
+    return [_demand(now, view, stream, limits, cadences) for stream in known]
 
 
 def allot(wanted: Sequence[Demand], room: Sequence[float], held: Mapping[Place, int]) -> dict[Place, int]:
@@ -78,24 +80,23 @@ def allot(wanted: Sequence[Demand], room: Sequence[float], held: Mapping[Place, 
     return slots
 
 
-def _demand(now: float, view: SharedView, stream: Stream, limits: Sequence[Limit]) -> Demand:
+def _demand(now: float, view: SharedView, stream: Stream, limits: Sequence[Limit], cadences: Cadences) -> Demand:
     window = max((limit.window for limit in limits), default=0.0)
-    period = max(stream.schedule.period, 1e-3)
-    most = min(MOST_SLOTS, math.floor(window / period + 0.1) + 1)
-    rounds = math.ceil(window / period - 0.1) * period
-    intervals = [period if n == most else rounds / n for n in range(1, most + 1)]
-    audience = view.audiences.of(now, stream)
-    worth = _worth(stream, np.array(intervals), audience.mean, audience.share)
+    audience, known = view.audiences.of(now, stream), cadences.of(now, stream, window)
+    rates = _rates(stream, audience.mean, window) if known is None else np.array([each.rate for each in known])
     use = use_of(stream.newest.size, view.copies(stream), tuple(limits))
-    gains = tuple(np.diff(worth, prepend=0.0).tolist())
+    gains = tuple(np.diff(stream.newest.scale * audience.share * rates, prepend=0.0).tolist())
     return Demand((stream.robot, stream.key), tuple(MARGIN * amount for amount in use), gains)
 
 
-def _worth(stream: Stream, intervals: Floats, latency: float, share: float) -> Floats:
-    """What a stream is worth per second when it sends at these intervals [utility]."""
-    last = stream.newest
-    utility = stream.information_type.utility_of(last.features)
+def _rates(stream: Stream, latency: float, window: float) -> Floats:
+    """What one slot is worth to a stream, two, and so on, if it sends evenly [1/s]."""
+    period = max(stream.schedule.period, 1e-3)
+    most = min(MOST_SLOTS, math.floor(window / period + 1e-9) + 1)
+    rounds = math.ceil(window / period - 1e-9) * period
+    intervals = np.array([period if n == most else rounds / n for n in range(1, most + 1)])
     recent = stream.information_type.aggregation is Aggregation.MOST_RECENT
     begin = np.full(len(intervals), latency)
     end = begin + (intervals if recent else LASTING)
-    return last.scale * share * utility.integral(begin, end) / intervals
+    rates: Floats = stream.information_type.utility_of(stream.newest.features).integral(begin, end) / intervals
+    return rates

@@ -64,6 +64,8 @@ def test_where_clocks_are_known_badly_slots_are_lent():
     assert told.messages >= 0.4
     assert [core.gate.standing for core in flight.cores.values() if core.shares.leads] == [True]
     assert any(lent.stays for core in flight.cores.values() for lent in core.shares._lent)
+    followers = [core.gate.decisions for core in flight.cores.values() if not core.shares.leads]
+    assert sum(decisions.foreseen for decisions in followers) > sum(decisions.made for decisions in followers)
 
 
 def test_where_wall_clocks_are_known_to_be_right_single_messages_are_lent():

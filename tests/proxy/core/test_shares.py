@@ -652,3 +652,14 @@ def test_slots_are_not_given_back_however_little_clocks_leave_of_them():
     shares["a"].lend(0.3, "b", 1.0, 0.5 + STAYS, (300.0,))
     shares["b"].heard(0.4, "a", shares["a"].epoch, shares["a"].grants(0.4), uncertainty=0.5)
     assert len(shares["b"].returned(4.0)) == 1
+
+
+def test_what_is_lent_late_lasts_as_long_as_it_has_to():
+    """Room that comes back shortly before the end is lent beyond it."""
+    shares = team("ab")
+    agree(shares, 0.1)
+    first = shares["a"].lend(0.1, "b", 0.1, 1.0, (700.0,))
+    second = shares["a"].lend(0.2, "b", 0.2, 2.1, (700.0,), lasting=STAYS)
+    assert second.begins > first.ends + LIMIT.window
+    assert second.ends == pytest.approx(second.begins + STAYS, abs=0.002)
+    assert shares["a"].lend(0.2, "b", 0.2, 2.1, (700.0,), lasting=STAYS) is None
