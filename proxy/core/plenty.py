@@ -1,7 +1,8 @@
 """Plenty: while the limits have room for all that robots generate, each is lent what it needs, and more, for long.
 
 Then nothing has to be planned for anybody else, no sample waits for what it takes to be lent, and none needs a search.
-When streams come or grow until there is no plenty any more, what was lent so is not lengthened, and runs out.
+While nobody generates anything there is plenty, too: streams that begin find room at once. When streams come or grow
+until there is none any more, what was lent so is not lengthened, and runs out.
 """
 
 import math
@@ -60,6 +61,7 @@ class Plenty:
         self._there = False
         self._enough_since = math.inf
         self._needs: dict[str, Amounts] = {}
+        self._limits = 0
         self._lent: dict[str, list[Lent]] = {}
 
     def there(self, now: float, limits: Sequence[Limit]) -> bool:
@@ -68,12 +70,12 @@ class Plenty:
             return self._there
         streams = self._view.competition.all(now)
         self._due = now + max(PACE, EACH * len(streams))
-        self._needs = {}
+        self._needs, self._limits = {}, len(limits)
         for stream in streams:
             known = self._needs.get(stream.robot, (0.0,) * len(limits))
             self._needs[stream.robot] = _sum(known, need(self._view, stream, limits))
         part = STAYS if self._there else ENOUGH
-        enough = bool(streams) and all(left >= 1.0 - part for left in self._left(len(limits)))
+        enough = all(left >= 1.0 - part for left in self._left(len(limits)))
         self._enough_since = min(self._enough_since, now) if enough else math.inf
         self._there = now >= self._enough_since + CALM
         return self._there
@@ -81,7 +83,7 @@ class Plenty:
     def lend(self, now: float) -> int:
         """Lend each robot what it needs and a part of the rest, and lengthen that; return how often."""
         alive, done = set(self._shares.lent(now)), 0
-        limits = len(next(iter(self._needs.values()), ()))
+        limits = self._limits
         spare = tuple(
             SPARED * left * self._shares.whole(k) / (len(self._view.peers) + 1)
             for k, left in enumerate(self._left(limits))

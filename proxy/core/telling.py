@@ -36,6 +36,8 @@ NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
 LOSSES = (0.04, 0.2)
 """Where more than this part is lost, what is lent is told once more, as far as the allowance goes."""
+RETOLD = 0.02
+"""That comes so much later: of two digests that were sent at once the second one is nothing new [s]."""
 LOSSES_PACE = 0.5
 """How much gets lost is looked at this often [s]."""
 STRAGGLER_PACE = 0.3
@@ -195,8 +197,10 @@ class Telling:
         urgent = self.urgent or sent
         copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
         due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
+        if self.pacer.again:
+            return max(due, self._told_at + RETOLD)
         # What could be urgent later is not spent on news that nobody waits for.
-        return due if urgent or speak or not to or self.pacer.again else max(due, self._told_at + NEWS_PACE)
+        return due if urgent or speak or not to else max(due, self._told_at + NEWS_PACE)
 
     @property
     def _rules_changed(self) -> bool:

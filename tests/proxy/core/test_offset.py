@@ -37,7 +37,7 @@ def test_the_error_is_never_more_than_the_uncertainty(offset, drifts, messages):
         for now in (received, received + 7.0):
             error = abs(clock.offset - (now - theirs(now)))
             assert error <= clock.uncertainty(now) + 1e-9
-        assert clock._wide == clock._width()
+        assert clock._range == clock._narrowed(*clock._by_digests())
         sent_ours, echo = at, (at, theirs(at + out))
     assert clock.jumps == 0
     assert sent_ours <= turns[-1]

@@ -69,6 +69,20 @@ def test_everything_is_sent_while_there_is_room_for_all(specs, coordination, mos
     assert sum(core.gate.decisions.made for core in team.cores.values()) > 0
 
 
+def test_streams_that_begin_in_an_idle_team_find_room(specs):
+    """Before anybody knows what they need: on an empty channel nearly nothing is dropped."""
+    team = Team(
+        specs,
+        {"r1": (), "r2": (), "r3": (), "op": ("robot/**",)},
+        Medium(250_000.0),
+        search=SearchSettings(search="best"),
+        settings=CoreSettings("", "", coordination="shares"),
+    )
+    begun = [frame for k in (1, 2, 3) for n in range(4) for frame in frames(f"r{k}", 5.0 + 0.01 * n, 8.0, 2.0, 200 + n)]
+    deliveries = team.run(sorted(begun, key=lambda frame: frame.t_gen), 9.0)
+    assert sum(d.receiver == "op" for d in deliveries) >= 0.97 * len(begun)
+
+
 def test_what_a_stream_needs_is_one_message_more_than_fit_evenly(make_talk, specs):
     """Four a second of 1 kB are three in some windows of half a second."""
     talk = make_talk(specs)

@@ -5,6 +5,9 @@ import math
 from proxy.core import events as ev
 from proxy.core.commands import SendDigest, SendState
 from proxy.core.telling import RESTATE, STATE_PACE
+from studies.simulation.conditions import Conditions
+from studies.simulation.flights import fly
+from studies.simulation.missions import draw, scenario
 
 
 def test_states_follow_each_other_slowly(make_talk):
@@ -46,3 +49,12 @@ def test_where_all_plan_for_all_every_send_is_told(make_talk):
     assert {command.to for command in told} == {""}
     assert told[-1].digest.messages == 1
     assert talk.core.telling.speaks_again() < math.inf
+
+
+def test_what_is_told_twice_is_no_old_digest():
+    """Where much gets lost grants are told again, a little later: nothing that comes is refused."""
+    how = Conditions(limit=2, seconds=10.0, loss=0.1)
+    mission = draw(scenario("mixed"), 0, how)
+    cores = fly(mission, how, 0).cores.values()
+    assert any(core.layout.lent for core in cores)
+    assert sum(core.refused.total() for core in cores) == 0
