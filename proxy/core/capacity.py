@@ -222,7 +222,8 @@ class Capacity:
 
     def speak(self, now: float) -> bool:
         """Whether it is time for a digest of ours for its way alone: the channel is in use, and that tells of it."""
-        return self._in_use and bool(self._ways) and now >= self._hearing.last_said + BEAT
+        asked = self._in_use or now < self._pressed_until
+        return asked and bool(self._ways) and now >= self._hearing.last_said + BEAT
 
     def news(self, now: float) -> bool:
         """Whether the others should hear at once what we would tell them."""

@@ -14,7 +14,7 @@ from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
 from proxy.core.digests import ON_AIR, QUESTION, SLOW, DigestPacer
 from proxy.core.gate import Gate
-from proxy.core.limits import allowance_of
+from proxy.core.limits import LEAST_DIGEST, allowance_of
 from proxy.core.shares import Shares
 from proxy.core.stating import differs, shortened, state_of, update_of
 from proxy.core.view import SharedView
@@ -189,7 +189,9 @@ class Telling:
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
         copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
-        due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
+        # For its way alone a digest to one robot is small, however large the last one to all was.
+        size = float(LEAST_DIGEST) if speak and to else None
+        due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare, size=size)
         # What could be urgent later is not spent on news that nobody waits for.
         return due if urgent or speak or not to or self.pacer.again else max(due, self._told_at + NEWS_PACE)
 
