@@ -222,7 +222,8 @@ class Capacity:
 
     def speak(self, now: float) -> bool:
         """Whether it is time for a digest of ours for its way alone: the channel is in use, and that tells of it."""
-        return self._in_use and bool(self._ways) and now >= self._hearing.last_said + BEAT
+        asked = self._in_use or now < self._pressed_until
+        return asked and bool(self._ways) and now >= self._hearing.last_said + BEAT
 
     def news(self, now: float) -> bool:
         """Whether the others should hear at once what we would tell them."""
@@ -238,7 +239,7 @@ class Capacity:
         """What a digest says: of every adaptive limit, the part that the channel bears by our evidence.
 
         Who leads says what it has in force, by the evidence of all, and of every limit the part that is used by all.
-        Who follows and has nothing against that says so.
+        Who follows and has nothing against that says so, as does who knows of nothing against more.
         """
         if self._words.leads:
             drains = self._drained if self._drained != self._lasting else ()
@@ -246,7 +247,7 @@ class Capacity:
         if self._words.follows:
             pairs = zip(self._estimates, self._others_told, strict=True)
             return tuple(estimate.part if estimate.part < FELL * others else 1.0 for estimate, others in pairs)
-        return tuple(estimate.told(now) for estimate in self._estimates)
+        return tuple(estimate.told(now) if estimate.bounded else 1.0 for estimate in self._estimates)
 
     def told(self, digest: Digest) -> None:
         """This digest of ours goes out."""

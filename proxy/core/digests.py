@@ -92,12 +92,15 @@ class DigestPacer:
         """Whether there is a stream that was never told of."""
         return any(s.key not in self._ever and s.last is not None for s in streams)
 
-    def due(self, now: float, *, urgent: bool, news: bool, copies: int, spare: int = 1) -> float:
+    def due(
+        self, now: float, *, urgent: bool, news: bool, copies: int, spare: int = 1, size: float | None = None
+    ) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
-        Where it is not urgent, `spare` urgent ones could still follow it, two at most.
+        It is as large as the last one, or of this `size` [B]. Where it is not urgent, `spare` urgent ones could still
+        follow it, two at most.
         """
-        cost = self._size * copies
+        cost = (self._size if size is None else size) * copies
         self._depth = max(self._depth, cost)
         self._fill(now)
         needed = cost if urgent else (1.0 + spare) * cost

@@ -37,6 +37,8 @@ class Estimate:
     def __init__(self, now: float, floor: float) -> None:
         self.floor = floor
         self.part = max(floor, INITIAL)
+        self.bounded = False
+        """Whether anything ever spoke against more."""
         self._probing = True
         self._draining = 1.0
         self._cut_for = 0.0
@@ -77,7 +79,7 @@ class Estimate:
     def heed(self, now: float, word: float) -> None:
         """Others say that the channel bears less."""
         self.part = max(self.floor, min(self.part, word))
-        self._probing = False
+        self.bounded, self._probing = True, False
         self._cut_at = now
 
     def cut(self, now: float, used: float, share: float, delay: float) -> None:
@@ -85,7 +87,7 @@ class Estimate:
         failed = not self._probing and now < self._settled_at + AGAIN_WITHIN
         factor = min(max(LESS * share, DEEPEST_CUT), LEAST_CUT)
         self.part = max(self.floor, min(factor * used, (AGAIN if failed else factor) * self.part))
-        self._probing = False
+        self.bounded, self._probing = True, False
         self._cut_at = now
         self._cut_for = delay
         self._draining = max(LEFT, 1.0 - delay / DRAIN)
@@ -115,7 +117,7 @@ class Estimate:
     def fade(self) -> None:
         """Nothing was heard for too long; when something is, it may grow fast."""
         self.part = max(self.floor, AGAIN * self.part)
-        self._probing = True
+        self.bounded = self._probing = True
 
     def restore(self, part: float) -> None:
         """A decrease was for nothing."""

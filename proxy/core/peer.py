@@ -37,6 +37,10 @@ SET = 5e-4
 """A wall clock that moved by less was not set [s]."""
 WAITS = 5
 """Waits looked back on."""
+UNCONFIRMED = 10.0
+"""What samples took is forgotten when none came for so long [s] though digests do..."""
+SHORTER, SPARE = 0.5, 0.05
+"""... that take so much less, and this less besides [s]: it was learnt in a queue, which may be why none comes."""
 
 
 @dataclass(slots=True)
@@ -114,6 +118,8 @@ class Peer:
     _digests: LatencyFit = field(default_factory=LatencyFit)
     _out: Loss = field(default_factory=Loss)
     _in: Loss = field(default_factory=Loss)
+    _last: tuple[float, int] = (0.0, 0)
+    """When the last sample came [s], and its size [B]."""
     _usual: Latency | None = None
     _looked: float = 0.0
     _due: int = 0
@@ -195,6 +201,8 @@ class Peer:
         """A digest of the peer arrived."""
         self.digest, self.digest_received, self.samples_then = digest, now, self.samples
         self.offset.heard(digest.sent, now)
+        if self.offset.known and now >= self._last[0] + UNCONFIRMED:
+            self._forget_queue()
 
     def time_digest(self, now: float, size: int) -> None:
         """The digest that has just arrived, and whose echoes are known, is an example of what messages take."""
@@ -222,6 +230,7 @@ class Peer:
         not known. Its timestamp serves to find what samples take, once it is sure that the clock was not set meanwhile.
         """
         self.samples += 1
+        self._last = now, size
         incoming = self._of(key)
         if incoming is None:
             return None
@@ -276,6 +285,13 @@ class Peer:
         line, took = self._samples.line, incoming.at - self.offset.ours(news.t_forwarded)
         if incoming.astray and line is not None and line.of(incoming.size) > took + APART:
             self._samples = LatencyFit()
+
+    def _forget_queue(self) -> None:
+        """Samples that seem to come too late to be worth anything are not sent, so nobody would learn better."""
+        line = self._samples.line
+        if line is not None and self.offset.latency < SHORTER * line.of(self._last[1]) - SPARE:
+            self._samples = LatencyFit()
+            self._recent.clear()
 
     def _took(self, heard: _Heard, wall_offset: float) -> float | None:
         """The time from sending to receipt of a sample [s]; None when it cannot be right."""

@@ -14,7 +14,7 @@ from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
 from proxy.core.digests import ON_AIR, QUESTION, SLOW, DigestPacer
 from proxy.core.gate import Gate
-from proxy.core.limits import allowance_of
+from proxy.core.limits import LEAST_DIGEST, allowance_of
 from proxy.core.shares import Shares
 from proxy.core.stating import differs, shortened, state_of, update_of
 from proxy.core.view import SharedView
@@ -32,6 +32,8 @@ ALL_PACE = 60.0
 """... and they are told at least this often [s]."""
 ALL_LEAST = 10.0
 """... but not more often than this [s]."""
+SAVING_PACE = 0.5
+"""... and while that is saved up for, who leads hears of an adaptive limit's channel this often [s]."""
 NEWS_PACE = 1.0
 """Who leads hears news that are not urgent this often [s]."""
 LOSSES = (0.04, 0.2)
@@ -196,7 +198,9 @@ class Telling:
         sent = not sharing and self._view.messages != self._told_messages
         urgent = self.urgent or sent
         copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
-        due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare)
+        # For its way alone a digest to one robot is small, however large the last one to all was.
+        size = float(LEAST_DIGEST) if speak and to else None
+        due = self.pacer.due(now, urgent=urgent, news=news, copies=copies, spare=spare, size=size)
         if self.pacer.again:
             return max(due, self._told_at + RETOLD)
         # What could be urgent later is not spent on news that nobody waits for.
@@ -266,7 +270,15 @@ class Telling:
             granted = self.pacer.addressee(shares.grants(now), self._often(now))
             to = granted or self._straggler(now) or self._next_to_time(now)
             return to if to in peers else ""
-        return shares.leader if shares.leader in peers and now < self._told_all_at + self._all_pace() else ""
+        told = now < self._told_all_at + self._all_pace() or self._saves(now)
+        return shares.leader if shares.leader in peers and told else ""
+
+    def _saves(self, now: float) -> bool:
+        """Whether a digest to all is still saved up for: meanwhile who leads goes on hearing of the channel."""
+        if now >= self._told_all_at + 2.0 * self._all_pace() or now < self._told_at + SAVING_PACE:
+            return False
+        copies = self._digest_copies()
+        return self._channel.capacity.speak(now) and self.pacer.due(now, urgent=False, news=True, copies=copies) > now
 
     def _often(self, now: float) -> int:
         """How often it is told what is lent: once, or more where much gets lost; that is looked at now and then."""

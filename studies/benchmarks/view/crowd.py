@@ -2,7 +2,7 @@
 
 import tracemalloc
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import median
 from time import thread_time
@@ -13,6 +13,7 @@ from proxy.core.commands import Command, Decide, Forward
 from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import UNICAST, broadcast
+from proxy.core.view import SharedView
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState, tag
 from studies.benchmarks.memory import MEGABYTE
 from studies.benchmarks.report import Table
@@ -42,13 +43,15 @@ TRANSPORTS = {"overhear": broadcast("224.0.0.226:7449"), "shares": UNICAST}
 KINDS = (
     "own sample [µs]",
     "sample heard [µs]",
+    "of it the view [µs]",
     "digest heard [µs]",
+    "of it the view [µs]",
     "time passed [µs]",
     "problem [ms]",
     "search [ms]",
     "memory [MB]",
 )
-OWN, HEARD, TOLD, PASSED, PROBLEM, SEARCH = range(6)
+OWN, HEARD, TOLD, PASSED, PROBLEM, SEARCH, NOTED, LEARNED = range(8)
 ECHOING = 4
 """Of so many digests one has an echo; every other echo is of a digest of ours."""
 LATENCY = 0.02
@@ -64,13 +67,15 @@ class Cost:
     """What a core takes, in processor time [s], and its memory [B].
 
     Medians: to take in a sample of its own while another one is decided, a sample heard, a digest of one stream, and
-    that time passed, each until it is known when to wake up; to build a problem, with what leads to it, and to search
-    that; None of what always leads to a problem.
+    that time passed, each until it is known when to wake up, and what the shared view takes of that; to build a
+    problem, with what leads to it, and to search that; None of what always leads to a problem.
     """
 
     own: float | None
     sample: float | None
+    noted: float
     digest: float | None
+    learned: float
     passed: float | None
     problem: float
     search: float
@@ -78,7 +83,7 @@ class Cost:
 
     def cells(self) -> tuple[str, ...]:
         """Return a cell for each of KINDS."""
-        events = (self.own, self.sample, self.digest, self.passed)
+        events = (self.own, self.sample, self.noted, self.digest, self.learned, self.passed)
         micro = ("with the problem" if seconds is None else f"{1e6 * seconds:.0f}" for seconds in events)
         milli = (f"{1e3 * seconds:.2f}" for seconds in (self.problem, self.search))
         return *micro, *milli, f"{self.memory / MEGABYTE:.1f}"
@@ -121,6 +126,23 @@ class Crowd:
             self._handle(TOLD, self._digest(robot, stream))
             self._handle(PASSED, ev.TimePassed(self.now))
         self.now = begin + 1.0
+
+    def time_view(self) -> None:
+        """From now on measure what the view takes of each event."""
+        view = self.core.view
+        self._timed(NOTED, view, "heard_sample")
+        self._timed(LEARNED, view, "heard_digest")
+
+    def _timed(self, kind: int, view: SharedView, name: str) -> None:
+        update: Callable[..., object] = getattr(view, name)
+
+        def timed(*of: object) -> object:
+            begin = thread_time()
+            found = update(*of)
+            self.took[kind].append(thread_time() - begin)
+            return found
+
+        setattr(view, name, timed)
 
     def _publish(self, *streams: int) -> None:
         """Publish a sample of each stream at once: the second one waits while the first is decided."""
@@ -205,9 +227,10 @@ def measure_crowd(*, quick: bool) -> Table:
         tuple(rows),
         "Medians of processor time: a sample of its own while another one is decided, a sample of another robot, a"
         " digest with news of one stream, and that time passed, each until the core has nothing more to do and it is"
-        " known when to wake it; an event until a problem is there, horizon 60; its search, best mode, 300 iterations,"
-        " tables included. What the core holds in memory. Overhear in broadcast, shares in unicast, and there the one"
-        " that leads, which plans for all. Digests tell period, phase and jitter, and echo, as those of daemons do."
+        " known when to wake it, and what of it the shared view takes; an event until a problem is there, horizon 60;"
+        " its search, best mode, 300 iterations, tables included. What the core holds in memory. Overhear in broadcast,"
+        " shares in unicast, and there the one that leads, which plans for all. Digests tell period, phase and jitter,"
+        " and echo, as those of daemons do."
         f" {LOOP:,} rounds of a loop that adds squares took {1e3 * _loop():.1f} ms.",
     )
 
@@ -221,13 +244,17 @@ def _cost(robots: int, coordination: Coordination, rounds: int) -> Cost:
     crowd = Crowd(robots, coordination)
     for _ in range(rounds):
         crowd.round()
-    took = crowd.took
+    took = dict(crowd.took)
+    crowd.time_view()
+    crowd.round()
     if not took[PROBLEM]:
         raise RuntimeError("the core had nothing to decide: its limits are too tight for the benchmark")
     return Cost(
         own=_median(took[OWN]),
         sample=_median(took[HEARD]),
+        noted=median(crowd.took[NOTED]),
         digest=_median(took[TOLD]),
+        learned=median(crowd.took[LEARNED]),
         passed=_median(took[PASSED]),
         problem=median(took[PROBLEM]),
         search=median(took[SEARCH]),

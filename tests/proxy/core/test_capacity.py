@@ -24,6 +24,7 @@ class Channel:
         self.tells = dict.fromkeys(peers, 1.0)
         self.arriving = 1.0
         self.use = 1.0
+        self.drops = True
         self.hears_us = True
         self.leader = ""
         self.lends = True
@@ -34,7 +35,7 @@ class Channel:
         for _ in range(round(seconds * 10)):
             self.now = round(self.now + 0.1, 6)
             self.sent += 1000 * self.use * self.factor * RATE * 0.1 / 1000
-            self.dropped += 1
+            self.dropped += self.drops
             self.capacity.sent(self.now, round(self.sent / 1000), round(self.sent))
             digest = Digest("us", "us", self.now - 0.05, 0, round(self.sent / 1000), round(self.sent))
             self.capacity.told(digest)
@@ -207,12 +208,25 @@ def test_without_anybody_nothing_is_known():
 
 
 def test_who_uses_the_channel_speaks_often():
-    """The time that digests take is what tells of it."""
+    """The time that digests take is what tells of it; who drops samples does not wait to hear that much is used."""
     channel = Channel().run(5.0)
     assert not channel.capacity.speak(channel.now)
     assert channel.capacity.speak(channel.now + 0.3)
     channel.use = 0.1
+    assert channel.run(5.0).capacity.speak(channel.now + 0.3)
+    channel.drops = False
     assert not channel.run(5.0).capacity.speak(channel.now + 0.3)
+
+
+def test_who_knows_of_nothing_against_more_does_not_object():
+    """Where estimates begin is no evidence; what a robot has seen is."""
+    channel = Channel()
+    channel.use = 0.3
+    assert channel.run(5.0).factor == INITIAL
+    assert channel.capacity.telling(channel.now) == (1.0,)
+    queue_of(channel, *(0.1 * i for i in range(1, 10)))
+    assert channel.capacity.telling(channel.now) == (channel.factor,)
+    assert channel.factor < INITIAL
 
 
 def test_who_follows_a_leader_takes_its_word_for_the_limit():

@@ -106,6 +106,15 @@ def test_without_news_a_digest_goes_out_slowly():
     assert pacer.due(5.1, urgent=False, news=False, copies=1) == pytest.approx(5.0 + SLOW)
 
 
+def test_a_digest_that_will_be_small_does_not_wait_for_what_the_last_one_took():
+    """One to all is much larger than one to a single robot."""
+    pacer = DigestPacer(0.0)
+    pacer.set_rate(100.0)
+    pacer.sent(0.0, 300, 1)
+    small, alike = (pacer.due(0.0, urgent=False, news=True, copies=1, size=size) for size in (LEAST_DIGEST, None))
+    assert small < alike - 4.0
+
+
 def test_only_changed_streams_are_told():
     """What was told is not told again until it changes, or somebody new is there."""
     pacer, camera = DigestPacer(0.0), stream()

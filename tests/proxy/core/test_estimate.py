@@ -145,3 +145,13 @@ def test_what_others_know_is_older_than_a_decrease():
     assert estimate.part == pytest.approx(0.3 + STEP)
     estimate.grow(8.0, 1.0, 1.0, 1.0)
     assert estimate.part == pytest.approx(1.5 * (0.3 + STEP))
+
+
+@pytest.mark.parametrize(("deed", "words"), [("cut", (0.2, 0.5, 0.1)), ("heed", (0.2,)), ("fade", ())])
+def test_what_decreases_it_speaks_against_more(deed, words):
+    """Growth does not, and where it begins nothing does."""
+    estimate = Estimate(0.0, 0.05)
+    estimate.grow(1.0, 1.0, 1.0, 0.0)
+    assert not estimate.bounded
+    getattr(estimate, deed)(*(words if deed == "fade" else (2.0, *words)))
+    assert estimate.bounded

@@ -3,7 +3,7 @@
 import pytest
 
 from proxy.core.latency import Latency
-from proxy.core.peer import STREAMS, Peer, latency_of
+from proxy.core.peer import STREAMS, UNCONFIRMED, Peer, latency_of
 from proxy.core.wire import Digest, Echo, State, StreamDigest
 
 KEY = "robot/r2/camera"
@@ -81,6 +81,18 @@ def test_the_wait_before_sending_is_no_latency(peer):
         peer.heard_news(KEY, news(at + 1, at, at + 0.9, at + 0.2), wanted=True)
         hear(peer, at + 0.0, 0.25)
     assert peer.latency_in.fixed == pytest.approx(0.05, abs=1e-3)
+
+
+@pytest.mark.parametrize(("took", "forgotten"), [(5.0, True), (0.06, False)])
+def test_what_was_learnt_in_a_queue_is_forgotten_when_no_sample_comes(peer, took, forgotten):
+    """Who believes it sends none, so it would stay true; not where digests take about as long, nor while they come."""
+    for at in range(2, 10):
+        hear(peer, float(at), took)
+    last = 9.0 + took
+    hear_digest(peer, last + UNCONFIRMED - 0.1)
+    assert peer.latency_in.fixed == pytest.approx(took, abs=1e-3)
+    hear_digest(peer, last + UNCONFIRMED)
+    assert peer.line_in.of(100) == pytest.approx(0.01 if forgotten else took, abs=1e-3)
 
 
 @pytest.mark.parametrize("error", [10.0, -10.0, 60.0, -60.0, -1e9])
