@@ -5,6 +5,7 @@ from collections import Counter
 from proxy.core.commands import SendDigest
 from proxy.core.core import Core
 from proxy.core.events import TimePassed
+from proxy.core.gate import PLAY
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly, team
 from studies.simulation.missions import draw, scenario
@@ -69,11 +70,15 @@ def test_where_clocks_are_known_badly_slots_are_lent():
 
 
 def test_where_wall_clocks_are_known_to_be_right_single_messages_are_lent():
-    """At a latency of 1 s, too; what clocks may be wrong by is left between them, and the limit is kept."""
+    """At a latency of 1 s, too; plans leave room for what clocks may be wrong by, and the limit is kept."""
     how, flight = flown(latency=1.0, clock_error=0.02)
     assert usage(mission_of(how), flight, how).exceeding == 0.0
     (leader,) = (core for core in flight.cores.values() if core.shares.leads)
     assert not leader.gate.standing
+    now = leader.view.told_at("r1", 0.0)
+    assert 0.04 < leader.gate._play(now) - PLAY < 0.1
+    _, near = flown(clock_error=0.02)
+    assert {core.gate._play(now) for core in near.cores.values()} == {PLAY}
 
 
 def test_who_plans_slowly_lends_slots():
