@@ -16,6 +16,7 @@ from proxy.core.cadence import Place
 from proxy.core.commands import Decide
 from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
+from proxy.core.lateness import LATE
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
@@ -165,9 +166,14 @@ class Layout:
         """The shortest window of what robots share [s]."""
         return min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
 
+    def _far(self) -> bool:
+        """Whether news take long even when nothing waits anywhere."""
+        ways = (peer.offset.latency for peer in self._view.peers.values())
+        return max(ways, default=0.0) >= LATE * self._shortest()
+
     def _irregular(self, now: float) -> bool:
         """Whether what is lent ahead of time would have to leave much time for when messages come."""
-        if not self._gate.late:
+        if not self._far():
             return False
         streams = self._view.competition.all(now)
         weights = [max(stream.newest.scale, 1e-9) for stream in streams]
@@ -241,7 +247,7 @@ class Layout:
     def _look_back(self, now: float) -> None:
         """How far off what was expected came, as far as we are told."""
         streams = [stream for place in self._promised if (stream := self._view.known(*place)) is not None]
-        for stream in self._view.competition.all(now) if self._gate.late else streams:
+        for stream in self._view.competition.all(now) if self._far() else streams:
             place = stream.robot, stream.key
             due = [promise.t_gen for promise in self._promised.get(place, ())]
             if (rhythm := stream.schedule.rhythm) is not None and stream.last is not None:

@@ -2,6 +2,8 @@
 
 from collections import Counter
 
+import pytest
+
 from proxy.core.commands import SendDigest
 from proxy.core.core import Core
 from proxy.core.events import TimePassed
@@ -79,6 +81,17 @@ def test_where_wall_clocks_are_known_to_be_right_single_messages_are_lent():
     assert 0.04 < leader.gate._play(now) - PLAY < 0.1
     _, near = flown(clock_error=0.02)
     assert {core.gate._play(now) for core in near.cores.values()} == {PLAY}
+
+
+@pytest.mark.parametrize(("latency", "slots"), [(0.02, False), (1.0, True)])
+def test_irregular_streams_have_slots_where_ways_are_long_not_where_queues_are(latency, slots):
+    """A queue drains; slots that come and go with it would make the next one."""
+    how = Conditions(coordination="overhear", transport="broadcast", latency=latency, seconds=10.0)
+    mission = draw(scenario("few"), 0, how)
+    flight = fly(mission, how, 0)
+    leader = next(core for core in flight.cores.values() if core.shares.leads)
+    leader.gate._lateness.late = True
+    assert leader.layout._irregular(leader.view.told_at("r1", 0.0)) is slots
 
 
 def test_who_plans_slowly_lends_slots():
