@@ -1,6 +1,7 @@
 """Adaptive limits on a simulated channel that nobody told the robots about."""
 
 from collections import Counter
+from itertools import pairwise
 
 import pytest
 
@@ -64,3 +65,11 @@ def test_samples_may_take_longer_than_what_is_lent_ahead_of_time(fly):
     """What tells of it is small and soon there: a known limit is used, however long a sample is on its way."""
     _, arrived = fly(3, 8.0, limit=f'limit = "{0.9 * RATE} B/s"\nwindow = 1', size=40_000, total=15.0, delay=0.02)
     assert sum(d.frame.size for d in arrived if 4.0 <= d.t_rcv < 8.0) >= 0.35 * 4.0 * RATE
+
+
+def test_who_leads_goes_on_hearing_of_the_channel(fly):
+    """Also while robots save up for a digest to all: silence would be taken for a queue."""
+    limit = 'limit = "adaptive"\nceiling = "240 kbit/s"\nwindow = 1'
+    team, _ = fly(3, 18.0, limit=limit, size=3_000, total=12.0, delay=0.02)
+    told = [sent.t for sent in team.on_air if sent.digest and sent.robot != "op" and sent.t >= 8.0]
+    assert max(after - before for before, after in pairwise([8.0, *told, 18.0])) <= 1.5
