@@ -185,9 +185,7 @@ class Layout:
         shares, own = self._shares, self._view.settings.robot
         shared = tuple(limit for limit in self._gate.limits if limit.shared)
         tags = {peer.robot: name for name, peer in self._view.peers.items() if peer.offset.known}
-        wanted = [
-            d for d in demands(now, self._view, shared, self._gate.cadences) if d.place[0] == own or d.place[0] in tags
-        ]
+        wanted = demands(now, self._view, shared, self._gate.cadences)
         alive = set(shares.lent(now))
         self._slots = {
             place: left for place, slots in self._slots.items() if (left := [s for s in slots if s in alive])
@@ -195,7 +193,7 @@ class Layout:
         held = {place: len(slots) for place, slots in self._slots.items()}
         counts = allot(wanted, [shares.whole(k) for k in range(len(shared))], held)
         for demand in wanted:
-            if demand.place[0] != own:
+            if demand.known and demand.place[0] != own and demand.place[0] in tags:
                 self._fill(now, demand, counts[demand.place], tags[demand.place[0]])
 
     def _fill(self, now: float, demand: Demand, count: int, peer: str) -> None:

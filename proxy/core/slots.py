@@ -31,6 +31,8 @@ RENEWED = 2.0
 """... by so much more [s]."""
 LONGEST = 600.0
 """Nothing is lent for longer; then it is lent anew [s]."""
+AWAITED = 15.0
+"""Room for a stream that generated something is kept for so long until it is known how often it does [s]."""
 MOST_SLOTS = 256
 """Slots at the same time."""
 MARGIN = 1.01
@@ -39,11 +41,15 @@ MARGIN = 1.01
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """What a stream would gain by its first slot, its second, and so on [utility/s]; `use` is that of each."""
+    """What a stream would gain by its first slot, its second, and so on [utility/s]; `use` is that of each.
+
+    Until it is `known` how often it sends it has none, but nobody else has the room for one.
+    """
 
     place: Place
     use: tuple[float, ...]
     gains: tuple[float, ...]
+    known: bool = True
 
 
 def lengthened_by(now: float, offset: ClockOffset) -> float:
@@ -52,12 +58,9 @@ def lengthened_by(now: float, offset: ClockOffset) -> float:
 
 
 def demands(now: float, view: SharedView, limits: Sequence[Limit], cadences: Cadences) -> list[Demand]:
-    """Return what all streams that compete would gain, by robot and key, once it is known how often they send.
-
-    `limits` are those that robots share.
-    """
-    known = [stream for stream in view.competition.all(now) if stream.schedule.period > 0.0]
-    return [_demand(now, view, stream, limits, cadences) for stream in known]
+    """Return what all streams that compete would gain, by robot and key; `limits` are those that robots share."""
+    streams = view.competition.all(now)
+    return [_demand(now, view, s, limits, cadences) for s in streams if _rhythmic(s) or now < s.newest.t_gen + AWAITED]
 
 
 def allot(wanted: Sequence[Demand], room: Sequence[float], held: Mapping[Place, int]) -> dict[Place, int]:
@@ -86,15 +89,22 @@ def _demand(now: float, view: SharedView, stream: Stream, limits: Sequence[Limit
     rates = _rates(stream, audience.mean, window) if known is None else np.array([each.rate for each in known])
     use = use_of(stream.newest.size, view.copies(stream), tuple(limits))
     gains = tuple(np.diff(stream.newest.scale * audience.share * rates, prepend=0.0).tolist())
-    return Demand((stream.robot, stream.key), tuple(MARGIN * amount for amount in use), gains)
+    return Demand((stream.robot, stream.key), tuple(MARGIN * amount for amount in use), gains, _rhythmic(stream))
+
+
+def _intervals(period: float, window: float) -> list[float]:
+    most = min(MOST_SLOTS, math.floor(window / period + 1e-9) + 1)
+    rounds = math.ceil(window / period - 1e-9) * period
+    return [period if n == most else rounds / n for n in range(1, most + 1)]
+
+
+def _rhythmic(stream: Stream) -> bool:
+    return stream.schedule.period > 0.0
 
 
 def _rates(stream: Stream, latency: float, window: float) -> Floats:
     """What one slot is worth to a stream, two, and so on, if it sends evenly [1/s]."""
-    period = max(stream.schedule.period, 1e-3)
-    most = min(MOST_SLOTS, math.floor(window / period + 1e-9) + 1)
-    rounds = math.ceil(window / period - 1e-9) * period
-    intervals = np.array([period if n == most else rounds / n for n in range(1, most + 1)])
+    intervals = np.array(_intervals(max(stream.schedule.period, 1e-3), window) if _rhythmic(stream) else [window])
     recent = stream.information_type.aggregation is Aggregation.MOST_RECENT
     begin = np.full(len(intervals), latency)
     end = begin + (intervals if recent else LASTING)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.slots import STAYS, Demand, allot, demands
+from proxy.core.slots import AWAITED, STAYS, Demand, allot, demands
 
 ONE, OTHER = ("r1", "a"), ("r2", "b")
 
@@ -65,9 +65,14 @@ def test_a_stream_that_fits_evenly_gains_alike_when_its_period_is_a_little_off(m
 
 
 def test_a_stream_of_which_nobody_knows_how_often_it_sends_has_no_slot_yet(make_talk):
-    """One sample tells nothing: who leads would take it for a fast stream."""
+    """One sample tells nothing: who leads would take it for a fast stream. Room for one is kept, but not for ever."""
     talk = make_talk(settle=0.0)
     talk.publish(0.1)
     talk.want(0.2)
     shared = tuple(limit for limit in talk.core.gate.limits if limit.shared)
-    assert demands(0.3, talk.core.view, shared, talk.core.gate.cadences) == []
+    (demand,) = demands(0.3, talk.core.view, shared, talk.core.gate.cadences)
+    assert not demand.known
+    assert len(demand.gains) == 1
+    assert demand.gains[0] > 0.0
+    assert allot([demand], [1e9], {}) == {demand.place: 1}
+    assert demands(0.2 + AWAITED, talk.core.view, shared, talk.core.gate.cadences) == []
