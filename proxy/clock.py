@@ -35,8 +35,8 @@ def wall_offset() -> float:
 def kernel_error() -> float:
     """What the kernel takes the wall clock to be wrong by at most [s], as chrony told it; infinite when nobody did."""
     shown = _Timex()
-    ctypes.CDLL(None).adjtimex(ctypes.byref(shown))
-    return math.inf if shown.status & _UNSYNCHRONISED else shown.maxerror * 1e-6
+    asked = ctypes.CDLL(None).adjtimex(ctypes.byref(shown)) >= 0  # some containers may not ask
+    return shown.maxerror * 1e-6 if asked and not shown.status & _UNSYNCHRONISED else math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +76,9 @@ class WallWatch:
         """In steps of twice as much: what the kernel says grows until it is told anew, and each step is told."""
         if not self._bound:
             return 0.0
-        known = max(self._kernel(), self._bound)
-        error = self._bound * 2.0 ** math.ceil(math.log2(known / self._bound)) if known <= MOST_CLOCK_ERROR else 0.0
-        told = self._told.error
+        known = min(max(self._kernel(), self._bound), 2.0 * MOST_CLOCK_ERROR)
+        error = self._bound * 2.0 ** math.ceil(math.log2(known / self._bound))
+        error, told = error if error <= MOST_CLOCK_ERROR else 0.0, self._told.error
         if not told or not error or error >= told:
             self._worse_at = now
             return error

@@ -228,8 +228,9 @@ def _state(f: list[Any], robot: str) -> State:
 
 
 def _clock_error(f: list[Any]) -> float:
-    """Older versions do not tell it."""
-    return seconds(_count(f[0], ticks(MOST_CLOCK_ERROR))) if f else 0.0
+    """Older versions do not tell it; more than the most is as good as nothing."""
+    error = seconds(_count(f[0])) if f else 0.0
+    return error if error <= MOST_CLOCK_ERROR else 0.0
 
 
 def _stream_state_fields(s: StreamState) -> list[Any]:

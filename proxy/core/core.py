@@ -62,7 +62,8 @@ class Core:
         self.strangers = Strangers()
         self.clocks = WallClocks(self.view)
         self.outsiders = Outsiders(self.view)
-        self._leader = ""
+        self._led = "", False
+        """Who leads where robots share, and whether news take long."""
         """Who lends, as the allowance was last shared out."""
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
@@ -329,11 +330,11 @@ class Core:
 
     def _lay_out(self, now: float, commands: list[Command]) -> None:
         """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
-        leader = self.shares.leader if self.gate.sharing else ""
-        if leader != self._leader:
-            self._leader = leader
+        leader, late = self.shares.leader if self.gate.sharing else "", self.gate.late
+        if (leader, late) != self._led:
+            self.telling.urgent |= leader != self._led[0]
+            self._led = leader, late
             self.telling.set_rate()
-            self.telling.urgent = True
         if not self.gate.sharing:
             return
         self.shares.confirmed(now)

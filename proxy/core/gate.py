@@ -91,7 +91,7 @@ class Gate:
 
     @property
     def late(self) -> bool:
-        """Whether each robot would decide alone, but news take too long."""
+        """Whether news take long beside the window: where each robot would decide alone, one lends."""
         return self._lateness.late
 
     def put(self, waiting: Waiting) -> list[Command]:
@@ -397,13 +397,20 @@ class Gate:
         return True
 
     def _patient_until(self, now: float, sample: Waiting, use: tuple[float, ...]) -> float:
-        """Until when a sample waits for room that we hold already [s]; with slots, as is best for its stream."""
+        """Until when a sample waits for room that we hold already [s]; with slots, as is best for its stream.
+
+        One that must be sent, or is worth more than usual, waits as everywhere.
+        """
         stream = self._own(now, sample)
         if stream is None or not (self._slots(now) and self._alone(now, stream)):
             return now + PATIENCE
         held = [self._shares.held(now, k) for k in range(len(use))]
         patience = self.cadences.patience(now, stream, self.limits, use, held)
-        return now + PATIENCE if patience is None else sample.t_gen + patience
+        if patience is None:
+            return now + PATIENCE
+        must = guaranteed(stream) and self._owed(now, stream, sample)
+        unusual = must or sample.scale > stream.expected(sample.t_gen).scale
+        return max(sample.t_gen + patience, now + PATIENCE if unusual else now)
 
     def _slots(self, now: float) -> bool:
         """Whether what we hold is slots, or where we lead, what slots left."""

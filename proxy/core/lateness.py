@@ -2,7 +2,8 @@
 
 What was sent within the latency is known to nobody else. While that is a good part of the window, one robot plans for
 all, as where limits are shared: it lends, and nobody sends what was not lent. Only that clocks are trusted there.
-Whether it is so who leads says, for all have to do the same.
+Whether it is so who leads says, for all have to do the same. Where limits are shared anyway, who leads plans further
+ahead then, and tells everything twice.
 """
 
 import math

@@ -20,8 +20,8 @@ from proxy.core.lateness import LATE
 from proxy.core.limits import Promise, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
-from proxy.core.shares import STAYS, Lent, Shares
-from proxy.core.slots import LONGEST, MARGIN, RENEWED, STANDING, Demand, allot, demands, lengthened_by
+from proxy.core.shares import Lent, Shares
+from proxy.core.slots import LASTS, LONGEST, MARGIN, RENEWED, STANDING, Demand, allot, demands, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 from proxy.core.window import Expected, Outlook, WindowBuilder
@@ -35,8 +35,6 @@ LEAST_SLACK = 0.015
 """A message may be sent so much earlier or later than expected, at least [s]."""
 LARGER = 1.5
 """A slot may be larger than what it is for by this factor."""
-LASTS = STAYS + 0.01
-"""A slot is for so long at least, however late it begins: what is shorter is given back when it was used [s]."""
 SLOW = 0.05
 """Where planning takes this part of the shortest window, what it says comes too late: slots are lent..."""
 FORGETTING = 0.98
@@ -74,7 +72,7 @@ class Layout:
 
     def ask(self, now: float, ticket: int, waiting: Iterable[Waiting]) -> list[Decide]:
         """Have it planned what others should send, if it is time to."""
-        if not self._shares.leads or len(self._shares.members) < 2 or not self._gate.limits:
+        if not self._lends:
             self._gate.promised, self._ticket, self._gate.standing = None, None, False
             self._promised.clear()
             self._slots.clear()
@@ -104,8 +102,13 @@ class Layout:
     @property
     def due_at(self) -> float:
         """When it is time to plan again [s]; a plan that is being made comes to its end first."""
-        plans = self._shares.leads and len(self._shares.members) > 1 and self._gate.limits and not self.pending
-        return self._asked_at + self._pace if plans else math.inf
+        return self._asked_at + self._pace if self._lends and not self.pending else math.inf
+
+    @property
+    def _lends(self) -> bool:
+        """Whether there is anybody to lend to, and anything."""
+        shares = self._shares
+        return shares.leads and len(shares.members) > 1 and any(limit.shared for limit in self._gate.limits)
 
     @property
     def pending(self) -> bool:
@@ -246,12 +249,13 @@ class Layout:
         """How far off what was expected came, as far as we are told."""
         streams = [stream for place in self._promised if (stream := self._view.known(*place)) is not None]
         for stream in self._view.competition.all(now) if self._far() else streams:
+            if stream.last is None:
+                continue
             place = stream.robot, stream.key
             due = [promise.t_gen for promise in self._promised.get(place, ())]
-            if (rhythm := stream.schedule.rhythm) is not None and stream.last is not None:
+            if (rhythm := stream.schedule.rhythm) is not None:
                 due.append(rhythm.due(stream.generated))
-            if stream.last is not None:
-                self._off.setdefault(place, _Off()).note(stream.newest.t_gen, due, 0.5 * stream.schedule.period)
+            self._off.setdefault(place, _Off()).note(stream.newest.t_gen, due, 0.5 * stream.schedule.period)
         if len(self._off) > self._view.settings.streams:
             self._off = {place: off for place, off in self._off.items() if place in self._promised}
 

@@ -76,7 +76,10 @@ class ClockOffset:
 
     @property
     def offset(self) -> float:
-        """Our clock minus the peer's [s] at the last digest; without echoes, as if the way here took no time."""
+        """Our clock minus the peer's [s] at the last digest; without echoes, as if the way here took no time.
+
+        What wall clocks show counts in any case.
+        """
         if self._offset is None:
             self._offset = self._estimated()
         return self._offset
@@ -115,7 +118,7 @@ class ClockOffset:
         least, most = self._by_digests()
         if most - least < -RESOLUTION:
             self.jumps += 1
-            self._most = self._last
+            self._most, self._shown = self._last, None
             least, most = self._by_digests()
             if most - least < -RESOLUTION:
                 least, self._least = -math.inf, None

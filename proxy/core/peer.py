@@ -35,10 +35,12 @@ LOOK = 0.5
 """What samples take is worked out anew this often while they come [s]."""
 SET = 5e-4
 """A wall clock that moved by less was not set [s]."""
+FADING = 0.9
+"""So much is left of the longest time between samples with each that comes sooner."""
 WAITS = 5
 """Waits looked back on."""
-UNCONFIRMED = 10.0
-"""What samples took is forgotten when none came for so long [s] though digests do..."""
+UNCONFIRMED, RARELY = 10.0, 3.0
+"""What samples took is forgotten when none came for so long [s], or so many usual times, though digests do..."""
 SHORTER, SPARE = 0.5, 0.05
 """... that take so much less, and this less besides [s]: it was learnt in a queue, which may be why none comes."""
 
@@ -94,7 +96,7 @@ class Peer:
     wall_offset: float | None = None
     """Its wall clock minus its monotonic clock [s]; None until it said."""
     clock_error: float = 0.0
-    """What its wall clock shows wrong at most [s]; 0.0: it does not know."""
+    """What its wall clock is wrong by at most [s]; 0.0: nobody knows."""
     apart: float | None = None
     """Its wall clock minus ours [s], when that is worth a warning."""
     samples: int = 0
@@ -120,6 +122,8 @@ class Peer:
     _in: Loss = field(default_factory=Loss)
     _last: tuple[float, int] = (0.0, 0)
     """When the last sample came [s], and its size [B]."""
+    _period: float = 0.0
+    """The longest time between two that came lately [s]."""
     _usual: Latency | None = None
     _looked: float = 0.0
     _due: int = 0
@@ -174,16 +178,23 @@ class Peer:
 
     def take_state(self, now: float, state: State) -> None:
         """The peer's state replaces what it said before."""
-        self.state = state
         self.keys = {stream.id: stream.key for stream in state.streams}
         self.told = {stream.key: stream for stream in state.streams}
         self.subscriptions, self.origins = state.subscriptions, state.origins
         if (self.mode, self.specs) != (state.mode, state.specs):
             self.restart_losses()
         self.mode, self.specs = state.mode, state.specs
-        self.transport, self.clock_error = state.transport, state.clock_error
+        self.transport = state.transport
+        self._take_clock(now, state)
+        self.state = state
+
+    def _take_clock(self, now: float, state: State) -> None:
+        """What a state tells of the wall clock; of two of one number that differ one is forged: then nobody knows."""
         before = self.wall_offset
-        if before is not None and abs(before - state.wall_offset) > SET:
+        stepped = before is not None and abs(before - state.wall_offset) > SET
+        contested = 0 < state.number == self.number and (stepped or state.clock_error != self.clock_error)
+        self.clock_error = 0.0 if contested else state.clock_error
+        if before is not None and stepped:
             self.offset.unshown()
             self._read(now - UNHEARD)
             self.wall_offset = state.wall_offset
@@ -201,7 +212,7 @@ class Peer:
         """A digest of the peer arrived."""
         self.digest, self.digest_received, self.samples_then = digest, now, self.samples
         self.offset.heard(digest.sent, now)
-        if self.offset.known and now >= self._last[0] + UNCONFIRMED:
+        if self.offset.known and now >= self._last[0] + max(UNCONFIRMED, RARELY * self._period):
             self._forget_queue()
 
     def time_digest(self, now: float, size: int) -> None:
@@ -230,6 +241,8 @@ class Peer:
         not known. Its timestamp serves to find what samples take, once it is sure that the clock was not set meanwhile.
         """
         self.samples += 1
+        if self._last[1]:
+            self._period = max(now - self._last[0], FADING * self._period)
         self._last = now, size
         incoming = self._of(key)
         if incoming is None:
@@ -237,9 +250,9 @@ class Peer:
         incoming.heard += 1
         incoming.at, incoming.size = now, size
         wait = middle(incoming.waits) if incoming.waits else 0.0
+        before, incoming.stamp = incoming.stamp, -1.0 if stamp is None else stamp
         if stamp is not None and self.wall_offset is not None and self.offset.known:
-            stands, incoming.stamp = abs(stamp - incoming.stamp) < STANDS, stamp
-            if stands:
+            if abs(stamp - before) < STANDS:
                 self.implausible += 1
             else:
                 if len(self._recent) == RECENT:
@@ -264,7 +277,7 @@ class Peer:
             if news.forwarded - before[0] == incoming.heard - before[1] > 0:
                 self._compare(incoming, news)
         wait = news.t_forwarded - news.t_generated
-        if (before is None or news.forwarded > before[0]) and 0.0 <= wait < MOST_WAIT:
+        if (before is None or news.forwarded > before[0]) and 0.0 <= wait < max(MOST_WAIT, news.period):
             incoming.waits.append(wait)
 
     def restart_losses(self) -> None:
@@ -281,7 +294,7 @@ class Peer:
         """
         if incoming.stamp < 0.0 or self.wall_offset is None or not self.offset.known:
             return
-        incoming.astray = abs(news.t_forwarded - (incoming.stamp - self.wall_offset)) > APART
+        incoming.astray = abs(news.t_forwarded - (incoming.stamp - self.wall_offset)) > APART + news.period
         line, took = self._samples.line, incoming.at - self.offset.ours(news.t_forwarded)
         if incoming.astray and line is not None and line.of(incoming.size) > took + APART:
             self._samples = LatencyFit()

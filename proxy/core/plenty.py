@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 
 from proxy.core.limits import Limit
 from proxy.core.shares import Lent, Shares
-from proxy.core.slots import LONGEST, RENEWED, lengthened_by
+from proxy.core.slots import LASTS, LONGEST, RENEWED, lengthened_by
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
@@ -75,7 +75,7 @@ class Plenty:
             known = self._needs.get(stream.robot, (0.0,) * len(limits))
             self._needs[stream.robot] = _sum(known, need(self._view, stream, limits))
         part = STAYS if self._there else ENOUGH
-        enough = all(left >= 1.0 - part for left in self._left(len(limits)))
+        enough = bool(limits) and all(left >= 1.0 - part for left in self._left(len(limits)))
         self._enough_since = min(self._enough_since, now) if enough else math.inf
         self._there = now >= self._enough_since + CALM
         return self._there
@@ -101,7 +101,7 @@ class Plenty:
             held = _sum((0.0,) * limits, *(each.amounts for each in lent if each.ends >= until))
             if not lent or any(have < amount for have, amount in zip(held, needed, strict=True)):
                 wanted = tuple(max(0.0, n + s - h) for n, s, h in zip(needed, spare, held, strict=True))
-                if (new := self._shares.lend(now, tag, now, until + RENEWED, wanted)) is not None:
+                if (new := self._shares.lend(now, tag, now, until + RENEWED, wanted, lasting=LASTS)) is not None:
                     lent.append(new)
                     done += 1
         return done

@@ -25,6 +25,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "coordination": core.settings.coordination,
         "leader": _leader(core),
         "transport": core.settings.transport,
+        "wall_error": core.view.clock_error or None,
         "uptime": now - core.started,
         "counts": _counts(core),
         "decisions": core.gate.decisions.described(now),

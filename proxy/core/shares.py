@@ -28,7 +28,7 @@ MOST_GRANTS = 1024
 """Grants that can be alive at the same time."""
 ALL = 0.99
 """Who may send a message larger than the limit was lent all that robots can hold, or lacks no more than rounding."""
-STAYS = 2.5
+LONG = 2.5
 """What is lent for so long at once is lent for more than one message [s]."""
 
 
@@ -53,7 +53,7 @@ class Lent:
     @property
     def stays(self) -> bool:
         """Whether it is a slot, which is lengthened as a rule before it ends."""
-        return self.ends - self.begins + self.unsure >= STAYS
+        return self.ends - self.begins + self.unsure >= LONG
 
     def at(self, t: float, k: int, window: float) -> float:
         """What of constraint `k` belongs to the robot at a time, for sends within the window that ends then."""

@@ -16,6 +16,7 @@ from planner.utility.base import Floats
 from proxy.core.cadence import Cadences, Place
 from proxy.core.limits import Limit, use_of
 from proxy.core.offset import ClockOffset
+from proxy.core.shares import LONG
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
@@ -29,6 +30,8 @@ LOOK = 1.0
 """What is lent for long is lengthened so long before the robot would have none [s]..."""
 RENEWED = 2.0
 """... by so much more [s]."""
+LASTS = LONG + 0.01
+"""It is for so long at least, however late it begins: what is shorter is given back when it was used [s]."""
 LONGEST = 600.0
 """Nothing is lent for longer; then it is lent anew [s]."""
 AWAITED = 15.0

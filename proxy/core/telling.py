@@ -29,7 +29,7 @@ AHEAD = 0.15
 ALL_PART = 0.3
 """Where one robot leads, this part of the allowance is for telling all what concerns only some..."""
 ALL_PACE = 60.0
-"""... and they are told at least this often [s]."""
+"""... and they are told at least this often, or while it is saved up for, half as often [s]."""
 ALL_LEAST = 10.0
 """... but not more often than this [s]."""
 SAVING_PACE = 0.5

@@ -28,7 +28,7 @@ LEAST_LATENCY = 1e-6
 """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
 ALIKE = 0.005
 """Ways there and back differ by this part, where nothing worse comes of it than messages too many."""
-UNTOLD = 2e-3
+UNTOLD = 2.5e-3
 """Two wall clocks may have moved so much against each other and nobody said so, because it is too little [s]."""
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
@@ -48,7 +48,7 @@ class SharedView:
         self.wall_offset = settings.wall_offset
         """Our wall clock minus our monotonic clock [s]."""
         self.clock_error = 0.0
-        """What our wall clock shows wrong at most [s]; 0.0: nobody knows."""
+        """What our wall clock is wrong by at most [s]; 0.0: nobody knows."""
         self.audiences = Audiences(self)
         self.competition = Competition(self)
         self.interest: tuple[str, ...] = ()

@@ -110,7 +110,7 @@ class Digest:
     """Of every adaptive limit, in the order of the constraints, the part of its ceiling that the channel bears."""
     returned: tuple[Returned, ...] = ()
     lends: bool = False
-    """Whether news take too long for each to decide alone, so that who leads lends; only its word counts."""
+    """Whether news take too long for each to decide alone, so that one robot lends; the word of who leads counts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +150,7 @@ class State:
     number: int = 0
     """Counts the robot's states."""
     clock_error: float = 0.0
-    """What its wall clock shows wrong at most [s]; 0.0: nobody knows. An update leaves it as it was."""
+    """What its wall clock is wrong by at most [s]; 0.0: nobody knows. An update leaves it as it was."""
     since: int = 0
     """0: this is all. Else only what is new of the streams since the state of that number; the rest is as it was."""
 

@@ -61,11 +61,12 @@ def test_an_error_that_nobody_vouches_for_is_not_told():
     assert errors(0.0, 0.001, 0.001) == [None, None]
     assert errors(0.02, math.inf, math.inf) == [None, None]
     assert errors(0.02, 0.001, math.inf, 1.5) == [0.02, 0.0, None]
+    assert errors(0.6, 0.1, 0.7, 0.1) == [0.6, 0.0, 0.6]
 
 
 def test_it_grows_while_the_kernel_hears_nothing():
     """In steps of twice as much, each told once."""
-    assert errors(0.02, 0.0, 0.019, 0.021, 0.04, 0.041, 0.9) == [0.02, None, 0.04, None, 0.08, 1.28]
+    assert errors(0.02, 0.0, 0.019, 0.021, 0.04, 0.041, 0.9) == [0.02, None, 0.04, None, 0.08, 0.0]
 
 
 def test_it_shrinks_when_it_has_been_less_for_long():

@@ -233,7 +233,6 @@ WHOLE = [4, b"ab", 1, 0, [], 0, "enforce", "s", "unicast", [], []]
         (10, [7]),
         (10, [b"z" * 33]),
         (11, -1),
-        (11, ticks(1.1)),
         (11, 0.5),
         (3, -1),
     ],
@@ -243,6 +242,13 @@ def test_absurd_states_are_refused(place, value):
     assert unpack_state(msgpack.packb(WHOLE), "r1").number == 1
     with pytest.raises(MalformedWireError):
         unpack_state(msgpack.packb([*WHOLE[:place], value, *WHOLE[place + 1 :]]), "r1")
+
+
+def test_a_clock_that_may_be_wrong_by_more_than_is_of_use_is_not_known():
+    """The rest of the state counts."""
+    assert unpack_state(msgpack.packb([*WHOLE, ticks(MOST_CLOCK_ERROR)]), "r1").clock_error == MOST_CLOCK_ERROR
+    told = unpack_state(msgpack.packb([*WHOLE, ticks(MOST_CLOCK_ERROR) + 1]), "r1")
+    assert (told.clock_error, told.number) == (0.0, 1)
 
 
 @pytest.mark.parametrize(

@@ -124,6 +124,28 @@ def test_a_step_of_its_wall_clock_is_looked_at_anew_when_told(peer, error):
     assert peer.line_in.of(10_000) == pytest.approx(0.4, abs=1e-3)
 
 
+def test_what_rare_samples_took_is_remembered_until_more_are_missing(peer):
+    """One every 15 s that takes 5 s: between two of them nothing is learnt."""
+    for at in range(15, 120, 15):
+        hear(peer, float(at), 5.0)
+        hear_digest(peer, at + 19.0)
+    assert peer.latency_in.fixed == pytest.approx(5.0, abs=1e-3)
+    hear_digest(peer, 105.0 + 5.0 + 45.0)
+    assert peer.line_in.of(100) == pytest.approx(0.01, abs=1e-3)
+
+
+def test_a_sample_without_a_timestamp_is_not_compared_with_an_older_one(peer):
+    """News of it says nothing of the clock."""
+    for at in range(2, 12):
+        hear(peer, float(at), 0.1)
+    peer.heard_news(KEY, news(10, 10, 11.0, 11.0), wanted=True)
+    for at in range(20, 30):
+        peer.heard_sample(at + 0.1, KEY, 100, None)
+    peer.heard_news(KEY, news(20, 20, 29.0, 29.0), wanted=True)
+    assert not peer._incoming[KEY].astray
+    assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
+
+
 def test_an_application_with_a_clock_of_its_own_spoils_nothing(peer):
     """News tells when samples were sent; what their timestamps made us believe is forgotten, and they count again."""
     for at in range(2, 12):

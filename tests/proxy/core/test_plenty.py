@@ -1,5 +1,7 @@
 """While there is room for all, nothing is planned, nothing waits and nothing is dropped."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,20 @@ def test_streams_that_begin_in_an_idle_team_find_room(specs):
     begun = [frame for k in (1, 2, 3) for n in range(4) for frame in frames(f"r{k}", 5.0 + 0.01 * n, 8.0, 2.0, 200 + n)]
     deliveries = team.run(sorted(begun, key=lambda frame: frame.t_gen), 9.0)
     assert sum(d.receiver == "op" for d in deliveries) >= 0.97 * len(begun)
+
+
+def test_where_nothing_is_shared_nothing_is_lent(tmp_path):
+    """Energy is each robot's own: there is nothing to tell grants of."""
+    path = tmp_path / "energy.toml"
+    energy = 'kind = "energy"\nlimit = "1 J"\nper_message = "1 mJ"'
+    path.write_text(SPEC.replace('kind = "throughput"\nlimit = "1 Mbit/s"', energy))
+    interests = {"r1": (), "r2": (), "op": ("robot/**",)}
+    settings = CoreSettings("", "", coordination="shares")
+    team = Team(load_specs(path), interests, Medium(250_000.0), settings=settings)
+    deliveries = team.run(frames("r1", 1.0, 6.0, 10.0, 200), 8.0)
+    assert any(d.receiver == "op" for d in deliveries)
+    assert {core.layout.lent for core in team.cores.values()} == {0}
+    assert {core.layout.due_at for core in team.cores.values()} == {math.inf}
 
 
 def test_what_a_stream_needs_is_one_message_more_than_fit_evenly(make_talk, specs):

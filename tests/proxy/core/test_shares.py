@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from planner.measures import Energy, Messages, Throughput
 from proxy.core.limits import Limit
-from proxy.core.shares import MOST_GRANTS, NEWCOMERS, STAYS, Shares
+from proxy.core.shares import LONG, MOST_GRANTS, NEWCOMERS, Shares
 
 LIMIT = Limit("throughput", 1.0, 1000.0, Throughput(1000.0, 1.0))
 BATTERY = Limit("energy", 1.0, 2.0, Energy(2.0, 1.0, per_byte=1e-3))
@@ -645,11 +645,11 @@ def test_slots_are_not_given_back_however_little_clocks_leave_of_them():
     """Who leads lengthens them, and could not if they were given back."""
     shares = team("ab")
     agree(shares, 0.1)
-    shares["a"].lend(0.1, "b", 1.0, 1.1 + STAYS, (300.0,))
+    shares["a"].lend(0.1, "b", 1.0, 1.1 + LONG, (300.0,))
     shares["b"].heard(0.2, "a", shares["a"].epoch, shares["a"].grants(0.2), uncertainty=0.5)
     assert shares["b"].fits(2.1, (300.0,))
     assert shares["b"].returned(4.0) == ()
-    shares["a"].lend(0.3, "b", 1.0, 0.5 + STAYS, (300.0,))
+    shares["a"].lend(0.3, "b", 1.0, 0.5 + LONG, (300.0,))
     shares["b"].heard(0.4, "a", shares["a"].epoch, shares["a"].grants(0.4), uncertainty=0.5)
     assert len(shares["b"].returned(4.0)) == 1
 
@@ -659,7 +659,7 @@ def test_what_is_lent_late_lasts_as_long_as_it_has_to():
     shares = team("ab")
     agree(shares, 0.1)
     first = shares["a"].lend(0.1, "b", 0.1, 1.0, (700.0,))
-    second = shares["a"].lend(0.2, "b", 0.2, 2.1, (700.0,), lasting=STAYS)
+    second = shares["a"].lend(0.2, "b", 0.2, 2.1, (700.0,), lasting=LONG)
     assert second.begins > first.ends + LIMIT.window
-    assert second.ends == pytest.approx(second.begins + STAYS, abs=0.002)
-    assert shares["a"].lend(0.2, "b", 0.2, 2.1, (700.0,), lasting=STAYS) is None
+    assert second.ends == pytest.approx(second.begins + LONG, abs=0.002)
+    assert shares["a"].lend(0.2, "b", 0.2, 2.1, (700.0,), lasting=LONG) is None

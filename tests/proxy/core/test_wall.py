@@ -99,11 +99,11 @@ def test_wall_clocks_that_are_known_to_be_right_bound_the_offset(make_talk):
     meet(talk, 1500.0)
     assert tells(talk, 2.0, 1, 0.001) == 0.01
     talk.tell(ev.ClockChanged(3.0, 1000.0, 0.001))
-    assert tells(talk, 4.0, 2, 0.001) == 0.004
+    assert tells(talk, 4.0, 2, 0.001) == 0.005
     assert talk.core.status(5.0)["peers"][0]["wall_error"] == 0.001
-    assert tells(talk, 6.0, 3, 0.0) == 0.004
+    assert tells(talk, 6.0, 3, 0.0) == 0.005
     assert talk.core.status(7.0)["peers"][0]["wall_error"] is None
-    assert tells(talk, 16.0, 4, 0.0) == 0.006
+    assert tells(talk, 16.0, 4, 0.0) == 0.007
 
 
 def test_what_a_wall_clock_showed_before_it_was_set_is_forgotten(make_talk):
@@ -111,9 +111,9 @@ def test_what_a_wall_clock_showed_before_it_was_set_is_forgotten(make_talk):
     talk = make_talk(wall_offset=1000.0)
     meet(talk, 1500.0)
     talk.tell(ev.ClockChanged(2.0, 1000.0, 0.001))
-    assert tells(talk, 3.0, 1, 0.001) == 0.004
+    assert tells(talk, 3.0, 1, 0.001) == 0.005
     assert tells(talk, 5.0, 2, 0.0, wall_offset=1500.1) == 0.01
-    assert tells(talk, 7.0, 3, 0.001) == 0.004
+    assert tells(talk, 7.0, 3, 0.001) == 0.005
     talk.tell(ev.ClockChanged(9.0, 1000.1, 0.0))
     assert tells(talk, 10.0, 4, 0.001) > 0.01
 
@@ -125,3 +125,13 @@ def test_how_wrong_our_wall_clock_may_be_is_told(make_talk):
     talk.tell(ev.TimePassed(2.0))
     said = talk.tell(ev.ClockChanged(3.0, 1000.0, 0.02))
     assert [(c.state.clock_error, c.update) for c in said if isinstance(c, SendState)] == [(0.02, None)]
+
+
+def test_of_two_states_of_one_number_none_is_trusted(make_talk):
+    """One of them is forged: what it says of the clock must not let us send what others may."""
+    talk = make_talk(wall_offset=1000.0)
+    meet(talk, 1500.0)
+    talk.tell(ev.ClockChanged(2.0, 1000.0, 0.001))
+    assert tells(talk, 3.0, 1, 0.001) == 0.005
+    assert tells(talk, 5.0, 1, 0.001, wall_offset=1500.005) >= 0.01
+    assert tells(talk, 7.0, 2, 0.001) == 0.005
