@@ -306,11 +306,6 @@ class Peer:
             self._samples = LatencyFit()
             self._recent.clear()
 
-    def _took(self, heard: _Heard, wall_offset: float) -> float | None:
-        """The time from sending to receipt of a sample [s]; None when it cannot be right."""
-        took = round(READ * (heard.at - self.offset.ours(heard.shown - wall_offset))) / READ
-        return max(0.0, took) if -EARLY - self.offset.uncertainty(heard.at) <= took < MOST_AGE else None
-
     def _read(self, until: float, *others: float) -> None:
         """Read the timestamps of samples that came until then: had the wall clock been set, that was told by now.
 
@@ -318,18 +313,30 @@ class Peer:
         """
         while self._recent and self._recent[0].at <= until:
             heard = self._recent.popleft()
-            line = self._usually(heard.at)
-            usual = line.of(heard.size) if line else 0.0
-            offsets = (*others, *([] if self.wall_offset is None else [self.wall_offset]))
-            if heard.stream.astray:
-                offsets = ()
-            times = [took for offset in offsets if (took := self._took(heard, offset)) is not None]
-            if len(times) == 1:
-                self._samples.observe(heard.at, heard.size, times[0])
-            elif times:
-                self._samples.observe(heard.at, heard.size, min(times, key=lambda took: abs(took - usual)))
-            else:
+            took = None if heard.stream.astray else self._took(heard, self.wall_offset)
+            for offset in () if heard.stream.astray else others:
+                took = self._likelier(heard, self._took(heard, offset), took)
+            if took is None:
                 self.implausible += 1
+            else:
+                self._samples.observe(heard.at, heard.size, took)
+
+    def _took(self, heard: _Heard, wall_offset: float | None) -> float | None:
+        """The time from sending to receipt of a sample [s]; None when it cannot be right."""
+        if wall_offset is None:
+            return None
+        took = round(READ * (heard.at - self.offset.ours(heard.shown - wall_offset))) / READ
+        if took >= 0.0:
+            return took if took < MOST_AGE else None
+        return 0.0 if took >= -EARLY - self.offset.uncertainty(heard.at) else None
+
+    def _likelier(self, heard: _Heard, one: float | None, other: float | None) -> float | None:
+        """Of two times that a sample may have taken the one that is nearer to what they usually take [s]."""
+        if one is None or other is None:
+            return other if one is None else one
+        line = self._usually(heard.at)
+        usual = line.of(heard.size) if line else 0.0
+        return one if abs(one - usual) <= abs(other - usual) else other
 
     def _usually(self, now: float) -> Latency | None:
         """What samples take to us, looked at anew now and then."""

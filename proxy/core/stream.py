@@ -144,10 +144,11 @@ class Stream:
         if self.sent is not None and sent.t_sent > self.sent.t_sent:
             gap = (sent.t_sent - self.sent.t_sent) / (missed + 1)
             self.interval = gap if self.interval == 0.0 else 0.8 * self.interval + 0.2 * gap
-            noted += [
-                Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale)
-                for i in range(min(missed, 32), 0, -1)
-            ]
+            if missed:
+                noted += [
+                    Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale)
+                    for i in range(min(missed, 32), 0, -1)
+                ]
         noted.append(sent)
         self.recent.extend(noted)
         self.sent = sent
