@@ -71,9 +71,12 @@ def _run(stage: Stage, logs: Path) -> Outcome:
 
 
 def _version() -> str:
-    """Return the commit that is run; empty where there is no history."""
-    git = ("git", "describe", "--always", "--dirty=+", "--exclude=*")
-    return subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+    """Return the commit that is run, with a plus if more than results was changed since; empty without a history."""
+    asked = ("git", "rev-parse", "--short", "HEAD"), ("git", "status", "--porcelain", ".", f":!{PAGE.parent}")
+    commit, changed = (
+        subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip() for git in asked
+    )
+    return f"{commit}+" if changed else commit
 
 
 def _table(stages: Sequence[Stage], logs: Path) -> Table:
