@@ -15,7 +15,7 @@ from tests.waiting import wait_until
 
 RELOADS = int(os.environ.get("RELOADS", "150"))
 """The long run has a thousand."""
-RATE = 200 if "RELOADS" in os.environ else 100
+RATE = 200 if "RELOADS" in os.environ else 50
 """Samples per second; few enough that those of a second in which the machine stands still can wait."""
 SPECS = """
 [[constraint]]

@@ -13,6 +13,7 @@ from proxy.commands.run import started
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig
 from tests.daemons import specs_file
 from tests.ports import free_port
+from tests.waiting import wait_until
 from utility_specs import Specs
 
 
@@ -141,7 +142,8 @@ def test_changed_specs_are_put_in_force(start, tmp_path):
     assert any("the files that changed are not in force" in warning for warning in status["warnings"])
     specs.write_text(good)
     daemon.wait_for("files changed: specs ")
-    assert status_of(daemon)["daemon"]["reloads"] == {"done": 2, "refused": 1, "problems": []}
+    mended = {"done": 2, "refused": 1, "problems": []}
+    wait_until(lambda: status_of(daemon)["daemon"]["reloads"] == mended, what="the specs to be in force")
 
 
 def test_sighup_has_everything_read_again(start, tmp_path):
