@@ -63,8 +63,7 @@ class Core:
         self.clocks = WallClocks(self.view)
         self.outsiders = Outsiders(self.view)
         self._led = "", False
-        """Who leads where robots share, and whether news take long."""
-        """Who lends, as the allowance was last shared out."""
+        """Who lends, and whether news take long, as the allowance was last shared out."""
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
         self._tickets = 0

@@ -195,8 +195,8 @@ class Gate:
 
     def _play(self, now: float) -> float:
         """How much later than planned what we lend comes back [s]: what can no longer be is planned for nothing."""
-        known = [peer for peer in self._view.peers.values() if peer.offset.known] if self.late else []
-        return PLAY + (DOUBTED * middle([self._view.doubt(now, peer) for peer in known]) if known else 0.0)
+        doubts = self._view.doubts(now) if self.late else []
+        return PLAY + (DOUBTED * middle(doubts) if doubts else 0.0)
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
@@ -225,7 +225,7 @@ class Gate:
         use = self._use(now, sample)
         if self.limits and not self._view.gaining(stream):
             return [self._refuse(now, sample, "dropped:once")]
-        must = guaranteed(stream) and self._owed(now, stream, sample)
+        must = self._owed(now, stream, sample)
         if lacking := self.lacking(now, use):
             self.decisions.unkept += must
             return [self._refuse(now, sample, "dropped:constraint", lacking)]
@@ -248,7 +248,7 @@ class Gate:
 
     def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""
-        return any(owed(stream, [sample.t_gen], self._view.audiences.of(now, stream).slowest))
+        return guaranteed(stream) and any(owed(stream, [sample.t_gen], self._view.audiences.of(now, stream).slowest))
 
     def _roomy(self, now: float) -> bool:
         """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
@@ -408,8 +408,7 @@ class Gate:
         patience = self.cadences.patience(now, stream, self.limits, use, held)
         if patience is None:
             return now + PATIENCE
-        must = guaranteed(stream) and self._owed(now, stream, sample)
-        unusual = must or sample.scale > stream.expected(sample.t_gen).scale
+        unusual = self._owed(now, stream, sample) or sample.scale > stream.expected(sample.t_gen).scale
         return max(sample.t_gen + patience, now + PATIENCE if unusual else now)
 
     def _slots(self, now: float) -> bool:

@@ -9,7 +9,7 @@ ahead then, and tells everything twice.
 import math
 from collections.abc import Sequence
 
-from proxy.core.limits import Limit
+from proxy.core.limits import Limit, shortest_window
 from proxy.core.shares import Shares
 from proxy.core.view import SharedView
 
@@ -44,11 +44,10 @@ class Lateness:
         self._due = now + PACE if due else self._due
         if not (due and self._shares.leads):
             return
-        window = min((limit.window for limit in limits if limit.shared), default=math.inf)
-        self.late = max(self._longest_way(), waiting) >= window * LATE * (STAYS if self.late else 1.0)
+        long = shortest_window(limits) * LATE * (STAYS if self.late else 1.0)
+        self.late = max(self._longest_way(), waiting) >= long
 
     def _longest_way(self) -> float:
         """What messages take from any robot to any other at most, as far as that is known [s]."""
-        peers = self._view.peers.values()
-        told = (line.fixed for peer in peers for line in peer.heard_by.values())
-        return max([*(peer.offset.latency for peer in peers), *told], default=0.0)
+        told = (line.fixed for peer in self._view.peers.values() for line in peer.heard_by.values())
+        return max(self._view.longest_way, max(told, default=0.0))

@@ -17,7 +17,7 @@ from proxy.core.commands import Decide
 from proxy.core.gate import Gate
 from proxy.core.inbox import Waiting
 from proxy.core.lateness import LATE
-from proxy.core.limits import Promise, use_of
+from proxy.core.limits import Promise, shortest_window, use_of
 from proxy.core.peer import Peer
 from proxy.core.plenty import Plenty
 from proxy.core.shares import Lent, Shares
@@ -157,22 +157,12 @@ class Layout:
 
     def _vague(self, now: float) -> bool:
         """Whether robots may be so wrong about our clock, or we so slow, that slots are better than single grants."""
-        window = self._shortest()
-        return self._doubt(now) > STANDING * window or self._took > SLOW * window
-
-    def _doubt(self, now: float) -> float:
-        """What our clock may be wrong by at most for any robot [s]."""
-        known = (peer for peer in self._view.peers.values() if peer.offset.known)
-        return max((self._view.doubt(now, peer) for peer in known), default=0.0)
-
-    def _shortest(self) -> float:
-        """The shortest window of what robots share [s]."""
-        return min((limit.window for limit in self._gate.limits if limit.shared), default=math.inf)
+        window = shortest_window(self._gate.limits)
+        return max(self._view.doubts(now), default=0.0) > STANDING * window or self._took > SLOW * window
 
     def _far(self) -> bool:
         """Whether news take long even when nothing waits anywhere."""
-        ways = (peer.offset.latency for peer in self._view.peers.values())
-        return max(ways, default=0.0) >= LATE * self._shortest()
+        return self._view.longest_way >= LATE * shortest_window(self._gate.limits)
 
     def _irregular(self, now: float) -> bool:
         """Whether what is lent ahead of time would have to leave much time for when messages come."""
@@ -181,7 +171,9 @@ class Layout:
         streams = self._view.competition.all(now)
         weights = [max(stream.newest.scale, 1e-9) for stream in streams]
         mean = sum(map(operator.mul, weights, map(self._spread, streams))) / max(sum(weights), 1e-9)
-        return bool(SPREADS * mean > IRREGULAR * self._shortest() * (KEEPS if self._gate.standing else 1.0))
+        return bool(
+            SPREADS * mean > IRREGULAR * shortest_window(self._gate.limits) * (KEEPS if self._gate.standing else 1.0)
+        )
 
     def _stand(self, now: float) -> None:
         """Lend slots, and lengthen those that are to stay."""

@@ -1,6 +1,7 @@
 """What the constraints of the specs leave for messages, and what a message uses of them."""
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from planner import Constraint
@@ -90,6 +91,11 @@ def allowance_of(specs: Specs, allowance: float, robots: int) -> float:
 def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = True) -> tuple[float, ...]:
     """Return what a message uses of each constraint; `own`: whether this robot sends it."""
     return tuple([limit.measure.use(size, copies, own=own) for limit in limits])
+
+
+def shortest_window(limits: Iterable[Limit]) -> float:
+    """Return the shortest window of what robots share [s]; infinite where they share nothing."""
+    return min((limit.window for limit in limits if limit.shared), default=math.inf)
 
 
 def _limit(spec: ConstraintSpec, allowance: float, robots: int) -> Limit:

@@ -147,8 +147,7 @@ class Telling:
 
     def speaks_again(self) -> float:
         """How far ahead we have to plan: until what we say after the next digest is heard [s]."""
-        latency = max((peer.offset.latency for peer in self._view.peers.values()), default=0.0)
-        return (1 + self._gate.late) * self.pacer.interval + latency + AHEAD
+        return (1 + self._gate.late) * self.pacer.interval + self._view.longest_way + AHEAD
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""

@@ -204,6 +204,15 @@ class SharedView:
         most = peer.offset.uncertainty(now)
         return most if self.settings.coordination == "shares" else min(most, ALIKE * peer.offset.latency)
 
+    def doubts(self, now: float) -> list[float]:
+        """The same of all peers whose clocks are known [s]."""
+        return [self.doubt(now, peer) for peer in self.peers.values() if peer.offset.known]
+
+    @property
+    def longest_way(self) -> float:
+        """What digests take at least from or to any peer, at most [s]."""
+        return max((peer.offset.latency for peer in self.peers.values()), default=0.0)
+
     def peer_called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
         return self.peers.get(self._tags.get(robot, ""))
