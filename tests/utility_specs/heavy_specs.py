@@ -7,11 +7,15 @@ from utility_specs.toml_source import LARGEST_FILE, MOST_MARKS, marks
 
 
 def _filled(unit: Callable[[int], str], end: str = "x = 1\n") -> str:
-    """Return as many units as a file may have, and its `end`."""
-    text, number = "", 0
-    while len((text + unit(number) + end).encode()) <= LARGEST_FILE and marks(text + unit(number) + end) <= MOST_MARKS:
-        text, number = text + unit(number), number + 1
-    return text + end
+    """Return as many units, whole lines each, as a file may have, and its `end`."""
+    units: list[str] = []
+    size, signs = len(end.encode()), marks(end)
+    while True:
+        text = unit(len(units))
+        size, signs = size + len(text.encode()), signs + marks(text)
+        if size > LARGEST_FILE or signs > MOST_MARKS:
+            return "".join(units) + end
+        units.append(text)
 
 
 def _type(number: int, more: str = "", keys: str = "", utility: str = '{ kind = "video" }') -> str:
