@@ -80,6 +80,8 @@ class Telling:
         self._settled_at = now + view.settings.settle
         self._told_all_at = self._told_at = now
         self._echoed_at: dict[str, float] = {}
+        self._told_to: dict[str, float] = {}
+        """When each of those who do not say that they follow was told last who leads [s]."""
         self._told_epoch, self._told_late = 0, False
         """Epochs, and whether who leads lends, are told at once, and paid for later."""
         self._told_messages = 0
@@ -189,8 +191,7 @@ class Telling:
             return max(now, self._told_at + STRAGGLER_PACE)
         to = self._addressee(now)
         if sharing and not to and self._shares.leads and now < (all_due := self._told_all_at + self._all_pace()):
-            retold = self._told_at + STRAGGLER_PACE if self._shares.stragglers else math.inf
-            return max(now, min(retold, all_due))
+            return max(now, min([all_due, *map(self._retell_at, self._shares.stragglers)]))
         speak = self._channel.capacity.speak(now)
         news = speak or self.pacer.again or self._news or bool(self._shares.returned(now))
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
@@ -232,6 +233,9 @@ class Telling:
         self._told_at = now
         if not to:
             self._told_all_at = now
+        self._told_to = {
+            name: now if to in ("", name) else self._told_to.get(name, -math.inf) for name in self._shares.stragglers
+        }
         digest = Digest(
             robot=self._view.settings.robot,
             tag=self._shares.own,
@@ -267,7 +271,8 @@ class Telling:
             if self._rules_changed:
                 return ""
             granted = self.pacer.addressee(shares.grants(now), self._often(now))
-            to = granted or self._straggler(now) or self._next_to_time(now)
+            # Who does not follow yet sends nothing; what is lent to others must not keep it waiting.
+            to = self._straggler(now) or granted or self._next_to_time(now)
             return to if to in peers else ""
         told = now < self._told_all_at + self._all_pace() or self._saves(now)
         return shares.leader if shares.leader in peers and told else ""
@@ -290,9 +295,12 @@ class Telling:
         return self._times
 
     def _straggler(self, now: float) -> str:
-        """Who has to be told again who leads: each in its turn."""
-        late = self._shares.stragglers if now >= self._told_at + STRAGGLER_PACE else []
-        return late[int(now / STRAGGLER_PACE) % len(late)] if late else ""
+        """Who has to be told again who leads: of those whose turn it is, the one told longest ago."""
+        due = [(self._retell_at(name), name) for name in self._shares.stragglers]
+        return min([(at, name) for at, name in due if now >= at], default=(0.0, ""))[1]
+
+    def _retell_at(self, straggler: str) -> float:
+        return self._told_to.get(straggler, -math.inf) + STRAGGLER_PACE
 
     def _next_to_time(self, now: float) -> str:
         """While an adaptive limit is used, all are told something in turn: how long it takes tells of the channel."""
@@ -308,8 +316,10 @@ class Telling:
         pace = SLOW if self._channel.capacity.factors or vague else ECHO_PACE
         if offset.known and self._told_at - self._echoed_at.get(to, -math.inf) < pace:
             return ()
-        self._echoed_at[to] = self._told_at
-        return self._view.echoes(to)
+        echoes = self._view.echoes(to)
+        if echoes:  # of whom nothing was heard yet the next digest has to tell
+            self._echoed_at[to] = self._told_at
+        return echoes
 
     def _all_pace(self) -> float:
         """How often all are told what concerns only some [s]."""

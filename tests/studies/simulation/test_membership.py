@@ -6,9 +6,12 @@ from proxy.core.wire import tag
 from studies.simulation.churn import Crash, Join, Leave, Merge, Partition, joining
 from studies.simulation.conditions import Conditions
 from studies.simulation.flights import team
+from studies.simulation.medium import Medium
 from studies.simulation.membership import LEASE
 from studies.simulation.missions import draw
+from studies.simulation.team import Frame, Team
 from studies.workload import MIXED
+from utility_specs import load_specs
 
 
 @pytest.fixture
@@ -80,3 +83,32 @@ def test_a_partition_shorter_than_the_lease_goes_unnoticed(fly):
     """Tokens stay, and so do robots."""
     apart = Partition(3.0, (frozenset(("r0", "r1")), frozenset(("r2", "op"))))
     assert known(fly(8.0, apart, Merge(4.0)), "r0") == ["op", "r1", "r2"]
+
+
+AMPLE = """
+[[constraint]]
+kind = "throughput"
+limit = "2 Mbit/s"
+window = 0.5
+[[information_type]]
+name = "position"
+keys = ["position/*"]
+aggregation = "most_recent"
+utility = { kind = "linear", u0 = 1.0, slope = 0.5 }
+"""
+
+
+@pytest.mark.parametrize("back", ["r0", "r1", "r2"])
+def test_who_comes_back_sends_within_a_second_though_the_others_go_on(tmp_path, back):
+    """Nothing that is told to those who are there keeps it waiting, whether it led before or not."""
+    (tmp_path / "specs.toml").write_text(AMPLE)
+    robots = dict.fromkeys(("r0", "r1", "r2"), ("position/*",))
+    happenings = (Leave(8.0, back), Join(8.6, back))
+    flying = Team(load_specs(tmp_path), robots, Medium(3e6), iterations=50, happenings=happenings)
+    frames = [
+        Frame(robot, f"position/{robot}", 0.03 * n + 0.1 * k, 2000, {})
+        for n, robot in enumerate(robots)
+        for k in range(100)
+    ]
+    sent = flying.run(sorted(frames, key=lambda frame: frame.t_gen), 10.0)
+    assert any(8.6 <= each.t_sent <= 9.6 for each in sent if each.frame.robot == back)
