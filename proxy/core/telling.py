@@ -196,7 +196,7 @@ class Telling:
         news = speak or self.pacer.again or self._news or bool(self._shares.returned(now))
         # Where all plan for all, every message leaves the others less; who should overhear it may have lost it.
         sent = not sharing and self._view.messages != self._told_messages
-        urgent = self.urgent or sent
+        urgent = self.urgent or sent or (self._shares.leads and to in self._shares.stragglers)
         copies, spare = 1 if to else max(1, self._digest_copies()), 1 if sharing else 2
         # For its way alone a digest to one robot is small, however large the last one to all was.
         size = float(LEAST_DIGEST) if speak and to else None
