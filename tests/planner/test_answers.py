@@ -9,9 +9,10 @@ from planner.answers import Found, answer
 from planner.definition import utility
 from planner.tables import tabulate
 from tests.planner.windows import objective, open_messages, window
+from tests.seeds import seeds
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(20))
 def test_plan_is_weighed_by_utility_and_its_lead_by_the_objective(seed):
     """`utility` and `opposite` are U; `lead` counts what is left behind, too."""
     problem = window(seed, robots=3, horizon=8, constraints=seed % 3)

@@ -9,6 +9,7 @@ from planner import Constraint, Linear, Message, Problem, ProblemError, Stream, 
 from planner.beyond import look_beyond
 from planner.tables import tabulate
 from tests.planner.windows import objective, open_messages, window
+from tests.seeds import seeds
 
 
 def alike(limits, *, streams=4, period=0.1, slope=0.1, scale=1.0, seconds=4.0, latency=0.0, uses=None):
@@ -106,7 +107,7 @@ def test_constraint_that_concerns_no_message_is_free():
     assert beyond.charge == pytest.approx(look_beyond(alike(limits[:1])).charge)
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(60))
 def test_gains_add_up_to_the_objective(seed):
     """Whatever is sent: U, what the last messages are worth, less what is charged."""
     problem = window(seed, robots=1 + seed % 4, horizon=9, constraints=seed % 3, grid=seed % 2 == 0)

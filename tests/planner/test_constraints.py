@@ -9,6 +9,7 @@ from planner.constraints import tabulate_checks, violations
 from planner.python_engine.path import Path
 from planner.tables import tabulate
 from tests.planner.windows import open_messages, window
+from tests.seeds import seeds
 
 
 def message(t_sent, *use, sent=False):
@@ -30,7 +31,7 @@ def fitting(window_, sends):
     return True
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(30))
 def test_checks_agree_with_the_definition(seed):
     """A plan passes all checks exactly when no window of the definition is overfull, for every subset."""
     window_ = window(seed, robots=3, horizon=7, constraints=1 + seed % 3, grid=seed % 2 == 0)

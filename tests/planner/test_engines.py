@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from planner import Aggregation, Search, SearchSettings, start
 from tests.planner.windows import MARKOVIAN, stale_window, window
+from tests.seeds import seeds
 
 REDUCTIONS = ("off", "paper", "exact")
 
@@ -29,7 +30,8 @@ def drawn(seed: int, aggregations=MARKOVIAN):
     )
 
 
-@pytest.mark.parametrize(("reduction", "block"), list(itertools.product(REDUCTIONS, range(4))))
+@pytest.mark.parametrize("reduction", REDUCTIONS)
+@pytest.mark.parametrize("block", seeds(4, 1))
 def test_same_tree_in_paper_mode(reduction, block):
     """Paper mode grows the same tree node by node on either engine, whatever the reduction."""
     for seed in range(30 * block, 30 * block + 30):
@@ -64,7 +66,7 @@ def test_same_tree_on_any_window(seed, mode, aggregations):
     assert python.plan() == native.plan()
 
 
-@pytest.mark.parametrize("block", range(6))
+@pytest.mark.parametrize("block", seeds(6, 1))
 def test_same_tree_in_best_mode(block):
     """The default mode grows the same tree node by node on either engine, with arenas small and large."""
     trees = 0

@@ -10,6 +10,7 @@ from planner import Linear, Message, Problem, ProblemError, Stream, Video
 from planner.definition import utility
 from planner.evaluation import tabulate_gains
 from tests.planner.windows import open_messages, window
+from tests.seeds import seeds
 
 
 def message(t_gen, *, stream=0, t_rcv=None, utility=None, scale=1.0, sent=False):
@@ -36,7 +37,7 @@ def added_up(window_, sends):
     return total
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(60))
 def test_gains_add_up_to_the_utility(seed):
     """The facts and the gains of any plan sum to its utility by the definition, whatever lies between."""
     window_ = window(seed, robots=1 + seed % 4, horizon=10, grid=seed % 3 == 0)
@@ -46,7 +47,7 @@ def test_gains_add_up_to_the_utility(seed):
         assert added_up(window_, sends) == pytest.approx(utility(window_, sends), rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(20))
 def test_facts_and_everything(seed):
     """The table knows U of the facts alone and U(M) of all messages."""
     window_ = window(seed, robots=3, horizon=9)

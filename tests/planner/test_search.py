@@ -10,6 +10,7 @@ from planner import Constraint, Linear, Message, Problem, SearchSettings, Stream
 from planner.constraints import violations
 from planner.definition import utility
 from tests.planner.windows import objective, open_messages, optimum, window
+from tests.seeds import seeds
 
 CHOICES = [
     SearchSettings(search=search, engine=engine, reduction=reduction)
@@ -54,7 +55,7 @@ def test_same_problem_gives_the_same_plan(problem, choice):
 
 
 @pytest.mark.parametrize("engine", ["native", "python"])
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40))
 def test_best_mode_finds_the_optimum(seed, engine):
     """Of the last window of a mission the default search proves and returns the best of all subsets."""
     problem = window(seed, robots=1 + seed % 4, horizon=8, constraints=seed % 3, grid=seed % 2 == 0, goes_on=False)
@@ -72,7 +73,7 @@ def test_best_mode_finds_the_optimum(seed, engine):
 
 
 @pytest.mark.parametrize("engine", ["native", "python"])
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40))
 def test_best_mode_finds_the_optimum_of_its_objective(seed, engine):
     """Where the mission goes on, it proves and returns the subset of the best U and what is left behind."""
     problem = window(seed, robots=1 + seed % 4, horizon=8, constraints=seed % 3, grid=seed % 2 == 0)
@@ -88,7 +89,7 @@ def test_best_mode_finds_the_optimum_of_its_objective(seed, engine):
 
 
 @pytest.mark.parametrize("reduction", ["off", "paper", "exact"])
-@pytest.mark.parametrize("seed", range(15))
+@pytest.mark.parametrize("seed", seeds(15))
 def test_paper_mode_never_exceeds_the_optimum(seed, reduction):
     """No plan of paper mode, nor its opposite, is better than the best of all subsets."""
     problem = window(seed, robots=1 + seed % 4, horizon=7, constraints=1 + seed % 2, grid=seed % 2 == 0)

@@ -9,10 +9,15 @@ from planner.definition import utility
 from planner.tables import tabulate
 from tests.planner.models import Coverage, Newest
 from tests.planner.windows import objective, open_messages, optimum, window
+from tests.seeds import seeds
 
 EXACT = (Aggregation.MOST_RECENT, Aggregation.SUM, Aggregation.ONCE, Newest(), Coverage())
 DISCRETE = 2e-3
 """What cutting time into cells may cost, as a part of the utility."""
+
+
+def name(aggregation):
+    return str(aggregation) if isinstance(aggregation, Aggregation) else type(aggregation).__name__
 
 
 def added_up(problem, sends, *, beyond=False):
@@ -35,8 +40,8 @@ def plans(problem, seed):
     return [[], opened, *([i for i in opened if draw.random() < part] for part in (0.2, 0.5, 0.8))]
 
 
-@pytest.mark.parametrize("aggregation", EXACT, ids=str)
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("aggregation", EXACT, ids=name)
+@pytest.mark.parametrize("block", seeds(4, 1))
 def test_gains_add_up_to_the_utility(aggregation, block):
     """Whatever was sent before, comes in between or is received later, for one receiver or several."""
     for seed in range(10 * block, 10 * block + 10):
@@ -47,7 +52,7 @@ def test_gains_add_up_to_the_utility(aggregation, block):
                 assert total == pytest.approx(utility(problem, sends), rel=1e-9, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(30))
 def test_gains_of_best_add_up_but_for_the_cells(seed):
     """Their sum misses the integral of the envelope by what crosses within a cell."""
     problem = window(seed, robots=1 + seed % 4, horizon=8, grid=seed % 3 == 0, aggregations=(Aggregation.BEST,) * 2)
@@ -57,7 +62,7 @@ def test_gains_of_best_add_up_but_for_the_cells(seed):
             assert total == pytest.approx(utility(problem, sends), rel=DISCRETE, abs=1e-4)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40))
 def test_mixed_aggregations_add_up(seed):
     """Streams of all aggregations stand in one table."""
     kinds = (*Aggregation, Newest())
@@ -67,7 +72,7 @@ def test_mixed_aggregations_add_up(seed):
         assert total == pytest.approx(utility(problem, sends), rel=DISCRETE, abs=1e-4)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(30))
 def test_everything_is_the_utility_of_all_messages(seed):
     """U(M) of Eq. 2, whatever the aggregation."""
     problem = window(seed, robots=2 + seed % 4, horizon=9, aggregations=(*Aggregation, Newest()))
@@ -77,7 +82,7 @@ def test_everything_is_the_utility_of_all_messages(seed):
 
 
 @pytest.mark.parametrize("engine", ["native", "python"])
-@pytest.mark.parametrize("aggregation", EXACT[1:], ids=str)
+@pytest.mark.parametrize("aggregation", EXACT[1:], ids=name)
 def test_best_mode_finds_the_optimum(engine, aggregation):
     """Whatever the aggregation, the search proves and returns the best of all subsets."""
     for seed in range(12):
@@ -90,7 +95,7 @@ def test_best_mode_finds_the_optimum(engine, aggregation):
         assert search.plan().utility == pytest.approx(optimum(problem)[0], rel=1e-8, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40))
 def test_gains_add_up_to_the_objective(seed):
     """What streams leave behind at the end of the window counts, each as its aggregation has it."""
     kinds = (Aggregation.SUM, Aggregation.ONCE, Aggregation.MOST_RECENT, Newest())
@@ -101,7 +106,7 @@ def test_gains_add_up_to_the_objective(seed):
 
 
 @pytest.mark.parametrize("engine", ["native", "python"])
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12))
 def test_best_mode_finds_the_optimum_of_its_objective(seed, engine):
     """Also where the mission goes on, whatever the aggregations."""
     kinds = (Aggregation.SUM, Aggregation.ONCE, Aggregation.MOST_RECENT, Newest())

@@ -6,6 +6,7 @@ from planner import SearchSettings
 from planner.python_engine.best import BestSearch
 from planner.tables import tabulate
 from tests.planner.windows import objective, optimum, window
+from tests.seeds import seeds
 
 
 def learned(problem, iterations=1, *, beyond=False):
@@ -22,7 +23,7 @@ def learning(problem, *, beyond=False):
         yield search
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40))
 def test_bound_is_never_below_the_optimum(seed):
     """At any time the plan and what may still be gained bound the best of all subsets."""
     problem = window(seed, robots=1 + seed % 4, horizon=7, constraints=seed % 4, grid=seed % 2 == 0)
@@ -32,7 +33,7 @@ def test_bound_is_never_below_the_optimum(seed):
         assert plan.utility + plan.gap >= best - 1e-8 * abs(best) - 1e-12
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40))
 def test_bound_holds_beyond_the_window(seed):
     """Also with what is left behind no subset is worth more than the bound."""
     problem = window(seed, robots=1 + seed % 4, horizon=7, constraints=seed % 4, grid=seed % 2 == 0)

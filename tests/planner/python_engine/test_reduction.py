@@ -8,6 +8,7 @@ from planner.python_engine.paper import PaperSearch
 from planner.python_engine.tree import CUT
 from planner.tables import tabulate
 from tests.planner.windows import stale_window, window
+from tests.seeds import seeds
 
 
 def grown(seed, reduction, iterations, problem=None):
@@ -29,7 +30,7 @@ def sends_of(problem, rows, index):
 
 
 @pytest.mark.parametrize("reduction", ["off", "paper", "exact"])
-@pytest.mark.parametrize("seed", range(100))
+@pytest.mark.parametrize("seed", seeds(100))
 def test_tree_stays_consistent(seed, reduction):
     """Every living node fits, knows the utility of its path, and has the visits of its children and its own."""
     drawn = stale_window(seed) if seed >= 12 else None

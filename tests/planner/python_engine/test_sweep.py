@@ -11,6 +11,7 @@ from planner.python_engine.prices import Prices
 from planner.python_engine.sweep import Sweep
 from planner.tables import tabulate
 from tests.planner.windows import optimum, window
+from tests.seeds import seeds
 
 
 def swept(problem, *, width, worth_trying=lambda _: True):
@@ -26,7 +27,7 @@ def swept(problem, *, width, worth_trying=lambda _: True):
     return sweep
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(20))
 def test_wide_sweep_finds_the_optimum(seed):
     """Where no level is cut, its best place is the best of all subsets."""
     problem = window(seed, robots=3, horizon=8, constraints=1 + seed % 2)

@@ -1,5 +1,7 @@
 """The grid benchmark: what its tables hold, and that long constraint windows cost best mode little."""
 
+import pytest
+
 from planner import Constraint, SearchSettings
 from planner.definition import utility
 from studies.benchmarks.grid import contenders
@@ -25,6 +27,7 @@ def test_a_table_for_each_contender_has_a_row_for_each_limit(measured):
             assert mean <= 100.01 or not contender.lawful
 
 
+@pytest.mark.full
 def test_long_windows_cost_best_mode_little():
     """With a limit per 2.5 s, best mode loses little of the bound, whatever it knows of the future."""
     flown = mission(MOST_IMPORTANT, seed=3, seconds=30.0, constraint=Constraint("messages", 2.5, 5.0))

@@ -9,6 +9,7 @@ from studies.central import CentralDecider
 from studies.workload import FEW_IMPORTANT, SCENARIOS, mission
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.name)
 def test_no_policy_beats_the_oracle_or_breaks_a_constraint(scenario):
     """Every candidate stays within the constraint, below the integer optimum and the bound."""

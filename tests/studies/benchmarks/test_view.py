@@ -37,6 +37,7 @@ def test_what_bad_networks_cost_is_told_for_each_arrangement(tables):
     assert len(tables[2].rows) == len(ARRANGEMENTS)
 
 
+@pytest.mark.full
 def test_limits_that_follow_the_medium_are_measured_beside_right_ones(monkeypatch):
     """A limit that never exceeds the least rate keeps delays short; one far below it reaches less."""
     course = adaptive.Course(teams=(2,), seeds=(1,), halved=6.0, doubled=13.0, end=16.0)

@@ -36,6 +36,7 @@ def demo(tmp_path_factory):
     return files
 
 
+@pytest.mark.full
 def test_the_figures_of_both_runs_are_written(demo):
     """All that was promised, and the filter keeps red frames fresher than the same run without it."""
     found = json.loads(demo["json"].read_text())
@@ -47,6 +48,7 @@ def test_the_figures_of_both_runs_are_written(demo):
     assert found["with"]["utility_share"] > found["without"]["utility_share"]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("phase", ["without", "with"])
 def test_nothing_goes_around_the_medium(demo, phase):
     """No connection, and no byte, reaches the operator but through it; and it keeps its rate."""
@@ -56,6 +58,7 @@ def test_nothing_goes_around_the_medium(demo, phase):
     assert 0 < found["received_bytes"] <= found["medium_bytes"] <= 1.1 * 5 * 1.5e6 / 8
 
 
+@pytest.mark.full
 def test_every_pair_is_linked_through_the_medium(demo):
     """The operator and two robots make three pairs, each with a connection on either side of the medium."""
     looks = [event for event in read_events(demo["events"]) if isinstance(event, Links)]
@@ -63,11 +66,13 @@ def test_every_pair_is_linked_through_the_medium(demo):
     assert {look.medium for look in looks} == {6}
 
 
+@pytest.mark.full
 def test_every_figure_can_be_recomputed_from_the_events(demo):
     """The events alone say the same."""
     assert figures(read_events(demo["events"])) == json.loads(demo["json"].read_text())
 
 
+@pytest.mark.full
 def test_the_picture_shows_both_screens(demo):
     """It is there and can be read."""
     assert cv2.imread(str(demo["png"])) is not None

@@ -25,6 +25,7 @@ def test_every_frame_has_the_size_and_the_red_that_was_promised(robot):
         assert (0.2 <= frame.red <= 0.35) if view.sees_red(number) else frame.red == 0.0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_other_seeds_keep_the_promise(seed):
     """Sizes and red fractions do not hang on the default seed."""

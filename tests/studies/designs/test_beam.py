@@ -16,6 +16,7 @@ def reached(beam: Beam) -> float:
     return beam.tables.gains.aim_facts + worth(beam.tables, beam.sends())
 
 
+@pytest.mark.full
 @given(st.integers(0, 10_000), st.booleans(), st.booleans())
 def test_a_beam_of_any_width_finds_the_optimum(seed, by_bound, grid):
     """When no node is left out but tantamount ones of less value, the best plan remains."""
@@ -25,6 +26,7 @@ def test_a_beam_of_any_width_finds_the_optimum(seed, by_bound, grid):
     assert beam.proven
 
 
+@pytest.mark.full
 @given(st.integers(0, 10_000), st.booleans())
 def test_a_widening_beam_ends_with_the_best_plan(seed, grid):
     """However narrow it begins, it goes on until nothing was left out."""

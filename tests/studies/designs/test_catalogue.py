@@ -19,6 +19,7 @@ def test_names_are_told_apart():
     assert len({design.name for design in DESIGNS}) == len(DESIGNS)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("design", DESIGNS, ids=lambda design: design.name)
 def test_designs_fly_within_the_constraints(design):
     """On a mission of every scenario each design sends something, breaks nothing and counts what it did."""

@@ -12,6 +12,7 @@ from studies.designs.dominance import TrueDominance, open_windows
 from tests.planner.windows import optimum, window
 
 
+@pytest.mark.full
 @given(st.integers(0, 10_000), st.booleans(), st.integers(0, 3))
 def test_true_dominance_never_changes_the_optimum(seed, grid, constraints):
     """What is left out is no better than what stays: the search proves the best plan of the window."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from planner import Constraint, Problem, ProblemError, Stream, Traffic
 from planner.constraints import violations
@@ -13,6 +13,7 @@ from studies.central import CentralDecider
 from studies.oracle import optimum, upper_bound
 from studies.policies import whenever_it_fits
 from tests.planner.windows import optimum as greatest
+from tests.seeds import seeds
 from tests.studies.oracle.problems import KINDS, best_by_trying, mixed_mission, mixed_window, one_stream, small_problems
 
 
@@ -20,7 +21,6 @@ def chosen(problem: Problem, sends: np.ndarray) -> list[int]:
     return [i for i, message in enumerate(problem.messages) if sends[i] > 0 and not message.sent]
 
 
-@settings(max_examples=150, deadline=None)
 @given(small_problems())
 def test_optimum_is_the_best_of_all_subsets(problem):
     """The integer programme finds what trying every subset finds, with a plan that breaks no constraint."""
@@ -31,7 +31,6 @@ def test_optimum_is_the_best_of_all_subsets(problem):
     assert violations(problem, chosen(problem, solution.sends)) == []
 
 
-@settings(max_examples=150, deadline=None)
 @given(small_problems())
 def test_upper_bound_is_one(problem):
     """No subset is worth more than the linear programme; where its plan is whole it is the optimum."""
@@ -43,7 +42,7 @@ def test_upper_bound_is_one(problem):
         assert solution.utility == pytest.approx(best, rel=1e-6, abs=1e-6)
 
 
-@pytest.mark.parametrize("block", range(8))
+@pytest.mark.parametrize("block", seeds(8, 1))
 def test_all_kinds_at_once(block):
     """With all aggregations, several receivers and up to three constraints the optimum is that of all subsets.
 

@@ -25,6 +25,7 @@ def cameras(seconds, *, streams=3, rate=10.0, aggregation=Aggregation.MOST_RECEN
     )
 
 
+@pytest.mark.full
 def test_arcs_left_out_at_first_are_added(monkeypatch):
     """The answer does not depend on the arcs one starts with."""
     problem = cameras(6.0)
@@ -41,6 +42,7 @@ def test_arcs_left_out_at_first_are_added(monkeypatch):
         assert grown.bound == pytest.approx(whole.cost, rel=solver_module.CLOSE)
 
 
+@pytest.mark.full
 def test_ranks_left_out_at_first_are_added(monkeypatch):
     """The bound does not depend on the ranks one starts with, and the fractions cost what they are worth."""
     programme = build_programme(cameras(4.0, aggregation=Aggregation.BEST, worth=(1.0, 0.5, 0.9, 2.0)))

@@ -47,6 +47,7 @@ def fly(tmp_path):
     return run
 
 
+@pytest.mark.full
 def test_a_channel_is_used_shared_fairly_and_noticed_when_it_is_halved(fly):
     """Random loss does not matter. After the change samples arrive as soon as before within seconds."""
     team, arrived = fly(2, 24.0, loss=0.05, rates=((16.0, RATE / 2.0),))

@@ -83,6 +83,7 @@ def test_the_union_of_all_robots_keeps_the_limit(specs, loss):
     assert sum(core.counts.received for core in flight.cores.values()) == len(scene())
 
 
+@pytest.mark.full
 def test_who_sees_red_sends_at_least_twice_as_often(specs):
     """The share follows the value within a second of its change."""
     deliveries = team(specs).run(scene(red=0.6), 14.0)
@@ -92,6 +93,7 @@ def test_who_sees_red_sends_at_least_twice_as_often(specs):
     assert red >= 2 * others > 0
 
 
+@pytest.mark.full
 def test_digests_stay_within_their_allowance(specs):
     """Two percent of the limit for all robots together, or 100 B/s each."""
     flight = team(specs)
@@ -99,6 +101,7 @@ def test_digests_stay_within_their_allowance(specs):
     assert flight.digest_bytes / 14.0 <= 1.1 * max(0.02 * 0.9 * RATE, 100.0 * 5)
 
 
+@pytest.mark.full
 def test_wrong_clocks_change_nothing(specs):
     """Robots whose clocks are minutes apart send as much in all.
 
@@ -110,6 +113,7 @@ def test_wrong_clocks_change_nothing(specs):
     assert other.total() == pytest.approx(one.total(), rel=0.1)
 
 
+@pytest.mark.full
 def test_a_robot_alone_uses_what_the_limit_gives(specs):
     """One robot and an operator: nearly all of the limit is used."""
     deliveries = team(specs, robots=1).run(scene(robots=1, rate=20.0, red=0.0), 14.0)
@@ -117,6 +121,7 @@ def test_a_robot_alone_uses_what_the_limit_gives(specs):
     assert sent >= 0.8 * 0.9 * RATE * 10.0
 
 
+@pytest.mark.full
 def test_in_overhear_robots_plan_for_the_union(specs):
     """Without shares the union may exceed, but digests keep the mean use below the limit."""
     flight = team(specs, settings=CoreSettings("", "", coordination="overhear"))

@@ -117,6 +117,7 @@ def taken(flight, sender, receiver, size):
     )
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("clocks", WRONG.values(), ids=WRONG)
 def test_wrong_wall_clocks_alter_no_decision(right, clocks):
     """All that a robot lives through, with wall clocks that are wrong: 99 of 100 decisions are the same.

@@ -10,6 +10,7 @@ from planner import Aggregation, Linear, Receiver
 from planner.definition import utility
 from studies.oracle.aggregations.best import build, no_ranks
 from studies.oracle.aggregations.rankings import rank
+from tests.seeds import seeds
 from tests.studies.oracle.problems import of_kind, one_stream, received
 
 
@@ -25,7 +26,7 @@ def drawn(seed):
     return replace(problem, messages=messages, current=1 if messages[0].sent else 0)
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", seeds(24))
 def test_ranks_reached_are_worth_the_utility(seed):
     """Of any plan, the columns of the ranks it reaches add up to U by the definition."""
     problem = drawn(seed)
@@ -38,7 +39,7 @@ def test_ranks_reached_are_worth_the_utility(seed):
         assert ranks.gain @ ranks.values(sent) == pytest.approx(utility(problem, sends), rel=1e-5, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(12))
 def test_rows_allow_just_the_ranks_reached(seed):
     """The values are within their rows, and none can be greater."""
     order = received(drawn(seed))

@@ -45,6 +45,7 @@ def test_a_stream_of_facts_is_a_constant():
     assert optimum(both).utility == pytest.approx(utility(both, [0, 2]))
 
 
+@pytest.mark.full
 def test_too_many_states_are_refused():
     """Where every set of messages is a state of its own there is no bound; the error names the stream and the model."""
     times = [float(at) for at in range(40)]
