@@ -1,7 +1,24 @@
-"""How long the property tests search: `--hypothesis-profile=qualify` is for the long run."""
+"""What all tests have in common: how long property tests search, and that no test is left out."""
 
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
 
-settings.register_profile("default", deadline=None)
+settings.register_profile("default", deadline=None, max_examples=30)
+settings.register_profile("full", deadline=None, max_examples=100)
 settings.register_profile("qualify", deadline=None, max_examples=3000)
 settings.load_profile("default")
+
+TESTS = Path(__file__).parent
+SYSTEM = {"system", "transparency"}
+"""The folders in which `make test-system` looks."""
+
+
+def pytest_collection_modifyitems(items):
+    """Refuse a test that no target would run, or one that would run without the root it needs."""
+    for item in items:
+        there = item.path.relative_to(TESTS).parts[0] in SYSTEM
+        if there != (item.get_closest_marker("system") is not None):
+            folders = " or ".join(f"tests/{name}" for name in sorted(SYSTEM))
+            raise pytest.UsageError(f"{item.nodeid}: what is in {folders}, and nothing else, is marked `system`")
