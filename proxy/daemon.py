@@ -1,6 +1,7 @@
 """The daemon of one robot: the core, the bridge and their threads, started and stopped together."""
 
 import logging
+import os
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
@@ -293,7 +294,7 @@ class Daemon:
                 "looks": self._lookout.looks,
                 "features": {"superseded": self._extractor.superseded},
                 "reloads": self.reloading.describe(),
-                "specs": str(self.reloading.loaded.config.specs.path.resolve()),
+                "specs": os.path.realpath(self.reloading.loaded.config.specs.path),
                 **self._bridge.describe(),
                 **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
             },

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from utility_specs import Specs
+
 Status = Mapping[str, Any]
 Row = Sequence[str]
 
@@ -35,12 +37,18 @@ def _headline(status: Status) -> str:
         (
             f"robot {status.get('robot', UNKNOWN)}",
             f"mode {status.get('mode', UNKNOWN)}",
-            f"specs {status.get('specs', UNKNOWN)}",
+            _specs(status),
             f"coordination {status.get('coordination', UNKNOWN)}" + f" (led by {leader})" * bool(leader),
             f"transport {status.get('transport', UNKNOWN)}",
             f"up {duration(status.get('uptime'))}",
         )
     )
+
+
+def _specs(status: Status) -> str:
+    if status.get("specs") == Specs.empty().generation:
+        return f"no specs in {status.get('daemon', {}).get('specs', UNKNOWN)}: everything passes"
+    return f"specs {status.get('specs', UNKNOWN)}"
 
 
 def _counts(counts: Status) -> str:

@@ -140,9 +140,9 @@ def broadcasting(config: Config) -> str:
 
 def started(config: Config, specs: Specs, robot: str) -> str:
     """Describe the daemon in one line."""
-    types = len(specs.types)
-    covered = f"{types} information type{'s' * (types != 1)} from {config.specs.path}"
-    specs_in_force = f"specs {specs.generation} ({covered})" if types else "no specs: everything passes"
+    types, path = len(specs.types), config.specs.path
+    covered = f"{types} information type{'s' * (types != 1)} from {path}"
+    specs_in_force = f"specs {specs.generation} ({covered})" if types else f"no specs in {path}: everything passes"
     ruled = config.bridge != BridgeConfig()
     return (
         f"sendworthy {version('sendworthy')}: robot {robot}, mode {config.mode.value}, "
