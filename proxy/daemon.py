@@ -209,7 +209,7 @@ class Daemon:
             lane=lane,
             on_loop=loop.post,
             status=self._status,
-            switch=self._switch,
+            switch=self._ordered,
         )
         opening.callback(control.close)
         fleet_lane = Lane("fleet")
@@ -220,7 +220,7 @@ class Daemon:
             robot=robot,
             lane=fleet_lane,
             obeyed=orders(
-                config.fleet, robot, lambda mode: loop.ask(partial(self._switch, mode), SWAP), self.reloading
+                config.fleet, robot, lambda mode: loop.ask(partial(self._ordered, mode), SWAP), self.reloading
             ),
             members=lambda: loop.ask(lambda: [peer.robot for peer in core.view.peers.values()], SWAP),
         )
@@ -268,6 +268,11 @@ class Daemon:
     def _switch(self, mode: Mode) -> None:
         self._bridge.switch(mode)
         self._loop.handle(ModeChanged(clock.monotonic(), mode))
+
+    def _ordered(self, mode: Mode) -> None:
+        """Somebody has us switch; a mode that changes with the configuration is logged with all that changes there."""
+        self._switch(mode)
+        log.info("mode %s", mode.value)
 
     def _warnings(self) -> list[str]:
         sides, peers = self._sides, self._loop.core.view.peers.values()

@@ -174,8 +174,9 @@ def test_sighup_has_everything_read_again(start, tmp_path):
     daemon.wait_for("sendworthy ")
     config.write_text('robot = "r1"\nmode = "shadow"\n[specs]\npath = "camera.toml"\n[log]\nlevel = "debug"\n')
     daemon.process.send_signal(signal.SIGHUP)
-    assert ", mode shadow, log.level debug" in daemon.wait_for("specs ")
+    assert ", mode shadow, log.level debug" in daemon.wait_for("SIGHUP: specs ")
     assert status_of(daemon)["mode"] == "shadow"
+    assert [line.split("INFO ")[-1][:15] for line in daemon.lines[1:]] == ["proxy.reloading"], "a line for a reload"
     config.write_text('robot = "r2"\n[specs]\npath = "camera.toml"\n')
     daemon.process.send_signal(signal.SIGHUP)
     assert f'{config}:1: robot: cannot change while the daemon runs: "r1" is in force, not "r2"' in daemon.wait_for(
