@@ -77,8 +77,8 @@ class Voice:
         """Whether replies can have source info."""
         if not self.sourced:
             log.error(
-                "%s.zenoh: cannot give replies source info, so the numbers of advanced publishers stay on their robots; "
-                "access_control must allow %s/trial/**",
+                "%s.zenoh: cannot give replies source info, so the numbers of advanced publishers stay on their robots;"
+                " access_control must allow %s/trial/**",
                 side,
                 PREFIX,
             )
