@@ -9,6 +9,7 @@ Status = Mapping[str, Any]
 Row = Sequence[str]
 
 UNKNOWN = "-"
+ALONE = "no other robot is on the mesh; samples that nobody there wants stay here and are not counted"
 
 _LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 _SMALL = ((1.0, ""), (1e-3, "m"), (1e-6, "μ"))
@@ -25,7 +26,7 @@ def table(status: Status) -> str:
         _budget(status.get("budget", ())),
         _streams(status.get("streams", ())),
         _features(status.get("features", ())),
-        _peers(status.get("peers", ())),
+        ALONE if status.get("peers") == [] else _peers(status.get("peers", ())),
         _warnings(status),
     ]
     return "\n\n".join(part for part in parts if part)
