@@ -21,6 +21,7 @@ from proxy.bridge.lane import Lane
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence, free_name
+from proxy.bridge.radio import Scouted
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
@@ -151,6 +152,7 @@ class Daemon:
     def _open(self, opening: ExitStack) -> None:
         """Build everything between the sessions, and start it from the core outwards."""
         config = self._config
+        self._scouted = Scouted(config.mesh.interface) if config.mesh.scouts else None
         sides = open_sides(config.app, config.mesh, opening, _FAREWELL)
         self._air = sides.air
         self._zids = {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())}
@@ -201,6 +203,8 @@ class Daemon:
         self._lookout = Lookout(config.mesh.interface, self._zids.values(), _scouting_group(config))
         opening.callback(self._lookout.close, _PATIENCE)
         self._lookout.start()
+        for warning in self._scouted.warnings() if self._scouted else ():
+            log.warning("%s", warning)
         lane = Lane("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(lane.close, _PATIENCE)
         control = Control(
@@ -281,6 +285,7 @@ class Daemon:
             *self._neighbours.warnings(),
             *around(sides.app, sides.mesh, others),
             *self._lookout.warnings(),
+            *(self._scouted.warnings() if self._scouted else ()),
             *self.reloading.warnings(),
         ]
 
