@@ -129,6 +129,6 @@ def _specs_path(folder: Path, layers: Layers, problems: _Problems) -> Path:
     if not isinstance(given, str):
         return folder / SpecsConfig().path
     path = Path(given) if layers.origin(SPECS) else folder / given
-    if path.suffix == ".toml" and not holds_specs(path):
+    if path.suffix == ".toml" and not holds_specs(path) and not path.is_dir():
         problems.at(SPECS, f"{path} does not exist")
     return path

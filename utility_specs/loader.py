@@ -97,7 +97,7 @@ def _files_of(paths: Iterable[Path], problems: list[SpecProblem]) -> list[Path]:
             RuntimeError,
             ValueError,
         ) as error:  # RuntimeError: links in a circle; ValueError: a NUL
-            problems.append(SpecProblem(path, None, "", f"cannot be read: {error}"))
+            problems.append(SpecProblem(path, None, "", f"cannot be read: {getattr(error, 'strerror', error)}"))
         else:
             if not found:
                 problems.append(SpecProblem(path, None, "", "has no *.toml file in it"))
