@@ -1,8 +1,9 @@
 """`sendworthy`: the command line.
 
 Each subcommand is a function `command(subparsers)` that adds its own parser and sets `run=`, a function from
-the parsed arguments to the exit code. Ours are in `proxy.commands`; others come through the entry-point group
-`sendworthy.commands`. Only the command that was asked for is imported.
+the parsed arguments to the exit code. One whose flags cannot all be listed sets `further=`, too: it takes what the
+parser does not know, and returns what of it is unknown indeed. Ours are in `proxy.commands`; others come through the
+entry-point group `sendworthy.commands`. Only the command that was asked for is imported.
 """
 
 import argparse
@@ -15,11 +16,14 @@ from importlib import import_module, metadata
 from typing import NoReturn, TypeAlias
 
 from proxy import exit_codes
+from utility_specs.suggestions import hint, quoted
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - it has no other name
 Command = Callable[[Subparsers], None]
 
 GROUP = "sendworthy.commands"
+WITHOUT_COMMAND = ("-h", "--help", "--version")
+"""Flags that stand in place of a command; all others follow one."""
 BUILT_IN = ("run", "learn", "check", "schema", "explain", "status", "mode", "push")
 
 EXAMPLES = """\
@@ -54,9 +58,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     if failure:
         print(f"sendworthy: {failure}", file=sys.stderr)
         return exit_codes.FAILED
+    first = arguments[0] if arguments else ""
+    if first.startswith("-") and first not in WITHOUT_COMMAND:
+        refuse(first, parser)
+    if first and first == wanted and wanted not in subparsers.choices:
+        parser.error(f"unknown command {quoted(wanted)}{hint(wanted, subparsers.choices)}")
     parsed, unknown = parser.parse_known_args(arguments)
+    if unknown and hasattr(parsed, "further"):
+        unknown = parsed.further(parsed, unknown)
     if unknown:
-        refuse(unknown[0], subparsers.choices[wanted] if wanted else parser)
+        refuse(unknown[0], subparsers.choices[str(wanted)])
     return run(parsed)
 
 
@@ -76,9 +87,11 @@ def add_commands(subparsers: Subparsers, wanted: str | None) -> str | None:
 def refuse(word: str, parser: argparse.ArgumentParser) -> NoReturn:
     """Exit 2 because of a word that `parser` does not know, and suggest the flag that was meant."""
     flags = re.findall(r"(?<![\w-])--[\w.-]+", parser.format_help())
-    near = difflib.get_close_matches(word.partition("=")[0], flags, n=1) if word.startswith("--") else []
-    hint = f" (did you mean {near[0]}?)" if near else ""
-    parser.error(f"unknown argument {word}{hint}")
+    near = difflib.get_close_matches(word.partition("=")[0], flags, n=1) if word.startswith("-") else []
+    if word.endswith(".toml") and "--config" in flags:
+        near = [f"--config {word}"]
+    meant = f" (did you mean {near[0]}?)" if near else ""
+    parser.error(f"unknown argument {word}{meant}")
 
 
 def run(parsed: argparse.Namespace) -> int:

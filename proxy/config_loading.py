@@ -14,6 +14,7 @@ from proxy.config import Config, SpecsConfig, settings
 from proxy.config_layers import Layers, Override, flags, variables
 from proxy.errors import ConfigError
 from utility_specs.errors import TomlError
+from utility_specs.loader import holds_specs
 from utility_specs.suggestions import hint
 from utility_specs.toml_lines import KeyPath
 from utility_specs.toml_source import TomlSource
@@ -122,12 +123,12 @@ def _zenoh_tables(values: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], 
 
 
 def _specs_path(folder: Path, layers: Layers, problems: _Problems) -> Path:
-    """Resolve `specs.path`. One that is configured must exist; the default one may be missing: no specs."""
+    """Resolve `specs.path`. A file must exist; a folder may come later: until then there are no specs."""
     section = layers.values.get(SPECS[0])
     given = section.get(SPECS[1]) if isinstance(section, Mapping) else None
     if not isinstance(given, str):
         return folder / SpecsConfig().path
     path = Path(given) if layers.origin(SPECS) else folder / given
-    if not path.exists():
+    if path.suffix == ".toml" and not holds_specs(path) and not path.is_dir():
         problems.at(SPECS, f"{path} does not exist")
     return path

@@ -3,6 +3,8 @@
 import json
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import zenoh
@@ -11,6 +13,8 @@ from utility_specs.suggestions import hint
 
 ZenohPath = tuple[str, ...]
 
+_FILES = ("_file", "_certificate", "_private_key")
+"""How the keys end whose values are paths of files."""
 _WORDS = re.compile(r'(?:msg: |Str\()"(?P<message>(?:[^"\\]|\\.)*)"')
 
 
@@ -20,9 +24,21 @@ def zenoh_problems(table: Mapping[str, Any], path: ZenohPath = ()) -> Iterator[t
         here = (*path, key)
         refusal = _refusal(here, value)
         if refusal is None:
+            yield from _missing_files(here, value)
             continue
         within = list(zenoh_problems(value, here)) if isinstance(value, Mapping) and _knows(here) else []
         yield from within or [(here, refusal)]
+
+
+def _missing_files(path: ZenohPath, value: Any) -> Iterator[tuple[ZenohPath, str]]:
+    """Yield files that are named and not there. Zenoh would say so when it starts, and name neither file nor key."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _missing_files((*path, key), inner)
+    elif path[-1].endswith(_FILES) and isinstance(value, str):
+        with suppress(OSError):  # who may not look whether it is there cannot say that it is not
+            if not Path(value).exists():
+                yield path, f"{value} does not exist"
 
 
 def _refusal(path: ZenohPath, value: Any) -> str | None:

@@ -1,6 +1,7 @@
 """The daemon of one robot: the core, the bridge and their threads, started and stopped together."""
 
 import logging
+import os
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
@@ -20,6 +21,7 @@ from proxy.bridge.lane import Lane
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence, free_name
+from proxy.bridge.radio import Scouted
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
@@ -150,6 +152,7 @@ class Daemon:
     def _open(self, opening: ExitStack) -> None:
         """Build everything between the sessions, and start it from the core outwards."""
         config = self._config
+        self._scouted = Scouted(config.mesh.interface) if config.mesh.scouts else None
         sides = open_sides(config.app, config.mesh, opening, _FAREWELL)
         self._air = sides.air
         self._zids = {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())}
@@ -200,6 +203,8 @@ class Daemon:
         self._lookout = Lookout(config.mesh.interface, self._zids.values(), _scouting_group(config))
         opening.callback(self._lookout.close, _PATIENCE)
         self._lookout.start()
+        for warning in self._scouted.warnings() if self._scouted else ():
+            log.warning("%s", warning)
         lane = Lane("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(lane.close, _PATIENCE)
         control = Control(
@@ -208,7 +213,7 @@ class Daemon:
             lane=lane,
             on_loop=loop.post,
             status=self._status,
-            switch=self._switch,
+            switch=self._ordered,
         )
         opening.callback(control.close)
         fleet_lane = Lane("fleet")
@@ -219,7 +224,7 @@ class Daemon:
             robot=robot,
             lane=fleet_lane,
             obeyed=orders(
-                config.fleet, robot, lambda mode: loop.ask(partial(self._switch, mode), SWAP), self.reloading
+                config.fleet, robot, lambda mode: loop.ask(partial(self._ordered, mode), SWAP), self.reloading
             ),
             members=lambda: loop.ask(lambda: [peer.robot for peer in core.view.peers.values()], SWAP),
         )
@@ -268,6 +273,11 @@ class Daemon:
         self._bridge.switch(mode)
         self._loop.handle(ModeChanged(clock.monotonic(), mode))
 
+    def _ordered(self, mode: Mode) -> None:
+        """Somebody has us switch; a mode that changes with the configuration is logged with all that changes there."""
+        self._switch(mode)
+        log.info("mode %s", mode.value)
+
     def _warnings(self) -> list[str]:
         sides, peers = self._sides, self._loop.core.view.peers.values()
         others = {origin: peer.robot for peer in peers for origin in peer.origins if origin != peer.zid}
@@ -275,6 +285,7 @@ class Daemon:
             *self._neighbours.warnings(),
             *around(sides.app, sides.mesh, others),
             *self._lookout.warnings(),
+            *(self._scouted.warnings() if self._scouted else ()),
             *self.reloading.warnings(),
         ]
 
@@ -293,7 +304,7 @@ class Daemon:
                 "looks": self._lookout.looks,
                 "features": {"superseded": self._extractor.superseded},
                 "reloads": self.reloading.describe(),
-                "specs": str(self.reloading.loaded.config.specs.path.resolve()),
+                "specs": os.path.realpath(self.reloading.loaded.config.specs.path),
                 **self._bridge.describe(),
                 **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
             },

@@ -108,12 +108,21 @@ def _decision(status: Status, key: str) -> Iterator[tuple[str, str]]:
         return
     yield ("  last one", f"{_reason(str(last.get('reason')))}, {_ago(last.get('age'))}")
     did, otherwise = ("sent", "dropped") if last.get("send") else ("dropped", "sent")
-    plans = f"{number(last.get('utility'))} with it {did}, {number(last.get('opposite'))} with it {otherwise}"
+    plans = f"{number(last.get('utility'))} with it {did}, {_compared(last)} with it {otherwise}"
     yield ("", f"the team's best plan is worth {plans}")
     prices = {name: price for name, price in last.get("prices", {}).items() if price}
     if prices or last.get("binding"):
         scarce = dict.fromkeys([*prices, *last.get("binding", ())])
         yield ("", f"scarce: {', '.join(scarce)}")
+
+
+def _compared(last: Status) -> str:
+    """How much less or more the opposite of a decision is worth; nobody sees that in two numbers of three digits."""
+    utility, opposite = last.get("utility"), last.get("opposite")
+    if utility is None or opposite is None:
+        return UNKNOWN
+    more = opposite - utility
+    return f"{number(abs(more))} {'more' if more > 0.0 else 'less'}" if more else "the same"
 
 
 def _counts(status: Status) -> Iterator[tuple[str, str]]:

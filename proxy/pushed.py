@@ -43,13 +43,14 @@ def gathered(paths: Iterable[Path]) -> dict[str, bytes]:
     """Read files, and the `*.toml` of folders. Raises PushError when one cannot be read or two have one name."""
     files: dict[str, bytes] = {}
     for path in paths:
-        for file in spec_files(path):
+        try:
+            found = [(file, file.read_bytes()) for file in spec_files(path)]
+        except OSError as error:
+            raise PushError(f"{error.filename}: cannot be read: {error.strerror}") from None
+        for file, content in found:
             if file.name in files:
                 raise PushError(f"{file}: there is another file of this name")
-            try:
-                files[file.name] = file.read_bytes()
-            except OSError as error:
-                raise PushError(f"{file}: cannot be read: {error.strerror}") from None
+            files[file.name] = content
     return files
 
 

@@ -5,6 +5,7 @@ What is wrong is told and changes nothing; the same files are tried again when t
 
 import logging
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
@@ -17,6 +18,7 @@ from proxy.pushed import Folder
 from proxy.watching import FileWatch
 from utility_specs import Specs, SpecsError, load_specs
 from utility_specs.errors import SpecProblem, TomlError
+from utility_specs.loader import holds_specs
 from utility_specs.toml_source import TomlSource
 
 log = logging.getLogger(__name__)
@@ -31,9 +33,10 @@ class Loaded:
 
 
 def read_specs(path: Path) -> Specs:
-    """Read the utility specs; none when there is no such folder. Raises SpecsError."""
-    Folder(path).mend()
-    return load_specs(path) if path.exists() else Specs.empty()
+    """Read the utility specs; none when there is no such folder, or nothing in it. Raises SpecsError."""
+    with suppress(OSError, RuntimeError):  # RuntimeError: links in a circle; what is wrong is said when it is read
+        Folder(path).mend()
+    return load_specs(path) if holds_specs(path) else Specs.empty()
 
 
 class Reloading:
@@ -106,7 +109,8 @@ class Reloading:
                 self._apply(loaded, changed)
             except TimeoutError:
                 log.warning("the daemon is busy and will do it later")
-        log.info("%s: specs %s in force%s", why, loaded.specs.generation, "".join(map(_told, changed)))
+        specs = f"specs {loaded.specs.generation} in force" if loaded.specs.types else "no specs, everything passes"
+        log.info("%s: %s%s", why, specs, "".join(map(_told, changed)))
         self.loaded, self._problems = loaded, ()
         self._done += 1
 
@@ -119,7 +123,8 @@ class Reloading:
             raise ConfigError(tuple(map(str, refused)))
         specs = read_specs(config.specs.path)
         if self.loaded.specs.types and not specs.types:
-            raise SpecsError([SpecProblem(config.specs.path, None, "", "is gone; the last specs stay in force")])
+            problem = "there are no specs any more; the last ones stay in force"
+            raise SpecsError([SpecProblem(config.specs.path, None, "", problem)])
         return Loaded(config, specs), changed
 
     def _at(self, path: tuple[str, ...], message: str) -> SpecProblem:

@@ -3,10 +3,13 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from utility_specs import Specs
+
 Status = Mapping[str, Any]
 Row = Sequence[str]
 
 UNKNOWN = "-"
+ALONE = "no other robot is on the mesh; samples that nobody there wants stay here and are not counted"
 
 _LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 _SMALL = ((1.0, ""), (1e-3, "m"), (1e-6, "μ"))
@@ -23,7 +26,7 @@ def table(status: Status) -> str:
         _budget(status.get("budget", ())),
         _streams(status.get("streams", ())),
         _features(status.get("features", ())),
-        _peers(status.get("peers", ())),
+        ALONE if status.get("peers") == [] else _peers(status.get("peers", ())),
         _warnings(status),
     ]
     return "\n\n".join(part for part in parts if part)
@@ -35,12 +38,18 @@ def _headline(status: Status) -> str:
         (
             f"robot {status.get('robot', UNKNOWN)}",
             f"mode {status.get('mode', UNKNOWN)}",
-            f"specs {status.get('specs', UNKNOWN)}",
+            _specs(status),
             f"coordination {status.get('coordination', UNKNOWN)}" + f" (led by {leader})" * bool(leader),
             f"transport {status.get('transport', UNKNOWN)}",
             f"up {duration(status.get('uptime'))}",
         )
     )
+
+
+def _specs(status: Status) -> str:
+    if status.get("specs") == Specs.empty().generation:
+        return f"no specs in {status.get('daemon', {}).get('specs', UNKNOWN)}: everything passes"
+    return f"specs {status.get('specs', UNKNOWN)}"
 
 
 def _counts(counts: Status) -> str:

@@ -72,7 +72,17 @@ def load_set(paths: Sequence[Path]) -> SpecSet:
 
 def spec_files(path: Path) -> list[Path]:
     """Return the files that a path stands for: of a folder its `*.toml`, sorted by name; raises OSError."""
-    return sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    if not path.is_dir():
+        return [path]
+    return sorted(file for file in path.iterdir() if file.suffix == ".toml")  # `glob` hides that it may not look
+
+
+def holds_specs(path: Path) -> bool:
+    """Whether there is anything to load; also where that cannot be told, so that loading it says why."""
+    try:
+        return path.exists() and bool(spec_files(path))
+    except OSError:
+        return True
 
 
 def _files_of(paths: Iterable[Path], problems: list[SpecProblem]) -> list[Path]:
@@ -87,7 +97,7 @@ def _files_of(paths: Iterable[Path], problems: list[SpecProblem]) -> list[Path]:
             RuntimeError,
             ValueError,
         ) as error:  # RuntimeError: links in a circle; ValueError: a NUL
-            problems.append(SpecProblem(path, None, "", f"cannot be read: {error}"))
+            problems.append(SpecProblem(path, None, "", f"cannot be read: {getattr(error, 'strerror', error)}"))
         else:
             if not found:
                 problems.append(SpecProblem(path, None, "", "has no *.toml file in it"))

@@ -1,14 +1,15 @@
 """Which network interface is the radio, when the configuration leaves it open."""
 
 import fcntl
+import ipaddress
 import socket
 import struct
 
 from proxy.errors import SessionError
 
 AUTO = "auto"
-_READ_FLAGS = 0x8913
-"""SIOCGIFFLAGS of Linux."""
+_READ_FLAGS, _READ_ADDRESS = 0x8913, 0x8915
+"""SIOCGIFFLAGS and SIOCGIFADDR of Linux."""
 _UP, _LOOPBACK, _RUNNING, _MULTICAST = 0x1, 0x8, 0x40, 0x1000
 
 
@@ -32,11 +33,58 @@ def multicast_interfaces() -> list[str]:
     return [name for _, name in socket.if_nameindex() if _flags(name) & (wanted | _LOOPBACK) == wanted]
 
 
+class Scouted:
+    """Where other robots are looked for: Zenoh takes the interfaces that have an address when its session opens.
+
+    `configured` is "auto", or what the configuration names.
+    """
+
+    def __init__(self, configured: str) -> None:
+        self._configured = configured
+        self._taken = self._usable()
+
+    def warnings(self) -> list[str]:
+        """Say where robots are not looked for, and what to do."""
+        late = sorted(self._usable() - self._taken)
+        if late:
+            names = " and ".join(late)
+            return [f"mesh.interface: {names} came up after the daemon did; to find robots there, restart it"]
+        if not self._taken:
+            which = "no interface" if self._configured == AUTO else f'no interface "{self._configured}" with an address'
+            return [f"mesh.interface: there is {which}, so no robots are found; restart the daemon when there is one"]
+        return []
+
+    def _usable(self) -> set[str]:
+        if self._configured == AUTO:
+            return {name for name in multicast_interfaces() if _has_address(name)}
+        # Names of interfaces; whatever else stands there, such as addresses, is for Zenoh to judge.
+        known = {name for _, name in socket.if_nameindex()}
+        named = set(self._configured.split(","))
+        return {name for name in named if _has_address(name) or (name not in known and _is_address(name))}
+
+
+def _has_address(interface: str) -> bool:
+    return _asked(_READ_ADDRESS, interface) is not None
+
+
+def _is_address(text: str) -> bool:
+    try:
+        ipaddress.ip_address(text)
+    except ValueError:
+        return False
+    return True
+
+
 def _flags(interface: str) -> int:
     """Return the flags of an interface; none when it has just gone."""
+    answer = _asked(_READ_FLAGS, interface)
+    return 0 if answer is None else int(struct.unpack("16sH14x", answer)[1])
+
+
+def _asked(what: int, interface: str) -> bytes | None:
+    """Ask the kernel about an interface; None when it has nothing of the kind, or there is no such interface."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            answer = fcntl.ioctl(probe, _READ_FLAGS, struct.pack("16sH14x", interface.encode(), 0))
+            return fcntl.ioctl(probe, what, struct.pack("16sH14x", interface.encode()[:15], 0))
         except OSError:
-            return 0
-    return int(struct.unpack("16sH14x", answer)[1])
+            return None

@@ -51,7 +51,8 @@ def app_options(
     It may `connect` to routers that apps use already, and with `scouting` it answers apps that look for a router.
 
     Gossip stays on: without it peer-mode apps of one robot do not hear each other. Timestamping stays off: a
-    router that stamps also re-stamps what comes from its future.
+    router that stamps also re-stamps what comes from its future. So does shared memory: 16 MB of every app session
+    that ever published more than a few kB would stay mapped here for good.
     """
     options: dict[str, Any] = {
         "mode": "router",
@@ -64,6 +65,7 @@ def app_options(
             "gossip": {"enabled": True},
         },
         "timestamping": {"enabled": False},
+        "transport": {"shared_memory": {"enabled": False}},
         "adminspace": {"enabled": True, "permissions": {"read": True, "write": False}},
     }
     return merged(options, zenoh_options)

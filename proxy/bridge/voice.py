@@ -15,6 +15,7 @@ import zenoh
 
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.door import Door
+from proxy.bridge.keys import PREFIX
 from proxy.bridge.ledger import Ledger
 from proxy.bridge.sessions import open_session, voice_options
 from proxy.bridge.sourcing import MOST_BEFORE, enclosed
@@ -75,7 +76,12 @@ class Voice:
         self.sourced = gives_source(main, self.session, tap.mark)
         """Whether replies can have source info."""
         if not self.sourced:
-            log.error("cannot give replies source info: the numbers of advanced publishers stay on their robots")
+            log.error(
+                "%s.zenoh: cannot give replies source info, so the numbers of advanced publishers stay on their robots;"
+                " access_control must allow %s/trial/**",
+                side,
+                PREFIX,
+            )
 
     def attachment_of(self, sample: zenoh.Sample) -> zenoh.ZBytes | bytes | None:
         """Return the attachment with which `sample` is to be replied, so that the reply has its source info too."""

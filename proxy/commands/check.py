@@ -10,6 +10,7 @@ from proxy import exit_codes
 from proxy.config_loading import load_config
 from proxy.errors import ConfigError
 from utility_specs.check import check
+from utility_specs.loader import holds_specs
 
 DESCRIPTION = """\
 Checks files of utility specs, or folders of them, as one set and without a daemon; with --config a configuration and
@@ -63,5 +64,6 @@ def _specs_of(config: Path | None, out: TextIO) -> list[Path]:
     if config is None:
         return []
     path = load_config(config, os.environ, {}).specs.path
-    print(f"{config}: right{'' if path.exists() else ', without specs'}", file=out)
-    return [path] if path.exists() else []
+    found = holds_specs(path)
+    print(f"{config}: right{'' if found else f', no specs in {path}: everything passes'}", file=out)
+    return [path] if found else []

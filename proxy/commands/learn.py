@@ -150,6 +150,8 @@ def _of_live(arguments: argparse.Namespace) -> str:
             listener.over.wait(arguments.seconds)
         listener.stop()
     print(f"heard {counted(listener.count, 'sample')}", file=sys.stderr)
+    if not listener.count:
+        raise LearningError(f"nothing was published at {arguments.connect}; are the applications connected there?")
     if arguments.record is not None:
         return _of_recording(arguments.record, notes)
     if listener.full:
@@ -199,7 +201,7 @@ def _write(text: str, path: Path) -> None:
     """Put the file in place whole, and say whether it goes with its neighbours. Raises OutputError."""
     beside = path.with_name(f".{path.name}.new")
     try:
-        path.parent.mkdir(exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         beside.write_text(text, encoding="utf-8")
         beside.replace(path)
     except OSError as error:

@@ -6,6 +6,7 @@ import sys
 from proxy import exit_codes
 from proxy.commands.client import NoAnswerError, add_client_flags, connected, ordered
 from proxy.core.mode import Mode
+from utility_specs.suggestions import hint, quoted
 
 DESCRIPTION = """\
 Switches a running daemon, at once and without a restart.
@@ -35,10 +36,17 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("mode", metavar="MODE", choices=[mode.value for mode in Mode], help="pass, shadow or enforce")
+    parser.add_argument("mode", metavar="MODE", type=_mode, help="pass, shadow or enforce")
     parser.add_argument("--fleet", action="store_true", help="switch all robots of the team")
     add_client_flags(parser)
     parser.set_defaults(run=run)
+
+
+def _mode(text: str) -> str:
+    """Read a mode for argparse."""
+    if text not in list(Mode):
+        raise argparse.ArgumentTypeError(f"unknown {quoted(text)}{hint(text, Mode)}")
+    return text
 
 
 def run(arguments: argparse.Namespace) -> int:

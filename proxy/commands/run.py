@@ -5,7 +5,8 @@ import logging
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -34,13 +35,15 @@ or, where there is any mistake, none; SIGHUP has them read in any case. Of the c
 
 Every key of the configuration is also a flag and an environment variable; flags win over variables,
 variables over the file, the file over the defaults. `planner.iterations` is --planner.iterations and
-SENDWORTHY_PLANNER__ITERATIONS. Values are written as in TOML; text needs no quotes.
+SENDWORTHY_PLANNER__ITERATIONS, and so is every key of Zenoh in app.zenoh and mesh.zenoh. Values are written as in TOML;
+text needs no quotes.
 """
 EXAMPLES = """\
 examples:
   sendworthy run --config sendworthy.toml
   sendworthy run --config sendworthy.toml --mode shadow --log.level debug
   sendworthy run --robot r1 --mesh.scouting false --mesh.connect '["tcp/10.0.0.2:7500"]'
+  sendworthy run --app.zenoh.transport.shared_memory.enabled true
   SENDWORTHY_PLANNER__ITERATIONS=500 sendworthy run --config sendworthy.toml
 
 exit codes:
@@ -67,14 +70,28 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         keys.add_argument(
             f"--{setting.key}", metavar="VALUE", dest=setting.key, help=setting.description.replace("%", "%%")
         )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, further=further, inside={})
+
+
+def further(arguments: argparse.Namespace, words: Sequence[str]) -> list[str]:
+    """Take flags of keys inside open tables, `--app.zenoh.scouting.delay 0`; return all other words."""
+    others, left = [], deque(words)
+    tables = tuple(f"--{setting.key}." for setting in SETTINGS.values() if setting.takes_table)
+    while left:
+        flag, equals, value = left.popleft().partition("=")
+        if flag.startswith(tables):
+            follows = not equals and left and not left[0].startswith("--")
+            arguments.inside[flag.removeprefix("--")] = left.popleft() if follows else value
+        else:
+            others.append(f"{flag}{equals}{value}")
+    return others
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon; return the exit code."""
     asked = requests()
     flags = {setting.key: getattr(arguments, setting.key) for setting in SETTINGS.values()}
-    given = {key: text for key, text in flags.items() if text is not None}
+    given = {key: text for key, text in flags.items() if text is not None} | arguments.inside
     read = partial(load_config, arguments.config, os.environ, given)
     try:
         config = read()
@@ -140,9 +157,9 @@ def broadcasting(config: Config) -> str:
 
 def started(config: Config, specs: Specs, robot: str) -> str:
     """Describe the daemon in one line."""
-    types = len(specs.types)
-    covered = f"{types} information type{'s' * (types != 1)} from {config.specs.path}"
-    specs_in_force = f"specs {specs.generation} ({covered})" if types else "no specs: everything passes"
+    types, path = len(specs.types), config.specs.path
+    covered = f"{types} information type{'s' * (types != 1)} from {path}"
+    specs_in_force = f"specs {specs.generation} ({covered})" if types else f"no specs in {path}: everything passes"
     ruled = config.bridge != BridgeConfig()
     return (
         f"sendworthy {version('sendworthy')}: robot {robot}, mode {config.mode.value}, "

@@ -285,15 +285,14 @@ class Core:
         self.telling.restate(event.now)
         self.view.restart_losses()
         self._adopt_limits(event.now)
-        return [Notice("info", f"specs {event.specs.generation} in force"), *self.gate.unsettle()]
+        return self.gate.unsettle()
 
     @_on.register
     def _(self, event: ev.ModeChanged) -> list[Command]:
         self.gate.mode = event.mode
         self.telling.restate(event.now)
         self.view.restart_losses()
-        released = self.gate.release(event.now) if event.mode is Mode.PASS else []
-        return [Notice("info", f"mode {event.mode.value}"), *released]
+        return self.gate.release(event.now) if event.mode is Mode.PASS else []
 
     @_on.register
     def _(self, event: ev.DecisionReady) -> list[Command]:

@@ -17,8 +17,7 @@ class Outsiders:
 
     def note(self, now: float, name: str, *, known: bool) -> None:
         """A robot told of its epoch; `known` when that is one of the limits that we have."""
-        peer = self._view.peers.get(name)
-        if known or peer is None or not peer.specs or peer.specs == self._view.specs.generation:
+        if known or not self._differs(name):
             self._since.pop(name, None)
         else:
             self._since.setdefault(name, now)
@@ -27,9 +26,14 @@ class Outsiders:
         """Look who has had other limits for too long; return whether these are others than before."""
         if not self._since and not self.found:
             return False
-        self._since = {name: since for name, since in self._since.items() if name in self._view.peers}
+        self._since = {name: since for name, since in self._since.items() if self._differs(name)}
         before, self.found = self.found, frozenset(n for n, since in self._since.items() if now - since > PATIENCE)
         return self.found != before
+
+    def _differs(self, name: str) -> bool:
+        """Whether a robot is there and has other specs by now: both may have changed since it told of its epoch."""
+        peer = self._view.peers.get(name)
+        return peer is not None and peer.specs not in ("", self._view.specs.generation)
 
     def warnings(self) -> list[str]:
         """Name them."""

@@ -133,22 +133,30 @@ def _interruptible() -> Iterator[None]:
             signal.signal(number, handler)
 
 
+def _number(text: str) -> float:
+    """Read a number for argparse, whose own words for what is none name a function."""
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text} is not a number") from None
+
+
 def _robots(text: str) -> int:
-    number = int(text)
-    if not 1 <= number <= 50:
-        raise argparse.ArgumentTypeError(f"{number} is not between 1 and 50")
-    return number
+    number = _number(text)
+    if number not in range(1, 51):
+        raise argparse.ArgumentTypeError(f"{text} is not a number from 1 to 50")
+    return int(number)
 
 
 def _seconds(text: str) -> float:
-    number = float(text)
+    number = _number(text)
     if not SHORTEST <= number < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not at least {SHORTEST:g}")
     return number
 
 
 def _rate(text: str) -> float:
-    number = float(text)
+    number = _number(text)
     if not 1e5 <= number < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not at least 1e5")
     return number

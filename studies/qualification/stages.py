@@ -43,7 +43,7 @@ STAGES = (
     ),
     Stage(
         "soak",
-        "20 minutes of traffic, of subscribers that come and go, and of reloads leave nothing behind in a daemon",
+        "20 minutes of traffic, of applications that come and go, and of reloads leave nothing behind in a daemon",
         (*SYSTEM, "--capture=no", "tests/system/test_soak.py"),
         {"SOAK": "1200"},
     ),

@@ -19,10 +19,10 @@ ROOT = Path(__file__).parents[2]
 UNIT = ROOT / "deploy" / "systemd" / "sendworthy.service"
 
 
-def settings():
-    """All settings of the unit by name, each with its values in order."""
+def settings(unit=UNIT):
+    """All settings of a unit by name, each with its values in order."""
     found = {}
-    for line in UNIT.read_text().splitlines():
+    for line in unit.read_text().splitlines():
         if re.match(r"[A-Z]\w+=", line):
             name, value = line.split("=", 1)
             found.setdefault(name, []).append(value)
@@ -122,6 +122,29 @@ def test_the_service_lives_as_systemd_wants_it(service):
     service.process.send_signal(signal.SIGTERM)
     assert service.told() == "STOPPING=1"
     assert service.process.wait(float(settings()["TimeoutStopSec"][0])) == exit_codes.OK
+
+
+@pytest.mark.parametrize("unit", [UNIT, ROOT / "deploy" / "apps" / "namespace.conf"], ids=lambda unit: unit.name)
+def test_systemd_never_gives_up(unit):
+    """By default a service stays failed that ended five times within 10 s; with RestartSec=100ms that is soon so."""
+    assert settings(unit)["StartLimitIntervalSec"] == ["0"]
+
+
+def test_systemd_takes_the_unit(tmp_path):
+    """It knows every key, in the section in which it stands."""
+    if shutil.which("systemd-analyze") is None:
+        pytest.skip("needs systemd-analyze")
+    unit = UNIT.read_text().replace("/opt/sendworthy/bin/sendworthy", sys.executable)
+    (tmp_path / UNIT.name).write_text(unit)
+    found = subprocess.run(
+        ["systemd-analyze", "verify", UNIT.name],
+        cwd=tmp_path,
+        env={"SYSTEMD_UNIT_PATH": f"{tmp_path}:", "PATH": "/usr/bin:/bin"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (found.returncode, found.stderr) == (0, "")
 
 
 def test_what_is_wrong_from_the_start_is_not_tried_again(service):

@@ -53,9 +53,11 @@ def test_every_key_is_explained():
 def test_examples_within_comments_load(tmp_path):
     """The tables shown as examples are ones that Zenoh takes."""
     tables = re.findall(r"(?m)^#     (\[.*\.zenoh.*\])\n#     (.*)$", SAMPLE.read_text())
-    assert len(tables) == 2
+    assert len(tables) == 3
     file = tmp_path / "sendworthy.toml"
     file.write_text("\n".join(line for table in tables for line in table))
     config = load_config(file, {}, {})
-    assert config.app.zenoh == {"transport": {"unicast": {"max_sessions": 50}}}
+    assert config.app.zenoh == {
+        "transport": {"unicast": {"max_sessions": 50}, "shared_memory": {"enabled": True}},
+    }
     assert config.mesh.zenoh == {"transport": {"link": {"tx": {"lease": 5000}}}}

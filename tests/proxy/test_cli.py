@@ -5,6 +5,7 @@ import subprocess
 import sys
 from importlib import metadata
 from pathlib import Path
+from unittest.mock import ANY
 
 import pytest
 
@@ -84,21 +85,31 @@ def test_run_has_a_flag_for_every_key(capsys):
     ("arguments", "message"),
     [
         ([], "the following arguments are required: COMMAND"),
-        (["fly"], "invalid choice: 'fly'"),
+        (["stauts"], 'unknown command "stauts" (did you mean "status"?)'),
+        (["fly"], 'unknown command "fly" (known: "'),
         (
             ["run", "--planner.iteration", "5"],
             "unknown argument --planner.iteration (did you mean --planner.iterations?)",
         ),
         (["run", "--mesh.conect=[]"], "unknown argument --mesh.conect=[] (did you mean --mesh.connect?)"),
-        (["run", "sendworthy.toml"], "unknown argument sendworthy.toml"),
+        (["run", "sendworthy.toml"], "unknown argument sendworthy.toml (did you mean --config sendworthy.toml?)"),
+        (["run", "--robot", "r1", "r2"], "unknown argument r2\n"),
+        (["run", "--ap.zenoh.mode", "peer"], "unknown argument --ap.zenoh.mode (did you mean --app.zenoh?)"),
+        (["status", "--jsn"], "unknown argument --jsn (did you mean --json?)"),
+        (["status", "-json"], "unknown argument -json (did you mean --json?)"),
+        (["check", "--confg", "a.toml"], "unknown argument --confg (did you mean --config?)"),
+        (["learn", "--second", "3"], "unknown argument --second (did you mean --seconds?)"),
+        (["explain", "a", "--spec", "b"], "unknown argument --spec (did you mean --specs?)"),
         (["push"], "the following arguments are required: FILE"),
-        (["mode", "fast"], "invalid choice: 'fast'"),
+        (["mode", "enfroce"], 'argument MODE: unknown "enfroce" (did you mean "enforce"?)'),
+        (["mode", "on"], 'argument MODE: unknown "on" (known: "pass", "shadow", "enforce")'),
         (
             ["status", "--connect", "localhost"],
             'must be an endpoint like "tcp/192.168.1.2:7500", not "localhost"',
         ),
         (["status", "--robot", "a/b"], 'must be one chunk of a key, without /: "a/b"'),
-        (["--verbose"], "required: COMMAND"),
+        (["--verison"], "unknown argument --verison (did you mean --version?)"),
+        (["--config", "a.toml", "run"], "unknown argument --config"),
     ],
 )
 def test_a_wrong_command_line_is_refused(capsys, arguments, message):
@@ -107,6 +118,26 @@ def test_a_wrong_command_line_is_refused(capsys, arguments, message):
         main(arguments)
     assert left.value.code == exit_codes.USAGE
     assert message in capsys.readouterr().err
+
+
+def test_every_key_of_zenoh_is_a_flag(tmp_path):
+    """Like every other key; a mistake in one is named by its flag."""
+    file = tmp_path / "sendworthy.toml"
+    file.write_text('mode = "on"\n')
+    flags = (
+        "--app.zenoh.transport.unicast.max_sessions",
+        "many",
+        "--mesh.zenoh.transport.link.tx.lease=5000",
+        "--app.zenoh.mod",
+    )
+    ended = sendworthy("run", "--config", str(file), *flags, "--mesh.zenoh.mode", "on", "--planner.horizon", "5")
+    assert ended.returncode == exit_codes.CONFIG
+    assert [line.partition(": ")[::2] for line in ended.stderr.splitlines()] == [
+        (f"{file}:1", 'mode: unknown "on" (known: "pass", "shadow", "enforce")'),
+        ("--app.zenoh.transport.unicast.max_sessions", ANY),
+        ("--app.zenoh.mod", 'unknown key of Zenoh (did you mean "mode"?)'),
+        ("--mesh.zenoh.mode", ANY),
+    ]
 
 
 def test_commands_from_elsewhere_are_found(add_on, capsys):

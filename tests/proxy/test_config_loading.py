@@ -102,7 +102,7 @@ def test_specs_of_a_flag_are_relative_to_the_working_directory(load, tmp_path, m
     """Who types a path means it from where they are."""
     (tmp_path / "work" / "here").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "work")
-    assert load('[specs]\npath = "gone"', {}, {"specs.path": "here"}).specs.path == Path("here")
+    assert load('[specs]\npath = "gone.toml"', {}, {"specs.path": "here"}).specs.path == Path("here")
 
 
 GROUP = 'must be a multicast group and a port like "224.0.0.226:7449" or "[ff02::226]:7449", not'
@@ -221,7 +221,7 @@ BROKEN = {
         '2: bridge.in.bypass: unknown key (known keys: "allow", "deny")',
     ),
     "into is no table": ("[bridge]\ninto = {}", '2: bridge.into: unknown key (did you mean "in"?)'),
-    "specs missing": ('[specs]\npath = "none.d"', "2: specs.path: none.d does not exist"),
+    "specs missing": ('[specs]\npath = "none.toml"', "2: specs.path: none.toml does not exist"),
     "specs no text": ("[specs]\npath = false", "2: specs.path: must be a string, not false"),
     "specs no table": ("specs = false", "1: specs: must be a table, not false"),
     "zenoh no table": ("[mesh]\nzenoh = false", "2: mesh.zenoh: must be a table, not false"),
@@ -292,7 +292,7 @@ def test_a_missing_file_is_a_mistake(tmp_path):
                 "expected one of `router`, `peer`, `client`"
             ),
         ),
-        ({"SENDWORTHY_SPECS__PATH": "/gone"}, "SENDWORTHY_SPECS__PATH: specs.path: /gone does not exist"),
+        ({"SENDWORTHY_SPECS__PATH": "/a.toml"}, "SENDWORTHY_SPECS__PATH: specs.path: /a.toml does not exist"),
     ],
 )
 def test_a_mistake_in_a_variable_names_the_variable(problems, environ, message):
@@ -318,7 +318,7 @@ def test_a_mistake_in_a_flag_names_the_flag(problems, overrides, message):
 def test_all_mistakes_are_reported_at_once_in_the_order_of_the_file(problems):
     """One run shows everything that is to be mended: the file by lines, then variables and flags."""
     found = problems(
-        '[planner]\nsearch = "bad"\n[mesh]\nscouting = 1.5\n[mesh.zenoh]\nmod = "peer"\n[specs]\npath = "gone"',
+        '[planner]\nsearch = "bad"\n[mesh]\nscouting = 1.5\n[mesh.zenoh]\nmod = "peer"\n[specs]\npath = "gone.toml"',
         {"SENDWORTHY_LOG__LEVEL": "loud"},
         {"mode": "on"},
     )

@@ -35,6 +35,19 @@ def test_a_value_in_place_of_a_table_is_refused_as_a_whole():
     assert message == "Zenoh refuses it: invalid type: integer `3`, expected struct TransportConf"
 
 
+def test_files_that_are_named_must_be_there(tmp_path):
+    """Certificates, keys, dictionaries: Zenoh itself would name neither the file nor the key."""
+    here, gone = tmp_path / "ca.pem", str(tmp_path / "r1.key")
+    here.touch()
+    tls = {"root_ca_certificate": str(here), "listen_private_key": gone}
+    table = {"transport": {"link": {"tls": tls}, "auth": {"usrpwd": {"dictionary_file": gone}}}}
+    assert list(zenoh_problems(table)) == [
+        (("transport", "link", "tls", "listen_private_key"), f"{gone} does not exist"),
+        (("transport", "auth", "usrpwd", "dictionary_file"), f"{gone} does not exist"),
+    ]
+    assert list(zenoh_problems({"transport": {"link": {"tls": {"root_ca_certificate": "x" * 300}}}})) == []
+
+
 def test_a_key_below_what_is_no_table_is_unknown():
     """There is nothing that could have been meant."""
     ((path, message),) = zenoh_problems({"mode": {"router": {"x": 1}}})

@@ -72,7 +72,7 @@ def test_a_stream_is_told_as_the_daemon_knows_it():
         "              80 forwarded",
         "  wanted by   1 robot",
         "  last one    dropped:planner (others are worth more for what is left), 500 ms ago",
-        "              the team's best plan is worth 5.42 with it dropped, 5.35 with it sent",
+        "              the team's best plan is worth 5.42 with it dropped, 0.07 less with it sent",
         "              scarce: throughput, energy",
         "  all keys    200 passed:no-spec, 80 forwarded",
     ]
@@ -96,12 +96,22 @@ def test_an_unknown_key_is_said_to_be_one():
     assert len(list(known({"robot": "r1"}, "other"))) == 2
 
 
+@pytest.mark.parametrize(
+    ("opposite", "text"), [(211.9, "0.1 less"), (212.004, "0.004 more"), (212.0, "the same"), (None, "-")]
+)
+def test_the_opposite_of_a_decision_is_told_by_how_much_it_differs(opposite, text):
+    """Two plans for a whole team are worth nearly the same; what a reader wants to know is the difference."""
+    last = STATUS["decisions"]["last"] | {"utility": 212.0, "opposite": opposite}
+    lines = list(known(STATUS | {"decisions": {"last": last}}, "robot/r1/camera"))
+    assert f"              the team's best plan is worth 212 with it dropped, {text} with it sent" in lines
+
+
 def test_a_decision_to_send_is_told_the_other_way_round():
     """Without scarcity nothing is said of it."""
     last = STATUS["decisions"]["last"] | {"send": True, "reason": "forwarded", "prices": {}, "binding": []}
     lines = list(known(STATUS | {"decisions": {"last": last}}, "robot/r1/camera"))
     assert "  last one    forwarded, 500 ms ago" in lines
-    assert "              the team's best plan is worth 5.42 with it sent, 5.35 with it dropped" in lines
+    assert "              the team's best plan is worth 5.42 with it sent, 0.07 less with it dropped" in lines
     assert not any("scarce" in line for line in lines)
 
 

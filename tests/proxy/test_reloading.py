@@ -6,6 +6,7 @@ import pytest
 
 from proxy.config_loading import load_config
 from proxy.reloading import Loaded, Reloading, read_specs
+from utility_specs import SpecsError
 
 CONFIG = 'robot = "r1"\nmode = "enforce"\n'
 SPECS = """
@@ -111,23 +112,42 @@ def test_a_file_that_cannot_be_read_is_a_bad_one(files):
 
 def test_specs_that_vanish_stay_in_force(files):
     """Nothing to read is not the same as nothing to limit."""
+    problem = f"{files.specs.parent}: there are no specs any more; the last ones stay in force"
     files.specs.unlink()
+    assert files.looked()["problems"] == [problem]
     files.specs.parent.rmdir()
-    assert files.looked()["problems"] == [f"{files.specs.parent}: is gone; the last specs stay in force"]
+    assert files.looked()["problems"] == [problem]
     assert files.weight == 1.0
 
 
-def test_specs_may_come_later(tmp_path):
-    """A daemon that started without any takes them up when the folder appears."""
-    config = load_config(None, {}, {"specs.path": str(tmp_path)})
-    folder = config.model_copy(update={"specs": config.specs.model_copy(update={"path": tmp_path / "specs.d"})})
-    reloading = Reloading(Loaded(folder, read_specs(folder.specs.path)), None, lambda: folder, lambda *_: None)
-    (tmp_path / "specs.d").mkdir()
-    (tmp_path / "specs.d" / "camera.toml").write_text(SPECS)
-    reloading.look()
-    reloading.look()
-    assert reloading.describe() == {"done": 1, "refused": 0, "problems": []}
+@pytest.mark.parametrize("there", [False, True], ids=["missing", "empty"])
+def test_specs_may_come_later(tmp_path, caplog, there):
+    """A daemon that started without any, in a folder that is missing or empty, takes them up when they appear."""
+    caplog.set_level("INFO")
+    folder = tmp_path / "specs.d"
+    if there:
+        folder.mkdir()
+    config = load_config(None, {}, {"specs.path": str(folder)})
+    reloading = Reloading(Loaded(config, read_specs(folder)), None, lambda: config, lambda *_: None)
+    assert not reloading.loaded.specs.types
+    folder.mkdir(exist_ok=True)
+    (folder / "README").write_text("Specs go here.")
+    for _ in range(2):
+        reloading.look()
+    assert "no specs" in caplog.text or not caplog.records
+    (folder / "camera.toml").write_text(SPECS)
+    for _ in range(2):
+        reloading.look()
+    assert reloading.describe()["problems"] == []
     assert [each.name for each in reloading.loaded.specs.types] == ["camera"]
+
+
+def test_a_folder_that_nobody_can_look_into_is_a_mistake_not_an_empty_one(tmp_path):
+    """Nothing limited for want of a permission would be found out in flight."""
+    with pytest.raises(SpecsError, match=r"cannot be read: .*File name too long"):
+        read_specs(tmp_path / ("d" * 300))
+    (tmp_path / "circle").symlink_to("circle")
+    assert not read_specs(tmp_path / "circle").types
 
 
 def test_the_mode_changes_with_its_file(files):

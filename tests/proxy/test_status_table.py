@@ -4,7 +4,7 @@ import pytest
 
 from proxy.core.core import Core
 from proxy.core.settings import CoreSettings
-from proxy.status_table import amount, duration, rate, schedule, share, table
+from proxy.status_table import ALONE, amount, duration, rate, schedule, share, table
 from utility_specs import Specs
 
 STATUS = {
@@ -174,9 +174,9 @@ def test_the_status_of_a_new_core_is_short():
     """A daemon that has seen nothing yet has no empty sections."""
     core = Core(CoreSettings(robot="r1", zid="a1"), Specs.empty(), 0.0)
     lines = table(core.status(1.5)).splitlines()
-    assert lines[0].startswith("robot r1   mode enforce   specs ")
+    assert lines[0].startswith("robot r1   mode enforce   no specs in ")
     assert lines[0].endswith("up 1.5 s")
-    assert lines[1:] == ["", "samples  0 in = 0 forwarded + 0 dropped + 0 queued"]
+    assert lines[1:] == ["", "samples  0 in = 0 forwarded + 0 dropped + 0 queued", "", ALONE]
 
 
 @pytest.mark.parametrize(

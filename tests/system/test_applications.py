@@ -128,9 +128,9 @@ def test_a_namespace_keeps_default_applications_at_their_daemon(network, start):
 
 
 def commands(kind):
-    """The commands of the unit: of `ExecStart` or `ExecStop`."""
+    """The commands of the unit: of `ExecStart` or `ExecStopPost`."""
     lines = (APPS / "sendworthy-apps.service").read_text().splitlines()
-    return [line.partition("=")[2] for line in lines if line.startswith(f"{kind}=")]
+    return [line.partition("=")[2].removeprefix("-") for line in lines if line.startswith(f"{kind}=")]
 
 
 def inner(host, closing):
@@ -144,6 +144,6 @@ def inner(host, closing):
 
     for command in commands("ExecStart"):
         run(command)
-    for command in commands("ExecStop"):
+    for command in commands("ExecStopPost"):
         closing.callback(run, command)
     return host.within(name)

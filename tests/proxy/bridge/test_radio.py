@@ -5,7 +5,7 @@ import socket
 import pytest
 
 from proxy.bridge import radio
-from proxy.bridge.radio import interface_of, multicast_interfaces
+from proxy.bridge.radio import Scouted, interface_of, multicast_interfaces
 from proxy.errors import SessionError
 
 
@@ -38,6 +38,26 @@ def test_the_operator_is_asked_when_it_is_not_clear(monkeypatch, found, complain
     monkeypatch.setattr(radio, "multicast_interfaces", lambda: found)
     with pytest.raises(SessionError, match=rf'^mesh\.interface: to broadcast, name .* instead of "auto": {complaint}'):
         interface_of("auto")
+
+
+def test_an_interface_that_comes_up_later_is_named(monkeypatch):
+    """Zenoh looks for nobody there; a robot that boots before its radio is up would not know why it is alone."""
+    up = set()
+    monkeypatch.setattr(radio, "multicast_interfaces", lambda: sorted(up | {"eth0"}))
+    monkeypatch.setattr(radio, "_has_address", lambda name: name in up)
+    scouted, named = Scouted("auto"), Scouted("wlan0")
+    assert scouted.warnings()[0].startswith("mesh.interface: there is no interface, so no robots are found")
+    assert 'no interface "wlan0" with an address' in named.warnings()[0]
+    up.add("wlan0")
+    late = ["mesh.interface: wlan0 came up after the daemon did; to find robots there, restart it"]
+    assert scouted.warnings() == named.warnings() == late
+    assert Scouted("auto").warnings() == Scouted("wlan0").warnings() == Scouted("10.0.0.7").warnings() == []
+
+
+def test_loopback_has_an_address_and_no_other_interface_is_made_up():
+    """The kernel is asked, about names of any length."""
+    assert Scouted("lo").warnings() == []
+    assert Scouted("nowhere" * 5).warnings()
 
 
 def test_the_only_interface_is_the_radio(monkeypatch):

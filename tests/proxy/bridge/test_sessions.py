@@ -1,13 +1,16 @@
 """Configurations of both sessions, and what happens when one cannot be opened."""
 
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 import zenoh
 
 from proxy.bridge.sessions import MESH_GROUP, app_options, bounded, merged, mesh_options, open_session
 from proxy.errors import PortInUseError, SessionError
-from tests.proxy.nodes import closing, free_endpoint
+from tests.proxy.nodes import Heard, closing, free_endpoint
 from tests.waiting import wait_until
 
 
@@ -53,6 +56,37 @@ def test_zenoh_accepts_the_options_and_reads_what_is_meant(scouting):
     assert gossip["autoconnect"] == multicast["autoconnect"] == {"peer": ["peer"] if scouting else []}
     assert json.loads(config.get_json("transport/link/tx/lease")) == 2000
     assert not json.loads(config.get_json("transport/shared_memory/enabled"))
+
+
+def mapped():
+    """How much shared memory this process has mapped [B]."""
+    status = Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) << 10 for line in status if line.startswith("RssShmem:"))
+
+
+LARGE = 200_000
+"""Samples of this size go through shared memory where both sides have it [B]."""
+PUBLISHER = """
+import json, sys, zenoh
+options = {"mode": "client", "connect": {"endpoints": [sys.argv[1]]}, "scouting": {"multicast": {"enabled": False}}}
+with zenoh.open(zenoh.Config.from_json5(json.dumps(options))) as session:
+    for _ in range(10):
+        session.put("large", bytes(int(sys.argv[2])), congestion_control=zenoh.CongestionControl.BLOCK)
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "stays"), [({}, False), ({"transport": {"shared_memory": {"enabled": True}}}, True)], ids=["off", "on"]
+)
+def test_nothing_of_an_application_that_published_stays_mapped(stack, options, stays):
+    """Its shared memory would stay as long as the daemon runs; who switches it on gets it."""
+    endpoint = free_endpoint()
+    heard = Heard(closing(stack, open_session(app_options([endpoint], options), "app")), "large")
+    before = mapped()
+    for rounds in (1, 2):
+        subprocess.run([sys.executable, "-c", PUBLISHER, endpoint, str(LARGE)], check=True)
+        wait_until(lambda rounds=rounds: len(heard.samples) == 10 * rounds, what="all samples")
+    assert (mapped() - before > 1 << 20) == stays
 
 
 def test_the_users_zenoh_options_win(stack):

@@ -37,7 +37,11 @@ def test_a_configuration_is_checked_with_its_specs(tmp_path, capsys):
     config, specs = tmp_path / "sendworthy.toml", tmp_path / "camera.toml"
     config.write_text('robot = "r1"\n')
     assert main(["check", "--config", str(config)]) == exit_codes.OK
-    assert capsys.readouterr().out == f"{config}: right, without specs\n"
+    without = f"{config}: right, no specs in {tmp_path}/specs.d: everything passes\n"
+    assert capsys.readouterr().out == without
+    (tmp_path / "specs.d").mkdir()
+    assert main(["check", "--config", str(config)]) == exit_codes.OK
+    assert capsys.readouterr().out == without
     config.write_text('robot = "r1"\n[specs]\npath = "camera.toml"\n')
     specs.write_text(GOOD)
     assert main(["check", "--config", str(config)]) == exit_codes.OK

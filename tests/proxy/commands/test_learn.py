@@ -200,13 +200,22 @@ def test_neighbours_that_do_not_go_with_it_are_told(recording, tmp_path, capsys)
 
 def test_where_nothing_can_be_written_the_command_says_so(daemon, recording, tmp_path, capsys):
     """Neither specs nor recordings."""
-    nowhere = tmp_path / "no" / "where"
+    nowhere = tmp_path / "file" / "where"
+    (tmp_path / "file").touch()
     assert main(["learn", str(recording), "-o", str(nowhere / "x.toml")]) == exit_codes.FAILED
     assert main(["learn", "--record", str(nowhere / "x.rec"), "--connect", daemon.endpoint]) == exit_codes.FAILED
     assert capsys.readouterr().err.splitlines() == [
-        f"sendworthy learn: cannot write {nowhere / 'x.toml'}: No such file or directory",
-        f"sendworthy learn: cannot write {nowhere / 'x.rec'}: No such file or directory",
+        f"sendworthy learn: cannot write {nowhere / 'x.toml'}: Not a directory",
+        f"sendworthy learn: cannot write {nowhere / 'x.rec'}: Not a directory",
     ]
+
+
+def test_where_nothing_is_published_nothing_is_written(daemon, tmp_path, capsys):
+    """It says where it listened: most likely the applications are somewhere else."""
+    file = tmp_path / "learned.toml"
+    assert main(["learn", "-o", str(file), "--seconds", "0.2", "--connect", daemon.endpoint]) == exit_codes.FAILED
+    assert f"nothing was published at {daemon.endpoint}; " in capsys.readouterr().err
+    assert not file.exists()
 
 
 def test_a_daemon_that_is_asked_for_by_name_must_answer(daemon, capsys):

@@ -93,13 +93,14 @@ def test_without_a_daemon_nothing_is_pushed(tmp_path, capsys):
 
 @pytest.fixture
 def guarded(start, tmp_path):
-    """Three robots with passwords, as in the manual; r1 obeys, by its rules of access control."""
+    """Three robots with passwords, as in the manual; r1 obeys, and it and the operator have its access control."""
     manual = (ROOT / "deploy" / "README.md").read_text()
     (acl,) = [block for block in re.findall(r"```toml\n(.*?)```", manual, re.DOTALL) if "access_control" in block]
     dictionary, folder, mesh = tmp_path / "robots", tmp_path / "specs.d", f"tcp/127.0.0.1:{free_port()}"
     dictionary.write_text("".join(f"{name}:a secret of {name}\n" for name in ("r1", "ground", "visitor")))
     acl = acl.replace("/etc/sendworthy/robots", str(dictionary))
-    obeys = ("--mesh.listen", f'["{mesh}"]', "--fleet.specs", "true", "--specs.path", str(folder))
+    orders = ("--fleet.specs", "true", "--fleet.mode", "true")
+    obeys = ("--mesh.listen", f'["{mesh}"]', *orders, "--specs.path", str(folder))
     specs_file(make(folder))
     daemons = []
     for name, options in (
@@ -107,7 +108,8 @@ def guarded(start, tmp_path):
         *((name, ("--mesh.connect", f'["{mesh}"]')) for name in ("ground", "visitor")),
     ):
         file = tmp_path / f"{name}.toml"
-        file.write_text(acl if name == "r1" else acl[: acl.index("[mesh.zenoh.access")].replace("r1", name))
+        said = acl[: acl.index("[mesh.zenoh.access")] if name == "visitor" else acl
+        file.write_text(said.replace("r1", name))
         daemons.append(start("--config", str(file), "--robot", name, *options))
     for daemon in daemons:
         daemon.wait_for("sendworthy ")
@@ -115,7 +117,7 @@ def guarded(start, tmp_path):
     return daemons
 
 
-def test_access_control_lets_one_operator_push_and_no_other(guarded, tmp_path, capsys):
+def test_access_control_lets_one_operator_order_and_no_other(guarded, tmp_path, capsys):
     """What is in the manual, word for word: the robot obeys the one and does not hear the other."""
     new = specs_file(tmp_path)
     new.write_text(new.read_text().replace("2 Mbit/s", "1 Mbit/s"))
@@ -127,6 +129,11 @@ def test_access_control_lets_one_operator_push_and_no_other(guarded, tmp_path, c
     main(["push", str(new), "--connect", ground.endpoint])
     assert f"r1: specs {status(r1)['specs']} in force\n" in capsys.readouterr().out
     assert status(r1)["specs"] != before
+    main(["mode", "shadow", "--fleet", "--connect", visitor.endpoint])
+    assert status(r1)["mode"] == "enforce"
+    main(["mode", "shadow", "--fleet", "--connect", ground.endpoint])
+    assert "r1: mode shadow\n" in capsys.readouterr().out
+    assert not [line for robot in guarded for line in robot.lines if "ERROR" in line]
     with (
         plain_session("client", connect=[visitor.endpoint]) as app,
         plain_session("client", connect=[r1.endpoint]) as other,

@@ -40,15 +40,34 @@ def test_without_specs_everything_passes():
     line = started(Config(robot="r1"), Specs.empty(), "r1-ab12")
     assert line.endswith(
         "robot r1-ab12, mode enforce, apps on tcp/127.0.0.1:7447 tcp/[::1]:7447, "
-        "mesh on tcp/0.0.0.0:7500 with scouting, no specs: everything passes"
+        "mesh on tcp/0.0.0.0:7500 with scouting, no specs in specs.d: everything passes"
     )
+
+
+@pytest.mark.parametrize("there", [False, True], ids=["missing", "empty"])
+def test_a_folder_without_specs_makes_a_plain_bridge_that_specs_can_be_pushed_to(start, tmp_path, capsys, there):
+    """It starts with one line that says so, status repeats it, and what is pushed is in force at once."""
+    folder, elsewhere = tmp_path / "robot" / "specs.d", tmp_path / "ours"
+    elsewhere.mkdir()
+    if there:
+        folder.mkdir(parents=True)
+    daemon = start("--robot", "r1", "--specs.path", str(folder), "--fleet.specs", "true")
+    line = daemon.wait_for("sendworthy ")
+    assert line.endswith(f"no specs in {folder}: everything passes\n")
+    assert daemon.lines == [line]
+    assert main(["status", "--connect", daemon.endpoint]) == exit_codes.OK
+    assert f"no specs in {folder}: everything passes" in capsys.readouterr().out
+    assert main(["push", str(specs_file(elsewhere)), "--connect", daemon.endpoint]) == exit_codes.OK
+    pushed = capsys.readouterr().out
+    daemon.wait_for(pushed.removeprefix("r1: "))
+    assert (folder / "camera.toml").exists()
 
 
 def test_rules_of_the_bridge_are_told_at_the_start():
     """Who reads that everything passes reads also what keeps it from it."""
     bridge = BridgeConfig(profile="ros2")
     line = started(Config(robot="r1", bridge=bridge), Specs.empty(), "r1")
-    assert line.endswith("no specs: everything passes, rules of [bridge], profile ros2")
+    assert line.endswith("no specs in specs.d: everything passes, rules of [bridge], profile ros2")
 
 
 def test_routers_that_are_joined_are_said_at_the_start():
@@ -60,7 +79,7 @@ def test_routers_that_are_joined_are_said_at_the_start():
     )
     assert started(config, Specs.empty(), "r1").endswith(
         "apps on the router tcp/127.0.0.1:7447 with scouting, mesh on the router tcp/10.0.0.9:7447, "
-        "no specs: everything passes"
+        "no specs in specs.d: everything passes"
     )
 
 
@@ -155,8 +174,9 @@ def test_sighup_has_everything_read_again(start, tmp_path):
     daemon.wait_for("sendworthy ")
     config.write_text('robot = "r1"\nmode = "shadow"\n[specs]\npath = "camera.toml"\n[log]\nlevel = "debug"\n')
     daemon.process.send_signal(signal.SIGHUP)
-    assert ", mode shadow, log.level debug" in daemon.wait_for("specs ")
+    assert ", mode shadow, log.level debug" in daemon.wait_for("SIGHUP: specs ")
     assert status_of(daemon)["mode"] == "shadow"
+    assert [line.split("INFO ")[-1][:15] for line in daemon.lines[1:]] == ["proxy.reloading"], "a line for a reload"
     config.write_text('robot = "r2"\n[specs]\npath = "camera.toml"\n')
     daemon.process.send_signal(signal.SIGHUP)
     assert f'{config}:1: robot: cannot change while the daemon runs: "r1" is in force, not "r2"' in daemon.wait_for(

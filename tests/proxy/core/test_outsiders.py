@@ -64,6 +64,19 @@ def test_specs_that_change_on_one_robot_after_the_other_are_no_reason(talk):
     assert not warnings(talk, 13.0 + PATIENCE)
 
 
+@pytest.mark.parametrize("late", [1.0, PATIENCE + 1.0], ids=["in time", "named already"])
+def test_who_got_our_specs_has_no_other_limits_although_it_said_nothing_since(talk, late):
+    """Digests are rare; what a robot said of its epoch before it had our specs counts no more."""
+    says(talk, 1.0, ALIEN)
+    talk.tell(ev.TimePassed(1.0 + late))
+    ours = talk.core.view.specs.generation
+    talk.tell(ev.StateHeard(1.1 + late, State("op", "zz-op", "enforce", ours, (), ("robot/*/camera",), number=2)))
+    before = len(talk.all(Notice))
+    talk.tell(ev.TimePassed(2.0 + late + PATIENCE))
+    assert not warnings(talk, 2.0 + late + PATIENCE)
+    assert not [notice for notice in talk.all(Notice)[before:] if notice.level == "error"]
+
+
 def test_who_follows_somebody_that_we_do_not_know_is_waited_for(make_talk):
     """With the same specs another epoch is no sign of other limits."""
     talk = make_talk(coordination="shares", settle=0.0)

@@ -103,13 +103,16 @@ def test_an_interrupted_demo_leaves_no_process(tmp_path):
 
 @pytest.mark.parametrize(
     ("flag", "value"),
-    [("--robots", "0"), ("--robots", "51"), ("--seconds", "1"), ("--seconds", "inf"), ("--rate", "10")],
+    [
+        *(("--robots", "0"), ("--robots", "51"), ("--robots", "many"), ("--robots", "nan"), ("--robots", "2.5")),
+        *(("--seconds", "1"), ("--seconds", "inf"), ("--seconds", "soon"), ("--rate", "10"), ("--rate", "3 Mbit/s")),
+    ],
 )
 def test_impossible_conditions_are_refused(flag, value, capsys):
     """With the flag and what is wrong."""
     with pytest.raises(SystemExit):
         main(["demo", flag, value])
-    assert flag in capsys.readouterr().err
+    assert f"argument {flag}: {value} is not " in capsys.readouterr().err
 
 
 def marked(mark):

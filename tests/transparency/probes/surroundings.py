@@ -7,7 +7,20 @@ GROUP = "Connections and surroundings"
 SHARED = {"transport": {"shared_memory": {"enabled": True}}}
 
 
-@feature(GROUP, "shared memory")
+def _heard(*, shared):
+    """The samples of the probe, both in shared memory or neither."""
+    return [{"payload": payload, "shared": shared} for payload in ("50000 B, 03513e2daabb", "small")]
+
+
+@feature(
+    GROUP,
+    "shared memory",
+    Limit(
+        "Shared memory is off on the side of the applications: a router keeps 16 MB mapped of every session that ever "
+        "published a large sample. `[app.zenoh.transport.shared_memory] enabled = true` switches it on.",
+        {"same robot": (_heard(shared=True), _heard(shared=False))},
+    ),
+)
 def shared_memory(team):
     """A payload in shared memory: it arrives on both robots, in shared memory on the publisher's own."""
     publisher, near = (team.a.open(name, **SHARED) for name in ("shm1", "shm2"))
