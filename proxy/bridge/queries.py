@@ -112,9 +112,18 @@ class Queries:
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         self._pending[id(query)] = query
-        if self.pending > MOST_PENDING or not self._lane.offer(partial(self._ask, query, asked, self._fence.mark())):
-            query.reply_err("too many queries under way")
-            self._end(query)
+        if self.pending > MOST_PENDING:
+            self._refuse(query)
+        else:
+            self._fence.then(partial(self._pass_on, query, asked))
+
+    def _pass_on(self, query: zenoh.Query, asked: Asked | None) -> None:
+        if not self._lane.offer(partial(self._ask, query, asked)):
+            self._refuse(query)
+
+    def _refuse(self, query: zenoh.Query) -> None:
+        query.reply_err("too many queries under way")
+        self._end(query)
 
     def _admits(self, key: str) -> bool:
         """Whether a query for `key` crosses; it is counted when not."""
@@ -128,8 +137,7 @@ class Queries:
         subject, advanced, _ = key.partition(ADVANCED)
         return bool(advanced) and not self._numbered(subject) and query.parameters.get(_NUMBERS) is not None
 
-    def _ask(self, query: zenoh.Query, asked: Asked | None, mark: int) -> None:
-        self._fence.wait(mark)
+    def _ask(self, query: zenoh.Query, asked: Asked | None) -> None:
         self.crossed += 1
         handler = zenoh.handlers.Callback(partial(self._reply, query), partial(self._finish, query), indirect=False)
         # Whether replies on other keys are accepted is among the parameters, in their place.
