@@ -36,12 +36,9 @@ class _Round:
         """Of those, who was only being declared: they are called for it or not."""
         self.contents = contents
 
-    def goes_on(self, number: int, key: str, contents: tuple[object, ...]) -> bool:
-        """Whether a call belongs to this round."""
-        if number not in self.left or self.key != key or self.contents != contents:
-            return False
-        self.leave({number})
-        return True
+    def lacks(self, number: int, key: str) -> bool:
+        """Whether a call may belong to this round."""
+        return number in self.left and self.key == key
 
     def leave(self, numbers: set[int]) -> None:
         """Expect no call of `numbers` any more."""
@@ -99,16 +96,18 @@ class Overlap(Generic[T]):
         `complete`: it reaches only those that are.
         """
         matching = self._cache.get(key) or self._matching(key)
-        thread = threading.get_ident()
-        if len(matching) == 1:
-            if self._rounds:
-                self._rounds.pop(thread, None)
+        if len(matching) == 1 and not self._rounds:  # nothing overlaps, and nothing ever did
             return True
-        contents, current = self._contents(what), self._rounds.get(thread)
-        if current is not None and current.goes_on(number, key, contents):
+        thread = threading.get_ident()
+        # Asked first: of the others some may be given up in the middle of a round, as soon as they were called.
+        current = self._rounds.pop(thread, None) if len(matching) == 1 else self._rounds.get(thread)
+        if current is not None and current.lacks(number, key) and current.contents == self._contents(what):
+            current.leave({number})
             return False
+        if len(matching) == 1:
+            return True
         left = {other for other in matching if other != number and not (complete and not self._complete(other))}
-        self._rounds[thread] = _Round(key, left, left & self._declaring, contents)
+        self._rounds[thread] = _Round(key, left, left & self._declaring, self._contents(what))
         return True
 
     def _complete(self, number: int) -> bool:

@@ -85,6 +85,14 @@ def test_what_is_under_way_to_one_that_was_undeclared_is_not_taken_twice(one):
     assert [one.call("a/b"), one.call("**")] == [True, False]
 
 
+def test_what_is_given_up_in_the_middle_of_a_round_leaves_the_rest_of_it_as_it_is(one):
+    """Zenoh gives a callback up once it was called, before it calls the others for the same sample."""
+    assert one.call("a/b")
+    one.undeclare("a/b")
+    assert not one.call("**")
+    assert one.call("**")
+
+
 def test_a_query_for_complete_ones_leaves_nothing_to_wait_for():
     """The others are not called for it; so the next one, to whomever it comes first, is another query."""
     one = Zenoh()
