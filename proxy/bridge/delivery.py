@@ -7,8 +7,9 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge.attached import attach
+from proxy.bridge.declaration import Declaration
 from proxy.bridge.mirror import GRACE, Mirror
-from proxy.bridge.owners import Owners
+from proxy.bridge.overlap import Overlap, of_sample
 from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import origin_of, publish, wall_of
 from proxy.core.events import Event, SampleHeard
@@ -40,8 +41,8 @@ class Delivery:
         self._rules = rules
         self._offer = offer
         self._numbered = numbered
-        self._owners = Owners()
-        self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
+        self._overlap = Overlap(of_sample)
+        self._mirror = Mirror(self._subscribe, GRACE)
         self.delivered = 0
 
     @property
@@ -69,20 +70,19 @@ class Delivery:
 
     def overhear(self, key: str, sample: zenoh.Sample) -> None:
         """Take in a sample of `key` that was broadcast, wanted or not: the core learns of all that are covered."""
-        if self._owners.owner(key) is not None:
+        if self._overlap.covers(key):
             self._hand(key, sample, key)
         elif self._covered(key) is not None:
             self._offer(_heard(key, sample))
 
-    def _subscribe(self, expression: str, _complete: bool) -> zenoh.Subscriber[None]:  # noqa: FBT001 - as Mirror calls it
-        self._owners.add(expression)
-        handler = zenoh.handlers.Callback(partial(self._deliver, expression), indirect=False)
-        return self._mesh.declare_subscriber(expression, handler, allowed_origin=zenoh.Locality.REMOTE)
+    def _subscribe(self, expression: str, _complete: bool) -> Declaration:  # noqa: FBT001 - as Mirror calls it
+        subscribe = partial(self._mesh.declare_subscriber, expression, allowed_origin=zenoh.Locality.REMOTE)
+        return self._overlap.declare(expression, self._deliver, subscribe)
 
-    def _deliver(self, expression: str, sample: zenoh.Sample) -> None:
+    def _deliver(self, number: int, sample: zenoh.Sample) -> None:
         attach()
         key = str(sample.key_expr)
-        if self._owners.takes(expression, key):
+        if self._overlap.takes(number, key, sample):
             self._hand(key, sample)
 
     def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None) -> None:

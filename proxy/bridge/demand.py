@@ -141,6 +141,12 @@ class Demand:
             if (outlet := self._outlets.get(key)) is not None:
                 self._set(key, matching=matches(outlet.publisher))
 
+    def ask(self) -> None:
+        """Ask for those that are silent whether somebody wants them by now: that is told a moment later."""
+        for key, outlet in self._outlets.items() if self._broadcast else ():
+            if not self._matching.get(key, True) and matches(outlet.publisher):
+                self._set(key, matching=True)
+
     def close(self) -> None:
         """Follow nothing more."""
         outlets, self._outlets = self._outlets, {}

@@ -19,7 +19,7 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.mirror import GRACE, Mirror
-from proxy.bridge.owners import Owners
+from proxy.bridge.overlap import Overlap, of_sample
 from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC, OVERFLOW, Passed
 from proxy.bridge.rules import ADVANCED, Rules, Verdict
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
@@ -105,8 +105,8 @@ class Ingress:
         self._bytes = 0
         self._lock = threading.Lock()
         self._cover = Cover()
-        self._owners = Owners()
-        self._mirror = Mirror(self._subscribe, self._owners.discard, GRACE)
+        self._overlap = Overlap(of_sample)
+        self._mirror = Mirror(self._subscribe, GRACE)
         self._own = str(mesh.zid())
         self.returned = 0
         """Samples that left here for the mesh and came back around the daemons."""
@@ -169,15 +169,14 @@ class Ingress:
         return len(self._held)
 
     def _subscribe(self, expression: str, _complete: bool) -> Declaration:  # noqa: FBT001 - as Mirror calls it
-        self._owners.add(expression)
-        handler = zenoh.handlers.Callback(partial(self._receive, expression), indirect=False)
-        return self._app.declare_subscriber(expression, handler, allowed_origin=zenoh.Locality.REMOTE)
+        subscribe = partial(self._app.declare_subscriber, expression, allowed_origin=zenoh.Locality.REMOTE)
+        return self._overlap.declare(expression, self._receive, subscribe)
 
-    def _receive(self, expression: str, sample: zenoh.Sample) -> None:
+    def _receive(self, number: int, sample: zenoh.Sample) -> None:
         attach()
         now = clock.monotonic()
         key = str(sample.key_expr)
-        if not self._owners.takes(expression, key) or self.aside:
+        if not self._overlap.takes(number, key, sample) or self.aside:
             return
         stamp = sample.timestamp
         if stamp is not None and origin_of(stamp) == self._own:

@@ -55,6 +55,12 @@ class Ledger:
                     found[expression] = complete or found.get(expression, False)
             return found
 
+    def asked(self, expression: str, parameters: str) -> Asked | None:
+        """Return what `take` would."""
+        with self._lock:
+            waiting = self._asked.get((expression, parameters))
+            return waiting[0] if waiting else None
+
     def take(self, expression: str, parameters: str) -> Asked | None:
         """Return how the oldest query that is not taken yet was asked; None when it is not known."""
         with self._lock:

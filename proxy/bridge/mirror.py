@@ -26,11 +26,9 @@ class Mirror:
     def __init__(
         self,
         declare: Callable[[str, bool], Declaration],
-        before_undeclare: Callable[[str], None] = lambda _: None,
         grace: float = 0.0,
     ) -> None:
         self._declare = declare
-        self._before_undeclare = before_undeclare
         self._declared: dict[str, tuple[Declaration, bool]] = {}
         self._refused: set[str] = set()
         self._grace = grace
@@ -78,7 +76,6 @@ class Mirror:
     def _take_back(self, expressions: Collection[str]) -> None:
         for expression in expressions:
             self._leaving.pop(expression, None)
-            self._before_undeclare(expression)
             declared = self._declared.pop(expression, None)  # gone when closed in the middle of a look
             if declared is not None:
                 declared[0].undeclare()
@@ -90,7 +87,6 @@ class Mirror:
         try:
             self._declared[expression] = (self._declare(expression, complete), complete)
         except zenoh.ZError as error:
-            self._before_undeclare(expression)
             self._refuse(expression, error)
 
     def _refuse(self, expression: str, reason: object) -> None:

@@ -12,10 +12,11 @@ from typing import Any
 
 import zenoh
 
+from proxy.bridge.declaration import Declaration
 from proxy.bridge.fence import Fence
 from proxy.bridge.lane import Lane
 from proxy.bridge.mirror import Mirror
-from proxy.bridge.owners import Owners
+from proxy.bridge.overlap import Overlap, of_query
 from proxy.bridge.rules import ADVANCED, Way
 from proxy.bridge.voice import Voice
 from proxy.bridge.wire import Asked
@@ -26,6 +27,7 @@ TIMEOUT = 60.0
 """For a query of which is not known how it was asked [s]."""
 
 _TARGETS = (zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL, zenoh.QueryTarget.ALL_COMPLETE)
+_COMPLETE = _TARGETS.index(zenoh.QueryTarget.ALL_COMPLETE)
 _PRIORITIES = (
     zenoh.Priority.DATA,  # 0 is Zenoh's own, for what controls links
     zenoh.Priority.REAL_TIME,
@@ -69,8 +71,8 @@ class Queries:
         self._way = way
         self._dropped = dropped
         self._numbered = numbered
-        self._owners = Owners()
-        self._mirror = Mirror(self._declare, self._owners.discard)
+        self._overlap = Overlap(of_query)
+        self._mirror = Mirror(self._declare)
         self._pending: dict[int, zenoh.Query] = {}
         self.crossed = 0
 
@@ -92,27 +94,36 @@ class Queries:
         """Answer nothing more."""
         self._mirror.close()
 
-    def _declare(self, expression: str, complete: bool) -> zenoh.Queryable[None]:  # noqa: FBT001 - as Mirror calls it
-        self._owners.add(expression)
-        handler = zenoh.handlers.Callback(partial(self._receive, expression), indirect=False)
-        return self._near.session.declare_queryable(
-            expression, handler, complete=complete, allowed_origin=zenoh.Locality.REMOTE
-        )
+    def _declare(self, expression: str, complete: bool) -> Declaration:  # noqa: FBT001 - as Mirror calls it
+        near, remote = self._near.session, zenoh.Locality.REMOTE
+        answer = partial(near.declare_queryable, expression, complete=complete, allowed_origin=remote)
+        return self._overlap.declare(expression, self._receive, answer, complete=complete)
 
-    def _receive(self, expression: str, query: zenoh.Query) -> None:
+    def _receive(self, number: int, query: zenoh.Query) -> None:
         # Of several queryables that a query reaches here one asks everybody on the far side.
         key = str(query.key_expr)
-        if not self._owners.first(expression, key):
+        ledger, parameters = self._near.ledger, str(query.parameters)
+        asked = ledger.asked(key, parameters)
+        if not self._overlap.takes(number, key, query, complete=asked is not None and asked.target == _COMPLETE):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
-        asked = self._near.ledger.take(key, str(query.parameters))
+        ledger.take(key, parameters)
         if not self._admits(key) or self._by_number(key, query):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         self._pending[id(query)] = query
-        if self.pending > MOST_PENDING or not self._lane.offer(partial(self._ask, query, asked, self._fence.mark())):
-            query.reply_err("too many queries under way")
-            self._end(query)
+        if self.pending > MOST_PENDING:
+            self._refuse(query)
+        else:
+            self._fence.then(partial(self._pass_on, query, asked))
+
+    def _pass_on(self, query: zenoh.Query, asked: Asked | None) -> None:
+        if not self._lane.offer(partial(self._ask, query, asked)):
+            self._refuse(query)
+
+    def _refuse(self, query: zenoh.Query) -> None:
+        query.reply_err("too many queries under way")
+        self._end(query)
 
     def _admits(self, key: str) -> bool:
         """Whether a query for `key` crosses; it is counted when not."""
@@ -126,8 +137,7 @@ class Queries:
         subject, advanced, _ = key.partition(ADVANCED)
         return bool(advanced) and not self._numbered(subject) and query.parameters.get(_NUMBERS) is not None
 
-    def _ask(self, query: zenoh.Query, asked: Asked | None, mark: int) -> None:
-        self._fence.wait(mark)
+    def _ask(self, query: zenoh.Query, asked: Asked | None) -> None:
         self.crossed += 1
         handler = zenoh.handlers.Callback(partial(self._reply, query), partial(self._finish, query), indirect=False)
         # Whether replies on other keys are accepted is among the parameters, in their place.

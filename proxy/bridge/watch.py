@@ -132,6 +132,7 @@ class Watch:
                 if not failing:
                     log.exception("cannot mirror what was declared")
                 failing = True
+                self._fence.end()
 
     def _gauge(self) -> None:
         if self.gauging and (waits := self._headroom.waits()):
@@ -139,16 +140,20 @@ class Watch:
 
     def _look(self) -> bool:
         """Mirror what has changed; return whether to look again although nothing changes."""
-        self._fence.begin()
+        awaited = self._fence.begin()
         editions = self._apps.ledger.edition, self._others.ledger.edition
         aside = self._neighbours.aside
         turned, self._ingress.aside = aside != self._ingress.aside, aside
-        if turned or editions != self._editions or self._unsettled():
+        # What turns a witness tells a moment later; who waits must not pass before.
+        heard = [witnesses.ask() for witnesses in self._witnesses] if awaited else []
+        if turned or any(heard) or editions != self._editions or self._unsettled():
             if aside:
                 self._mirror_nothing()
             else:
                 self._mirror()
             self._editions = editions
+        if awaited:
+            self._demand.ask()
         self._fence.end()
         self._demand.update()
         return self._unsettled()

@@ -56,6 +56,13 @@ class Witnesses:
         self._hear()
         return {name: False for name in told if self._known.get(name, True)}
 
+    def ask(self) -> bool:
+        """Ask all that know of nobody; return whether one of them does now. What turns them is told a moment later."""
+        silent = {name for name, known in self._known.items() if not known}
+        self._turned |= silent
+        self._hear()
+        return any(self._known[name] for name in silent)
+
     def close(self) -> None:
         """Let all witnesses go."""
         for expression in list(self._standing):

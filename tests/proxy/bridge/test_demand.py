@@ -8,7 +8,7 @@ import zenoh
 
 from proxy.bridge import demand as demand_module
 from proxy.bridge.demand import Demand
-from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
+from tests.proxy.nodes import Heard, closing, free_endpoint, pass_fence, plain_session
 from tests.waiting import wait_until
 
 
@@ -143,6 +143,24 @@ def test_in_broadcast_one_transmission_is_for_all(stack, mesh, demand, follow):
     wait_until(lambda: demand.copies("k") == 1, what="the subscriber")
     assert not demand.silent("k")
     assert not heard.samples
+
+
+def test_who_asks_need_not_wait_for_the_turn_to_be_told(stack, mesh, events):
+    """In broadcast what is silent no longer is as soon as somebody asks, although nobody has updated since."""
+    demand = Demand(mesh[0], events.append, lambda: None, broadcast=True)
+    stack.callback(demand.close)
+    made = Heard(mesh[0], "made")
+    mesh[0].put("made", "x")
+    wait_until(lambda: made.samples, what="a sample")
+    demand.note("k", made.samples[0], covered=True)
+    demand.update()
+    assert demand.silent("k")
+    other = closing(stack, plain_session("peer", connect=(mesh[1],)))
+    heard = Heard(other, "k")
+    pass_fence(other, mesh[0])
+    demand.ask()
+    assert not demand.silent("k")
+    del heard
 
 
 @pytest.mark.parametrize("broadcast", [True])

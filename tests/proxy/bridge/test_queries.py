@@ -5,7 +5,6 @@ from functools import partial
 import pytest
 import zenoh
 
-from proxy.bridge import fence as fence_module
 from proxy.bridge import queries as queries_module
 from proxy.bridge.fence import Fence
 from proxy.bridge.lane import Lane
@@ -254,10 +253,13 @@ def near_side(stack):
 
 
 def open_fence():
-    """A fence that nobody has to wait at for long: whoever wakes it has looked."""
-    fence = Fence(lambda: None)
-    fence.begin()
-    fence.end()
+    """A fence that nobody has to wait at: whoever wakes it has looked."""
+
+    def look():
+        fence.begin()
+        fence.end()
+
+    fence = Fence(look)
     return fence
 
 
@@ -280,9 +282,8 @@ def test_too_many_queries_are_answered_with_an_error(stack, lane, monkeypatch):
     assert list(answers(asker, "service/a")) == ["error: too many queries under way"]
 
 
-def test_a_closed_far_side_is_an_error_and_ends_the_query(stack, lane, monkeypatch):
-    """A session that cannot ask any more answers with Zenoh's reason, also when nobody mirrors any more."""
-    monkeypatch.setattr(fence_module, "PATIENCE", 0.01)
+def test_a_closed_far_side_is_an_error_and_ends_the_query(stack, lane):
+    """A session that cannot ask any more answers with Zenoh's reason."""
     far = plain_session("peer")
     queries, asker = declared(stack, far, lane, open_fence())
     far.close()
@@ -293,7 +294,7 @@ def test_a_closed_far_side_is_an_error_and_ends_the_query(stack, lane, monkeypat
 
 def test_a_query_waits_for_what_was_declared_before_it(stack, lane):
     """It is asked on when all that is mirrored, not sooner."""
-    fence = open_fence()
+    fence = Fence(lambda: None)
     queries, asker = declared(stack, closing(stack, plain_session("peer")), lane, fence)
     asker.get("service/a", timeout=30.0)
     wait_until(lambda: queries.pending, what="the query")
@@ -301,3 +302,27 @@ def test_a_query_waits_for_what_was_declared_before_it(stack, lane):
     fence.begin()
     fence.end()
     wait_until(lambda: queries.crossed, what="it to cross")
+
+
+def test_a_query_that_waits_holds_up_no_answers_to_others(stack, lane):
+    """What was asked on before is answered meanwhile."""
+    endpoint, held = free_endpoint(), []
+    far = closing(stack, plain_session("peer", listen=(endpoint,)))
+    service = closing(stack, plain_session("peer", connect=(endpoint,)))
+    queryable = service.declare_queryable("service/a", zenoh.handlers.Callback(held.append, indirect=False))
+    querier = far.declare_querier("service/a")
+    wait_until(lambda: querier.matching_status.matching, what="the service")
+    fence = Fence(lambda: None)
+    queries, asker = declared(stack, far, lane, fence)
+    first = asker.get("service/a", timeout=60.0)
+    wait_until(lambda: queries.pending == 1, what="the first query")
+    fence.begin()
+    fence.end()
+    wait_until(lambda: held, what="the service to be asked")
+    second = asker.get("service/a", timeout=60.0)
+    wait_until(lambda: queries.pending == 2, what="the second query")
+    held[0].reply("service/a", "x")
+    held[0].drop()
+    assert [reply.ok.payload.to_string() for reply in first] == ["x"]
+    assert queries.pending == 1
+    del queryable, second

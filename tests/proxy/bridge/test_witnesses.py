@@ -1,11 +1,13 @@
 """What others subscribe to is told from what we do, on real sessions."""
 
+import threading
+
 import pytest
 import zenoh
 
 from proxy.bridge import witnesses as witnesses_module
 from proxy.bridge.witnesses import Witnesses, examples
-from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
+from tests.proxy.nodes import Heard, closing, free_endpoint, pass_fence, plain_session
 from tests.waiting import wait_until
 
 
@@ -53,6 +55,21 @@ def test_what_we_declare_is_of_others_exactly_while_they_declare_it_too(nodes, w
     wait_until(lambda: turns, what="the other turn")
     assert witnesses.others(told(expression), {expression}, 0.0) == {}
     del ours
+
+
+def test_who_asks_need_not_wait_for_the_turn_to_be_told(stack, nodes):
+    """Zenoh tells of a turn on a thread of its own, some time after a query of the same node may have come."""
+    late, heard = threading.Event(), Heard(nodes[0], "a/b")
+    witnesses = Witnesses(nodes[0], late.wait)
+    stack.callback(witnesses.close)
+    stack.callback(late.set)
+    witnesses.others(told("a/b"), {"a/b"}, 0.0)
+    assert not witnesses.ask()
+    theirs = Heard(nodes[1], "a/b")
+    pass_fence(nodes[1], nodes[0])
+    assert witnesses.ask()
+    assert not witnesses.ask()
+    del heard, theirs
 
 
 def test_narrower_subscribers_are_not_taken_for_ours(nodes, witnesses):
