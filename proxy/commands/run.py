@@ -17,6 +17,7 @@ from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
 from proxy.log import set_up_logging
+from proxy.priority import raise_priority
 from proxy.reloading import read_specs
 from proxy.service import Service
 from utility_specs import Specs, SpecsError
@@ -84,6 +85,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG
     set_up_logging(config.log.level, os.environ)
+    if not raise_priority():  # before there are other threads: each takes after the one that starts it
+        log.debug("not allowed to raise the priority of the daemon: beside busy processes it hears and decides late")
     try:
         serve(config, specs, asked, arguments.config, read)
     except ProxyError as error:
