@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
 from planner.errors import ProblemError
+from planner.finite import finite
 from planner.measures import WINDOW, Windowed, check_positive
 
 OVERHEAD = 250e-6
@@ -73,7 +74,7 @@ class Airtime(Windowed):
         )
         if self.fraction > 1.0:
             raise ProblemError(f"airtime: fraction must be at most 1, not {self.fraction}")
-        if not (math.isfinite(self.overhead) and self.overhead >= 0.0):
+        if not (finite(self.overhead) and self.overhead >= 0.0):
             raise ProblemError(f"airtime: overhead must be a finite number >= 0, not {self.overhead}")
         for name, word, known in (("wifi", self.wifi, get_args(Wifi)), ("cast", self.cast, get_args(Cast))):
             if word not in known:

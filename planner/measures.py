@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 from planner.errors import ProblemError
+from planner.finite import finite
 from planner.problem import Constraint
 
 WINDOW = 0.5
@@ -138,7 +139,7 @@ class Energy(Windowed):
     def __post_init__(self) -> None:
         check_positive(self.kind, joule=self.joule, window=self.window)
         for name, cost in (("per_byte", self.per_byte), ("per_message", self.per_message)):
-            if not (math.isfinite(cost) and cost >= 0.0):
+            if not (finite(cost) and cost >= 0.0):
                 raise ProblemError(f"{self.kind}: {name} must be a finite number >= 0, not {cost}")
         if self.per_byte == self.per_message == 0.0:
             raise ProblemError(f"{self.kind}: a message must cost something, per byte or per message")
@@ -161,5 +162,5 @@ class Energy(Windowed):
 def check_positive(kind: str, **numbers: float) -> None:
     """Raise ProblemError unless all these are finite and above 0."""
     for name, number in numbers.items():
-        if not (math.isfinite(number) and number > 0.0):
+        if not (finite(number) and number > 0.0):
             raise ProblemError(f"{kind}: {name} must be a finite number > 0, not {number}")

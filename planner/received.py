@@ -77,7 +77,8 @@ def integrals(utilities: Sequence[MessageUtility], which: Ints, start: Floats, e
     for kind in sorted(kinds, key=lambda kind: f"{kind.__module__}.{kind.__qualname__}"):
         members: Flags = np.array([type(utility) is kind for utility in utilities])
         chosen = members[which]
-        result[chosen] = _of_one_kind(kind, utilities, which[chosen], start[chosen], end[chosen])
+        if chosen.any():  # other streams of the problem may have kinds that these do not have
+            result[chosen] = _of_one_kind(kind, utilities, which[chosen], start[chosen], end[chosen])
     return result
 
 

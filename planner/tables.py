@@ -69,7 +69,8 @@ def tabulate(problem: Problem, *, beyond: bool = False) -> Tables:
 
 
 def _score_scale(problem: Problem, opened: Ints, everything: float) -> Floats:
-    """ψ(v)·U(M) for every level; infinite when nothing has any utility, so that every score is 0."""
+    """ψ(v)·U(M) for every level; infinite when that is nothing, or too little to divide by: then every score is 0."""
     next_generated = np.append(problem.columns.t_gen[opened], problem.t_end)
     progress = np.maximum(next_generated - problem.t_start, SHORTEST_PROGRESS) / (problem.t_end - problem.t_start)
-    return progress * everything if everything > 0 else np.full(len(progress), np.inf)
+    scale = progress * everything
+    return np.where(scale >= np.finfo(np.float64).tiny, scale, np.inf)

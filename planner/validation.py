@@ -1,12 +1,12 @@
 """Refuses problems and settings that have no meaning, naming what is wrong and where."""
 
-import math
-
 import numpy as np
 
 from planner.errors import ProblemError, SearchError
+from planner.finite import finite
 from planner.problem import Aggregation, AggregationModel, Message, Problem
 from planner.search import SearchSettings
+from planner.shape import check_shape
 from planner.utility import Floats
 
 MAX_MESSAGES = 16_384
@@ -23,15 +23,16 @@ def check_settings(settings: SearchSettings) -> None:
     for name, value, known in choices:
         if value not in known:
             raise SearchError(f"{name} must be one of {', '.join(known)}, not {value!r}")
-    if not (math.isfinite(settings.exploration) and settings.exploration >= 0):
-        raise SearchError(f"exploration must be a finite number >= 0, not {settings.exploration}")
-    if not 1 <= settings.max_nodes <= 2**24:
-        raise SearchError(f"max_nodes must be between 1 and {2**24:,}, not {settings.max_nodes}")
+    if not (finite(settings.exploration) and settings.exploration >= 0):
+        raise SearchError(f"exploration must be a finite number >= 0, not {settings.exploration!r}")
+    if not (isinstance(settings.max_nodes, int) and 1 <= settings.max_nodes <= 2**24):
+        raise SearchError(f"max_nodes must be a whole number from 1 to {2**24:,}, not {settings.max_nodes!r}")
 
 
 def check_problem(problem: Problem) -> None:
     """Raise ProblemError for a problem that has no meaning."""
-    _check_shape(problem)
+    check_shape(problem)
+    _check_window(problem)
     _check_constraints(problem)
     _check_uses(problem)
     _check_streams(problem)
@@ -39,7 +40,7 @@ def check_problem(problem: Problem) -> None:
     _check_traffic(problem)
 
 
-def _check_shape(problem: Problem) -> None:
+def _check_window(problem: Problem) -> None:
     count = len(problem.messages)
     if count == 0:
         raise ProblemError("the window holds no message: there is nothing to decide")
@@ -49,26 +50,30 @@ def _check_shape(problem: Problem) -> None:
         raise ProblemError(f"current is message {problem.current}, but the window holds messages 0 to {count - 1}")
     if problem.messages[problem.current].sent:
         raise ProblemError(f"message {problem.current} is current and already sent: it cannot be decided")
-    if not (math.isfinite(problem.t_start) and math.isfinite(problem.t_end) and problem.t_start < problem.t_end):
+    if not (finite(problem.t_start) and finite(problem.t_end) and problem.t_start < problem.t_end):
         raise ProblemError(f"t_start must lie before t_end, not {problem.t_start} and {problem.t_end}")
 
 
 def _check_constraints(problem: Problem) -> None:
     for constraint in problem.constraints:
-        if not (math.isfinite(constraint.window) and constraint.window > 0):
+        if not (finite(constraint.window) and constraint.window > 0):
             raise ProblemError(f'constraint "{constraint.name}": window must be > 0 s, not {constraint.window}')
-        if not (math.isfinite(constraint.limit) and constraint.limit >= 0):
+        if not (finite(constraint.limit) and constraint.limit >= 0):
             raise ProblemError(f'constraint "{constraint.name}": limit must be >= 0, not {constraint.limit}')
 
 
 def _check_streams(problem: Problem) -> None:
-    for kind, members in problem.columns.kinds:
+    try:
+        columns = problem.columns
+    except OverflowError as error:
+        raise ProblemError(f"the window holds a number that is too large: {error}") from error
+    for kind, members in columns.kinds:
         if not isinstance(kind, Aggregation | AggregationModel):
             raise ProblemError(
                 f"stream {members[0]}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty,"
                 f" add and value, not {kind!r}"
             )
-    delay, share = problem.columns.delay, problem.columns.share
+    delay, share = columns.delay, columns.share
     if not (np.isfinite(delay) & (delay >= 0) & np.isfinite(share) & (share >= 0)).all():
         _refuse_receiver(problem)
 
@@ -76,9 +81,9 @@ def _check_streams(problem: Problem) -> None:
 def _refuse_receiver(problem: Problem) -> None:
     for index, stream in enumerate(problem.streams):
         for receiver in stream.receivers:
-            if not (math.isfinite(receiver.delay) and receiver.delay >= 0):
+            if not (finite(receiver.delay) and receiver.delay >= 0):
                 raise ProblemError(f"stream {index}: a receiver's delay must be >= 0 s, not {receiver.delay}")
-            if not (math.isfinite(receiver.share) and receiver.share >= 0):
+            if not (finite(receiver.share) and receiver.share >= 0):
                 raise ProblemError(f"stream {index}: a receiver's share must be >= 0, not {receiver.share}")
 
 
@@ -98,13 +103,13 @@ def _check_messages(problem: Problem) -> None:
 
 def _refuse_first(messages: tuple[Message, ...]) -> None:
     for index, m in enumerate(messages):
-        if not all(math.isfinite(number) for number in (m.t_gen, m.t_sent, m.t_rcv)):
+        if not all(finite(number) for number in (m.t_gen, m.t_sent, m.t_rcv)):
             raise ProblemError(f"message {index}: times must be finite, not {m.t_gen}, {m.t_sent}, {m.t_rcv}")
         if not m.t_gen <= m.t_sent <= m.t_rcv:
             raise ProblemError(
                 f"message {index}: times out of order: t_gen {m.t_gen}, t_sent {m.t_sent}, t_rcv {m.t_rcv}"
             )
-        if not (math.isfinite(m.scale) and m.scale >= 0):
+        if not (finite(m.scale) and m.scale >= 0):
             raise ProblemError(f"message {index}: scale must be a finite number >= 0, not {m.scale}")
 
 

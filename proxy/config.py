@@ -150,7 +150,9 @@ class PlannerConfig(Section):
     """`[planner]`: how decisions are made."""
 
     iterations: int = Field(default=300, ge=1, le=1_000_000, description="iterations of the tree search per decision")
-    deadline: float = Field(default=0.02, gt=0.0, le=10.0, description="a decision takes at most this long [s]")
+    deadline: float = Field(
+        default=0.02, gt=0.0, le=10.0, description="a decision takes at most this long from its event on [s]"
+    )
     horizon: int = Field(default=60, ge=1, le=10_000, description="how far a decision looks ahead [messages]")
     backlog: int = Field(
         default=32, ge=1, le=256, description="samples of a stream that may wait where more than the newest counts"

@@ -47,8 +47,8 @@ from proxy.core.settings import CoreSettings
 from proxy.features import Extractor
 from proxy.loop import Loop
 from proxy.orders import orders
+from proxy.planning import Planning
 from proxy.reloading import Loaded, Reloading
-from proxy.worker import Worker
 from utility_specs import InformationType, Specs
 
 log = logging.getLogger(__name__)
@@ -116,7 +116,7 @@ class Daemon:
 
         def report() -> None:
             self.watch(alive, every)
-            if not self._worker.stuck(clock.monotonic()):
+            if not self._planning.stuck(clock.monotonic()):
                 alive()
 
         self._loop.post_at(clock.monotonic() + every, report)
@@ -162,7 +162,7 @@ class Daemon:
         planner = config.planner
         # The paper's search comes with the paper's reduction; `best` has its own and ignores this.
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
-        self._worker = Worker(search, planner.deadline, loop.post)
+        self._planning = Planning(search, planner.deadline, loop)
         self._extractor = Extractor(loop.post_at, self._match)
         self._neighbours = Neighbours(sides.app, robot, self._zids["mesh"], sides.wake.set)
         opening.callback(self._neighbours.close)
@@ -192,7 +192,7 @@ class Daemon:
             loop.offer,
             air=sides.air if isinstance(sides.air, Broadcast) and core.settings.digests_on_air else None,
         )
-        for part in (self._worker, self._extractor, loop):
+        for part in (self._planning, self._extractor, loop):
             part.start()
             opening.callback(part.close, _PATIENCE)
         opening.callback(self._bridge.close)
@@ -233,7 +233,7 @@ class Daemon:
     def _execute(self, command: Command) -> None:
         match command:
             case Decide():
-                self._worker.submit(command)
+                self._planning.decide(command)
             case Forward(sample):
                 self._bridge.forward(sample)
             case Drop(sample):
@@ -325,6 +325,7 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         mode=config.mode,
         horizon=planner.horizon,
         iterations=planner.iterations,
+        deadline=planner.deadline,
         backlog=planner.backlog,
         # A unicast mesh overhears nothing.
         coordination=_COORDINATION[mesh.transport] if planner.coordination == "auto" else planner.coordination,

@@ -74,6 +74,10 @@ class Loop:
         """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""
         self._items.put((when, next(self._numbers), item))
 
+    def at(self, when: float, item: Item) -> None:
+        """Let the core know at `when` [s, our clock] or soon after, before what waits. On the loop's thread only."""
+        heappush(self._timed, (when, next(self._numbers), item))
+
     def ask(self, job: Callable[[], T], timeout: float) -> T:
         """Do `job` on the loop's thread, from any other one, and return what it returns.
 

@@ -76,7 +76,7 @@ def _decisions(decisions: Status) -> str:
     made, dropped, unneeded, foreseen = (
         decisions.get(name, 0) for name in ("made", "would_drop", "unneeded", "foreseen")
     )
-    if not (made or unneeded or foreseen):
+    if not (made or unneeded or foreseen or decisions.get("late")):
         return ""
     each = f", {decisions.get('iterations', 0) / made:.0f} iterations each" if made else ""
     rows = [("decided", f"{made} times{each}")]
@@ -89,6 +89,12 @@ def _decisions(decisions: Status) -> str:
     if decisions.get("seconds"):
         longest = duration(decisions.get("longest"))
         rows.append(("time", f"{duration(decisions['seconds'] / made)} each, the longest {longest}"))
+    if late := decisions.get("late"):
+        rows.append(("", f"{late} more were late: the static rule made them"))
+    if (thinned := decisions.get("thinned") or {}).get("windows"):
+        rows.append(
+            ("thinned", f"{thinned['windows']} windows, {thinned['messages']} of {thinned['of']} messages kept")
+        )
     if decisions.get("bounded"):
         rows.append(("quality", f"{share(decisions.get('proven'), made)} proven optimal, {_loss(decisions)}"))
     if decisions.get("binding"):

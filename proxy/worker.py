@@ -4,39 +4,43 @@ import math
 import threading
 from collections.abc import Callable
 from dataclasses import replace
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 
 from planner import SearchSettings, start
 from proxy import clock
 from proxy.core.commands import Decide
-from proxy.core.events import DecisionReady
+from proxy.core.events import DecisionLate, DecisionReady
 
 CHUNK = 25
-"""Iterations between two looks at the clock."""
+"""Iterations between two looks at the clock, at most: in large windows they take long, so it begins with fewer."""
+SEARCHING = 0.8
+"""A search ends after this part of the deadline: the rest is for the plan, and for the way back to the core."""
 STUCK = 2.0
 """A decision that takes this much longer than it may will never end [s]."""
 
 
 def decide(command: Decide, settings: SearchSettings, deadline: float) -> DecisionReady:
-    """Search until the iterations are done, the decision is certain, or `deadline` [s] has passed.
+    """Search until the iterations are done, the decision is certain, or most of the `deadline` [s] has passed.
 
-    One iteration runs in any case: without it nothing is decided.
+    It counts from when the decision was asked for. One iteration runs in any case: without it nothing is decided.
     """
-    began = clock.monotonic()
-    until = began + deadline
+    until = command.asked + SEARCHING * deadline
     try:
         search = start(command.problem, settings, command.seed)
         search.run(min(1, command.iterations))
-        while not search.done and search.iterations < command.iterations and clock.monotonic() < until:
-            search.run(min(CHUNK, command.iterations - search.iterations))
-        plan, now = search.plan(), clock.monotonic()
-        return DecisionReady(now, command.ticket, replace(plan, seconds=now - began))
+        began = now = clock.monotonic()
+        while not search.done and search.iterations < command.iterations and now < until:
+            search.run(min(CHUNK, search.iterations, command.iterations - search.iterations))
+            now = clock.monotonic()
+        searched, plan, now = now - began, search.plan(), clock.monotonic()
+        took = now - command.asked
+        return DecisionReady(now, command.ticket, replace(plan, seconds=took), overhead=took - searched)
     except Exception as error:  # noqa: BLE001 - whatever fails in there, the core must learn of it and fall back
         return DecisionReady(clock.monotonic(), command.ticket, None, f"{type(error).__name__}: {error}")
 
 
 class Worker:
-    """Answers one `Decide` after the other."""
+    """Answers each `Decide` unless a newer one came before its turn: the core does not wait for an older one then."""
 
     def __init__(self, settings: SearchSettings, deadline: float, post: Callable[[DecisionReady], None]) -> None:
         self._settings = settings
@@ -44,6 +48,7 @@ class Worker:
         self._post = post
         self._orders: SimpleQueue[Decide | None] = SimpleQueue()
         self._began = math.inf
+        self._answer: DecisionReady | None = None
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
 
     def start(self) -> None:
@@ -59,12 +64,32 @@ class Worker:
         """Answer `command` when its turn comes."""
         self._orders.put(command)
 
+    def due(self, ticket: int) -> DecisionReady | DecisionLate:
+        """Return the answer to this decision, which may still be on its way, or that there is none by its deadline."""
+        answer = self._answer
+        return answer if answer is not None and answer.ticket == ticket else DecisionLate(clock.monotonic(), ticket)
+
+    def busy(self, now: float) -> bool:
+        """Whether the decision in hand is overdue: nothing that is submitted now will be answered soon."""
+        return now > self._began + self._deadline
+
     def stuck(self, now: float) -> bool:
         """Whether the decision in hand does not come to its end."""
         return now > self._began + self._deadline + STUCK
 
     def _run(self) -> None:
-        while (command := self._orders.get()) is not None:
-            self._began = clock.monotonic()
-            self._post(decide(command, self._settings, self._deadline))
+        while (command := self._newest()) is not None:
+            self._began = command.asked
+            self._answer = decide(command, self._settings, self._deadline)
+            self._post(self._answer)
             self._began = math.inf
+
+    def _newest(self) -> Decide | None:
+        """Wait for an order; return the last one of those that wait."""
+        order = self._orders.get()
+        while order is not None:
+            try:
+                order = self._orders.get_nowait()
+            except Empty:
+                break
+        return order

@@ -1,6 +1,5 @@
 """What a message utility function is, and what its parameters may be."""
 
-import math
 from collections.abc import Sequence
 from typing import Protocol, Self, TypeVar, runtime_checkable
 
@@ -8,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from planner.errors import ProblemError
+from planner.finite import finite
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -44,11 +44,11 @@ def told_apart(objects: Sequence[Shared]) -> tuple[list[Shared], Ints]:
 
 def require_at_least_zero(kind: str, parameter: str, value: float) -> None:
     """Raise ProblemError unless the value is finite and >= 0."""
-    if not (math.isfinite(value) and value >= 0):
-        raise ProblemError(f"{kind} utility: {parameter} must be a finite number >= 0, not {value}")
+    if not (finite(value) and value >= 0):
+        raise ProblemError(f"{kind} utility: {parameter} must be a finite number >= 0, not {value!r}")
 
 
 def require_above_zero(kind: str, parameter: str, value: float) -> None:
     """Raise ProblemError unless the value is finite and > 0."""
-    if not (math.isfinite(value) and value > 0):
-        raise ProblemError(f"{kind} utility: {parameter} must be a finite number > 0, not {value}")
+    if not (finite(value) and value > 0):
+        raise ProblemError(f"{kind} utility: {parameter} must be a finite number > 0, not {value!r}")

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from planner.errors import ProblemError
+from planner.finite import finite
 from planner.utility.base import Floats, Ints
 
 YOUNGEST = float(np.finfo(np.float64).tiny)
@@ -24,7 +25,7 @@ class Power:
     beta: float
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.beta < 1.0:
+        if not (finite(self.beta) and 0.0 < self.beta < 1.0):
             raise ProblemError(f"power utility: beta must be between 0 and 1, not {self.beta}")
 
     def value(self, age: Floats) -> Floats:

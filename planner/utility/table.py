@@ -1,6 +1,5 @@
 """A value drawn by hand: straight lines through given points."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -9,6 +8,7 @@ from typing import Self
 import numpy as np
 
 from planner.errors import ProblemError
+from planner.finite import finite
 from planner.utility.base import Floats, Ints, told_apart
 from planner.utility.piecewise import PiecewiseLinear
 
@@ -28,9 +28,9 @@ class Table:
         if not self.points:
             raise ProblemError("table utility: points must hold at least one (age, value)")
         for age, value in self.points:
-            if not (math.isfinite(age) and age >= 0):
+            if not (finite(age) and age >= 0):
                 raise ProblemError(f"table utility: points must have finite ages >= 0, not {age}")
-            if not (math.isfinite(value) and value >= 0):
+            if not (finite(value) and value >= 0):
                 raise ProblemError(f"table utility: points must have finite values >= 0, not {value}")
         for (before, _), (after, _) in pairwise(self.points):
             if after <= before:

@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 
 from planner.errors import ProblemError
+from planner.finite import finite
 from planner.utility.base import Floats, Ints
 
 
@@ -22,7 +23,7 @@ class Video:
     a1: float = 10.0
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.a0) and math.isfinite(self.a1) and 0 < self.a0 < self.a1):
+        if not (finite(self.a0) and finite(self.a1) and 0 < self.a0 < self.a1):
             raise ProblemError(f"video utility: needs finite ages 0 < a0 < a1, not a0 = {self.a0}, a1 = {self.a1}")
 
     def value(self, age: Floats) -> Floats:

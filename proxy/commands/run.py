@@ -1,6 +1,7 @@
 """`sendworthy run`: the daemon of this robot."""
 
 import argparse
+import gc
 import logging
 import os
 import signal
@@ -17,6 +18,7 @@ from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
 from proxy.log import set_up_logging
+from proxy.priority import raise_priority
 from proxy.reloading import read_specs
 from proxy.service import Service
 from utility_specs import Specs, SpecsError
@@ -100,6 +102,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG
     set_up_logging(config.log.level, os.environ)
+    if not raise_priority():  # before there are other threads: each takes after the one that starts it
+        log.debug("not allowed to raise the priority of the daemon: beside busy processes it hears and decides late")
     try:
         serve(config, specs, asked, arguments.config, read)
     except ProxyError as error:
@@ -122,6 +126,7 @@ def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | No
 
     daemon, service = Daemon(config, specs, file, read), Service(os.environ)
     daemon.start()
+    settle()
     log.info("%s", started(config, specs, daemon.robot))
     service.ready(started(config, specs, daemon.robot))
     if service.watchdog is not None:
@@ -139,6 +144,12 @@ def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | No
     finally:
         service.stopping()
         daemon.stop()
+
+
+def settle() -> None:
+    """Have what is there by now never looked through for garbage again: that would stop all threads for 30 ms."""
+    gc.collect()
+    gc.freeze()
 
 
 def next_of(asked: SimpleQueue[str]) -> str:

@@ -9,12 +9,18 @@ from proxy.core.wire import Digest, State
 
 @dataclass(frozen=True, slots=True)
 class Decide:
-    """Search `problem` with `seed` for at most `iterations`; answer with `DecisionReady(ticket)`."""
+    """Search `problem` with `seed` for at most `iterations`; answer with `DecisionReady(ticket)`.
+
+    `asked` is when what led to it happened [s]: the deadline counts from then on, and when it is over without an answer
+    the core is told by `DecisionLate(ticket)`. With `ahead` it is about what others should send, and no sample waits.
+    """
 
     ticket: int
     problem: Problem
     seed: int
     iterations: int
+    asked: float
+    ahead: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,13 +30,17 @@ class Competition:
         self._revision = -1
         self._set_rows([])
 
-    def chosen(self, now: float, most: int, promised: Promises) -> list[Stream]:
+    def chosen(self, now: float, most: int, promised: Promises, robot: str | None = None) -> list[Stream]:
         """Return those streams that compete for which a window of `most` messages has places, by robot and key.
+
+        With a `robot` only its streams compete.
 
         Half of the places are for those worth most per byte on the air, half for those that generate next what is not
         `promised` yet. Both are only estimated: a look at each stream has to do.
         """
         rows = self._rows(now)
+        if robot is not None:
+            rows = rows[[self._robots[owner] == robot for owner in self._owner[rows].tolist()]] if len(rows) else rows
         if len(rows) > most:
             due = self._due(now, promised)[rows]
             order = np.lexsort((due, self._cheapness[rows]))

@@ -299,9 +299,11 @@ class Core:
         if self.layout.answered(event.ticket):
             self.telling.urgent |= self.layout.lend(event.now, event.plan, event.now + self.telling.speaks_again())
             return []
-        if self.gate.pending is None or event.ticket != self.gate.pending.ticket:
-            return []
-        return self.gate.ready(event.now, event.plan, event.error)
+        return self.gate.ready(event)
+
+    @_on.register
+    def _(self, event: ev.DecisionLate) -> list[Command]:
+        return self.gate.overdue(event.now, event.ticket)
 
     @_on.register
     def _(self, _event: ev.TimePassed) -> list[Command]:

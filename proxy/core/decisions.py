@@ -53,7 +53,9 @@ class Decisions:
     `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
     ones, whose gap is known [utility·s]. `unneeded` are samples that were sent while there was room for all, `foreseen`
     those for which who leads lent us what they took; `owed` those that a guarantee demanded, `unkept` those of them for
-    which the limits left no room. `binding` counts by constraint the dropped samples that it was in the way of.
+    which the limits left no room. `late` are decisions that the static rule made, for there was no answer in time. Of
+    windows that were `thinned` to come in time `kept` counts the messages to decide, `full` those there would be else.
+    `binding` counts by constraint the dropped samples that it was in the way of.
     """
 
     def __init__(self) -> None:
@@ -64,6 +66,10 @@ class Decisions:
         self.foreseen = 0
         self.owed = 0
         self.unkept = 0
+        self.late = 0
+        self.thinned = 0
+        self.kept = 0
+        self.full = 0
         self.seconds = 0.0
         self.longest = 0.0
         self.proven = 0
@@ -88,6 +94,12 @@ class Decisions:
         if not plan.send:
             self.binding.update(plan.binding)
 
+    def thin(self, kept: int, full: int) -> None:
+        """A window holds so many messages to decide, instead of all."""
+        self.thinned += 1
+        self.kept += kept
+        self.full += full
+
     def refused(self, lacking: Iterable[str]) -> None:
         """A sample was dropped for want of room in these constraints."""
         self.binding.update(lacking)
@@ -102,6 +114,8 @@ class Decisions:
             "foreseen": self.foreseen,
             "owed": self.owed,
             "unkept": self.unkept,
+            "late": self.late,
+            "thinned": {"windows": self.thinned, "messages": self.kept, "of": self.full},
             "seconds": self.seconds,
             "longest": self.longest,
             "proven": self.proven,

@@ -186,12 +186,24 @@ class ModeChanged:
 
 @dataclass(frozen=True, slots=True)
 class DecisionReady:
-    """The worker's answer to a `Decide`; `plan` is None when the planner failed with `error`."""
+    """The worker's answer to a `Decide`; `plan` is None when the planner failed with `error`.
+
+    Of the time since what asked for it `overhead` is what was not spent on searching, but for the first iteration [s].
+    """
 
     now: float
     ticket: int
     plan: Plan | None
     error: str = ""
+    overhead: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class DecisionLate:
+    """The deadline of a `Decide` is over, and there is no answer; one that comes later changes nothing."""
+
+    now: float
+    ticket: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,5 +233,6 @@ Event = (
     | SpecsChanged
     | ModeChanged
     | DecisionReady
+    | DecisionLate
     | TimePassed
 )

@@ -12,6 +12,7 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
+from proxy.core.events import DecisionReady
 from proxy.core.fallback import TokenBuckets
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
@@ -22,6 +23,7 @@ from proxy.core.mode import Mode, in_force
 from proxy.core.plenty import EACH, PACE, fits
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
+from proxy.core.span import Span
 from proxy.core.stream import Sent, Stream
 from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
@@ -37,11 +39,13 @@ DOUBTED = 1.5
 
 @dataclass(frozen=True, slots=True)
 class Pending:
-    """The sample being decided."""
+    """The sample being decided, beside so many other messages; of too many some were left out."""
 
     ticket: int
     sample: Waiting
     constraints: tuple[str, ...]
+    held: int = 0
+    thinned: bool = False
 
 
 class Gate:
@@ -63,6 +67,7 @@ class Gate:
         self.limits: tuple[Limit, ...] = ()
         self.pending: Pending | None = None
         self.decisions = Decisions()
+        self.span = Span(settings.deadline)
         self._complaint = ""
         self._buckets = TokenBuckets()
         self._lateness = Lateness(view, shares)
@@ -133,9 +138,22 @@ class Gate:
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
         return commands
 
-    def ready(self, now: float, plan: Plan | None, error: str) -> list[Command]:
-        """The answer for the pending sample; deletions that came meanwhile follow it."""
-        return [*self._decided(now, plan, error), *self._delete()]
+    def ready(self, event: DecisionReady) -> list[Command]:
+        """The answer for the pending sample, if that is still awaited; deletions that came meanwhile follow it."""
+        pending = self._answered(event.ticket)
+        if pending is None:
+            return []
+        self.span.note(pending.held, event.overhead, thinned=pending.thinned)
+        return [*self._decided(event.now, pending, event.plan, event.error), *self._delete()]
+
+    def overdue(self, now: float, ticket: int) -> list[Command]:
+        """There is no answer in time for the pending sample: the static rule decides at once."""
+        pending = self._answered(ticket)
+        if pending is None:
+            return []
+        self.span.note(pending.held, math.inf, thinned=pending.thinned)
+        self.decisions.late += 1
+        return [*self._by_rule(now, pending), *self._delete()]
 
     def handed(self, sample: int) -> None:
         """The mesh session took the sample."""
@@ -148,10 +166,14 @@ class Gate:
             stream, names = first
             stream.miss(names)
 
-    def _decided(self, now: float, plan: Plan | None, error: str) -> list[Command]:
+    def _answered(self, ticket: int) -> Pending | None:
+        """Return what waits for the answer with this ticket, and does so no longer."""
+        if self.pending is None or self.pending.ticket != ticket:
+            return None
         pending, self.pending = self.pending, None
-        if pending is None:
-            return []
+        return pending
+
+    def _decided(self, now: float, pending: Pending, plan: Plan | None, error: str) -> list[Command]:
         if plan is None:
             return self._fall_back(now, pending, error)
         self._complaint = ""
@@ -241,10 +263,14 @@ class Gate:
 
     def _search(self, now: float, sample: Waiting, ticket: int) -> Command:
         """Have a sample decided."""
-        problem = self._windows.build(now, sample, self.inbox, self.problem_limits(now))
-        self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints))
+        problem, full = self._windows.within(now, sample, self.inbox, self.problem_limits(now), self.span.most)
+        held = sum(not message.sent for message in problem.messages) - 1
+        thinned = self.span.most < full
+        if thinned:
+            self.decisions.thin(held, full)
+        self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints), held, thinned)
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
-        return Decide(ticket, problem, ticket, min(budget, self._settings.iterations))
+        return Decide(ticket, problem, ticket, min(budget, self._settings.iterations), now)
 
     def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""
@@ -292,20 +318,24 @@ class Gate:
         return self.pass_on(sample.sample, "passed:unwanted")
 
     def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
-        """Decide by priority and token buckets, and say loudly that the planner failed."""
-        rule, use, buckets = self._view.specs.fallback, self._use(now, pending.sample), self._buckets
+        """Say loudly that the planner failed, and decide without it."""
         commands: list[Command] = []
         if error != self._complaint:
             commands.append(Notice("error", f"the planner failed, a static rule decides: {error}"))
         self._complaint = error
+        return [*commands, *self._by_rule(now, pending)]
+
+    def _by_rule(self, now: float, pending: Pending) -> list[Command]:
+        """Decide by priority and token buckets."""
+        rule, use, buckets = self._view.specs.fallback, self._use(now, pending.sample), self._buckets
         buckets.fill(now, self.limits, [rule.part * room for room in self._rooms_left(now)])
         urgent = pending.sample.priority <= rule.urgent
         needed = use if urgent else tuple(amount / rule.part for amount in use)
         if lacking := self.lacking(now, needed) or (() if urgent else buckets.lacking(use)):
-            return [*commands, self._refuse(now, pending.sample, "dropped:fallback", lacking)]
+            return [self._refuse(now, pending.sample, "dropped:fallback", lacking)]
         if not urgent:
             buckets.take(use)
-        return [*commands, self._send(now, pending.sample, use, "passed:fallback")]
+        return [self._send(now, pending.sample, use, "passed:fallback")]
 
     def _rooms_left(self, now: float) -> list[float]:
         """What we may use of each limit in a window, our own sends included."""

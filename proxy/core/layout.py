@@ -97,7 +97,7 @@ class Layout:
             self._promise_all(now, self._outlook.demanded, now + 2.0 * PACE)
             return []
         self._ticket = ticket
-        return [Decide(ticket, self._outlook.problem, ticket, self._view.settings.iterations)]
+        return [Decide(ticket, self._outlook.problem, ticket, self._view.settings.iterations, now, ahead=True)]
 
     @property
     def due_at(self) -> float:

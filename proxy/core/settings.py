@@ -1,5 +1,6 @@
 """What the core is told once, at start."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,7 +17,8 @@ class CoreSettings:
     before all others know of it, `inbox` the samples that may wait for a decision, `backlog` those of one stream where
     each sample counts, `transport` how samples travel (`proxy.core.transport`), `relayed` says that robots meet at a
     router: a sample goes on the air to it, and then once to each robot that wants it.
-    `digests_on_air` says that digests are broadcast, as samples are.
+    `digests_on_air` says that digests are broadcast, as samples are. A decision may take `deadline` [s] from the event
+    that asked for it on; windows are thinned where it would not do.
     """
 
     robot: str
@@ -25,6 +27,7 @@ class CoreSettings:
     horizon: int = 60
     horizon_time: float = 60.0
     iterations: int = 300
+    deadline: float = math.inf
     coordination: Literal["shares", "overhear"] = "shares"
     transport: str = UNICAST
     allowance: float = 0.02

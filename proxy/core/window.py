@@ -119,11 +119,21 @@ class WindowBuilder:
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
         """Return the problem of deciding `current` while others of our own samples are `waiting`."""
-        return self._problem(now, *self._opened(now, current, waiting, limits), limits)[0]
+        return self.within(now, current, waiting, limits, math.inf)[0]
+
+    def within(
+        self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits, most: float
+    ) -> tuple[Problem, int]:
+        """Return the same with about `most` other messages to decide, and how many there would be of themselves.
+
+        Half of the places are for samples that wait, those worth most, the rest for forecasts.
+        """
+        candidates, opened, demanded, full = self._opened(now, current, list(waiting), limits, most)
+        return self._problem(now, candidates, opened, demanded, limits)[0], full
 
     def ahead(self, now: float, waiting: Iterable[Waiting], limits: Limits) -> Outlook:
         """Return what others are expected to generate. The current message of the problem is just the first."""
-        candidates, opened, owed = self._opened(now, None, waiting, limits)
+        candidates, opened, owed, _ = self._opened(now, None, list(waiting), limits, math.inf)
         demanded = tuple(expected for m in owed if (expected := self._expected(m)) is not None)
         if not opened:
             return Outlook(None, {}, demanded)
@@ -132,31 +142,35 @@ class WindowBuilder:
         return Outlook(problem, ahead, demanded)
 
     def _opened(
-        self, now: float, current: Waiting | None, waiting: Iterable[Waiting], limits: Limits
-    ) -> tuple[list[_Candidate], list[_Open], list[_Open]]:
-        """Return who competes, the messages to decide, and those that guarantees demand anyway."""
-        candidates = self._candidates(now, "" if current is None else current.key, limits)
+        self, now: float, current: Waiting | None, waiting: list[Waiting], limits: Limits, most: float
+    ) -> tuple[list[_Candidate], list[_Open], list[_Open], int]:
+        """Return who competes, what is to decide, what guarantees demand anyway, and how much there is to decide."""
+        queued = int(min(len(waiting), most // 2))
+        places = int(min(self._view.settings.horizon, most - queued))
+        candidates = self._candidates(now, "" if current is None else current.key, limits, places)
         end = self._forecast(now, candidates, limits)
         demanded = [m for c in candidates if guaranteed(c.stream) for m in self._owed(c, limits)]
         for c in candidates:
             if c.times and c.times[-1] > end:
                 c.times = [t for t in c.times if t <= end]
+            if c.own and limits.holds is not None:
+                c.times = [t for t in c.times if limits.holds(t, _use(_expect(c, t), limits))]
             if not c.markovian:
                 c.times = _bounded(c, c.times)
-        _thin(candidates, self._view.settings.horizon)
+        full = len(waiting) + min(self._view.settings.horizon, sum([len(c.times) for c in candidates]))
+        _thin(candidates, places)
         ours = {c.stream.key: c for c in candidates if c.own}
         opened = [
             _Open(w.t_gen, c, w.size, w.scale, w.features, w is current)
-            for w in (*_competing(waiting, ours), *([] if current is None else [current]))
+            for w in (*_competing(waiting, ours)[:queued], *([] if current is None else [current]))
             for c in (ours[w.key],)
+            if w is current or limits.holds is None or limits.holds(w.t_gen, use_of(w.size, c.copies, limits.union))
         ]
         opened += [_expect(c, t) for c in candidates for t in c.times]
         if limits.promised is not None:
             opened += [m for c in candidates for m in self._asking(now, c, limits.promised)]
-        if limits.holds is not None:
-            opened = [m for m in opened if m.current or not m.of.own or limits.holds(m.t_gen, _use(m, limits))]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
-        return candidates, opened, demanded
+        return candidates, opened, demanded, full
 
     def _owed(self, c: _Candidate, limits: Limits) -> list[_Open]:
         """Take what its guarantee demands out of the forecasts of a stream."""
@@ -184,17 +198,13 @@ class WindowBuilder:
             return None
         return Expected(m.of.stream, m.of.copies, Promise(m.t_gen, m.t_gen, m.size, m.scale, m.features))
 
-    def _candidates(self, now: float, deciding: str, limits: Limits) -> list[_Candidate]:
-        """Streams that compete, by robot and key; that of the current message always does."""
+    def _candidates(self, now: float, deciding: str, limits: Limits, most: int) -> list[_Candidate]:
+        """Streams that compete, by robot and key, at most so many; that of the current message always does."""
         view, own = self._view, self._view.settings.robot
-        if limits.held:
-            competing = [s for s in view.own() if s.key == deciding or view.competes(now, s)]
-            competing.sort(key=lambda s: (s.robot, s.key))
-        else:
-            competing = view.competition.chosen(now, view.settings.horizon, limits.promised or {})
-            current = view.known(own, deciding)
-            if current is not None and not any(s is current for s in competing):
-                insort(competing, current, key=lambda s: (s.robot, s.key))
+        competing = view.competition.chosen(now, most, limits.promised or {}, own if limits.held else None)
+        current = view.known(own, deciding)
+        if current is not None and not any(s is current for s in competing):
+            insort(competing, current, key=lambda s: (s.robot, s.key))
         return [self._candidate(now, place, stream) for place, stream in enumerate(competing)]
 
     def _candidate(self, now: float, place: int, stream: Stream) -> _Candidate:

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from proxy import exit_codes
+from proxy.priority import NICE
 from tests.ports import free_port
 
 ROOT = Path(__file__).parents[2]
@@ -153,3 +154,9 @@ def test_what_is_wrong_from_the_start_is_not_tried_again(service):
     service.start()
     code = service.process.wait(20.0)
     assert settings()["RestartPreventExitStatus"] == [str(code)]
+
+
+def test_the_daemon_comes_before_what_computes():
+    """The unit gives it the place that it would take itself where it may, and its group the weight for it."""
+    assert settings()["Nice"] == [str(NICE)]
+    assert int(settings()["CPUWeight"][0]) > 100

@@ -1,5 +1,6 @@
 """Whatever is asked of the planner, it answers or says what is wrong; it never crashes, and both engines agree."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -9,20 +10,28 @@ from hypothesis import strategies as st
 from planner import (
     Aggregation,
     Constraint,
+    Custom,
+    Exponential,
     Linear,
     Message,
+    Plan,
     PlannerError,
+    Polynomial,
+    Power,
     Problem,
     ProblemError,
     Receiver,
     SearchSettings,
+    Step,
     Stream,
+    Table,
     Traffic,
     Video,
     start,
 )
 from planner.constraints import violations
 from planner.definition import utility
+from planner.tables import tabulate
 from tests.planner.models import Coverage, Failing, Newest
 from tests.planner.windows import window
 
@@ -139,6 +148,60 @@ def settings(draw):
         exploration=draw(st.one_of(st.just(0.35), NUMBERS)),
         max_nodes=draw(st.sampled_from((65_536, 300, 17, 2, 1, 0, -5, 2**30))),
     )
+
+
+UTILITIES = (
+    Linear(1.0, 1.0),
+    Video(),
+    Exponential(1.0, 0.5),
+    Step(1.0, 0.5),
+    Polynomial(1.0, 2.0, 2.0),
+    Power(0.5),
+    Table(((0.0, 1.0), (1.0, 0.0))),
+    Custom(lambda age, features: features["worth"] * (age < 1.0), {"worth": 1.0}),
+    Crooked(1.0),
+)
+AGGREGATIONS = (*Aggregation, Newest(), Coverage(1.0, 0.25))
+REDUCTIONS = ("off", "paper", "exact")
+LEAST = (0.0, 5e-324, 2e-322, 1e-300, 1.0, 1e100)
+
+
+def mixture(pairs, scales, gaps, *, goes_on=True):
+    """A stream for each (aggregation, utility), with messages that follow each other at these `gaps` [s]."""
+    messages, now = [], 0.0
+    for at, gap in enumerate(gaps):
+        stream, scale, now = at % len(pairs), scales[at % len(scales)], now + gap
+        messages.append(
+            Message(stream, now, now, now + 0.01, pairs[stream][1], scale, (10.0,), sent=at < len(pairs) // 2)
+        )
+    streams = tuple(Stream(at, aggregation) for at, (aggregation, _) in enumerate(pairs))
+    messages.sort(key=lambda m: (m.t_gen, m.stream))
+    current = next(at for at, m in enumerate(messages) if not m.sent)
+    return Problem(
+        streams, tuple(messages), current, (Constraint("c", 1.0, 20.0),), (), 0.0, now + 1.0, goes_on=goes_on
+    )
+
+
+def test_every_pair_of_aggregations_and_utilities_has_tables():
+    """What one stream of a problem is never stands in the way of another."""
+    for one, other in itertools.product(AGGREGATIONS, AGGREGATIONS):
+        for pair in itertools.combinations(UTILITIES, 2):
+            problem = mixture([(one, pair[0]), (other, pair[1])], (1.0,), (0.0, 0.1, 0.1, 0.1))
+            assert math.isfinite(tabulate(problem, beyond=True).gains.everything)
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from(AGGREGATIONS), st.sampled_from(UTILITIES)), min_size=1, max_size=5),
+    st.lists(st.sampled_from(LEAST), min_size=1, max_size=3),
+    st.lists(st.sampled_from((0.0, 1e-9, 0.1, 0.5)), min_size=5, max_size=12),
+    st.sampled_from([SearchSettings(search="best"), *(SearchSettings("paper", reduction=r) for r in REDUCTIONS)]),
+    st.booleans(),
+)
+def test_any_mixture_of_aggregations_and_utilities_is_searched(pairs, scales, gaps, choice, goes_on):
+    """All kinds at once, worth nothing or almost nothing, at the same time or not: both engines plan, and alike."""
+    problem = mixture(pairs, scales, gaps, goes_on=goes_on)
+    assert isinstance(searched(problem, choice, [40]), Plan)
+    check(problem, choice, [40])
 
 
 @given(any_problem(), settings())

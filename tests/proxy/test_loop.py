@@ -146,3 +146,20 @@ def test_who_asks_does_not_wait_for_ever(loop):
         loop.ask(lambda: None, 0.01)
     end.set()
     assert loop.ask(lambda: 3, 20.0) == 3
+
+
+def test_what_is_due_comes_before_all_that_waits(loop):
+    """A deadline must not wait behind a hundred events."""
+    ran = []
+
+    def first():
+        loop.at(clock.monotonic(), partial(ran.append, "due"))
+
+    def both():
+        loop.post(first)
+        for number in range(100):
+            loop.post(partial(ran.append, number))
+
+    loop.post(both)
+    wait_until(lambda: len(ran) == 101, what="all jobs")
+    assert ran == ["due", *range(100)]

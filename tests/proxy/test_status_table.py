@@ -135,6 +135,17 @@ def test_a_status_becomes_a_table():
     assert table(STATUS) == TABLE
 
 
+def test_decisions_that_came_late_and_windows_that_were_thinned_are_told():
+    """How often, and to how many messages of how many; nothing where all is in time."""
+    thinned = {"windows": 2, "messages": 30, "of": 120}
+    assert table({"decisions": {"made": 0, "late": 3, "thinned": thinned}}).splitlines()[4:] == [
+        "decided  0 times",
+        "         3 more were late: the static rule made them",
+        "thinned  2 windows, 30 of 120 messages kept",
+    ]
+    assert "thinned" not in table({"decisions": {"made": 1, "late": 0, "thinned": thinned | {"windows": 0}}})
+
+
 def test_decisions_are_told_as_far_as_anything_is_known_of_them():
     """In shadow with what would be dropped; without bounds, times and prices nothing is said of those."""
     decisions = {"made": 2, "iterations": 20, "would_drop": 1, "last": {"key": "a", "reason": "forwarded", "age": 1.0}}

@@ -9,6 +9,7 @@ import pytest
 from planner import Aggregation, Constraint, Message, Problem, SearchSettings, Stream, Video
 from proxy import clock
 from proxy.core.commands import Decide
+from proxy.core.events import DecisionLate
 from proxy.worker import Worker, decide
 from tests.waiting import wait_until
 
@@ -25,7 +26,7 @@ def command():
     )
     limit = Constraint("throughput", 0.5, 2500.0)
     problem = Problem((Stream(0, Aggregation.MOST_RECENT),), messages, 0, (limit,), (), 0.0, 3.0)
-    return Decide(7, problem, 1, 200)
+    return Decide(7, problem, 1, 200, clock.monotonic())
 
 
 @pytest.mark.parametrize("engine", ["native", "python"])
@@ -59,16 +60,68 @@ def test_a_planner_that_fails_is_told_as_such(command):
     assert ready.error.startswith("ProblemError: ")
 
 
-def test_the_worker_answers_in_order_and_stops(command):
+def test_the_worker_answers_and_stops(command):
     """Each order is answered with its ticket; a closed worker has finished."""
     answers = queue.SimpleQueue()
     worker = Worker(SearchSettings(), 0.1, answers.put)
     worker.start()
     for ticket in (1, 2):
         worker.submit(dataclasses.replace(command, ticket=ticket))
-    assert [answers.get(timeout=10.0).ticket for _ in range(2)] == [1, 2]
+        assert answers.get(timeout=10.0).ticket == ticket
     worker.close(5.0)
     assert not worker._thread.is_alive()
+
+
+def test_of_orders_that_wait_only_the_newest_is_answered(command):
+    """The core does not wait for the others any more, so they keep nobody waiting."""
+    answers, end = queue.SimpleQueue(), threading.Event()
+
+    def slow(answer):
+        answers.put(answer.ticket)
+        end.wait(20.0)
+
+    worker = Worker(SearchSettings(), 0.1, slow)
+    worker.start()
+    worker.submit(command)
+    assert answers.get(timeout=10.0) == command.ticket
+    for ticket in (8, 9, 10):
+        worker.submit(dataclasses.replace(command, ticket=ticket))
+    end.set()
+    assert answers.get(timeout=10.0) == 10
+    worker.close(5.0)
+    assert answers.qsize() == 0
+
+
+def test_what_is_not_answered_by_its_deadline_is_late(command):
+    """And what is answered is not late, even where its answer has not been taken in yet."""
+    answers = queue.SimpleQueue()
+    worker = Worker(SearchSettings(), 0.1, answers.put)
+    worker.start()
+    late = worker.due(command.ticket)
+    assert isinstance(late, DecisionLate)
+    assert late.ticket == command.ticket
+    worker.submit(command)
+    assert answers.get(timeout=10.0) is worker.due(command.ticket)
+    worker.close(5.0)
+
+
+def test_behind_a_decision_that_is_overdue_nothing_is_awaited():
+    """Nobody knows when the one in hand comes to its end."""
+    worker = Worker(SearchSettings(), 0.1, lambda _: None)
+    asked = clock.monotonic()
+    assert not worker.busy(asked + 60.0)
+    worker._began = asked
+    assert not worker.busy(asked)
+    assert worker.busy(asked + 60.0)
+
+
+def test_the_deadline_counts_from_what_asked_for_the_decision(command):
+    """Time that the event waited is no time for the search, and is told beside what the decision took."""
+    search = SearchSettings(search="paper", engine="python")
+    waited = dataclasses.replace(command, iterations=1_000_000, asked=command.asked - 100.0)
+    ready = decide(waited, search, 50.0)
+    assert ready.plan.iterations == 1
+    assert ready.plan.seconds >= ready.overhead > 100.0
 
 
 def test_a_decision_that_never_ends_is_noticed(command):

@@ -1,5 +1,7 @@
 """Aggregations that specs of the tests name."""
 
+import threading
+
 
 class Greatest:
     """The greatest scale received counts."""
@@ -30,6 +32,16 @@ class Everything(Greatest):
 
     def value(self, state, _t_end):
         return float(len(state))
+
+
+class Slow(Greatest):
+    """Comes to no end before it may."""
+
+    may = threading.Event()
+
+    def value(self, state, t_end):
+        self.may.wait(30.0)
+        return super().value(state, t_end)
 
 
 class Failing(Greatest):

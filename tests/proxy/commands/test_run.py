@@ -1,5 +1,6 @@
 """`sendworthy run`: start, stop and refuse."""
 
+import gc
 import json
 import signal
 import socket
@@ -9,7 +10,7 @@ import pytest
 from proxy import exit_codes
 from proxy.cli import main
 from proxy.commands.client import connected
-from proxy.commands.run import started
+from proxy.commands.run import settle, started
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig
 from tests.daemons import specs_file
 from tests.ports import free_port
@@ -217,3 +218,12 @@ def status_of(daemon):
     with connected(daemon.endpoint) as client:
         (status,) = client.status(None)
     return status
+
+
+def test_what_is_there_at_the_start_is_never_looked_through_again():
+    """A full collection of all modules would stop every thread, whatever the deadline of a decision is."""
+    try:
+        settle()
+        assert len(gc.get_objects()) < gc.get_freeze_count()
+    finally:
+        gc.unfreeze()

@@ -203,6 +203,8 @@ def test_the_status_explains_the_last_decision_and_counts_what_bound(make_aggreg
         "foreseen": 0,
         "owed": 0,
         "unkept": 0,
+        "late": 0,
+        "thinned": {"windows": 0, "messages": 0, "of": 0},
         "seconds": 0.004,
         "longest": 0.004,
         "proven": 0,
@@ -276,3 +278,61 @@ def test_what_others_sent_is_known_as_if_it_were_looked_for_each_time(make_talk,
         elif step == "wait":
             now += 0.3
         assert gate._others(now) == gate._sent_by_others(now)
+
+
+def test_what_is_not_decided_in_time_the_static_rule_decides_at_once(make_aggregated):
+    """It is counted; the answer that comes later changes nothing, and the next sample has its own decision."""
+    talk = make_aggregated("most_recent", deadline=0.02)
+    first, commands = talk.publish(0.1)
+    (late,) = only(commands, Decide)
+    assert (late.asked, late.ahead) == (0.1, False)
+    assert only(talk.tell(ev.DecisionLate(0.12, late.ticket))) == [Forward(first)]
+    talk.tell(ev.SampleHanded(0.13, first))
+    assert only(talk.answer(0.2, late, send=False)) == []
+    _, commands = talk.publish(0.3)
+    (decide,) = only(commands, Decide)
+    assert only(talk.tell(ev.DecisionLate(0.31, late.ticket))) == []
+    assert only(talk.answer(0.31, decide, send=False), Drop)
+    status = talk.core.status(0.4)
+    assert status["counts"]["by_reason"] == {"dropped:planner": 1, "passed:fallback": 1}
+    assert (status["decisions"]["late"], status["decisions"]["made"]) == (1, 1)
+    assert status["counts"]["conserved"]
+
+
+def test_the_static_rule_keeps_the_limits_however_late_all_is(make_aggregated):
+    """Of 40 kB in 4 s at most half of the limit of 10 kB/s goes, and a bucket."""
+    talk = make_aggregated("sum", deadline=0.02)
+    for number in range(40):
+        now = 0.1 * (1 + number)
+        _, commands = talk.publish(now)
+        for decide in only(commands, Decide):
+            talk.tell(ev.DecisionLate(now + 0.02, decide.ticket))
+    assert 18 <= len(talk.all(Forward)) <= 25
+
+
+def slow_days(talk):
+    """Publish more than is decided in time; return the windows, of how many messages each."""
+    held = []
+    for number in range(30):
+        now = 0.1 * (1 + number)
+        overhead = 0.05 if 10 <= number < 14 else 0.001
+        _, commands = talk.publish(now)
+        for decide in only(commands, Decide):
+            held.append(sum(not m.sent for m in decide.problem.messages))
+            plan = Plan(send=False, sends=(), utility=1.0, opposite=None, iterations=10, nodes=10)
+            talk.tell(ev.DecisionReady(now + overhead, decide.ticket, plan, overhead=overhead))
+    return held
+
+
+def test_windows_that_took_too_long_to_decide_are_thinned_and_status_says_so(make_aggregated):
+    """They are smaller while decisions come late, and whole again by and by; the same events give the same windows."""
+    talk, again = (make_aggregated("sum", deadline=0.02) for _ in range(2))
+    held = slow_days(talk)
+    least = min(held[5:])
+    assert least < 0.5 * held[9]
+    assert held.index(least) > 10
+    assert held[-1] > 2 * least
+    thinned = talk.core.status(4.0)["decisions"]["thinned"]
+    assert 4 <= thinned["windows"] < 30
+    assert 0 < thinned["messages"] < thinned["of"]
+    assert slow_days(again) == held

@@ -485,3 +485,35 @@ def test_others_random_samples_are_expected_from_now_on(make_specs):
         add_stream(view, robot)
     problem = WindowBuilder(view, 0.0).build(12.5, sample(12.5), (), union())
     assert [m.t_gen for m in problem.messages if m.stream == 1][:2] == [15.5, 18.5]
+
+
+@hypothesis_settings(deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(most=st.integers(1, 90), streams=st.integers(1, 30), queued=st.integers(0, 40))
+def test_a_window_that_must_be_small_keeps_what_matters(make_specs, most, streams, queued):
+    """The current message, what was sent, and of the samples that wait those worth most."""
+    view = make_view(make_specs(), horizon=60)
+    view.set_interest(("robot/**",))
+    for number in range(streams):
+        stream = add_stream(view, "r1", key=f"robot/{number}/camera", scale=1.0 + number)
+        stream.note_sent(1, Sent(9.5, 9.5, 1000, 1.0, {}))
+    waiting = [sample(9.0 + 0.01 * n, "robot/0/camera", scale=1.0 + n, number=2 + n) for n in range(queued)]
+    current = sample(10.0, "robot/0/camera")
+    problem, full = WindowBuilder(view, 0.0).within(10.0, current, waiting, union(), most)
+    opened = [m for m in problem.messages if not m.sent]
+    assert problem.messages[problem.current].t_gen == 10.0
+    assert len(opened) - 1 <= max(most, 1) + 1
+    kept = {m.scale for m in opened if m.t_gen < 10.0}
+    assert kept == {w.scale for w in waiting[queued - len(kept) :]}
+    assert len(kept) == min(queued, most // 2)
+    assert len([m for m in problem.messages if m.sent]) == len(problem.streams)
+    assert len(opened) - 1 <= full
+
+
+def test_a_window_with_room_enough_is_whole(crowd):
+    """Nothing changes while decisions come in time."""
+    builder = WindowBuilder(crowd, 0.0)
+    waiting = [sample(9.9, number=2)]
+    whole = builder.build(10.0, sample(10.0), waiting, union())
+    problem, full = builder.within(10.0, sample(10.0), waiting, union(), 61)
+    assert problem == whole
+    assert full == sum(not m.sent for m in whole.messages) - 1

@@ -1,0 +1,111 @@
+"""Decisions by their deadline, on a loop with its core."""
+
+from contextlib import ExitStack
+
+import pytest
+
+from planner import SearchSettings
+from proxy import clock
+from proxy.core import events as ev
+from proxy.core.commands import Decide, Drop, Forward
+from proxy.core.core import Core
+from proxy.core.settings import CoreSettings
+from proxy.core.wire import State
+from proxy.loop import Loop
+from proxy.planning import Planning
+from tests.planner.windows import window
+from tests.utility_specs.models import Slow
+from tests.waiting import wait_until
+from utility_specs import load_specs
+
+SPEC = """
+[[constraint]]
+kind = "throughput"
+limit = "80 kbit/s"
+window = 1
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+aggregation = {aggregation}
+utility = {{ kind = "video" }}
+"""
+SLOW = '{ python = "tests.utility_specs.models:Slow" }'
+
+
+class Driven:
+    """A core that is driven as the daemon drives it, with somebody who wants its samples."""
+
+    def __init__(self, stack, path, aggregation, deadline):
+        path.write_text(SPEC.format(aggregation=aggregation))
+        Slow.may.set()
+        settings = CoreSettings("r1", "z-r1", coordination="overhear", deadline=deadline)
+        self.done, self.samples = [], 0
+        self.loop = Loop(Core(settings, load_specs(path), clock.monotonic()), self._execute)
+        self.planning = Planning(SearchSettings(), deadline, self.loop)
+        for part in (self.planning, self.loop):
+            part.start()
+            stack.callback(part.close, 1.0)
+        stack.callback(Slow.may.set)
+        now = clock.monotonic()
+        self.loop.post(ev.PeerAppeared(now, "op", "zz-op"))
+        self.loop.post(ev.StateHeard(now, State("op", "zz-op", "enforce", "", (), ("robot/*/camera",))))
+
+    def _execute(self, command):
+        match command:
+            case Decide():
+                self.planning.decide(command)
+            case Forward() | Drop():
+                self.done.append(command)
+
+    def publish(self):
+        self.samples += 1
+        now = clock.monotonic()
+        self.loop.post(ev.SamplePublished(now, self.samples, "robot/r1/camera", 1000, now, None, 5, {}))
+
+    def decisions(self):
+        return self.loop.ask(lambda: self.loop.core.status(clock.monotonic())["decisions"], 10.0)
+
+
+@pytest.fixture
+def drive(tmp_path):
+    with ExitStack() as stack:
+        yield lambda aggregation, deadline: Driven(stack, tmp_path / "specs.toml", aggregation, deadline)
+
+
+def test_decisions_in_time_are_the_planners(drive):
+    """Each sample has its search."""
+    driven = drive('"sum"', 20.0)
+    for _ in range(3):
+        driven.publish()
+    wait_until(lambda: len(driven.done) == 3, what="three decisions")
+    assert (driven.decisions()["made"], driven.decisions()["late"]) == (3, 0)
+
+
+def test_a_search_that_does_not_end_holds_nothing_up(drive):
+    """Samples behind it are decided by the static rule, and what it says in the end is ignored."""
+    driven = drive(SLOW, 0.05)
+    Slow.may.clear()
+    for _ in range(5):
+        driven.publish()
+    wait_until(lambda: len(driven.done) == 5, what="five decisions")
+    decisions = driven.decisions()
+    assert (decisions["made"], decisions["late"]) == (0, 5)
+    assert driven.planning.stuck(clock.monotonic() + 60.0)
+    Slow.may.set()
+    wait_until(lambda: not driven.planning.stuck(clock.monotonic() + 60.0), what="the end of the search")
+    assert driven.decisions()["made"] == 0
+    assert len(driven.done) == 5
+
+
+def test_what_others_should_send_keeps_no_sample_waiting(drive):
+    """Nor do samples keep that waiting: it is worked out beside the decisions on them."""
+    driven = drive(SLOW, 20.0)
+    Slow.may.clear()
+    driven.publish()
+    wait_until(lambda: driven.planning.stuck(clock.monotonic() + 60.0), what="the search to begin")
+    ahead = Decide(99, window(1), 1, 10, clock.monotonic(), ahead=True)
+    driven.loop.ask(lambda: driven.planning.decide(ahead), 10.0)
+    wait_until(lambda: isinstance(driven.planning._ahead.due(99), ev.DecisionReady), what="the plan for others")
+    assert driven.done == []
+    Slow.may.set()
+    wait_until(lambda: driven.done, what="the decision")
