@@ -11,6 +11,7 @@ Row = Sequence[str]
 UNKNOWN = "-"
 ALONE = "no other robot is on the mesh; samples that nobody there wants stay here and are not counted"
 
+_NOT_MALFORMED = (":other version", ":flood")
 _LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 _SMALL = ((1.0, ""), (1e-3, "m"), (1e-6, "μ"))
 _PREFIXES = {"s": _SMALL, "J": _SMALL, "messages": ()}
@@ -42,6 +43,7 @@ def _headline(status: Status) -> str:
             f"coordination {status.get('coordination', UNKNOWN)}" + f" (led by {leader})" * bool(leader),
             f"transport {status.get('transport', UNKNOWN)}",
             f"up {duration(status.get('uptime'))}",
+            *([f"sendworthy {status['version']}"] if status.get("version") else []),
         )
     )
 
@@ -214,7 +216,8 @@ def _peers(peers: Iterable[Status]) -> str:
     rows = [
         (
             str(peer.get("robot", UNKNOWN)),
-            str(peer.get("mode") or UNKNOWN),
+            str(peer.get("mode") or UNKNOWN) if peer.get("takes_part", True) else "takes no part",
+            str(peer.get("version") or UNKNOWN),
             _latency(peer.get("latency_in")),
             _latency(peer.get("latency_out")),
             _percent(peer.get("loss_in")),
@@ -226,8 +229,8 @@ def _peers(peers: Iterable[Status]) -> str:
         )
         for peer in peers
     ]
-    head = ("PEER", "MODE", "FROM IT", "TO IT", "LOST IN", "OUT", "CLOCK", "HEARD", "GOT", "GOT OURS")
-    return _section(head, "llrrrrrrrr", rows)
+    head = ("PEER", "MODE", "VERSION", "FROM IT", "TO IT", "LOST IN", "OUT", "CLOCK", "HEARD", "GOT", "GOT OURS")
+    return _section(head, "lllrrrrrrrr", rows)
 
 
 def _latency(line: Status | None) -> str:
@@ -247,10 +250,13 @@ def _warnings(status: Status) -> str:
     if not status.get("counts", {}).get("conserved", True):
         found.append("the counts do not add up: please report this")
     if status.get("malformed"):
-        kinds = ", ".join(f"{count} {kind}" for kind, count in status.get("refused", {}).items())
+        refused = status.get("refused", {}).items()
+        kinds = ", ".join(f"{count} {kind}" for kind, count in refused if not kind.endswith(_NOT_MALFORMED))
         found.append(
             f"{status['malformed']} malformed messages on Sendworthy's keys were ignored" + f" ({kinds})" * bool(kinds)
         )
+    if status.get("other_version"):
+        found.append(f"{status['other_version']} messages of another version of Sendworthy were not understood")
     if status.get("evicted"):
         found.append(f"{status['evicted']} streams or robots were forgotten: there are too many")
     if status.get("untold"):

@@ -3,6 +3,10 @@
 A digest goes out several times a second at every robot, over the channel that it is there to save. So times are whole
 ticks, most of them as the distance to another time, values are 16 bits (`proxy.core.fixed`), records are lists, what
 is empty at the end is left out, and the sender's name and tag are in the key alone. A state is compressed.
+
+The first field is the version. Daemons of neighbouring versions understand each other: a version may add fields at the
+end of messages, and of what a state tells of a stream, which older daemons leave out and newer ones do without. What
+others would misread is two versions on, so that they do not try, and the CHANGELOG says "wire version" and its number.
 """
 
 import math
@@ -12,7 +16,7 @@ from typing import Any
 
 import msgpack
 
-from proxy.core.errors import MalformedWireError
+from proxy.core.errors import MalformedWireError, OtherVersionError
 from proxy.core.fixed import coded, decoded, seconds, ticks
 from proxy.core.wire import (
     BEGINS,
@@ -31,6 +35,10 @@ from proxy.core.wire import (
 )
 
 VERSION = 4
+OLDEST = 4
+"""What older daemons said is another language."""
+READ = range(max(OLDEST, VERSION - 1), VERSION + 2)
+"""The versions that are understood."""
 MAX_DIGEST = 8192
 """Largest digest [B]."""
 MAX_BYTES = 262_144
@@ -48,8 +56,14 @@ MOST_PHASES = 1_000_000
 MAX_LATENCY = 3600.0
 MAX_LENT = 3_600_000
 MAX_SCALE = 1e15
+MAX_ENTRY = 32
+"""Fields of what a state tells of a stream; later versions may have more of them."""
+MAX_VERSION = 64
+"""Letters in the version of a daemon."""
 MOST_RETURNED = 128
 """Fields of what is given back."""
+_HEAD = 32
+"""The first two fields of a message take no more [B]."""
 _WRAP = 65_536
 _LARGEST = 3.5e38
 
@@ -89,7 +103,7 @@ def pack_state(state: State) -> bytes:
     if not state.since:
         fields += [state.mode, state.specs, state.transport]
         fields += [list(state.subscriptions), [_packed_id(origin) for origin in state.origins]]
-        fields += [ticks(state.clock_error)] * (state.clock_error > 0.0)
+        fields += [ticks(state.clock_error), state.version]
     packed = _pack(fields)
     return min(packed, zlib.compress(packed, 9), key=len)
 
@@ -97,6 +111,20 @@ def pack_state(state: State) -> bytes:
 def unpack_state(data: bytes, robot: str) -> State:
     """Return the state in `data` of `robot`; raise `MalformedWireError` when it is none."""
     return _state(_fields(_inflated(data), MAX_BYTES, 6), robot)
+
+
+def digest_head(data: bytes) -> tuple[int, float]:
+    """Return the version of a digest and when it was sent [s], which costs little.
+
+    Raises `MalformedWireError` when it is none.
+    """
+    version, sent = (*_head(data, 2), None, None)[:2]
+    return _known(version), seconds(_whole(sent))
+
+
+def state_version(data: bytes) -> int:
+    """Return the version of a state; raise `MalformedWireError` when it is none."""
+    return _known(*_head(_inflated(data, _HEAD), 1))
 
 
 def _stream_fields(sent: int, s: StreamDigest) -> list[Any]:
@@ -205,7 +233,7 @@ def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -
 
 def _state(f: list[Any], robot: str) -> State:
     zid, number, since = _id(f[1]), _count(f[2]), _count(f[3])
-    streams = tuple(_stream_state(stream) for stream in _each(_at_most(f[4], MOST_TOLD), 3, 7))
+    streams = tuple(_stream_state(stream) for stream in _each(_at_most(f[4], MOST_TOLD), 3, MAX_ENTRY))
     if len({stream.id for stream in streams}) < len(streams):
         raise MalformedWireError("two streams of one number")
     if since:
@@ -224,6 +252,7 @@ def _state(f: list[Any], robot: str) -> State:
         transport=_name(f[8]),
         number=number,
         clock_error=_clock_error(f[11:12]),
+        version=_name(f[12])[:MAX_VERSION] if len(f) > 12 else "",
     )
 
 
@@ -258,14 +287,14 @@ def _pack(fields: list[Any]) -> bytes:
     return packed
 
 
-def _inflated(data: bytes) -> bytes:
-    """What was compressed, as far as a state may go."""
+def _inflated(data: bytes, most: int = MAX_BYTES + 1) -> bytes:
+    """What was compressed, as far as a state may go, or `most` bytes of it."""
     if not data.startswith(b"\x78"):
         return data
     if len(data) > MAX_BYTES:
         raise MalformedWireError(f"{len(data)} bytes are more than the {MAX_BYTES} that a state may have")
     try:
-        return zlib.decompressobj().decompress(data, MAX_BYTES + 1)
+        return zlib.decompressobj().decompress(data, most)
     except zlib.error as error:
         raise MalformedWireError(f"not compressed as a state is: {error}") from error
 
@@ -274,15 +303,34 @@ def _fields(data: bytes, most: int, least: int) -> list[Any]:
     """The fields of a message of at most so many bytes; bounded work whatever it is."""
     if len(data) > most:
         raise MalformedWireError(f"{len(data)} bytes are more than the {most} that a message may have")
+    _known(*_head(data, 1))
     try:
         fields = msgpack.unpackb(data, max_array_len=MAX_DIGEST, max_map_len=0, max_str_len=1024, max_bin_len=32)
     except (ValueError, msgpack.UnpackException, RecursionError) as error:
         raise MalformedWireError(f"no msgpack: {error}") from error
-    if not isinstance(fields, list) or not fields or type(fields[0]) is not int or fields[0] != VERSION:
-        raise MalformedWireError(f"not version {VERSION}")
     if len(fields) < least:
         raise MalformedWireError(f"{len(fields)} fields where {least} are due")
-    return fields
+    return list(fields)
+
+
+def _head(data: bytes, count: int) -> list[object]:
+    """The first so many fields of a message, without looking at the rest."""
+    unpacker = msgpack.Unpacker(max_buffer_size=_HEAD)
+    unpacker.feed(data[:_HEAD])
+    try:
+        length = unpacker.read_array_header()
+        return [unpacker.unpack() for _ in range(min(count, length))]
+    except (ValueError, msgpack.UnpackException, RecursionError) as error:
+        raise MalformedWireError(f"no msgpack: {error}") from error
+
+
+def _known(version: object = None) -> int:
+    """Let versions pass that are read here."""
+    if type(version) is not int or version < 0:
+        raise MalformedWireError(f"{version!r:.80} is no version")
+    if version not in READ:
+        raise OtherVersionError(version)
+    return version
 
 
 def _each(items: list[Any], least: int, most: int) -> list[list[Any]]:

@@ -220,7 +220,13 @@ class Core:
 
     @_on.register
     def _(self, event: ev.MalformedHeard) -> list[Command]:
-        self.refused[event.kind] += 1
+        self.refused[event.kind] += event.count
+        return []
+
+    @_on.register
+    def _(self, event: ev.VersionHeard) -> list[Command]:
+        if (peer := self.view.peers.get(event.tag)) is not None:
+            peer.wire = event.version
         return []
 
     @_on.register
@@ -316,9 +322,11 @@ class Core:
         if (pace := self.channel.follow()) is not None:
             self.telling.set_rate()
             commands.append(pace)
+        before = self.outsiders.found
         if self.outsiders.look(now):
             self._membership(now)
-            commands += [Notice("error", warning) for warning in self.outsiders.warnings()]
+            new = self.outsiders.found - before
+            commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
         self._lay_out(now, commands)
         if self.gate.pending is None:
             self._tickets += 1

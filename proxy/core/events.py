@@ -104,6 +104,17 @@ class MalformedHeard:
     now: float
     robot: str
     kind: str = "malformed"
+    count: int = 1
+    """So many of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class VersionHeard:
+    """A robot with this tag speaks a version of the protocol, whether we understand it or not."""
+
+    now: float
+    tag: str
+    version: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,6 +234,7 @@ Event = (
     | DigestHeard
     | StateHeard
     | MalformedHeard
+    | VersionHeard
     | StateAsked
     | PeerAppeared
     | PeerGone

@@ -1,33 +1,55 @@
-"""Robots that share other limits than we do, for they have other specs: nobody of us can share with them."""
+"""Robots on the mesh with which nobody here can share: no team waits for them, and its operator is told.
 
+They have other limits, for they have other specs; or nothing is understood of what they say, if they say anything.
+"""
+
+from collections.abc import Iterable
+
+from proxy.core.codec import READ, VERSION
+from proxy.core.peer import Peer
 from proxy.core.view import SharedView
-from proxy.core.wire import tag
 
 PATIENCE = 5.0
-"""Specs may be changed on one robot after the other within this time [s]."""
+"""Specs may be changed on one robot after the other, and a newcomer says something, within this time [s]."""
+SILENCE = 300.0
+"""A robot that was understood tells all something more than twice in this time, whatever the allowance [s]."""
+PACE = 0.5
+"""They are looked for this often [s]."""
 
 
 class Outsiders:
-    """Who has had other limits for long. Robots are named by their tags."""
+    """Who takes no part. Robots are named by their tags."""
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
         self._since: dict[str, float] = {}
+        """Since when robots have had other limits [s]."""
+        self._heard: set[str] = set()
+        """Robots of which digests were understood."""
+        self._look_at = 0.0
         self.found: frozenset[str] = frozenset()
 
     def note(self, now: float, name: str, *, known: bool) -> None:
         """A robot told of its epoch; `known` when that is one of the limits that we have."""
+        self._heard.add(name)
         if known or not self._differs(name):
             self._since.pop(name, None)
         else:
             self._since.setdefault(name, now)
+        if name in self.found:
+            self._look_at = now
 
     def look(self, now: float) -> bool:
-        """Look who has had other limits for too long; return whether these are others than before."""
-        if not self._since and not self.found:
+        """Look who has taken no part for too long; return whether these are others than before."""
+        if now < self._look_at and not self._since:
             return False
+        self._look_at, peers = now + PACE, self._view.peers
+        self._heard &= peers.keys()
         self._since = {name: since for name, since in self._since.items() if self._differs(name)}
-        before, self.found = self.found, frozenset(n for n, since in self._since.items() if now - since > PATIENCE)
+        for name, peer in peers.items():
+            peer.plain = self._not_understood(now, name, peer)
+        apart = {name for name, since in self._since.items() if now - since > PATIENCE}
+        before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
         return self.found != before
 
     def _differs(self, name: str) -> bool:
@@ -35,12 +57,36 @@ class Outsiders:
         peer = self._view.peers.get(name)
         return peer is not None and peer.specs not in ("", self._view.specs.generation)
 
-    def warnings(self) -> list[str]:
-        """Name them."""
-        peers = self._view.peers.values()
-        return [
-            f"robot {peer.robot} has other limits (specs {peer.specs}, here {self._view.specs.generation}): nothing "
-            "keeps what it sends and what others send within either; give all robots the same constraints"
-            for peer in peers
-            if tag(peer.zid) in self.found
-        ]
+    def warnings(self, among: Iterable[str] | None = None) -> list[str]:
+        """Name them all, or those `among` these."""
+        found = self.found if among is None else self.found.intersection(among)
+        return [self._warning(peer) for name, peer in self._view.peers.items() if name in found]
+
+    def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
+        if name in self._heard:
+            return now - peer.digest_received > SILENCE
+        return now - peer.since > PATIENCE or _foreign(peer)
+
+    def _warning(self, peer: Peer) -> str:
+        here = self._view.specs.generation
+        if not peer.plain:
+            return (
+                f"robot {peer.robot} has other limits (specs {peer.specs}, here {here}): nothing keeps what it sends "
+                "and what others send within either; give all robots the same constraints"
+            )
+        if _foreign(peer):
+            return (
+                f"robot {peer.robot} runs another version of Sendworthy: daemons there speak version {peer.wire} of "
+                f"what they tell each other, here {VERSION}; {_APART}; install one version on all robots"
+            )
+        return (
+            f"robot {peer.robot} is on the mesh, but nothing is heard of it that a daemon would say; {_APART}; look "
+            "at its log and at what may keep its messages from crossing"
+        )
+
+
+_APART = "it takes no part, and nothing keeps what it sends and what others send within the limits"
+
+
+def _foreign(peer: Peer) -> bool:
+    return bool(peer.wire) and peer.wire not in READ

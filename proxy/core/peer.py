@@ -90,6 +90,12 @@ class Peer:
     mode: str = ""
     specs: str = ""
     transport: str = ""
+    version: str = ""
+    """Which Sendworthy it runs, as it says."""
+    wire: int = 0
+    """The version of the protocol that it speaks; 0: nobody knows."""
+    plain: bool = False
+    """Whether it takes no part: it is a plain Zenoh node to us until it says what we understand."""
     digest: Digest | None = None
     digest_received: float = 0.0
     pending: dict[int, StreamDigest] = field(default_factory=dict)
@@ -185,6 +191,7 @@ class Peer:
             self.restart_losses()
         self.mode, self.specs = state.mode, state.specs
         self.transport = state.transport
+        self.version = state.version
         self._take_clock(now, state)
         self.state = state
 

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from proxy.core.codec import VERSION
 from proxy.core.latency import Latency
 from proxy.core.peer import Peer
 from proxy.core.stream import Stream
 from proxy.core.wall import clock_warnings, wall_ahead
 from proxy.core.warnings import cast_warnings, namesake_warnings, transport_warnings
+from proxy.core.wire import tag
 from utility_specs import InformationType
 
 if TYPE_CHECKING:
     from proxy.core.core import Core
+
+OTHER_VERSION = ":other version"
+UNDERSTOOD = (OTHER_VERSION, ":flood")
+"""How kinds of what was refused and is not malformed end."""
 
 
 def report(core: Core, now: float) -> dict[str, Any]:
     """All that the core knows, by topic. Times are ages or durations [s], sizes are bytes."""
     return {
         "robot": core.settings.robot,
+        "version": core.settings.version,
+        "wire_version": VERSION,
         "zid": core.settings.zid,
         "mode": core.gate.mode.value,
         "specs": core.view.specs.generation,
@@ -40,7 +48,8 @@ def report(core: Core, now: float) -> dict[str, Any]:
             *cast_warnings(core.gate.limits, core.settings.transport),
             *clock_warnings(core.view),
         ],
-        "malformed": core.refused.total(),
+        "malformed": sum(count for kind, count in core.refused.items() if not kind.endswith(UNDERSTOOD)),
+        "other_version": sum(count for kind, count in core.refused.items() if kind.endswith(OTHER_VERSION)),
         "refused": dict(sorted(core.refused.items())),
         "evicted": core.view.evicted
         + core.strangers.forgotten
@@ -138,6 +147,9 @@ def _peer(peer: Peer, core: Core, now: float) -> dict[str, Any]:
         "zid": peer.zid,
         "mode": peer.mode,
         "transport": peer.transport,
+        "version": peer.version or None,
+        "wire_version": peer.wire or None,
+        "takes_part": tag(peer.zid) not in core.outsiders.found,
         "specs": peer.specs,
         "latency_in": _latency(peer.latency_in),
         "latency_out": _latency(peer.latency_out),

@@ -18,7 +18,7 @@ class CoreSettings:
     each sample counts, `transport` how samples travel (`proxy.core.transport`), `relayed` says that robots meet at a
     router: a sample goes on the air to it, and then once to each robot that wants it.
     `digests_on_air` says that digests are broadcast, as samples are. A decision may take `deadline` [s] from the event
-    that asked for it on; windows are thinned where it would not do.
+    that asked for it on; windows are thinned where it would not do. `version` is that of Sendworthy.
     """
 
     robot: str
@@ -39,3 +39,4 @@ class CoreSettings:
     relayed: bool = False
     digests_on_air: bool = False
     wall_offset: float = 0.0
+    version: str = ""

@@ -32,6 +32,7 @@ def state_of(view: SharedView, mode: Mode) -> State:
         origins=tuple(view.origins),
         transport=settings.transport,
         clock_error=view.clock_error,
+        version=settings.version,
     )
 
 

@@ -246,6 +246,8 @@ class SharedView:
         """A sample of another robot arrived from the mesh."""
         now, robot = event.now, self.robot_of(event.origin)
         peer = self.peer_called(robot)
+        if peer is not None and peer.plain:
+            peer, robot = None, f"{PLAIN}{event.origin}"
         if peer is not None and peer.digest is not None:
             t_gen = peer.heard_sample(now, event.key, event.size, event.stamp)
             self._overhear(now, t_gen, event, peer)

@@ -151,6 +151,8 @@ class State:
     """Counts the robot's states."""
     clock_error: float = 0.0
     """What its wall clock is wrong by at most [s]; 0.0: nobody knows. An update leaves it as it was."""
+    version: str = ""
+    """Which Sendworthy it runs; empty: it does not say."""
     since: int = 0
     """0: this is all. Else only what is new of the streams since the state of that number; the rest is as it was."""
 

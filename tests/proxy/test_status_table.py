@@ -8,6 +8,7 @@ from proxy.status_table import ALONE, amount, duration, rate, schedule, share, t
 from utility_specs import Specs
 
 STATUS = {
+    "version": "0.1.0",
     "robot": "r1",
     "mode": "enforce",
     "specs": "50b2553b9f23",
@@ -84,6 +85,7 @@ STATUS = {
     "peers": [
         {
             "robot": "r2",
+            "version": "0.2.0",
             "mode": "shadow",
             "latency_in": {"fixed": 0.0421, "per_byte": 2e-6},
             "latency_out": {"fixed": 0.5, "per_byte": 0.0},
@@ -100,7 +102,8 @@ STATUS = {
 }
 
 TABLE = """\
-robot r1   mode enforce   specs 50b2553b9f23   coordination shares (led by r2)   transport unicast   up 3 min 20 s
+robot r1   mode enforce   specs 50b2553b9f23   coordination shares (led by r2)   transport unicast   \
+up 3 min 20 s   sendworthy 0.1.0
 
 samples  120 in = 70 forwarded + 49 dropped + 1 queued
   passed:no-spec   60
@@ -126,8 +129,8 @@ FEATURE  TYPE    FAILED  OLD VALUE HELD    TAKES  BUDGET
 red      camera       2              40  31.2 ms   20 ms
 scale    pose         1               0        -       -
 
-PEER  MODE              FROM IT   TO IT  LOST IN    OUT    CLOCK   HEARD  GOT  GOT OURS
-r2    shadow  42.1 ms + 2 ms/kB  500 ms        -  12.5%  -3.25 s  200 ms   12        30"""
+PEER  MODE    VERSION            FROM IT   TO IT  LOST IN    OUT    CLOCK   HEARD  GOT  GOT OURS
+r2    shadow  0.2.0    42.1 ms + 2 ms/kB  500 ms        -  12.5%  -3.25 s  200 ms   12        30"""
 
 
 def test_a_status_becomes_a_table():
@@ -199,6 +202,11 @@ def test_the_status_of_a_new_core_is_short():
             {"malformed": 3, "refused": {"digest:old": 1, "state:forged": 2}},
             "3 malformed messages on Sendworthy's keys were ignored (1 digest:old, 2 state:forged)",
         ),
+        (
+            {"malformed": 1, "refused": {"digest:malformed": 1, "digest:flood": 9, "digest:other version": 9}},
+            "1 malformed messages on Sendworthy's keys were ignored (1 digest:malformed)",
+        ),
+        ({"other_version": 4}, "4 messages of another version of Sendworthy were not understood"),
         ({"untold": 7}, "7 streams, subscriptions or origins are too many to tell the others"),
         ({"daemon": {"refused": 9}}, "9 messages of other robots came faster than they could be taken in"),
         ({"evicted": 2}, "2 streams or robots were forgotten: there are too many"),
@@ -213,6 +221,12 @@ def test_the_status_of_a_new_core_is_short():
 def test_what_is_wrong_is_said_at_the_end(change, warning):
     """Nothing that needs attention is hidden in a number."""
     assert table({**STATUS, **change}).splitlines()[-1] == f"warning: {warning}"
+
+
+def test_a_robot_that_takes_no_part_is_shown_as_such():
+    """Whatever mode it once told."""
+    peers = [STATUS["peers"][0] | {"takes_part": False, "version": None}]
+    assert "\nr2    takes no part  -  " in table(STATUS | {"peers": peers})
 
 
 def test_a_status_of_another_version_is_shown_as_far_as_it_goes():

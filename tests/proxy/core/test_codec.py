@@ -92,6 +92,7 @@ states = st.builds(
     transport=name,
     number=count,
     clock_error=st.integers(0, ticks(MOST_CLOCK_ERROR)).map(seconds),
+    version=name,
 )
 
 
@@ -165,8 +166,8 @@ def test_a_field_of_another_kind_is_refused_or_harmless(digest, place, value):
         (b"\x00" * (MAX_DIGEST + 1), "more than the"),
         (b"", "no msgpack"),
         (msgpack.packb({"a": 1}), "no msgpack"),
-        (msgpack.packb([3, "r"]), "not version 4"),
-        (msgpack.packb([4.0, "r"]), "not version 4"),
+        (msgpack.packb([3, "r"]), "of version 3"),
+        (msgpack.packb([4.0, "r"]), "is no version"),
         (msgpack.packb([4, "r"]), "2 fields where 6 are due"),
         (b"\x91" * 5000, "no msgpack"),
         (msgpack.packb([4, [0] * 8000]), "2 fields"),

@@ -227,7 +227,7 @@ def test_constraints_that_leave_no_room_are_counted_by_name(make_aggregated):
 def test_until_all_said_what_they_want_what_nobody_wants_counts(make_talk):
     """It may be for who is new; what we hold then has to do."""
     talk = make_talk(coordination="shares", settle=0.0)
-    talk.tell(ev.PeerAppeared(0.1, "r9", "z-r9"))
+    talk.tell(ev.PeerAppeared(0.3, "r9", "z-r9"))
     talk.publish(5.2)
     assert dict(talk.core.counts.by_reason) == {"dropped:constraint": 1}
     for robot, zid in (("r9", "z-r9"), ("op", "zz-op")):
