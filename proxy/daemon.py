@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from functools import partial
+from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
@@ -43,6 +44,7 @@ from proxy.core.commands import (
 from proxy.core.core import Core
 from proxy.core.events import ModeChanged, SampleRefused, SampleReread, SpecsChanged
 from proxy.core.mode import Mode
+from proxy.core.plausible import is_old
 from proxy.core.settings import CoreSettings
 from proxy.features import Extractor
 from proxy.loop import Loop
@@ -62,6 +64,9 @@ _FAREWELL = 0.15
 
 STOP = 0.7
 """How long a stop may take [s]."""
+
+ORDERS = 16
+"""Orders that may wait, each of which may be of megabytes."""
 
 SWAP = 2.0
 """How long whoever reloads waits until it is done [s]."""
@@ -190,6 +195,8 @@ class Daemon:
             self._bridge.lanes[0],
             loop.post,
             loop.offer,
+            later=loop.post_at,
+            old=lambda now, name, sent: is_old(now, core.view.peers.get(name), sent),
             air=sides.air if isinstance(sides.air, Broadcast) and core.settings.digests_on_air else None,
         )
         for part in (self._planning, self._extractor, loop):
@@ -216,7 +223,7 @@ class Daemon:
             switch=self._ordered,
         )
         opening.callback(control.close)
-        fleet_lane = Lane("fleet")
+        fleet_lane = Lane("fleet", ORDERS)
         opening.callback(fleet_lane.close, _PATIENCE)
         fleet = Fleet(
             app=sides.app,
@@ -287,10 +294,13 @@ class Daemon:
             *self._lookout.warnings(),
             *(self._scouted.warnings() if self._scouted else ()),
             *self.reloading.warnings(),
+            *self._bridge.warnings(),
+            *self._presence.floods.warnings(clock.monotonic()),
         ]
 
     def _status(self) -> dict[str, Any]:
         self._bridge.flush()
+        self._presence.floods.flush(clock.monotonic())
         status = self._loop.core.status(clock.monotonic())
         return status | {
             "warnings": [*status.get("warnings", ()), *self._warnings()],
@@ -301,6 +311,7 @@ class Daemon:
                 "waiting": self._loop.waiting,
                 "faults": self._loop.faults,
                 "refused": self._loop.refused,
+                "floods": self._presence.floods.describe(clock.monotonic()),
                 "looks": self._lookout.looks,
                 "features": {"superseded": self._extractor.superseded},
                 "reloads": self.reloading.describe(),
@@ -335,6 +346,7 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         # Where TLS says who speaks on the mesh, what anybody can broadcast is not believed.
         digests_on_air=mesh.transport == "broadcast" and not mesh.secured,
         wall_offset=clock.wall_offset(),
+        version=metadata.version("sendworthy"),
     )
 
 

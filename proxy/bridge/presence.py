@@ -1,4 +1,9 @@
-"""Sendworthy's own keys on the mesh: digests, states and presence."""
+"""Sendworthy's own keys on the mesh: digests, states and presence.
+
+Whoever is on the mesh can publish there as much as the links carry. So a message is first looked at where it comes:
+whether its size and its first bytes are those of one, and whether it tells something new; and each robot, and all
+together that are not known yet, may say so much a second. Only the rest is read, on the loop's thread.
+"""
 
 import logging
 import threading
@@ -11,12 +16,23 @@ import zenoh
 from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.air import Broadcast
+from proxy.bridge.budget import Budget
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.floods import Floods
 from proxy.bridge.lane import Lane
-from proxy.bridge.tokens import Tokens
-from proxy.core.codec import MAX_BYTES, MAX_DIGEST, pack_digest, pack_state, unpack_digest, unpack_state
-from proxy.core.errors import MalformedWireError
-from proxy.core.events import DigestHeard, Event, MalformedHeard, StateAsked, StateHeard
+from proxy.bridge.tokens import MOST, Later, Tokens
+from proxy.core.codec import (
+    MAX_BYTES,
+    MAX_DIGEST,
+    digest_head,
+    pack_digest,
+    pack_state,
+    state_version,
+    unpack_digest,
+    unpack_state,
+)
+from proxy.core.errors import MalformedWireError, OtherVersionError
+from proxy.core.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
 from proxy.core.fixed import ticks
 from proxy.core.wire import Digest, State, tag
 
@@ -28,14 +44,19 @@ ADDRESSED = 256
 """Robots that have a number for digests to them alone."""
 ECHOED = 64
 """Of so many of our digests an echo is understood."""
-STATES = 64
-"""States that may wait to be read."""
+DIGESTS, ALL_DIGESTS = 200.0, 1000.0
+"""Digests that one robot may say in a second, and all together. One that is longer than..."""
+USUAL = 500.0
+"""... this counts as so many more of them [B]."""
+STATES, ALL_STATES = 10.0, 40.0
+"""States that one robot may say in a second, and all together. What is told of robots that nobody knows is not read."""
 ANSWERS = 50
 """Questions answered per second."""
 
 Job = Callable[[], Event | None]
 Post = Callable[[Event | Job], object]
 Offer = Callable[[Event | Job], bool]
+Old = Callable[[float, str, float], bool]
 
 
 def free_name(mesh: zenoh.Session, robot: str) -> str:
@@ -59,12 +80,23 @@ def free_name(mesh: zenoh.Session, robot: str) -> str:
 class Presence:
     """What this daemon tells the others beside the data, and what it hears from them.
 
-    `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread. `offer` gets what
-    may be left out when the loop is behind. With `air` digests that concern all are broadcast.
+    `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread; `later` gets them
+    with the time when they are due [s]. `offer` gets what may be left out when the loop is behind. `old` tells whether
+    the core has heard a digest of a tag that was sent then [s], or a later one; from any thread. With `air` digests
+    that concern all are broadcast.
     """
 
     def __init__(
-        self, mesh: zenoh.Session, robot: str, lane: Lane, post: Post, offer: Offer, *, air: Broadcast | None = None
+        self,
+        mesh: zenoh.Session,
+        robot: str,
+        lane: Lane,
+        post: Post,
+        offer: Offer,
+        *,
+        later: Later,
+        old: Old,
+        air: Broadcast | None = None,
     ) -> None:
         self._mesh = mesh
         self._air = air
@@ -76,8 +108,14 @@ class Presence:
         self._state: bytes | None = None
         self._sent: deque[int] = deque(maxlen=ECHOED)
         self._answered: deque[float] = deque(maxlen=ANSWERS)
-        self._waiting = threading.BoundedSemaphore(STATES)
-        self._tokens = Tokens(self._zid, post)
+        self._old = old
+        self.floods = Floods(offer)
+        self._tokens = Tokens(self._zid, post, later, self.floods.refuse)
+        self._looking = threading.Lock()
+        self._digests = Budget(DIGESTS, ALL_DIGESTS, lambda: len(self._tokens.tags))
+        self._states = Budget(STATES, ALL_STATES, lambda: len(self._tokens.tags))
+        self._versions: dict[str, int] = {}
+        """What each robot speaks, as the core was told."""
         self._declared: list[Declaration] = []
         self._addressed: dict[str, Declaration] = {}
         """To whom digests were sent alone, the last one last: such keys are declared, so that a number travels."""
@@ -164,41 +202,79 @@ class Presence:
         self._hear_told(str(sample.key_expr), sample)
 
     def _hear_told(self, key: str, sample: zenoh.Sample) -> None:
-        if len(sample.payload) > MAX_DIGEST:
-            self._offer(MalformedHeard(clock.monotonic(), "", "digest:malformed"))
+        """Take in a digest if it is one and tells something new."""
+        now, name = clock.monotonic(), keys.zid_of(key)
+        size = len(sample.payload)
+        data = sample.payload.to_bytes() if size <= MAX_DIGEST else b""
+        robot, known = keys.robot_of(key), name in self._tokens.tags
+        try:
+            version, sent = digest_head(data)
+        except OtherVersionError as error:
+            self._note_version(now, name, error.version)
+            self.floods.refuse(now, robot, "digest:other version")
+        except MalformedWireError:
+            self.floods.refuse(now, robot, "digest:malformed")
         else:
-            self._offer(partial(self._digest, clock.monotonic(), key, sample))
+            if name == self._tag:
+                self.floods.refuse(now, robot, "digest:forged")
+            elif known and self._old(now, name, sent):
+                self.floods.refuse(now, robot, "digest:old")
+            elif not self._admits(self._digests, now, name if known else "", 1.0 + size / USUAL):
+                self.floods.refuse(now, robot, "digest:flood")
+            else:
+                self._note_version(now, name, version)
+                self._offer(partial(self._digest, now, robot, name, data))
 
     def _hear_state(self, sample: zenoh.Sample) -> None:
-        """States are large: few may wait. One that is not taken in is asked for."""
+        """States are large, and one that is not taken in is asked for: of who is not known none is read."""
+        now, key = clock.monotonic(), str(sample.key_expr)
+        robot, name = keys.robot_of(key), keys.zid_of(key)
         if len(sample.payload) > MAX_BYTES:
-            self._offer(MalformedHeard(clock.monotonic(), "", "state:malformed"))
-        elif not self._waiting.acquire(blocking=False):
-            self._offer(MalformedHeard(clock.monotonic(), "", "state:flood"))
-        elif not self._offer(partial(self._learn, clock.monotonic(), sample)):
-            self._waiting.release()
+            self.floods.refuse(now, robot, "state:malformed")
+        elif name not in self._tokens.tags:
+            self.floods.refuse(now, robot, "state:unknown")
+        elif not self._admits(self._states, now, name):
+            self.floods.refuse(now, robot, "state:flood")
+        else:
+            self._offer(partial(self._learn, now, robot, name, sample.payload.to_bytes()))
 
-    def _digest(self, now: float, key: str, sample: zenoh.Sample) -> Event | None:
-        robot, name = keys.robot_of(key), keys.zid_of(key)
-        try:
-            digest = unpack_digest(bytes(sample.payload), robot, name, self._tag, self._sent)
-        except MalformedWireError:
-            return MalformedHeard(now, robot, "digest:malformed")
-        return DigestHeard(now, digest)
+    def _admits(self, budget: Budget, now: float, name: str, cost: float = 1.0) -> bool:
+        with self._looking:
+            return budget.admits(now, name, cost)
 
-    def _learn(self, now: float, sample: zenoh.Sample) -> Event | None:
-        self._waiting.release()
-        key = str(sample.key_expr)
-        robot, name = keys.robot_of(key), keys.zid_of(key)
+    def _note_version(self, now: float, name: str, version: int) -> None:
+        """Tell the core what a robot speaks, if that is news; not more often than it may send digests."""
+        if name not in self._tokens.tags or self._versions.get(name) == version:
+            return
+        if not self._admits(self._digests, now, name):
+            return
+        if len(self._versions) >= MOST:
+            self._versions.clear()
+        if self._offer(VersionHeard(now, name, version)):
+            self._versions[name] = version
+
+    def _digest(self, now: float, robot: str, name: str, data: bytes) -> Event | None:
         try:
-            state = unpack_state(bytes(sample.payload), robot)
+            return DigestHeard(now, unpack_digest(data, robot, name, self._tag, self._sent))
         except MalformedWireError:
-            return MalformedHeard(now, robot, "state:malformed")
-        if not all(_is_key_expression(key) for key in (*state.subscriptions, *(s.key for s in state.streams))):
-            return MalformedHeard(now, robot, "state:malformed")
-        if tag(state.zid) != name:
-            return MalformedHeard(now, robot, "state:forged")
-        return StateHeard(now, state)
+            self.floods.refuse(now, robot, "digest:malformed")
+            return None
+
+    def _learn(self, now: float, robot: str, name: str, data: bytes) -> Event | None:
+        try:
+            self._note_version(now, name, state_version(data))
+            state = unpack_state(data, robot)
+        except OtherVersionError as error:
+            self._note_version(now, name, error.version)
+            wrong = "state:other version"
+        except MalformedWireError:
+            wrong = "state:malformed"
+        else:
+            wrong = _wrong(state, name)
+            if not wrong:
+                return StateHeard(now, state)
+        self.floods.refuse(now, robot, wrong)
+        return None
 
     def _notice(self, sample: zenoh.Sample) -> None:
         self._tokens.note(str(sample.key_expr), there=sample.kind == zenoh.SampleKind.PUT)
@@ -216,6 +292,13 @@ class Presence:
 def _ignore(query: zenoh.Query) -> None:
     with query:
         pass
+
+
+def _wrong(state: State, name: str) -> str:
+    """Say what is wrong with a state on the key of a tag, if anything is."""
+    if not all(_is_key_expression(key) for key in (*state.subscriptions, *(s.key for s in state.streams))):
+        return "state:malformed"
+    return "" if tag(state.zid) == name else "state:forged"
 
 
 def _is_key_expression(text: str) -> bool:

@@ -2,31 +2,52 @@
 
 import re
 import threading
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 
 from proxy import clock
 from proxy.bridge import keys
-from proxy.core.events import Event, MalformedHeard, PeerAppeared, PeerGone
+from proxy.bridge.budget import Bucket
+from proxy.core.events import Event, PeerAppeared, PeerGone
+from proxy.core.wire import tag
 
 MOST = 1024
 """Tokens known at once; more are not believed."""
+OWN_CHANGES, OWN_AT_ONCE = 1.0, 6.0
+"""Of one robot so many changes are told a second, and at once: each has all robots share the channel anew..."""
+CHANGES, AT_ONCE = 50.0, 300.0
+"""... and so many of all robots."""
+AGAIN = 0.1
+"""What is too much is looked at again after this time [s]."""
 MOST_NAME = 128
 """Letters in the name of a robot."""
 _ZID = re.compile("[0-9a-f]{1,32}")
 
 Job = Callable[[], Event | None]
+Post = Callable[[Event | Job], object]
+Later = Callable[[float, Job], object]
+Refuse = Callable[[float, str, str], object]
 
 
 class Tokens:
-    """Tells the core by `post` what became of each token; `own` is the session that shows ours."""
+    """Tells the core by `post` what became of each token; `own` is the session that shows ours.
 
-    def __init__(self, own: str, post: Callable[[Event | Job], object]) -> None:
+    `later` posts at a time [s, our clock]. `refuse` gets the robot and the kind of what is no presence token.
+    """
+
+    def __init__(self, own: str, post: Post, later: Later, refuse: Refuse) -> None:
         self._own = own
         self._post = post
+        self._later = later
+        self._refuse = refuse
+        self._changes = Bucket(clock.monotonic(), CHANGES, AT_ONCE)
+        self._own_changes: dict[tuple[str, str], Bucket] = {}
         self._lock = threading.Lock()
         self._there: set[tuple[str, str]] = set()
         self._news: dict[tuple[str, str], bool] = {}
+        self.tags: Counter[str] = Counter()
+        """The tags of the robots that are there, and how many have each."""
 
     def note(self, token: str, *, there: bool) -> None:
         """A token appeared or vanished. From any thread; the last word holds if the loop is behind."""
@@ -35,7 +56,7 @@ class Tokens:
             return
         place = robot, zid
         if len(robot) > MOST_NAME or not _ZID.fullmatch(zid):
-            self._post(MalformedHeard(clock.monotonic(), robot[:MOST_NAME], "token:malformed"))
+            self._refuse(clock.monotonic(), robot[:MOST_NAME], "token:malformed")
             return
         with self._lock:
             if not self._take_note(place, there=there):
@@ -47,16 +68,38 @@ class Tokens:
 
     def _take_note(self, place: tuple[str, str], *, there: bool) -> bool:
         """Whether a token is one of those that we follow."""
+        name = tag(place[1])
         if not there:
             known = place in self._there
-            self._there.discard(place)
+            if known:
+                self._there.remove(place)
+                self.tags[name] -= 1
+                if not self.tags[name]:
+                    del self.tags[name]
             return known
         if len(self._there) >= MOST or len(self._news) >= 2 * MOST:
             return False
-        self._there.add(place)
+        if place not in self._there:
+            self._there.add(place)
+            self.tags[name] += 1
         return True
 
-    def _tell(self, place: tuple[str, str]) -> Event:
+    def _tell(self, place: tuple[str, str]) -> Event | None:
+        """Tell the last word on a robot, or put it off."""
+        now = clock.monotonic()
+        own = self._own_changes.get(place)
+        if own is None:
+            if len(self._own_changes) > 2 * MOST:
+                self._own_changes.clear()
+            own = self._own_changes[place] = Bucket(now, OWN_CHANGES, OWN_AT_ONCE)
+        room = own.take(now)
+        if room and not self._changes.take(now):
+            room = False
+            own.give_back()
+        if not room:
+            self._refuse(now, place[0], "token:flood")
+            self._later(now + AGAIN, partial(self._tell, place))
+            return None
         with self._lock:
             there = self._news.pop(place)
-        return (PeerAppeared if there else PeerGone)(clock.monotonic(), *place)
+        return (PeerAppeared if there else PeerGone)(now, *place)

@@ -41,6 +41,12 @@ def objection(now: float, peer: Peer, digest: Digest, known: Callable[[StreamDig
     return _does_not_follow(peer.digest, now - peer.digest_received, digest)
 
 
+def is_old(now: float, peer: Peer | None, sent: float) -> bool:
+    """Whether a digest that was sent then by a robot has been heard before, or a later one has. From any thread."""
+    last = None if peer is None else peer.digest
+    return last is not None and peer is not None and now - peer.digest_received <= PATIENCE and sent <= last.sent
+
+
 def _does_not_follow(last: Digest, elapsed: float, digest: Digest) -> str:
     """Say why a digest cannot come so long after the one before."""
     if digest.sent <= last.sent:

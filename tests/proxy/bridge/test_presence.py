@@ -1,16 +1,27 @@
 """What daemons tell each other beside the data, on real sessions."""
 
+import threading
 from collections import Counter
 
+import msgpack
 import pytest
 import zenoh
 
+from proxy import clock
 from proxy.bridge import keys, presence
 from proxy.bridge.lane import Lane
-from proxy.bridge.presence import ANSWERS, STATES, Presence, free_name
-from proxy.core.codec import MAX_BYTES, MAX_DIGEST, pack_digest, pack_state
+from proxy.bridge.presence import ANSWERS, DIGESTS, STATES, Presence, free_name
+from proxy.core.codec import MAX_BYTES, MAX_DIGEST, VERSION, pack_digest, pack_state
 from proxy.core.digests import OVERHEAD
-from proxy.core.events import DigestHeard, MalformedHeard, PeerAppeared, PeerGone, StateAsked, StateHeard
+from proxy.core.events import (
+    DigestHeard,
+    MalformedHeard,
+    PeerAppeared,
+    PeerGone,
+    StateAsked,
+    StateHeard,
+    VersionHeard,
+)
 from proxy.core.wire import Digest, Echo, State, StreamState, tag
 from tests.proxy.counting import Counting
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
@@ -28,7 +39,17 @@ class Voiced:
         self.events = []
         lane = Lane("test")
         stack.callback(lane.close, 1.0)
-        self.presence = Presence(self.mesh, robot, lane, self._post, self._post)
+        self.heard = {}
+        """When the last digest of a tag was sent that the core has taken in."""
+        self.presence = Presence(
+            self.mesh,
+            robot,
+            lane,
+            self._post,
+            self._post,
+            later=self._post_later,
+            old=lambda _, name, sent: sent <= self.heard.get(name, -1.0),
+        )
         stack.callback(self.presence.close)
 
     def _post(self, item):
@@ -36,6 +57,11 @@ class Voiced:
         if event is not None:
             self.events.append(event)
         return True
+
+    def _post_later(self, when, job):
+        timer = threading.Timer(when - clock.monotonic(), self._post, [job])
+        timer.daemon = True
+        timer.start()
 
     def of(self, kind):
         return [event for event in list(self.events) if isinstance(event, kind)]
@@ -180,33 +206,85 @@ def test_malformed_and_forged_messages_are_counted_by_kind(stack, two):
     def put(key, payload):
         hostile.put(key, payload, congestion_control=zenoh.CongestionControl.BLOCK)
 
+    zid = str(hostile.zid())
+    token = hostile.liveliness().declare_token(keys.alive("r9", zid))
+    wait_until(lambda: [e for e in first.of(PeerAppeared) if e.zid == zid], what="its token")
+    name = tag(zid)
     put(keys.digest("r9", "z9"), b"garbage")
     put(keys.digest("r9", "z9"), b"\x00" * (MAX_DIGEST + 1))
-    put(keys.state("r9", "z9"), b"\xff" * 100)
-    put(keys.state("r9", "z9"), b"\xff" * (MAX_BYTES + 1))
-    put(keys.state("r9", "z9"), pack_state(State("r9", "another", "", "")))
-    put(keys.state("r9", "z9"), pack_state(State("r9", "z9", "", "", subscriptions=("a//b",))))
-    wait_until(lambda: len(first.of(MalformedHeard)) == 6, what="what is malformed")
+    put(keys.state("r9", "z9"), pack_state(State("r9", "z9", "", "")))
+    put(keys.state("r9", name), b"\xff" * 100)
+    put(keys.state("r9", name), b"\xff" * (MAX_BYTES + 1))
+    put(keys.state("r9", name), pack_state(State("r9", "another", "", "")))
+    put(keys.state("r9", name), pack_state(State("r9", zid, "", "", subscriptions=("a//b",))))
+    put(keys.digest("r1", tag(first.zid)), pack_digest(first.digest()))
+    wait_until(lambda: len(first.of(MalformedHeard)) == 8, what="what is malformed")
     kinds = Counter(event.kind for event in first.of(MalformedHeard))
-    assert kinds == {"digest:malformed": 2, "state:malformed": 3, "state:forged": 1}
+    refused = {"digest:malformed": 2, "digest:forged": 1, "state:malformed": 3, "state:forged": 1, "state:unknown": 1}
+    assert kinds == refused
     assert not first.of(DigestHeard)
+    token.undeclare()
 
 
-def test_a_flood_of_states_is_bounded(two):
-    """States that wait to be read are large: more than a few are not kept."""
+def test_what_one_robot_says_is_bounded_whoever_says_it(stack, two, monkeypatch):
+    """Digests and states beyond its part are not read, and told as a flood; another robot's are."""
+    now = 1000.0
+    monkeypatch.setattr("proxy.clock.monotonic", lambda: now)
     first, second = two
-    jobs = []
-    first.presence._offer = lambda item: jobs.append(item) or True
-    sample = Heard(second.mesh, keys.ALL_STATES)
-    first.presence.send_state(first.state())
-    wait_until(lambda: sample.samples, what="a state")
-    for _ in range(STATES + 3):
-        first.presence._hear_state(sample.samples[0])
-    assert sum(isinstance(job, MalformedHeard) for job in jobs) == 3
-    first.presence._offer = lambda _: False
-    jobs[0]()
-    first.presence._hear_state(sample.samples[0])
-    assert first.presence._waiting.acquire(blocking=False)
+    third = Voiced(stack, "r3", (first.endpoint,))
+    third.presence.open()
+    wait_until(lambda: len(first.of(PeerAppeared)) == 2, what="the third")
+    most = 2 * int(DIGESTS)
+    for sent in range(1, most + 1):
+        second.mesh.put(
+            keys.digest("r2", tag(second.zid)),
+            pack_digest(second.digest(sent=float(sent))),
+            congestion_control=zenoh.CongestionControl.BLOCK,
+        )
+    wait_until(lambda: len(first.of(DigestHeard)) + flooded(first) >= most, what="the flood's end")
+    assert 0 < len(first.of(DigestHeard)) <= DIGESTS
+    third.presence.send_digest(third.digest())
+    wait_until(lambda: first.of(DigestHeard)[-1].digest.robot == "r3", what="the other robot's")
+    for _ in range(2 * int(STATES)):
+        second.presence.send_state(second.state(number=1))
+    third.presence.send_state(third.state(number=1))
+    wait_until(lambda: [e for e in first.of(StateHeard) if e.state.robot == "r3"], what="the other robot's state")
+    wait_until(lambda: first.of(MalformedHeard)[-1].kind == "state:flood", what="the surplus")
+    assert len(first.of(StateHeard)) <= STATES + 1
+
+
+def flooded(robot):
+    robot.presence.floods.flush(0.0)
+    return sum(event.count for event in robot.of(MalformedHeard) if event.kind == "digest:flood")
+
+
+def test_digests_that_were_heard_before_take_nothing_from_those_that_come(two):
+    """A replay is told from news before anything counts against its robot."""
+    first, second = two
+    first.heard[tag(second.zid)] = 5.0
+    for sent in (3.0, 5.0) * int(DIGESTS):
+        second.presence.send_digest(second.digest(sent=sent))
+    second.presence.send_digest(second.digest(sent=6.0))
+    wait_until(lambda: first.of(DigestHeard), what="the news")
+    assert [event.digest.sent for event in first.of(DigestHeard)] == [6.0]
+    assert {event.kind for event in first.of(MalformedHeard)} == {"digest:old"}
+
+
+def test_the_core_is_told_which_version_a_robot_speaks(two):
+    """Whether it is understood or not, and only when that changes."""
+    first, second = two
+    key = keys.digest("r2", tag(second.zid))
+    for version in (VERSION, VERSION, VERSION + 7, VERSION + 7):
+        second.mesh.put(key, msgpack.packb([version, *msgpack.unpackb(pack_digest(second.digest()))[1:]]))
+    state = msgpack.packb([VERSION + 7, "?"])
+    second.mesh.put(keys.state("r2", tag(second.zid)), state)
+    wait_until(lambda: len(first.of(MalformedHeard)) == 3, what="what is not understood")
+    assert [(e.tag, e.version) for e in first.of(VersionHeard)] == [
+        (tag(second.zid), v) for v in (VERSION, VERSION + 7)
+    ]
+    assert len(first.of(DigestHeard)) == 2
+    kinds = Counter(event.kind for event in first.of(MalformedHeard))
+    assert kinds == {"digest:other version": 2, "state:other version": 1}
 
 
 def test_a_name_that_is_taken_is_said_loudly_by_the_newcomer(stack, caplog):

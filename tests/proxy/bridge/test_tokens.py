@@ -3,8 +3,8 @@
 import pytest
 
 from proxy.bridge import keys, tokens
-from proxy.bridge.tokens import Tokens
-from proxy.core.events import MalformedHeard, PeerAppeared, PeerGone
+from proxy.bridge.tokens import AT_ONCE, CHANGES, OWN_AT_ONCE, OWN_CHANGES, Tokens
+from proxy.core.events import PeerAppeared, PeerGone
 
 
 @pytest.fixture
@@ -13,14 +13,29 @@ def posted():
 
 
 @pytest.fixture
-def made(posted):
-    return Tokens("0a", posted.append)
+def refused():
+    return []
+
+
+@pytest.fixture
+def now(monkeypatch):
+    """What the clock shows."""
+    shown = [100.0]
+    monkeypatch.setattr("proxy.clock.monotonic", lambda: shown[0])
+    return shown
+
+
+@pytest.fixture
+def made(posted, refused, now):
+    def later(when, job):
+        posted.append(lambda: job() if now[0] >= when else posted.append(lambda: later(when, job)))
+
+    return Tokens("0a", posted.append, later, lambda _now, *what: refused.append(what))
 
 
 def events(posted):
-    found = [item() if callable(item) else item for item in posted]
-    posted.clear()
-    return found
+    waiting, posted[:] = list(posted), []
+    return [event for item in waiting if (event := item()) is not None]
 
 
 def told(posted):
@@ -46,12 +61,11 @@ def test_what_came_and_went_meanwhile_is_one_piece_of_news(made, posted):
 
 
 @pytest.mark.parametrize("token", [("r" * 129, "0b"), ("r2", "not-hex"), ("r2", "0" * 33)])
-def test_tokens_of_no_robot_are_malformed(made, posted, token):
+def test_tokens_of_no_robot_are_malformed(made, posted, refused, token):
     """Names of any length, sessions that Zenoh has not."""
     made.note(keys.alive(*token), there=True)
-    (event,) = events(posted)
-    assert isinstance(event, MalformedHeard)
-    assert (event.kind, len(event.robot) <= 128) == ("token:malformed", True)
+    ((robot, kind),) = refused
+    assert (kind, len(robot) <= 128, events(posted)) == ("token:malformed", True, [])
 
 
 def test_a_flood_of_tokens_is_bounded(made, posted, monkeypatch):
@@ -63,3 +77,32 @@ def test_a_flood_of_tokens_is_bounded(made, posted, monkeypatch):
     made.note(keys.alive("r2", "0b"), there=False)
     made.note(keys.alive("r2", "fffb"), there=True)
     assert told(posted) == [(PeerGone, "r2", "0b"), (PeerAppeared, "r2", "fffb")]
+
+
+def test_a_robot_that_comes_and_goes_without_end_is_news_once_in_a_while(made, posted, refused, now):
+    """Each time all robots share the channel anew; the last word is never lost."""
+    news = []
+    for step in range(100):
+        made.note(keys.alive("r2", "0b"), there=step % 2 == 0)
+        news += told(posted)
+        now[0] += 0.05
+    now[0] += 1.0
+    news += told(posted)
+    assert len(news) <= OWN_AT_ONCE + 6.0 * OWN_CHANGES
+    assert news[-1] == (PeerGone, "r2", "0b")
+    assert set(refused) == {("r2", "token:flood")}
+
+
+def test_changes_of_all_robots_together_are_bounded(made, posted, now):
+    """A flood of tokens is taken in by and by; whoever is there is told of in the end."""
+    robots = int(AT_ONCE) + 40
+    for number in range(robots):
+        made.note(keys.alive("r2", f"{number:x}b"), there=True)
+    assert len(told(posted)) == AT_ONCE
+    found = 0
+    for _ in range(200):
+        now[0] += 0.1
+        news = len(told(posted))
+        assert news <= CHANGES * 0.1 + 1
+        found += news
+    assert found == 40
