@@ -173,6 +173,7 @@ class Bridge:
         """Return what the status says of the bridge."""
         return {
             "denied": self._rules.describe(),
+            "surplus": {"out": dict(self._rules.out.surplus), "in": dict(self._rules.into.surplus)},
             "links": self._links.describe(),
             "held": self._ingress.held,
             "returned": self._ingress.returned,
@@ -187,6 +188,10 @@ class Bridge:
                 "inward": list(self._inward.expressions),
             },
         }
+
+    def warnings(self) -> list[str]:
+        """Name what is declared and not mirrored."""
+        return self._rules.warnings()
 
     def _match(self, key: str) -> InformationType | None:
         return self._specs.match(key)

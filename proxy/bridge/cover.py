@@ -11,6 +11,8 @@ class Cover:
     def __init__(self) -> None:
         self._over: dict[str, str | None] = {}
         self._parsed: dict[str, zenoh.KeyExpr] = {}
+        self._wide: dict[str, None] = {}
+        """The widest with wildcards: nothing else includes anything."""
 
     def update(self, wanted: Iterable[str]) -> dict[str, bool]:
         """Return the widest of `wanted`, as `Mirror` takes them."""
@@ -18,6 +20,7 @@ class Cover:
         gone = self._over.keys() - wanted
         for expression in gone:
             del self._over[expression], self._parsed[expression]
+            self._wide.pop(expression, None)
         bare = [expression for expression, over in self._over.items() if over in gone]
         new = sorted(wanted - self._over.keys())
         self._parsed |= {expression: zenoh.KeyExpr(expression) for expression in new}
@@ -29,12 +32,11 @@ class Cover:
         self._over.pop(expression, None)
         parsed = self._parsed
         own = parsed[expression]
-        widest = [other for other, over in self._over.items() if over is None]
-        self._over[expression] = next(
-            (other for other in widest if "*" in other and parsed[other].includes(own)),
-            None,
-        )
-        if "*" in expression and self._over[expression] is None:
-            for other in widest:
-                if own.includes(parsed[other]):
-                    self._over[other] = expression
+        over = self._over[expression] = next((other for other in self._wide if parsed[other].includes(own)), None)
+        if over is not None or "*" not in expression:
+            return
+        for other in [other for other, wider in self._over.items() if wider is None and other != expression]:
+            if own.includes(parsed[other]):
+                self._over[other] = expression
+                self._wide.pop(other, None)
+        self._wide[expression] = None

@@ -64,7 +64,9 @@ class Fleet:
 
     def _declare(self, session: zenoh.Session, key: str, answer: Callable[[bytes], list[Outcome]]) -> Declaration:
         def receive(query: zenoh.Query) -> None:
-            self._lane.insist(partial(_reply, query, key, answer))
+            if not self._lane.offer(partial(_reply, query, key, answer)):
+                with query:
+                    query.reply_err("too many orders at a time")
 
         handler = zenoh.handlers.Callback(receive, indirect=False)
         return session.declare_queryable(key, handler, complete=True, allowed_origin=zenoh.Locality.REMOTE)

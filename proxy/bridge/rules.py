@@ -6,22 +6,32 @@ pub/sub behind it (`<key>/@adv/…`) and the tokens of its ROS 2 publishers, sub
 stands for every key, those with verbatim chunks too.
 """
 
+import logging
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
 from functools import lru_cache
+from itertools import islice
 from typing import NamedTuple
 
 import zenoh
 
+from proxy import clock
 from proxy.config import BridgeConfig
 from proxy.profile import load_profile
+
+log = logging.getLogger(__name__)
 
 KEPT = 8192
 """Keys whose verdict is remembered, for each direction."""
 EXPRESSIONS_KEPT = 65536
 """Declared key expressions of which it is remembered whether they cross, for each direction."""
+
+MOST = {"subscribers": 4096, "queryables": 4096, "tokens": 16384}
+"""Declarations of a kind that cross at a time; each costs both sides a fraction of a millisecond, and memory."""
+PACE = 60.0
+"""That there are more is said this often [s]."""
 
 EVERYTHING = "**"
 ADVANCED = "/@adv/"
@@ -97,7 +107,11 @@ class Way:
         """Whether a declaration or query crosses: some of its keys are allowed, and it is not wholly denied."""
         self._lock = threading.Lock()
         self._denied: Counter[str] = Counter()
-        self._withheld = {"subscribers": 0, "queryables": 0, "tokens": 0}
+        self._withheld = dict.fromkeys(MOST, 0)
+        self._crossing: dict[str, dict[str, bool]] = {what: {} for what in MOST}
+        self.surplus = dict.fromkeys(MOST, 0)
+        """How many declarations wait until others of their kind are gone."""
+        self._said: dict[str, float] = {}
 
     def count(self, what: str) -> None:
         """Count one of `what` ("samples", "queries", "replies") as denied."""
@@ -114,11 +128,29 @@ class Way:
     def crossing(
         self, what: str, declared: Mapping[str, bool], lets: Callable[[str], bool] | None = None
     ) -> dict[str, bool]:
-        """Leave out the declarations that do not cross, and remember how many of `what` those are."""
-        lets = lets or self.lets
-        found = {expression: complete for expression, complete in declared.items() if lets(expression)}
-        self._withheld[what] = len(declared) - len(found)
+        """Leave out the declarations that do not cross, and remember how many of `what` those are.
+
+        When there are too many those that have crossed stay, and of the others as many as there is room for.
+        """
+        lets, most = lets or self.lets, MOST[what]
+        if len(declared) <= most:
+            found = {expression: complete for expression, complete in declared.items() if lets(expression)}
+            self.surplus[what], self._withheld[what] = 0, len(declared) - len(found)
+        else:
+            before = self._crossing[what]
+            found = {expression: declared[expression] for expression in before if expression in declared}
+            others = (expression for expression in declared if expression not in before and lets(expression))
+            found |= {expression: declared[expression] for expression in islice(others, most - len(found))}
+            self.surplus[what] = len(declared) - len(found)
+            self._say(what)
+        self._crossing[what] = found
         return found
+
+    def _say(self, what: str) -> None:
+        now = clock.monotonic()
+        if self.surplus[what] and now - self._said.get(what, -PACE) >= PACE:
+            self._said[what] = now
+            log.warning("%d %s too many are declared: they wait until others are gone", self.surplus[what], what)
 
     def describe(self) -> dict[str, int]:
         """How many samples, queries and replies were denied so far, and how many declarations are not shown now."""
@@ -159,6 +191,16 @@ class Rules:
     def describe(self) -> dict[str, dict[str, int]]:
         """What was denied, by direction."""
         return {"out": self.out.describe(), "in": self.into.describe()}
+
+    def warnings(self) -> list[str]:
+        """Name what is too much to be mirrored. Subscribers are declared where samples go, all else where it is."""
+        return [
+            f"{'other nodes' if others is (what == 'subscribers') else 'applications of this robot'} declared too many "
+            f"{what}: {count} have no effect until others are gone"
+            for others, way in ((True, self.out), (False, self.into))
+            for what, count in way.surplus.items()
+            if count
+        ]
 
 
 def _token_rule(way: Way, other: Way) -> Callable[[str], bool]:

@@ -2,6 +2,7 @@
 
 import logging
 import threading
+import time
 from collections.abc import Callable, Mapping
 
 import zenoh
@@ -29,6 +30,8 @@ log = logging.getLogger(__name__)
 INTERVAL = 0.1
 """Time between two reports of what passed, and looks at the links [s]."""
 
+LONG, RESTS, MOST_REST = 0.01, 3.0, 0.25
+"""After a look that took longer than this [s] it rests for so many times as long, and no longer than that [s]."""
 ECHO = 0.25
 """How long after its end a token of ours may still be echoed [s]."""
 
@@ -123,7 +126,9 @@ class Watch:
                 self._headroom.refresh()
                 self._gauge()
                 if woken or again:
+                    began = clock.monotonic()
                     again = self._look()
+                    self._rest(clock.monotonic() - began)
                 failing = False
             except Exception:
                 # A look that fails must not be the last one.
@@ -133,6 +138,11 @@ class Watch:
                     log.exception("cannot mirror what was declared")
                 failing = True
                 self._fence.end()
+
+    def _rest(self, took: float) -> None:
+        """Who declares without end must not take the processor from what crosses."""
+        if took > LONG:
+            time.sleep(min(MOST_REST, RESTS * took))
 
     def _gauge(self) -> None:
         if self.gauging and (waits := self._headroom.waits()):

@@ -38,3 +38,12 @@ def test_what_was_covered_stands_by_itself_when_its_cover_goes():
     assert cover.update({"a/b", "**"}) == {"**": False}
     assert cover.update({"a/b"}) == {"a/b": False}
     assert cover.update(()) == {}
+
+
+def test_tens_of_thousands_of_keys_are_placed_without_comparing_them_with_each_other():
+    """Nothing without wildcards includes another one: what one peer declares costs no more than its own part."""
+    cover = Cover()
+    keys = {f"flood/{number}" for number in range(40_000)}
+    assert cover.update(keys | {"a/**"}).keys() == keys | {"a/**"}
+    assert cover.update(keys | {"a/**", "a/b"}).keys() == keys | {"a/**"}
+    assert cover.update({"a/b"}).keys() == {"a/b"}

@@ -4,7 +4,7 @@ import pytest
 import zenoh
 import zenoh.ext
 
-from proxy.bridge.rules import Companion, Expressions, Rules, Verdict, Way, companion
+from proxy.bridge.rules import MOST, Companion, Expressions, Rules, Verdict, Way, companion
 from proxy.config import BridgeConfig
 from proxy.core.events import InterestChanged, SamplesPassed
 from tests.proxy.bridge import robots
@@ -141,6 +141,30 @@ def test_the_profile_for_ros_2(topic, verdict):
     assert found.outward("0/mine/T/h") is Verdict.DENIED
     assert found.outward("0/horn/T/h") is Verdict.BYPASS
     assert found.into.verdict(f"0/{topic}/T/h") is Verdict.ORDINARY
+
+
+def test_of_too_many_declarations_those_that_have_crossed_stay(monkeypatch, caplog):
+    """Others wait until there is room; how many is said, in the log once a minute."""
+    now = 1000.0
+    monkeypatch.setattr("proxy.clock.monotonic", lambda: now)
+    rules = Rules(BridgeConfig.model_validate({"out": {"deny": ["secret/**"]}}))
+    honest = {"secret/a": False, "zz/steady": False}
+    assert set(rules.out.crossing("subscribers", honest)) == {"zz/steady"}
+    flood = {f"flood/{number}": False for number in range(MOST["subscribers"] + 10)} | honest
+    for number in range(3):
+        crossing = rules.out.crossing("subscribers", flood | {f"more/{number}": False})
+        assert len(crossing) == MOST["subscribers"]
+        assert "zz/steady" in crossing
+    (warning,) = rules.warnings()
+    assert warning == "other nodes declared too many subscribers: 13 have no effect until others are gone"
+    assert len([record for record in caplog.records if "too many" in record.getMessage()]) == 1
+    for key in list(flood)[:100]:
+        del flood[key]
+    assert set(rules.out.crossing("subscribers", flood)) == flood.keys() - {"secret/a"}
+    assert rules.warnings() == []
+    now += 60.0
+    rules.into.crossing("queryables", dict.fromkeys(map(str, range(MOST["queryables"] + 1)), True))
+    assert rules.warnings() == ["other nodes declared too many queryables: 1 have no effect until others are gone"]
 
 
 def test_what_is_denied_is_counted():
