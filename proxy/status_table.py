@@ -11,7 +11,7 @@ Row = Sequence[str]
 UNKNOWN = "-"
 ALONE = "no other robot is on the mesh; samples that nobody there wants stay here and are not counted"
 
-_NOT_MALFORMED = (":other version", ":flood")
+_NOT_MALFORMED = (":other version", ":flood", ":unknown")
 _LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 _SMALL = ((1.0, ""), (1e-3, "m"), (1e-6, "μ"))
 _PREFIXES = {"s": _SMALL, "J": _SMALL, "messages": ()}

@@ -10,7 +10,9 @@ from proxy.core.peer import Peer
 from proxy.core.view import SharedView
 
 PATIENCE = 5.0
-"""Specs may be changed on one robot after the other, and a newcomer says something, within this time [s]."""
+"""Specs may be changed on one robot after the other, and a newcomer says something, within this time [s]..."""
+ASKING = 0.05
+"""... and so much more for each robot that there is, for all have to be asked [s]."""
 SILENCE = 300.0
 """A robot that was understood tells all something more than twice in this time, whatever the allowance [s]."""
 PACE = 0.5
@@ -65,7 +67,9 @@ class Outsiders:
     def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
         if name in self._heard:
             return now - peer.digest_received > SILENCE
-        return now - peer.since > PATIENCE or _foreign(peer)
+        if peer.state is not None:  # who follows another robot speaks to that one most of the time
+            return now - peer.since > SILENCE
+        return now - peer.since > PATIENCE + ASKING * len(self._view.peers) or _foreign(peer)
 
     def _warning(self, peer: Peer) -> str:
         here = self._view.specs.generation

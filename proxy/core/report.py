@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from proxy.core.core import Core
 
 OTHER_VERSION = ":other version"
-UNDERSTOOD = (OTHER_VERSION, ":flood")
+UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown")
 """How kinds of what was refused and is not malformed end."""
 
 

@@ -155,7 +155,7 @@ def test_who_says_something_in_the_end_takes_part(make_talk):
     """It was slow to start: from its first digest it is one of the team, and no plain node any more."""
     talk = make_talk(coordination="shares", settle=0.0)
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
-    talk.tell(ev.TimePassed(1.0 + PATIENCE))
+    talk.tell(ev.TimePassed(1.5 + PATIENCE))
     assert talk.core.shares.members == {talk.core.shares.own}
     assert [notice.level for notice in talk.all(Notice) if "nothing is heard" in notice.text] == ["error"]
     talk.tell(ev.SampleHeard(7.0, "robot/op/camera", 1000, "zz-op", None, None))
@@ -172,6 +172,14 @@ def test_messages_of_another_version_in_the_name_of_one_that_is_understood_chang
     talk.tell(ev.TimePassed(4.0 + PATIENCE))
     assert "zz-op" in talk.core.shares.members
     assert not talk.core.status(4.0 + PATIENCE)["warnings"]
+
+
+def test_who_speaks_to_another_robot_alone_takes_part(talk):
+    """A robot that follows tells all something every minute or two; that it is understood its state shows."""
+    talk.tell(ev.TimePassed(SILENCE - 1.0))
+    assert "zz-op" in talk.core.shares.members
+    talk.tell(ev.TimePassed(SILENCE + 1.0))
+    assert "zz-op" not in talk.core.shares.members
 
 
 def test_who_hangs_after_it_was_understood_is_left_out_in_the_end(talk):
