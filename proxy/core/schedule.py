@@ -11,7 +11,7 @@ from collections.abc import Callable
 from proxy.core.schedules.bursts import Bursts, bursts_in, told_bursts
 from proxy.core.schedules.gaps import RUN, spread
 from proxy.core.schedules.patterns import Memoryless, Pattern, Periodic, Span
-from proxy.core.schedules.rhythm import Numbered, Rhythm
+from proxy.core.schedules.rhythm import LEAST_PERIOD, Numbered, Rhythm
 from proxy.core.schedules.tracker import Tracker
 from proxy.core.schedules.written import written
 from utility_specs.schedules import ScheduleRule
@@ -58,6 +58,8 @@ class Schedule:
         self._longest = 0.0
         self._pause = 0.0
         self._back = 0
+        self._pauses = 0
+        """So many of the last gaps in a row were pauses."""
         self._resumed = -MEMORY
         self._seen = 0
         self._bursts: Bursts | None = None
@@ -132,16 +134,18 @@ class Schedule:
             elif t_gen == last or not self._goes_back(count, t_gen):
                 return
             before, last = self._past[-1] if self._past else (0, -math.inf)
-        self._numbered, self._follows = count is not None, told is not None
+        self._count_by(numbers=count is not None)
+        self._follows = told is not None
         number = before + 1 if count is None else count
         gap = t_gen - last
         paused = bool(self._past) and gap >= self._silence(self._pause)
+        self._pauses = self._pauses + 1 if paused else 0
         if paused:
             self._resumed = self._seen
         if told is not None:
             self._tracker.follow(told)
         elif paused:
-            self._tracker.resume(count, t_gen)
+            self._resume(count, (number, t_gen))
         elif count is None:
             self._tracker.hear(t_gen)
         else:
@@ -155,7 +159,7 @@ class Schedule:
 
     def assume(self, period: float, kind: str = "") -> bool:
         """Use what the stream's robot tells: it sees every sample, we perhaps a few; return whether it is news."""
-        if (kind, period) == self._told or not (math.isfinite(period) and period > 0.0):
+        if (kind, period) == self._told or not LEAST_PERIOD <= period < math.inf:
             return False
         self._told, self._pattern, self._patience = (kind, period), None, None
         self._tracker.tell(period)
@@ -190,6 +194,24 @@ class Schedule:
         else:
             return False
         return True
+
+    def _count_by(self, *, numbers: bool) -> None:
+        """Samples come with numbers from now on, or without: what was numbered otherwise cannot be compared."""
+        if self._past and self._numbered != numbers:
+            self._tracker.begin([self._past[-1]])
+        self._numbered = numbers
+
+    def _resume(self, count: int | None, sample: Numbered) -> None:
+        """Take in a sample after a pause. Pauses in a row are the gaps of another rate, a few gaps before one of none.
+
+        So a stream that begins with samples close together, or ends with seldom ones, is not over before each of them.
+        """
+        few = self._seen <= RUN and self._tracker.rhythm is not None
+        if not few and self._pauses < RUN:
+            self._tracker.resume(count, sample[1])
+            return
+        self._past = deque([] if few else list(self._past)[-RUN:], maxlen=MEMORY)
+        self._tracker.begin([*self._past, sample], known=count is not None)
 
     def _recognised(self) -> Pattern | None:
         if self._pattern is None and self._past and self._first:
