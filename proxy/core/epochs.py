@@ -77,7 +77,6 @@ class Epochs:
 
     def confirmed(self, now: float) -> bool:
         """Whether somebody lends; if it is we, whether we may."""
-        self.look(now)
         return self.leader in self.members and (not self.leads or (not self._awaited and now >= self._ready_at))
 
     def due_at(self, now: float) -> float:

@@ -153,11 +153,8 @@ class SharedView:
         self.sends.append((now, (size, 1)))
 
     def sent_since(self, since: float) -> list[tuple[float, Amount]]:
-        """When and how much other robots sent; what is older is forgotten."""
-        kept = [each for each in self.sends if each[0] >= since]
-        if len(kept) < len(self.sends):
-            self.sends = deque(kept, self.sends.maxlen)
-        return kept
+        """When and how much other robots sent."""
+        return [each for each in self.sends if each[0] >= since]
 
     def overhears(self, stream: Stream) -> bool:
         """Whether we hear what is sent of another robot's stream, but for what is lost."""
@@ -372,8 +369,11 @@ class SharedView:
         self._note_broadcasting()
 
     def sweep(self, now: float) -> None:
-        """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
+        """Forget silent streams of plain nodes, and sends that no window counts; cheap to call at every event."""
         self._table.sweep(now)
+        longest = max((each.measure.window for each in self.specs.constraints), default=0.0)
+        while self.sends and self.sends[0][0] < now - longest:
+            self.sends.popleft()
 
     def echoes(self, to: str = "") -> tuple[Echo, ...]:
         """What we tell every peer, or one of a tag, of its last digest and of its samples."""

@@ -62,7 +62,9 @@ def test_nobody_leads_before_others_were_heard():
 def test_a_robot_alone_holds_everything_once_settled():
     """Who hears nobody for the settling time has the channel."""
     alone = Shares("a", (LIMIT,), floor=0.01, settled_at=5.0)
+    alone.look(4.9)
     assert alone.held(4.9, 0) == pytest.approx(10.0 / NEWCOMERS)
+    alone.look(5.0)
     assert alone.held(5.0, 0) == pytest.approx(990.0)
 
 
@@ -218,6 +220,7 @@ def test_no_more_is_lent_than_can_be_kept():
 def test_a_message_larger_than_the_limit_goes_through_a_stretched_window():
     """It is sent rarely: not again before its bytes fit what the robot may use on average."""
     alone = Shares("a", (LIMIT,), floor=0.0, settled_at=0.0)
+    alone.look(0.0)
     assert alone.fits(0.0, (2500.0,))
     alone.use(0.0, (2500.0,))
     assert not alone.fits(2.4, (2500.0,))
@@ -263,6 +266,7 @@ def test_who_leads_sends_a_message_larger_than_the_limit_when_nothing_is_lent():
 def test_a_message_as_large_as_the_limit_can_be_sent(amount):
     """Nobody can hold the whole limit, so it too has its window stretched."""
     alone = Shares("a", (LIMIT,), floor=0.01, settled_at=0.0)
+    alone.look(0.0)
     assert alone.fits(0.0, (amount,))
 
 
