@@ -12,7 +12,6 @@ robot not heard keeps what it was lent; nobody else was lent that. Two teams tha
 each other, and for one window more.
 """
 
-import math
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -454,7 +453,7 @@ class Shares:
             return amount <= self._free(t, now, k)
         if limit.shared and not self.confirmed(now):
             return False
-        shared = limit.shared and not any(lent.stays and lent.ends >= now for lent in self._lent)
+        shared = limit.shared
         since = t - (self._reserved(k, amount) if shared else self._stretched(k, amount))
         quiet = not any(sent >= since and use[k] > 0.0 for sent, use in self._sent)
         return quiet and (not shared or self._has_all(t, k, since))

@@ -450,12 +450,21 @@ class SharedView:
         if told is not None:
             stream.assume(told.period, told.schedule)
         t_gen = min(peer.offset.ours(news.t_generated), now)
-        features = stream.information_type.heard(news.features)
+        features, before = stream.information_type.heard(news.features), stream.last
         last, rhythm = Generated(t_gen, news.size, news.scale, features), heard(news, peer.offset.ours)
         stream.note_generated(news.generated, last, told=rhythm)
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
-            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
+            self.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
+
+
+def _last_sent(news: StreamDigest, t_sent: float, last: Generated, before: Generated | None) -> Sent:
+    """What a stream last sent: news tells when it was sent, and what was last generated, be that sent or not.
+
+    What was generated later than that was sent is another sample: then the one before is the best that we know.
+    """
+    like = last if news.t_forwarded >= news.t_generated or before is None else before
+    return Sent(t_sent, t_sent, like.size, like.scale, like.features)
 
 
 def _echo(name: str, peer: Peer, digest: Digest) -> Echo:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.measures import Throughput
-from proxy.core.epochs import EDGE, LONGEST_WAIT, Epochs
+from proxy.core.epochs import EDGE, LONGEST_WAIT, TERMS, Epochs
 from proxy.core.limits import Limit
 
 LIMIT = Limit("throughput", 1.0, 1000.0, Throughput(1000.0, 1.0))
@@ -100,6 +100,24 @@ def test_what_a_robot_may_have_sent_that_leaves_before_it_follows_is_waited_for(
     a.set_members(4.0, "ab")
     assert not a.confirmed(4.9)
     assert a.confirmed(5.1)
+
+
+@pytest.mark.parametrize("gone", ["c", "d", "e", "f"])
+def test_terms_that_are_used_up_begin_anew(gone):
+    """Whoever led in the last term there is, or said so: when it is gone there is a next one, and all follow."""
+    a, b, last = epochs("a"), epochs("b"), epochs(gone)
+    meet(0.0, a, b, last, members=["a", "b", gone])
+    epoch = TERMS << 32 | last._hash(gone)
+    for each in (a, b):
+        each.heard(1.0, gone, epoch)
+        each.look(2.0)
+        assert each.leader == gone
+        each.heard(2.0, "b" if each is a else "a", epoch)
+        each.forget(gone)
+    a.set_members(3.0, "ab")
+    b.set_members(3.0, "ab")
+    b.heard(3.1, "a", a.epoch)
+    assert (a.leader, b.leader) == ("a", "a")
 
 
 def test_a_robot_alone_keeps_leading_under_other_limits():

@@ -136,10 +136,9 @@ def queries(core, now):
 def whole(thing, seen=None):
     """Return all of the state that hangs on something, as values that compare."""
     seen = set() if seen is None else seen
-    if isinstance(thing, (str, bytes, int, float, type(None), Enum, type, Specs, InformationType)) or callable(thing):
-        return repr(thing) if isinstance(thing, float) else thing
-    if isinstance(thing, np.ndarray):
-        return thing.tolist()
+    thing = repr(thing) if isinstance(thing, float) else thing.tolist() if isinstance(thing, np.ndarray) else thing
+    if isinstance(thing, (str, bytes, int, type(None), Enum, type, Specs, InformationType)) or callable(thing):
+        return thing
     if id(thing) in seen:
         return "seen"
     seen.add(id(thing))

@@ -625,6 +625,18 @@ def test_what_was_given_back_is_not_held_again_when_it_is_lengthened():
     assert [shares["b"].held(t, 0) for t in (2.0, 2.2)] == pytest.approx([300.0, 0.0])
 
 
+def test_who_has_a_slot_sends_nothing_larger_than_the_limit_beside_those_of_others():
+    """A slot is not all that there is: such a message waits until nobody else may send."""
+    shares = team("abc")
+    agree(shares, 0.1)
+    for peer in "bc":
+        assert shares["a"].lend(0.1, peer, 0.2, 5.0, (300.0,)).stays
+    tell(shares, "a", "bc", 0.2)
+    assert shares["b"].stays(0.5)
+    assert not shares["b"].fits(0.5, (1980.0,))
+    assert not shares["a"].fits(0.5, (1980.0,))
+
+
 def test_slots_are_not_given_back():
     """They are lengthened, or end."""
     shares = lending(ends=5.0)
