@@ -67,18 +67,28 @@ class Core:
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
         self._tickets = 0
+        self._wakes_at = now
         self._taking_in = dict(type(self).__dict__["_on"].dispatcher.registry)
         self._adopt_limits(now)
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order."""
-        take_in = self._taking_in.get(type(event)) or self._taking_in[object]
+        if type(event) not in self._taking_in:
+            raise TypeError(f"{type(event).__name__} is no event of the core")
+        take_in = self._taking_in[type(event)]
+        if self.gate.sharing or self.view.peers:
+            self.shares.look(event.now)
         commands: list[Command] = [*take_in(self, event), *self._advance(event.now)]
         self._forget_dropped(commands)
+        self._wakes_at = self._due(event.now)
         return commands
 
     def wake_at(self, now: float) -> float:
-        """When `TimePassed` is due at the latest [s, our clock]."""
+        """When `TimePassed` is due at the latest [s, our clock]; since the last event nothing can have changed that."""
+        return max(self._wakes_at, now)
+
+    def _due(self, now: float) -> float:
+        """When something is to be done that no event brings about [s]."""
         due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
         if self.gate.sharing:
             due = min(due, self.shares.due_at(now))
@@ -93,7 +103,7 @@ class Core:
     @singledispatchmethod
     def _on(self, event: object) -> list[Command]:
         """Take in one event; one method per kind follows."""
-        raise TypeError(f"{type(event).__name__} is no event of the core")
+        raise NotImplementedError
 
     @_on.register
     def _(self, event: ev.SamplePublished) -> list[Command]:
@@ -345,7 +355,6 @@ class Core:
             self.telling.set_rate()
         if not self.gate.sharing:
             return
-        self.shares.confirmed(now)
         if now >= self._speaks_at(now):
             self._tickets += 1
             before = self.layout.lent

@@ -10,6 +10,7 @@ it waits for them as others do.
 
 import math
 from collections.abc import Callable, Iterable
+from functools import reduce
 from zlib import crc32
 
 from proxy.core.limits import Limit
@@ -19,11 +20,18 @@ NEWCOMERS = 4
 EDGE = 1e-3
 """What one robot lends, the next one may use so much later [s]: windows are closed, and times are rounded."""
 TERMS = 1 << 20
-"""Terms are counted up to here."""
+"""Terms are counted up to here, and then from 1 again."""
 ANSWERS = 2.5
 """Who met others waits for who leads them to speak, by so many times the time it took to meet them..."""
 LONGEST_WAIT = 4.0
 """... and no longer than this [s]."""
+
+
+def later(epoch: int, other: int) -> bool:
+    """Whether another epoch gives way to this one: terms go round, and term 0 comes before all others."""
+    term, before = epoch >> 32, other >> 32
+    ahead = (term - before) % TERMS
+    return epoch > other if not (term and before and ahead) else ahead < TERMS // 2
 
 
 class Epochs:
@@ -77,7 +85,6 @@ class Epochs:
 
     def confirmed(self, now: float) -> bool:
         """Whether somebody lends; if it is we, whether we may."""
-        self.look(now)
         return self.leader in self.members and (not self.leads or (not self._awaited and now >= self._ready_at))
 
     def due_at(self, now: float) -> float:
@@ -123,7 +130,7 @@ class Epochs:
             return False
         if self._said.get(peer) != epoch:
             self._said[peer], self._behind = epoch, None
-        if epoch > max(self.epoch, self._next[0]) and (leader := self._leader_of(epoch)):
+        if later(epoch, self.epoch) and later(epoch, self._next[0]) and (leader := self._leader_of(epoch)):
             if leader == self.own:
                 self._propose(now, epoch)
             else:
@@ -153,16 +160,17 @@ class Epochs:
             return
         others = self.members - {self.own}
         said = [self._said.get(other, 0) for other in others]
-        led = any(self._leader_of(epoch) in others for epoch in said if epoch >= self.epoch)
+        led = any(self._leader_of(epoch) in others for epoch in said if not later(self.epoch, epoch))
         if not (led or self._next[1]) and (
             all(other in self._said for other in others) or not any(self._said.values())
         ):
-            self._propose(now, max([self.epoch, self._next[0], *self._said.values()]))
+            known = (self._next[0], *self._said.values())
+            self._propose(now, reduce(lambda last, each: each if later(each, last) else last, known, self.epoch))
 
     def _propose(self, now: float, before: int) -> None:
         """Lead in the term after an epoch."""
         alone = len(self.members) == 1 and not before
-        term = 0 if alone else min((before >> 32) + 1, TERMS)
+        term = 0 if alone else (before >> 32) % TERMS + 1
         self._enter(term << 32 | self._hash(self.own), self.own)
         self._awaited = set(self.members - {self.own})
         quiet = not before and len(self.members) <= NEWCOMERS

@@ -36,8 +36,6 @@ class Lateness:
         They are `waiting` so long on their way besides, where the channel is full [s].
         """
         due = now >= self._due
-        if due and self._view.peers:
-            self._shares.confirmed(now)  # time alone may have it fall to us
         if not self._shares.leads:
             leader = self._view.peers.get(self._shares.leader)
             self.late = leader is not None and leader.digest is not None and leader.digest.lends

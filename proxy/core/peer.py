@@ -252,8 +252,6 @@ class Peer:
             self._period = max(now - self._last[0], FADING * self._period)
         self._last = now, size
         incoming = self._of(key)
-        if incoming is None:
-            return None
         incoming.heard += 1
         incoming.at, incoming.size = now, size
         wait = middle(incoming.waits) if incoming.waits else 0.0
@@ -272,8 +270,6 @@ class Peer:
     def heard_news(self, key: str, news: StreamDigest, *, wanted: bool) -> None:
         """The peer tells of a stream, of which we get every sample if it is `wanted` here."""
         incoming = self._of(key)
-        if incoming is None:
-            return
         before, incoming.told = incoming.told, (news.forwarded, incoming.heard) if wanted else None
         if before is not None and wanted and news.forwarded >= before[0]:
             if not self._in.begun:
@@ -351,11 +347,13 @@ class Peer:
             self._usual, self._looked = self.line_in, now
         return self._usual
 
-    def _of(self, key: str) -> Incoming | None:
-        """Return how a stream comes in; None when there are too many."""
-        found = self._incoming.get(key)
-        if found is None and len(self._incoming) < STREAMS:
-            found = self._incoming[key] = Incoming()
+    def _of(self, key: str) -> Incoming:
+        """Return how a stream comes in; if there are too many, the one not heard of for longest is forgotten."""
+        found = self._incoming.pop(key, None) or Incoming()
+        if len(self._incoming) >= STREAMS:
+            del self._incoming[next(iter(self._incoming))]
+            self.evicted += 1
+        self._incoming[key] = found
         return found
 
 

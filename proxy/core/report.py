@@ -90,10 +90,10 @@ def _budget(core: Core, now: float) -> list[dict[str, Any]]:
             "unit": limit.measure.unit,
             "window": limit.window,
             "limit": limit.limit,
-            "held": core.shares.held(now, k),
+            "held": core.shares.held(now, k) if core.gate.sharing else limit.limit,
             "used": core.shares.used(now, k),
             "members": len(core.shares.members) if limit.shared else 1,
-            "confirmed": core.shares.confirmed(now) or not limit.shared,
+            "confirmed": not core.gate.sharing or core.shares.confirmed(now) or not limit.shared,
             **({"adaptive": core.channel.capacity.described(now, adaptive.index(k))} if k in adaptive else {}),
         }
         for k, limit in enumerate(core.gate.limits)

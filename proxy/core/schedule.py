@@ -11,7 +11,7 @@ from collections.abc import Callable
 from proxy.core.schedules.bursts import Bursts, bursts_in, told_bursts
 from proxy.core.schedules.gaps import RUN, spread
 from proxy.core.schedules.patterns import Memoryless, Pattern, Periodic, Span
-from proxy.core.schedules.rhythm import Numbered, Rhythm
+from proxy.core.schedules.rhythm import LEAST_PERIOD, Numbered, Rhythm
 from proxy.core.schedules.tracker import Tracker
 from proxy.core.schedules.written import written
 from utility_specs.schedules import ScheduleRule
@@ -50,14 +50,14 @@ class Schedule:
         self._past: deque[Numbered] = deque(maxlen=MEMORY)
         self._first: Numbered | None = None
         self._pattern: Pattern | None = None
-        self._patience: float | None = None
-        """Once it is known, and as long as the pattern holds."""
-        self._next = math.inf
-        """When the next sample is about due, known as long as the patience is [s]."""
+        self.patience = STALE
+        """The stream is over when it is silent for longer than this [s]."""
         self._told = ("", 0.0)
         self._longest = 0.0
         self._pause = 0.0
         self._back = 0
+        self._pauses = 0
+        """So many of the last gaps in a row were pauses."""
         self._resumed = -MEMORY
         self._seen = 0
         self._bursts: Bursts | None = None
@@ -71,52 +71,38 @@ class Schedule:
     @property
     def period(self) -> float:
         """Mean time between samples [s]; 0.0 while fewer than two generation times are known."""
-        pattern = self._pattern or self._recognised()
-        return 0.0 if pattern is None else pattern.period
+        return 0.0 if self._pattern is None else self._pattern.period
 
     @property
     def jitter(self) -> float:
         """Standard deviation of a generation time from what is expected [s]; 0.0 while not known."""
-        pattern = self._pattern or self._recognised()
-        return 0.0 if pattern is None else pattern.jitter
+        return 0.0 if self._pattern is None else self._pattern.jitter
 
     @property
     def kind(self) -> str:
         """How the stream generates, in a word for other robots; empty while not known."""
-        pattern = self._recognised()
-        return "" if pattern is None else pattern.kind
+        return "" if self._pattern is None else self._pattern.kind
 
     @property
     def rhythm(self) -> Rhythm | None:
         """That of a periodic stream; None where it has none, or is not known."""
-        pattern = self._recognised()
-        return pattern.rhythm if isinstance(pattern, Periodic) else None
+        return self._pattern.rhythm if isinstance(self._pattern, Periodic) else None
 
     @property
     def last(self) -> float | None:
         """The last generation time seen [s]."""
         return self._past[-1][1] if self._past else None
 
-    @property
-    def patience(self) -> float:
-        """The stream is over when it is silent for longer than this [s]."""
-        if self._patience is None:
-            pattern = self._recognised()
-            period = pattern.period if pattern else math.inf
-            self._patience = max(self._silence(self._pause), PERIODS * period) if pattern else STALE
-            self._next = self._past[-1][1] + period if self._past else math.inf
-        return self._patience
-
     def over(self, now: float) -> bool:
         """Whether no more samples are to be expected, as the stream is silent for too long by its own measure."""
-        patience = self.patience if self._patience is None else self._patience
-        return not self._past or now - self._past[-1][1] >= patience
+        return not self._past or now - self._past[-1][1] >= self.patience
 
     def obey(self, rule: ScheduleRule | None, failed: Callable[[], None]) -> None:
         """Go by a rule of a spec, or by what is seen; `failed` is called when a function of the rule fails."""
-        if rule != self._rule:
-            self._rule, self._pattern, self._patience = rule, None, None
         self._failed = failed
+        if rule != self._rule:
+            self._rule = rule
+            self._renew()
 
     def observe(self, count: int | None, t_gen: float, told: Rhythm | None = None) -> None:
         """Take in that sample number `count` was generated at `t_gen`; None: some may have been lost before it.
@@ -132,16 +118,18 @@ class Schedule:
             elif t_gen == last or not self._goes_back(count, t_gen):
                 return
             before, last = self._past[-1] if self._past else (0, -math.inf)
-        self._numbered, self._follows = count is not None, told is not None
+        self._count_by(numbers=count is not None)
+        self._follows = told is not None
         number = before + 1 if count is None else count
         gap = t_gen - last
         paused = bool(self._past) and gap >= self._silence(self._pause)
+        self._pauses = self._pauses + 1 if paused else 0
         if paused:
             self._resumed = self._seen
         if told is not None:
             self._tracker.follow(told)
         elif paused:
-            self._tracker.resume(count, t_gen)
+            self._resume(count, (number, t_gen))
         elif count is None:
             self._tracker.hear(t_gen)
         else:
@@ -150,20 +138,22 @@ class Schedule:
             self._longest = max(gap, FADE * self._longest)
         self._first = self._first or (number, t_gen)
         self._past.append((number, t_gen))
-        self._pattern, self._patience, self._back = None, None, 0
+        self._back = 0
         self._seen += 1
+        self._renew()
 
     def assume(self, period: float, kind: str = "") -> bool:
         """Use what the stream's robot tells: it sees every sample, we perhaps a few; return whether it is news."""
-        if (kind, period) == self._told or not (math.isfinite(period) and period > 0.0):
+        if (kind, period) == self._told or not LEAST_PERIOD <= period < math.inf:
             return False
-        self._told, self._pattern, self._patience = (kind, period), None, None
+        self._told = kind, period
         self._tracker.tell(period)
+        self._renew()
         return True
 
     def forecast(self, after: float, until: float, most: int, now: float | None = None) -> list[float]:
         """Generation times expected in (after, until], at most `most` of them, in order, as things are at `now`."""
-        pattern = self._pattern or self._recognised()
+        pattern = self._pattern
         if pattern is None or most <= 0 or until <= after:
             return []
         return pattern.expect(Span(after if now is None else now, after, until, most))
@@ -173,8 +163,8 @@ class Schedule:
 
         The first one is -∞ and the last one ∞ while they are not known.
         """
-        patience = self.patience if self._patience is None else self._patience
-        return self._past[-1][1] if self._past else -math.inf, patience, self._next
+        last = self._past[-1][1] if self._past else -math.inf
+        return last, self.patience, last + self.period if self._pattern else math.inf
 
     def _goes_back(self, count: int | None, t_gen: float) -> bool:
         """Forget what stands in the way of a sample that comes before the last one; return whether it is to count.
@@ -191,12 +181,33 @@ class Schedule:
             return False
         return True
 
-    def _recognised(self) -> Pattern | None:
-        if self._pattern is None and self._past and self._first:
-            followed = self._tracker.rhythm if self._follows else None
-            self._pattern = Periodic(followed) if followed else self._recognise(self._first, self._past[-1][1])
-            self._pause = self._pattern.pause if self._pattern else 0.0
-        return self._pattern
+    def _count_by(self, *, numbers: bool) -> None:
+        """Samples come with numbers from now on, or without: what was numbered otherwise cannot be compared."""
+        if self._past and self._numbered != numbers:
+            self._tracker.begin([self._past[-1]])
+        self._numbered = numbers
+
+    def _resume(self, count: int | None, sample: Numbered) -> None:
+        """Take in a sample after a pause. Pauses in a row are the gaps of another rate, a few gaps before one of none.
+
+        So a stream that begins with samples close together, or ends with seldom ones, is not over before each of them.
+        """
+        few = self._seen <= RUN and self._tracker.rhythm is not None
+        if not few and self._pauses < RUN:
+            self._tracker.resume(count, sample[1])
+            return
+        self._past = deque([] if few else list(self._past)[-RUN:], maxlen=MEMORY)
+        self._tracker.begin([*self._past, sample], known=count is not None)
+
+    def _renew(self) -> None:
+        """Something was noted: see what the stream's pattern is now, and how long it may be silent."""
+        if not (self._past and self._first):
+            return
+        followed = self._tracker.rhythm if self._follows else None
+        self._pattern = Periodic(followed) if followed else self._recognise(self._first, self._past[-1][1])
+        self._pause = self._pattern.pause if self._pattern else 0.0
+        silence = max(self._silence(self._pause), PERIODS * self.period)
+        self.patience = silence if self._pattern else STALE
 
     def _silence(self, pause: float) -> float:
         rhythm = self._tracker.rhythm

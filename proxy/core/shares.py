@@ -12,7 +12,6 @@ robot not heard keeps what it was lent; nobody else was lent that. Two teams tha
 each other, and for one window more.
 """
 
-import math
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -79,9 +78,6 @@ class Shares:
             own, limits, settled_at=settled_at, started=started, turned=self._turned, left_at=self._left_at
         )
         self._lent: list[Lent] = []
-        self._offered: tuple[Grant, ...] = ()
-        self._offered_until = -math.inf
-        """Until then these are the grants for the digest, unless others come [s]."""
         self._told: dict[Grant, float] = {}
         """Grants that we made, or heard of: these are remembered for as long as they could come again."""
         self._borrowed: dict[Borrowed, Lent] = {}
@@ -163,6 +159,13 @@ class Shares:
         """A robot left: what it last said of its epoch no longer counts."""
         self._epochs.forget(peer)
 
+    def look(self, now: float) -> None:
+        """Do what is due: enter an epoch, or lead if nobody does, and forget what is over."""
+        self._epochs.look(now)
+        self._lent = list(self.lent(now))
+        if self.leads:
+            self._told = {grant: ends for grant, ends in self._told.items() if ends > now}
+
     def confirmed(self, now: float) -> bool:
         """Whether somebody lends; if it is we, whether we may."""
         return self._epochs.confirmed(now)
@@ -234,6 +237,7 @@ class Shares:
 
     def use_at_most(self, now: float, use: tuple[float, ...], part: float) -> None:
         """Traffic that nobody decided on is sent now; it counts up to `part` of what we hold, the rest is left."""
+        self.look(now)
         room = (part * self.held(now, k) - self.used(now, k) for k in range(len(self._limits)))
         self.use(now, tuple(max(0.0, min(amount, left)) for amount, left in zip(use, room, strict=True)))
 
@@ -276,7 +280,6 @@ class Shares:
             else:
                 unused.append(lent)
             self._told = {g: e for g, e in self._told.items() if (g.peer, g.begins) != (peer, lent.begins)}
-            self._offered_until = -math.inf
         return unused
 
     def sent(self) -> tuple[tuple[float, tuple[float, ...]], ...]:
@@ -311,7 +314,6 @@ class Shares:
                 lent = Lent(peer, begins, ends, amounts, lead)
                 self._lent.append(lent)
                 self._told[Grant(peer, begins, ends, parts)] = ends
-                self._offered_until = -math.inf
                 return lent
         return None
 
@@ -330,7 +332,6 @@ class Shares:
             parts = tuple(round(amount * PARTS / limit) for amount, limit in zip(lent.amounts, limits, strict=False))
             self._told = {g: e for g, e in self._told.items() if (g.peer, g.begins) != (lent.robot, lent.begins)}
             self._told[Grant(lent.robot, lent.begins, longer.ends, parts)] = longer.ends
-            self._offered_until = -math.inf
             return longer
         self._lent.append(lent)
         return None
@@ -338,17 +339,11 @@ class Shares:
     def lent(self, now: float) -> tuple[Lent, ...]:
         """What of ours is lent and not yet back."""
         longest = max(self._windows(), default=0.0)
-        self._lent = [lent for lent in self._lent if lent.ends + longest + EDGE >= now]
-        return tuple(self._lent)
+        return tuple(lent for lent in self._lent if lent.ends + longest + EDGE >= now)
 
     def grants(self, now: float) -> tuple[Grant, ...]:
         """All that we lend and that can still be used, for the digest."""
-        if not self.leads:
-            return ()
-        if now >= self._offered_until:
-            self._told = {grant: ends for grant, ends in self._told.items() if ends > now}
-            self._offered, self._offered_until = tuple(self._told), min(self._told.values(), default=math.inf)
-        return self._offered
+        return tuple(grant for grant, ends in self._told.items() if ends > now) if self.leads else ()
 
     def _free(self, t: float, now: float, k: int) -> float:
         """What may be sent at `t` of constraint `k`, if until then nothing is: the least room of the window after."""
@@ -458,7 +453,7 @@ class Shares:
             return amount <= self._free(t, now, k)
         if limit.shared and not self.confirmed(now):
             return False
-        shared = limit.shared and not any(lent.stays and lent.ends >= now for lent in self._lent)
+        shared = limit.shared
         since = t - (self._reserved(k, amount) if shared else self._stretched(k, amount))
         quiet = not any(sent >= since and use[k] > 0.0 for sent, use in self._sent)
         return quiet and (not shared or self._has_all(t, k, since))
@@ -503,7 +498,6 @@ class Shares:
     def _turned(self) -> None:
         """What was lent before counts no more."""
         self._lent, self._told, self._borrowed, self._given_back = [], {}, {}, GivenBack()
-        self._offered_until = -math.inf
 
     def _left_at(self, now: float) -> float:
         """When all that we sent of what is shared has left the windows [s]."""

@@ -153,11 +153,8 @@ class SharedView:
         self.sends.append((now, (size, 1)))
 
     def sent_since(self, since: float) -> list[tuple[float, Amount]]:
-        """When and how much other robots sent; what is older is forgotten."""
-        kept = [each for each in self.sends if each[0] >= since]
-        if len(kept) < len(self.sends):
-            self.sends = deque(kept, self.sends.maxlen)
-        return kept
+        """When and how much other robots sent."""
+        return [each for each in self.sends if each[0] >= since]
 
     def overhears(self, stream: Stream) -> bool:
         """Whether we hear what is sent of another robot's stream, but for what is lost."""
@@ -374,8 +371,11 @@ class SharedView:
         self._note_broadcasting()
 
     def sweep(self, now: float) -> None:
-        """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
+        """Forget silent streams of plain nodes, and sends that no window counts; cheap to call at every event."""
         self._table.sweep(now)
+        longest = max((each.measure.window for each in self.specs.constraints), default=0.0)
+        while self.sends and self.sends[0][0] < now - longest:
+            self.sends.popleft()
 
     def echoes(self, to: str = "") -> tuple[Echo, ...]:
         """What we tell every peer, or one of a tag, of its last digest and of its samples."""
@@ -452,12 +452,21 @@ class SharedView:
         if told is not None:
             stream.assume(told.period, told.schedule)
         t_gen = min(peer.offset.ours(news.t_generated), now)
-        features = stream.information_type.heard(news.features)
+        features, before = stream.information_type.heard(news.features), stream.last
         last, rhythm = Generated(t_gen, news.size, news.scale, features), heard(news, peer.offset.ours)
         stream.note_generated(news.generated, last, told=rhythm)
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
-            self.note_sent(stream, news.forwarded, Sent(t_sent, t_sent, news.size, news.scale, features))
+            self.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
+
+
+def _last_sent(news: StreamDigest, t_sent: float, last: Generated, before: Generated | None) -> Sent:
+    """What a stream last sent: news tells when it was sent, and what was last generated, be that sent or not.
+
+    What was generated later than that was sent is another sample: then the one before is the best that we know.
+    """
+    like = last if news.t_forwarded >= news.t_generated or before is None else before
+    return Sent(t_sent, t_sent, like.size, like.scale, like.features)
 
 
 def _echo(name: str, peer: Peer, digest: Digest) -> Echo:

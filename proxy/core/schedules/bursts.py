@@ -13,7 +13,7 @@ APART = 3.0
 ALIKE = 2
 """Of a few bursts the largest has at most so many times the members of the smallest:"""
 SURE = 3
-"""so many tell for themselves."""
+"""so many tell for themselves. What goes on for longer than so many times the largest of them is none."""
 REGULAR = 0.3
 """Bursts whose starts deviate by more than this part of their spacing come at random."""
 MOST_MEMBERS = 10_000
@@ -51,9 +51,9 @@ class Bursts:
 
     def joined(self, t: float) -> "Bursts | None":
         """Return the bursts with one more sample at `t` [s] in the last one; None when it is none of it."""
-        if t > self.last + APART * self.step:
+        if t > self.last + APART * self.step or self.begun >= ALIKE * self.size:
             return None
-        return replace(self, last=t, begun=min(self.size, self.begun + 1))
+        return replace(self, last=t, begun=self.begun + 1)
 
     def expect(self, span: Span) -> list[float]:
         """Return what is missing of the last burst, and the members of those to come."""
@@ -77,10 +77,11 @@ def bursts_in(past: Sequence[Numbered], *, whole: bool) -> Bursts | None:
     size = round(sum(sizes) / max(1, len(sizes)))
     few = len(sizes) < SURE and max(*sizes, rest, heads[1]) > ALIKE * min(sizes, default=0)
     starts = fit([(i, times[head]) for i, head in enumerate(heads)][0 if whole else 1 :])
-    if starts is None or size < 2 or few:
+    endless = rest > ALIKE * max(sizes, default=0)
+    if starts is None or size < 2 or few or endless:
         return None
     steps = sorted([gap for gap in gaps if gap <= longest_step])
-    return Bursts(starts, size, steps[len(steps) // 2], times[-1], min(size, rest))
+    return Bursts(starts, size, steps[len(steps) // 2], times[-1], rest)
 
 
 def told_bursts(words: Sequence[str], period: float, last: float) -> Bursts | None:

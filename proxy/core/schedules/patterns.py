@@ -108,7 +108,7 @@ class Memoryless:
 
 def evenly(first: float, step: float, until: float, most: int) -> list[float]:
     """Return at most `most` times from `first` to `until`, `step` apart [s]."""
-    count = min(most, floor((until - first) / step) + 1)
+    count = most if until - first >= most * step else floor((until - first) / step) + 1
     return [first + i * step for i in range(count)]
 
 

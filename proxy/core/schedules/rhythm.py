@@ -17,6 +17,8 @@ FAR = 4.0
 """So many median deviations from the line is too far."""
 EXACT = 1e-4
 """Deviations below this part of the period are never too far: clocks and the wire round."""
+LEAST_PERIOD = 1e-4
+"""What is faster than times travel is no rhythm [s]."""
 WANDERING = 0.75
 """Jitter's variance over that of its steps: about 1/2 where deviations are independent, 1 where they add up."""
 
@@ -55,7 +57,8 @@ class Rhythm(NamedTuple):
 def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:
     """Return the rhythm of generation times, of which numbers and times rise; None for fewer than two.
 
-    A `period` that is told [s] holds as it is: then one is enough.
+    There is none either where they are all at about the same time. A `period` that is told [s] holds as it is: then one
+    is enough.
     """
     if not points or (len(points) < 2 and not period):
         return None
@@ -63,9 +66,11 @@ def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:
     x = [n - number for n, _ in points]
     y = [t - last for _, t in points]
     slope = period or _slope(x, y)
+    if slope < LEAST_PERIOD:
+        return None
     kept = _near(x, y, slope)
     if len(kept) > 2 and not period:
-        slope = _least_squares(kept) or slope
+        slope = max(LEAST_PERIOD, _least_squares(kept) or slope)
     rest = [b - slope * a for a, b in kept]
     start = sum(rest) / len(rest)
     square = sum([(e - start) ** 2 for e in rest]) / max(len(rest) - 2, 1)

@@ -6,11 +6,9 @@ Its robot sees every sample, others those that digests tell of; so nobody need f
 from collections.abc import Callable
 
 from proxy.core.fixed import rounded
-from proxy.core.schedules.rhythm import Rhythm
+from proxy.core.schedules.rhythm import LEAST_PERIOD, Rhythm
 from proxy.core.wire import PHASES, StreamDigest
 
-LEAST_PERIOD = 1e-4
-"""A rhythm that is faster than times travel is none [s]."""
 KNOWN = 16
 """So many samples are taken to tell it."""
 

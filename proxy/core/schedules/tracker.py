@@ -10,7 +10,7 @@ from itertools import pairwise
 from math import gcd, sqrt
 
 from proxy.core.schedules.gaps import RUN, base_of, faster, gaps_of, numbered, slower
-from proxy.core.schedules.rhythm import Numbered, Rhythm, fit
+from proxy.core.schedules.rhythm import LEAST_PERIOD, Numbered, Rhythm, fit
 
 MEMORY = 16
 """Generation times that tell the rhythm."""
@@ -97,6 +97,14 @@ class Tracker:
             self._since = REFIT
         self._take(number, t)
 
+    def begin(self, samples: list[Numbered], *, known: bool = True) -> None:
+        """Take in these samples; what was seen before them counts no more. Whether their numbers are `known`."""
+        times = [t for _, t in samples]
+        self._suspects.clear()
+        self._times = deque(times, maxlen=RECENT)
+        self._line = samples if known or len(times) < 2 else numbered(times, base_of(gaps_of(times)))
+        self._fit()
+
     def follow(self, rhythm: Rhythm) -> None:
         """Take over the rhythm that the stream's robot found; what was seen before counts no more."""
         self.rhythm = rhythm
@@ -116,8 +124,10 @@ class Tracker:
         self._line.append((number, t))
         self._since += 1
         if self.rhythm is not None and self.rhythm.known >= MEMORY // 2 and self._since < REFIT:
-            self.rhythm = self.rhythm.nudged(number, t)
-            return
+            nudged = self.rhythm.nudged(number, t)
+            if nudged.period >= LEAST_PERIOD:
+                self.rhythm = nudged
+                return
         self._fit()
         if self.rhythm is not None and self.rhythm.looseness > LOOSE and len(self._line) > FEW + 1:
             self._tighten()
@@ -147,10 +157,7 @@ class Tracker:
         self._fit()
 
     def _restart(self, times: list[float], base: float = 0.0) -> None:
-        self._suspects.clear()
-        self._times = deque(times, maxlen=RECENT)
-        self._line = numbered(times, base or base_of(gaps_of(times))) if len(times) > 1 else [(0, times[0])]
-        self._fit()
+        self.begin(numbered(times, base or base_of(gaps_of(times))) if len(times) > 1 else [(0, times[0])])
 
     def _changed(self, rhythm: Rhythm) -> bool:
         """Whether the gaps between the last times show another period; if so, it is taken up."""

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.measures import Throughput
-from proxy.core.epochs import EDGE, LONGEST_WAIT, Epochs
+from proxy.core.epochs import EDGE, LONGEST_WAIT, TERMS, Epochs
 from proxy.core.limits import Limit
 
 LIMIT = Limit("throughput", 1.0, 1000.0, Throughput(1000.0, 1.0))
@@ -35,6 +35,7 @@ def test_who_meets_nobody_leads_in_a_term_that_gives_way():
     leader.set_members(0.0, "bc")
     leader.heard(1.0, "c", 0)
     assert leader.leads
+    newcomer.look(8.5)
     assert newcomer.confirmed(8.5)
     assert newcomer.epoch >> 32 == 0
     meet(9.0, newcomer, leader, members="abc")
@@ -70,6 +71,7 @@ def test_who_sent_in_another_epoch_follows_when_that_has_left_the_windows():
     assert b.heard(5.0, "a", again) is False
     assert (b.leader, b.epoch) == ("", a.epoch)
     assert b.due_at(5.0) == 7.0
+    b.look(7.0)
     assert b.confirmed(7.0)
     assert (b.leader, b.epoch, b.due_at(7.0)) == ("a", again, float("inf"))
 
@@ -100,9 +102,28 @@ def test_what_a_robot_may_have_sent_that_leaves_before_it_follows_is_waited_for(
     assert a.confirmed(5.1)
 
 
+@pytest.mark.parametrize("gone", ["c", "d", "e", "f"])
+def test_terms_that_are_used_up_begin_anew(gone):
+    """Whoever led in the last term there is, or said so: when it is gone there is a next one, and all follow."""
+    a, b, last = epochs("a"), epochs("b"), epochs(gone)
+    meet(0.0, a, b, last, members=["a", "b", gone])
+    epoch = TERMS << 32 | last._hash(gone)
+    for each in (a, b):
+        each.heard(1.0, gone, epoch)
+        each.look(2.0)
+        assert each.leader == gone
+        each.heard(2.0, "b" if each is a else "a", epoch)
+        each.forget(gone)
+    a.set_members(3.0, "ab")
+    b.set_members(3.0, "ab")
+    b.heard(3.1, "a", a.epoch)
+    assert (a.leader, b.leader) == ("a", "a")
+
+
 def test_a_robot_alone_keeps_leading_under_other_limits():
     """It has nobody to wait for."""
     alone = epochs("a")
+    alone.look(0.5)
     assert alone.confirmed(0.5)
     before = alone.epoch
     alone.set_limits(1.0, (replace(LIMIT, limit=900.0),), free=True)

@@ -247,3 +247,16 @@ def test_what_an_echo_tells_that_cannot_be_is_not_believed(peer, latency, per_by
     peer.heard_echo(2.0, Echo("z-r1", 1.9, -98.1, 0, latency, per_byte))
     assert peer.latency_out is None
     assert latency_of(Echo("z-r3", 1.9, -98.1, 0, 0.0, 1e-6)) == Latency(0.0, 1e-6)
+
+
+def test_of_too_many_streams_the_one_not_heard_of_for_longest_is_forgotten(peer):
+    """And counted: however many keys a robot had, what it sends now tells of its ways."""
+    for number in range(STREAMS + 1):
+        peer.heard_sample(2.0, f"robot/r2/old/{number}", 100, None)
+    assert peer.evicted == 1
+    for at in range(3, 13):
+        hear(peer, float(at), 0.1)
+        peer.heard_news(KEY, news(at, at, float(at), float(at)), wanted=True)
+    assert peer.latency_in.fixed == pytest.approx(0.1, abs=1e-3)
+    assert peer.loss_in == 0.0
+    assert peer.evicted == 2

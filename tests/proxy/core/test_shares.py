@@ -62,7 +62,9 @@ def test_nobody_leads_before_others_were_heard():
 def test_a_robot_alone_holds_everything_once_settled():
     """Who hears nobody for the settling time has the channel."""
     alone = Shares("a", (LIMIT,), floor=0.01, settled_at=5.0)
+    alone.look(4.9)
     assert alone.held(4.9, 0) == pytest.approx(10.0 / NEWCOMERS)
+    alone.look(5.0)
     assert alone.held(5.0, 0) == pytest.approx(990.0)
 
 
@@ -218,6 +220,7 @@ def test_no_more_is_lent_than_can_be_kept():
 def test_a_message_larger_than_the_limit_goes_through_a_stretched_window():
     """It is sent rarely: not again before its bytes fit what the robot may use on average."""
     alone = Shares("a", (LIMIT,), floor=0.0, settled_at=0.0)
+    alone.look(0.0)
     assert alone.fits(0.0, (2500.0,))
     alone.use(0.0, (2500.0,))
     assert not alone.fits(2.4, (2500.0,))
@@ -263,6 +266,7 @@ def test_who_leads_sends_a_message_larger_than_the_limit_when_nothing_is_lent():
 def test_a_message_as_large_as_the_limit_can_be_sent(amount):
     """Nobody can hold the whole limit, so it too has its window stretched."""
     alone = Shares("a", (LIMIT,), floor=0.01, settled_at=0.0)
+    alone.look(0.0)
     assert alone.fits(0.0, (amount,))
 
 
@@ -619,6 +623,18 @@ def test_what_was_given_back_is_not_held_again_when_it_is_lengthened():
     shares["a"].lengthen(1.2, *shares["a"].lent(1.2), 3.0)
     tell(shares, "a", "b", 1.3)
     assert [shares["b"].held(t, 0) for t in (2.0, 2.2)] == pytest.approx([300.0, 0.0])
+
+
+def test_who_has_a_slot_sends_nothing_larger_than_the_limit_beside_those_of_others():
+    """A slot is not all that there is: such a message waits until nobody else may send."""
+    shares = team("abc")
+    agree(shares, 0.1)
+    for peer in "bc":
+        assert shares["a"].lend(0.1, peer, 0.2, 5.0, (300.0,)).stays
+    tell(shares, "a", "bc", 0.2)
+    assert shares["b"].stays(0.5)
+    assert not shares["b"].fits(0.5, (1980.0,))
+    assert not shares["a"].fits(0.5, (1980.0,))
 
 
 def test_slots_are_not_given_back():

@@ -473,3 +473,14 @@ def test_who_was_not_reached_after_all_is_reached_by_the_next_sample(view):
     assert stream.reached == {"z-r3"}
     stream.reach(names)
     assert stream.reached == set(names)
+
+
+def test_what_was_last_sent_is_not_what_was_generated_since(view):
+    """News tells of the last sample generated: one that was generated after the last was sent is another one."""
+    meet(view)
+    view.heard_digest(2.0, digest(1.9, StreamDigest(7, 1, 1, 1.8, 1.85, 900, 7.0)))
+    view.heard_digest(3.0, digest(2.9, StreamDigest(7, 2, 1, 2.8, 1.85, 400, 2.0)))
+    view.heard_digest(4.0, digest(3.9, StreamDigest(7, 3, 2, 3.8, 2.85, 50, 1.0)))
+    stream = view.known("r2", CAMERA)
+    assert (stream.last.size, stream.last.scale) == (50, 1.0)
+    assert (stream.sent.size, stream.sent.scale) == (400, 2.0)

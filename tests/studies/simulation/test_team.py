@@ -1,6 +1,7 @@
 """A team of the daemon's cores on one simulated medium."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -91,6 +92,19 @@ def test_who_sees_red_sends_at_least_twice_as_often(specs):
     red = sum(frame.robot == "r1" for frame in during)
     others = sum(frame.robot != "r1" for frame in during) / 3
     assert red >= 2 * others > 0
+
+
+@pytest.mark.parametrize("coordination", ["shares", "overhear"])
+@pytest.mark.parametrize("close", [1, 11])
+def test_a_stream_that_begins_with_samples_close_together_is_sent(specs, coordination, close):
+    """Of a publisher that catches up once it is connected, and whose samples are worth most, most are sent."""
+    frames = scene(seconds=6.0)
+    red = [replace(frame, features={"red": 0.6}) for frame in frames if frame.robot == "r1"]
+    early = [replace(red[0], t_gen=red[0].t_gen - 0.001 * k) for k in range(close, 0, -1)]
+    frames = sorted([*early, *red, *(f for f in frames if f.robot != "r1")], key=lambda frame: frame.t_gen)
+    flight = team(specs, settings=CoreSettings("", "", coordination=coordination))
+    sent = Counter(d.frame.robot for d in flight.run(frames, 8.0))
+    assert sent["r1"] > max(sent[robot] for robot in ("r2", "r3", "r4"))
 
 
 @pytest.mark.full

@@ -1,0 +1,207 @@
+"""Queries change nothing: who looks at a core, and when, makes no difference to what it does."""
+
+from collections import deque
+from collections.abc import Mapping
+from enum import Enum
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from planner import Plan
+from proxy.core import events as ev
+from proxy.core.commands import Decide, Forward
+from proxy.core.core import Core
+from proxy.core.mode import Mode
+from proxy.core.settings import CoreSettings
+from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
+from tests.fuzz.target import specs
+from utility_specs import InformationType, Specs
+
+SPECS = specs()
+KEYS = ("robot/r1/camera", "robot/r2/camera", "robot/x/camera", "other")
+PEERS = {"aaaaaaaa01": "op", "eeeeeeee01": "r2"}
+KEPT = {
+    *("Stream.wanting", "Stream.wanting_at", "Stream._expected", "Stream._reach", "Interest._wanting"),
+    *("Competition._" + kept for kept in ("revision", "streams", "row", "seen", "robots", "owner", "wanted")),
+    *("Competition._" + kept for kept in ("cheapness", "last", "patience", "next")),
+    *("Gate._others_known", "Gate._others_sent", "Epochs._behind", "ClockOffset._offset"),
+    *("Loss._stale", "Loss._share", "LatencyFit._stale", "LatencyFit._line", "LatencyFit._classes"),
+}
+"""What is worked out once and kept until something else is noted, so that nobody can tell when it was."""
+
+PUBLISH = st.tuples(st.just("publish"), st.sampled_from(KEYS), st.integers(100, 9000))
+HEAR = st.tuples(st.just("hear"), st.sampled_from(KEYS), st.sampled_from((*PEERS, "feed")))
+SPEAK = st.tuples(st.just("speak"), st.sampled_from(tuple(PEERS)), st.integers(0, 5))
+MEET = st.tuples(st.just("meet"), st.sampled_from(tuple(PEERS)), st.just(0))
+PART = st.tuples(st.just("part"), st.sampled_from(tuple(PEERS)), st.just(0))
+DECIDE = st.tuples(st.just("decide"), st.booleans(), st.just(0))
+MODE = st.tuples(st.just("mode"), st.sampled_from(Mode), st.just(0))
+SWAP = st.tuples(st.just("swap"), st.just(""), st.just(0))
+WAIT = st.tuples(st.just("wait"), st.sampled_from((0.01, 0.1, 0.5, 3.0, 70.0)), st.just(0))
+ACTS = st.one_of(PUBLISH, PUBLISH, HEAR, SPEAK, SPEAK, MEET, MEET, PART, DECIDE, DECIDE, MODE, SWAP, WAIT, WAIT)
+
+
+class Driven:
+    """A core that is driven by acts; `said` is all that it commanded."""
+
+    def __init__(self, coordination):
+        self.core = Core(CoreSettings("r1", "0000000001", coordination=coordination, settle=0.3), SPECS, 0.0)
+        self.now, self.samples, self.told, self.said, self.asked = 0.0, 0, 0, [], []
+
+    def act(self, kind, what, count):
+        """Do one of `ACTS`, a little later than the one before."""
+        self.now += 0.02
+        match kind:
+            case "publish":
+                self.samples += 1
+                self.feed(ev.SamplePublished(self.now, self.samples, what, count, self.now, None, 5, {"red": 0.2}))
+            case "hear":
+                self.feed(ev.SampleHeard(self.now, what, 500, count, self.now, None))
+            case "speak":
+                self.speak(what, count)
+            case "meet":
+                self.feed(ev.PeerAppeared(self.now, PEERS[what], what))
+                streams = (StreamState(1, f"robot/{PEERS[what]}/camera", "camera", 0.1),)
+                self.feed(ev.StateHeard(self.now, State(PEERS[what], what, "enforce", "", streams, ("robot/**",))))
+            case "part":
+                self.feed(ev.PeerGone(self.now, PEERS[what], what))
+            case "decide" if self.asked:
+                ticket, problem = self.asked.pop()
+                self.feed(ev.DecisionReady(self.now, ticket, Plan(what, (problem.current,) * what, 1.0, None, 1, 1)))
+            case "mode":
+                self.feed(ev.ModeChanged(self.now, what))
+            case "swap":
+                self.feed(ev.SpecsChanged(self.now, SPECS))
+            case "wait":
+                self.now += what
+                self.feed(ev.TimePassed(self.now))
+
+    def speak(self, zid, count):
+        """A robot tells of its stream, and that it has heard us."""
+        self.told += count
+        news = (StreamDigest(1, self.told, self.told, self.now, self.now, 900, 1.0),) if self.told else ()
+        echoes = (Echo("00000000", self.now - 0.02, self.now - 0.01, 0, 0.01, 1e-6),)
+        digest = Digest(PEERS[zid], zid[:8], self.now, count << 32, self.told, 900 * self.told, news, (), echoes)
+        self.feed(ev.DigestHeard(self.now, digest))
+
+    def feed(self, event):
+        for command in self.core.handle(event):
+            self.said.append(command)
+            if isinstance(command, Decide):
+                self.asked.append((command.ticket, command.problem))
+            if isinstance(command, Forward):
+                self.feed(ev.SampleHanded(self.now, command.sample))
+
+
+def queries(core, now):
+    """Ask all that can be asked of a core and its parts: a name and a function each."""
+    view, shares, gate, capacity, telling = core.view, core.shares, core.gate, core.channel.capacity, core.telling
+    limits = range(len(gate.limits))
+    use = tuple(0.1 * limit.limit for limit in gate.limits)
+    shared = use[: sum(limit.shared for limit in gate.limits)]
+    yield "core", lambda: (core.status(now), core.wake_at(now))
+    yield "view", lambda: (view.evicted, view.revision, view.tags(), view.longest_way, view.namesakes(), view.echoes())
+    yield "view of robots", lambda: (view.doubts(now), view.all_told_at(PEERS.values(), now), view.robot_of("feed"))
+    yield "view of streams", lambda: [(view.wanting(s), view.gaining(s), view.copies(s)) for s in view.streams()]
+    yield "who competes", lambda: (view.competition.all(now), [view.competes(now, s) for s in view.own()])
+    yield "what is overheard", lambda: (view.sent_since(now - 1.0), [view.overhears(s) for s in view.streams()])
+    for peer in list(view.peers.values()):
+        yield "peer", lambda p=peer: (p.number, p.latency_in, p.loss_in, p.loss_out, p.line_in, p.line_out)
+        yield "doubt", lambda p=peer: (view.doubt(now, p) if p.offset.known else 0.0, view.peer_called(p.robot))
+    for stream in list(view.streams()):
+        schedule = stream.schedule
+        yield "schedule", lambda s=schedule: (s.period, s.jitter, s.kind, s.rhythm, s.last, s.patience, s.prospect())
+        yield "forecast", lambda s=schedule: (s.over(now), s.forecast(now, now + 5.0, 5), s.forecast(0.0, now, 9, now))
+        yield "stream", lambda s=stream: (s.mean_interval, s.forecasts, s.expected(now) if s.last else None)
+    yield "who leads", lambda: (shares.epoch, shares.leader, shares.members, shares.leads, shares.stragglers)
+    yield "when it changes", lambda: (shares.due_at(now), shares.confirmed(now), shares.knows(7 << 32, ["eeeeeeee"]))
+    yield "shares", lambda: [(shares.held(now, k), shares.whole(k), shares.used(now, k)) for k in limits]
+    yield "what is free", lambda: [shares.free(now, k) for k in limits]
+    yield "what fits", lambda: (shares.fits(now, use), shares.lacking(now, use), shares.stays(now), shares.sent())
+    yield "what will fit", lambda: (shares.opens(now, shared, now + 1.0), shares.reserved(shared))
+    yield "what is lent", lambda: (shares.lent(now), shares.grants(now), shares.holds(now, now + 0.1, shared))
+    yield "gate", lambda: (gate.late, gate.sharing, gate.fits(now, use), gate.lacking(now, use), gate.limits)
+    yield "limits", lambda: (gate.problem_limits(now), [gate.mode_of(s) for s in view.own()])
+    yield "capacity", lambda: (capacity.waiting(now), capacity.due(now), capacity.factors, capacity.wake_at(now))
+    yield "words", lambda: (capacity.speak(now), capacity.news(now), capacity.telling(now))
+    yield "telling", lambda: (telling.speaks_again(), telling.pacer.interval, telling.pacer.solvent)
+    yield "layout", lambda: (core.layout.due_at, core.layout.pending, core.layout.answered(3))
+    yield "counts", lambda: (core.counts.conserved, core.counts.queued, core.outsiders.warnings())
+
+
+def whole(thing, seen=None):
+    """Return all of the state that hangs on something, as values that compare."""
+    seen = set() if seen is None else seen
+    thing = repr(thing) if isinstance(thing, float) else thing.tolist() if isinstance(thing, np.ndarray) else thing
+    if isinstance(thing, (str, bytes, int, type(None), Enum, type, Specs, InformationType)) or callable(thing):
+        return thing
+    if id(thing) in seen:
+        return "seen"
+    seen.add(id(thing))
+    if isinstance(thing, Mapping | MappingProxyType):
+        return [(whole(key, seen), whole(value, seen)) for key, value in thing.items()]
+    if isinstance(thing, list | tuple | deque):
+        return [whole(each, seen) for each in thing]
+    if isinstance(thing, set | frozenset):
+        return sorted(map(repr, thing))
+    names = [*getattr(thing, "__dict__", ()), *(n for c in type(thing).__mro__ for n in getattr(c, "__slots__", ()))]
+    return {
+        f"{type(thing).__name__}.{name}": whole(getattr(thing, name), seen)
+        for name in names
+        if f"{type(thing).__name__}.{name}" not in KEPT and hasattr(thing, name)
+    }
+
+
+def differences(before, after, path=""):
+    """Name the fields that differ."""
+    if isinstance(before, dict) and isinstance(after, dict) and before.keys() == after.keys():
+        return [d for name in before for d in differences(before[name], after[name], name)]
+    if isinstance(before, list | tuple) and isinstance(after, list | tuple) and len(before) == len(after):
+        return [d for pair in zip(before, after, strict=True) for d in differences(*pair, path)]
+    return [] if before == after else [path]
+
+
+COORDINATION = pytest.mark.parametrize("coordination", ["shares", "overhear"])
+
+
+@COORDINATION
+@hypothesis_settings(deadline=None)
+@given(acts=st.lists(ACTS, max_size=40))
+def test_no_query_changes_the_state_of_a_core(coordination, acts):
+    """Whatever happened before, and not even much later; but for what is only kept not to be worked out again."""
+    driven = Driven(coordination)
+    for act in acts:
+        driven.act(*act)
+    before = whole(driven.core)
+    for now in (driven.now, driven.now + 0.7, driven.now + 30.0):
+        for _, ask in queries(driven.core, now):
+            ask()
+    assert differences(before, whole(driven.core)) == []
+
+
+@COORDINATION
+@hypothesis_settings(deadline=None)
+@given(acts=st.lists(st.tuples(ACTS, st.booleans()), max_size=40))
+def test_a_core_that_is_queried_does_the_same_as_one_that_is_not(coordination, acts):
+    """All commands are the same, whenever somebody looked."""
+    watched, alone = Driven(coordination), Driven(coordination)
+    for act, look in acts:
+        watched.act(*act)
+        alone.act(*act)
+        for _, ask in queries(watched.core, watched.now) if look else ():
+            ask()
+        assert watched.said == alone.said
+    assert whole(watched.core.status(watched.now)) == whole(alone.core.status(alone.now))
+
+
+def test_the_status_of_a_fresh_core_enters_no_epoch():
+    """Who asks how it is does not make a robot lead."""
+    for coordination in ("shares", "overhear"):
+        core = Core(CoreSettings("r1", "0000000001", coordination=coordination, settle=0.3), SPECS, 0.0)
+        core.status(5.0)
+        assert core.wake_at(5.0) >= 5.0
+        assert core.shares.epoch == 0
