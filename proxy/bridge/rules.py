@@ -29,8 +29,8 @@ EXPRESSIONS_KEPT = 65536
 """Declared key expressions of which it is remembered whether they cross, for each direction."""
 
 MOST = {"subscribers": 2048, "queryables": 2048, "tokens": 16384}
-"""Declarations of a kind that cross at a time. While one peer declared thousands, samples waited at most 0.3 s with this
-bound, 0.8 s with twice of it and 9.5 s without any."""
+"""Declarations of a kind that cross at a time. While one peer declared thousands, samples waited at most 0.3 s with
+this bound, 0.8 s with twice of it and 9.5 s without any."""
 PACE = 60.0
 """That there are more is said this often [s]."""
 

@@ -396,7 +396,7 @@ def test_a_look_that_fails_is_said_once_and_not_the_last(pair, caplog):
     wait_until(lambda: "alive/still" in pair[0].bridge._watch._apps.declared("token"), what="the token")
     wait_until(lambda: "alive/still" in pair[0].bridge._watch._tokens_out.declared, what="another look")
     assert caplog.text.count("cannot mirror what was declared") == 1
-    del wanted, token
+    del token
 
 
 def test_news_that_comes_as_a_wait_ends_is_not_forgotten(pair, monkeypatch):
