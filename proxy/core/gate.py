@@ -308,7 +308,7 @@ class Gate:
 
     def _unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
-        silent = sum(peer.state is None and not peer.plain for peer in self._view.peers.values())
+        silent = self._view.untold(self._settings.robot)
         if not silent or not self.sharing:
             return self.pass_on(sample.sample, "passed:unwanted")
         use = use_of(sample.size, 1 if is_broadcast(self._settings.transport) else silent, self.limits)

@@ -68,6 +68,8 @@ class SharedView:
         self._broadcasting: set[str] = set()
         self._told_at: dict[str, float] = {}
         """When the last digest of each robot came [s]."""
+        self._untold: set[str] = set()
+        """Tags of the robots that did not tell yet what their apps subscribe to."""
         self._note_broadcasting()
 
     @property
@@ -167,9 +169,13 @@ class SharedView:
         """
         if stream.robot in self._broadcasting:
             return 1
-        if not self.settings.relayed:
-            return max(1, self.receivers(stream))
-        return 1 + sum(name != "" for name in self.wanting(stream))
+        receivers = sum(name != "" for name in self.wanting(stream)) + self.untold(stream.robot)
+        return 1 + receivers if self.settings.relayed else max(1, receivers)
+
+    def untold(self, sender: str) -> int:
+        """How many robots may want what `sender` sends though they did not tell: Zenoh knows sooner than they can."""
+        silent = [self.peers[name] for name in self._untold]
+        return sum(not peer.plain and peer.robot != sender for peer in silent)
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected.
@@ -314,6 +320,7 @@ class SharedView:
         if peer is None or whole is None:
             return False
         subscriptions, origins = peer.subscriptions, peer.origins
+        self._untold.discard(tag(state.zid))
         peer.take_state(now, whole)
         self._compare_walls(now, peer)
         self._note_broadcasting()
@@ -343,6 +350,7 @@ class SharedView:
                 return False
             self.gone(silent.zid)
         self.peers[tag(zid)] = Peer(self._free_name(robot, zid), zid, now, name=robot)
+        self._untold.add(tag(zid))
         self._note_origins()
         return True
 
@@ -355,6 +363,7 @@ class SharedView:
         peer = self.peers.pop(tag(zid), None)
         if peer is None:
             return
+        self._untold.discard(tag(zid))
         self._table.revision += 1
         self._interest.set(tag(zid), ())
         for other in self.peers.values():

@@ -57,6 +57,24 @@ def test_news_of_a_number_waits_for_its_key(view):
     assert [stream.key for stream in view.streams()] == [CAMERA]
 
 
+def test_a_robot_that_told_nothing_yet_may_want_everything(view):
+    """Zenoh sends it a copy as soon as it is linked; who takes no part is a plain node, and costs nothing here."""
+    own = view.stream(0.0, "r1", "robot/r1/camera")
+    meet(view, subscriptions=(own.key,))
+    assert view.copies(own) == 1
+    view.add_peer(1.0, "r3", "z-r3")
+    view.add_peer(1.0, "r4", "z-r4")
+    assert (view.receivers(own), view.copies(own)) == (1, 3)
+    assert view.copies(view.stream(1.0, "r3", "robot/r3/camera")) == 1
+    view.heard_state(1.1, State("r3", "z-r3", "enforce", ""))
+    assert view.copies(own) == 2
+    view.peers[tag("z-r4")].plain = True
+    assert view.copies(own) == 1
+    view.add_peer(2.0, "r5", "z-r5")
+    view.gone("z-r5")
+    assert view.copies(own) == 1
+
+
 @pytest.mark.parametrize("sent", [1.0, 0.5])
 def test_a_digest_heard_twice_or_late_changes_nothing(view, sent):
     """Replays and reordering are harmless."""
