@@ -181,6 +181,7 @@ class Daemon:
             rules=Rules(config.bridge),
             app_connect=config.app.connect,
             relayed=config.mesh.relayed,
+            recall=sides.recall,
             rooms=rooms(config.queue.samples, config.queue.bytes),
             submit=self._extractor.submit,
             post=loop.post,

@@ -19,6 +19,7 @@ from proxy.bridge.links import Links
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
+from proxy.bridge.recall import Recall
 from proxy.bridge.room import Rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.sample import Held
@@ -60,6 +61,7 @@ class Bridge:
         app_connect: tuple[str, ...],
         relayed: bool,
         rooms: Rooms,
+        recall: Recall,
         submit: Submit,
         post: Callable[[Event], None],
         offer: Callable[[Event], object],
@@ -105,7 +107,7 @@ class Bridge:
             demand=self.demand,
             outward=self._outward,
             inward=self._inward,
-            links=(self._links, routers),
+            links=(self._links, routers, recall),
             headroom=self._egress.headroom,
             rules=rules,
             neighbours=neighbours,

@@ -183,4 +183,4 @@ def _dialled(endpoints: Iterable[str], retry: Mapping[str, Any]) -> dict[str, An
 
 
 _SOON = {"period_init_ms": 100, "period_max_ms": 200, "period_increase_factor": 1.5}
-_PATIENTLY = {"period_init_ms": 200, "period_max_ms": 2000, "period_increase_factor": 1.5}
+_PATIENTLY = {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 1.5}

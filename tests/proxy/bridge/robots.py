@@ -68,6 +68,7 @@ class Robot:
             app_connect=(),
             relayed=False,
             rooms=self.rooms,
+            recall=sides.recall,
             submit=self._submit,
             post=self.events.append,
             offer=self.events.append,
