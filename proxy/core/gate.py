@@ -30,6 +30,8 @@ from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.window import WindowBuilder
 
+AT_ONCE = 128
+"""So many samples are taken up at one event: what else happens has its turn before the rest of a burst."""
 LEAST_HELD = 1e-6
 """A constraint cannot be zero; this is as good."""
 PLAY = 0.005
@@ -164,8 +166,11 @@ class Gate:
         self._lateness.look(now, self.limits, self.waiting)
         if not self.inbox:
             return commands
-        while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
+        for _ in range(AT_ONCE):
+            if self.pending is not None or (sample := self.inbox.take(partial(self._waits, now))) is None:
+                return commands
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
+        self.wakes_at = now
         return commands
 
     def ready(self, event: DecisionReady) -> list[Command]:

@@ -3,8 +3,10 @@
 import pytest
 
 from planner import Throughput
+from proxy.core import events as ev
 from proxy.core.ample import MANY, PART, Ample, need
 from proxy.core.commands import Decide, Forward
+from proxy.core.gate import AT_ONCE
 from proxy.core.limits import Limit
 from tests.proxy.core.talk import only
 
@@ -66,6 +68,21 @@ def test_a_burst_goes_without_a_search_where_the_limit_has_room_for_it(make_talk
     (decide,) = talk.all(Decide)
     talk.answer(1.01, decide, send=True)
     assert len(talk.all(Forward)) == (100 - MANY - 1 if limit == "8 Mbit/s" else 1)
+
+
+def test_of_a_burst_so_many_are_taken_up_at_one_event(make_talk, make_specs):
+    """The core is called again at once for the rest."""
+    talk = make_talk(make_specs(limit="80 Mbit/s"), inbox=1000)
+    talk.want(0.0)
+    for n in range(400):
+        talk.publish(1.0, f"robot/{n}/camera", size=200)
+    talk.answer(1.01, talk.all(Decide)[0], send=True)
+    sent = [len(talk.all(Forward))]
+    while len(talk.all(Decide)) == 1:
+        assert talk.core.wake_at(1.01) == 1.01
+        talk.tell(ev.TimePassed(1.01))
+        sent.append(len(talk.all(Forward)))
+    assert sent == [1 + AT_ONCE, 1 + 2 * AT_ONCE, 1 + 3 * AT_ONCE, 400 - MANY - 1]
 
 
 def test_settled_streams_that_need_little_go_without_a_search(talk):
