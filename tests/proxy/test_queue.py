@@ -72,8 +72,8 @@ def test_a_sample_crosses_however_little_may_wait(apps, key):
 
 @pytest.mark.full
 def test_a_burst_that_the_limits_have_room_for_arrives_in_full(apps):
-    """However few may wait: who publishes it is slowed down."""
-    near, heard = apps(samples=64)
+    """More samples of each stream, and in all, than can be decided one by one in that time."""
+    near, heard = apps()
     wait_until(lambda: near.put("covered/0", b"here") or heard.samples, what="the other robot")
     for n in range(SAMPLES):
         near.put(f"covered/{n % KEYS}", str(n), congestion_control=zenoh.CongestionControl.BLOCK)
