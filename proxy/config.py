@@ -165,6 +165,15 @@ class PlannerConfig(Section):
     )
 
 
+class QueueConfig(Section):
+    """`[queue]`: what may wait on its way out."""
+
+    samples: int = Field(default=4096, ge=64, le=1_000_000, description="samples that may wait")
+    bytes: int = Field(
+        default=32 * 1024 * 1024, ge=65536, le=1 << 40, description="bytes of them [B]; a sample counts as at most half"
+    )
+
+
 class ClockConfig(Section):
     """`[clock]`: how right the wall clock of this robot is."""
 
@@ -195,6 +204,7 @@ class Config(Section):
     specs: SpecsConfig = SpecsConfig()
     fleet: FleetConfig = FleetConfig()
     planner: PlannerConfig = PlannerConfig()
+    queue: QueueConfig = QueueConfig()
     clock: ClockConfig = ClockConfig()
     log: LogConfig = LogConfig()
 

@@ -23,6 +23,7 @@ from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.radio import Scouted
+from proxy.bridge.room import rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import Config
@@ -185,6 +186,8 @@ class Daemon:
             rules=Rules(config.bridge),
             app_connect=config.app.connect,
             relayed=config.mesh.relayed,
+            recall=sides.recall,
+            rooms=rooms(config.queue.samples, config.queue.bytes),
             submit=self._extractor.submit,
             post=loop.post,
             offer=loop.offer,
@@ -337,6 +340,8 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         horizon=planner.horizon,
         iterations=planner.iterations,
         deadline=planner.deadline,
+        inbox=config.queue.samples // 2,
+        inbox_bytes=config.queue.bytes // 2,
         backlog=planner.backlog,
         # A unicast mesh overhears nothing.
         coordination=_COORDINATION[mesh.transport] if planner.coordination == "auto" else planner.coordination,

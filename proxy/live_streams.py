@@ -19,6 +19,8 @@ REASONS: Mapping[str, str] = {
     "dropped:fallback": "the planner failed, and there is little room",
     "dropped:superseded": "a newer one came before its turn",
     "dropped:overflow": "too many waited",
+    "dropped:full": "too many waited for the mesh",
+    "dropped:egress": "the mesh session did not take it",
     "passed:fallback": "the planner failed",
 }
 """What was decided on samples, in words."""

@@ -19,6 +19,8 @@ from proxy.bridge.links import Links
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
+from proxy.bridge.recall import Recall
+from proxy.bridge.room import Rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.sample import Held
 from proxy.bridge.voice import Voice
@@ -58,6 +60,8 @@ class Bridge:
         rules: Rules,
         app_connect: tuple[str, ...],
         relayed: bool,
+        rooms: Rooms,
+        recall: Recall,
         submit: Submit,
         post: Callable[[Event], None],
         offer: Callable[[Event], object],
@@ -66,10 +70,11 @@ class Bridge:
         self._most = math.inf
         self._post = post
         self._rules = rules
+        self._rooms = rooms
         self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh, relayed=relayed)
         passed = Passed()
         sourced = apps.sourced and others.sourced
-        self._egress = Egress(air, self.demand, passed, post, _pace(specs, mode))
+        self._egress = Egress(air, self.demand, passed, post, _pace(specs, mode), rooms=rooms)
         self._ingress = Ingress(
             app=app,
             mesh=mesh,
@@ -81,6 +86,7 @@ class Bridge:
             submit=submit,
             mode=mode,
             sourced=sourced,
+            room=rooms.covered,
         )
         self._delivery = Delivery(app, mesh, self._match, rules, offer, numbered=sourced)
         if isinstance(air, Broadcast):
@@ -101,7 +107,7 @@ class Bridge:
             demand=self.demand,
             outward=self._outward,
             inward=self._inward,
-            links=(self._links, routers),
+            links=(self._links, routers, recall),
             headroom=self._egress.headroom,
             rules=rules,
             neighbours=neighbours,
@@ -137,7 +143,7 @@ class Bridge:
 
     def drop(self, number: int) -> None:
         """Forget a covered sample."""
-        self._ingress.release(number)
+        self._ingress.drop(number)
 
     def held(self, number: int) -> Held | None:
         """Return a covered sample that waits for its decision; None when it does not (any more)."""
@@ -177,7 +183,8 @@ class Bridge:
             "links": self._links.describe(),
             "held": self._ingress.held,
             "returned": self._ingress.returned,
-            "egress": self._egress.waiting,
+            "egress": self._egress.waiting | {"risked": self._egress.risked},
+            "queue": self._rooms.describe(),
             "delivered": self._delivery.delivered,
             "subscriptions": list(self._delivery.expressions),
             "observed": sorted(self._ingress.declared),

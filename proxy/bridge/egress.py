@@ -7,6 +7,7 @@ back by what it used, up to a floor: decided samples are never starved.
 """
 
 import logging
+import math
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -18,23 +19,21 @@ from proxy import clock
 from proxy.bridge.air import Air
 from proxy.bridge.demand import Demand
 from proxy.bridge.headroom import Headroom
-from proxy.bridge.passed import EGRESS, Passed
+from proxy.bridge.passed import EGRESS, FULL, Passed
 from proxy.bridge.patience import Patience
+from proxy.bridge.room import CATCH_UP, Rooms
 from proxy.bridge.sample import Held, publish
 from proxy.core.events import SampleHanded, SampleRefused
 
 log = logging.getLogger(__name__)
 
-MOST_SAMPLES = 8192
-"""Bound of each lane."""
-MOST_BYTES = 16 * 1024 * 1024
-"""Bound of both lanes together [B]."""
-CATCH_UP = 0.001
-"""How long whoever brings a sample lets the thread catch up at most, for each 64 kB of it [s]."""
 BEHIND = 32
-"""It has to, with more than so many passing samples, where surely no link holds it up."""
+"""With more passing samples whoever brings one lets the thread catch up, where surely no link holds it up."""
 MOVING = 0.05
-"""Full links move when a sample was sent so recently [s]: who publishes faster is slowed down then, not dropped."""
+"""Full links move when a sample was sent so recently [s], for each 64 kB of the one in hand: who publishes faster is
+slowed down then, not dropped."""
+SAID = 60.0
+"""That samples may have been lost on a slow link is said this often [s]."""
 _PUSHED_BACK = 0.05
 """Passing traffic delays a decided sample by no more than this [s]."""
 
@@ -53,8 +52,11 @@ class Egress:
         passed: Passed,
         post: Callable[[SampleHanded | SampleRefused], None],
         rate: float | None,
+        *,
+        rooms: Rooms,
     ) -> None:
         self.rate = rate
+        self._rooms = rooms
         self.headroom = Headroom(air)
         self._patience = Patience(self.headroom)
         self._air = air
@@ -63,8 +65,8 @@ class Egress:
         self._post = post
         self._decided: deque[tuple[int, Held]] = deque()
         self._passing: deque[tuple[str, Held]] = deque()
-        self._entered = self._left = 0
-        """Bytes that came to wait, and those that do not any more: only the thread writes the latter."""
+        self._in_hand = 0
+        """Size of the sample that the thread sends, or sent last [B]."""
         self._free_at = 0.0
         self._open = True
         self._sent_at = 0.0
@@ -76,6 +78,10 @@ class Egress:
         self._wake, self._caught_up = threading.Condition(lock), threading.Condition(lock)
         self._thread = threading.Thread(target=self._run, name="egress", daemon=True)
         self._failing = False
+        self.risked = 0
+        """Samples that should wait for every link, and may have been dropped on one."""
+        self._said = -math.inf, 0
+        """When that was said last [s], and how many there were."""
 
     def start(self) -> None:
         """Start writing."""
@@ -91,8 +97,9 @@ class Egress:
             self._thread.join(timeout)
 
     def forward(self, number: int, held: Held) -> None:
-        """Send a decided sample as soon as the pace allows."""
+        """Send a decided sample as soon as the pace allows. It has its place since it came in."""
         if not self._enqueue(self._decided, (number, held)):
+            self._rooms.covered.leave(held.size)
             self._post(SampleRefused(clock.monotonic(), number))
 
     def pass_on(self, reason: str, held: Held) -> None:
@@ -101,19 +108,25 @@ class Egress:
         if self._open and not self._passing and not self._busy and self.headroom.takes(held.size):
             self._send_passing(reason, held)
             return
-        if len(self._passing) > BEHIND or self._bytes > MOST_BYTES // 2:
+        room = self._rooms.passing
+        if len(self._passing) > BEHIND or room.crowded:
             self._let_catch_up(held)
-        if not self._enqueue(self._passing, (reason, held)):
+        if not room.enter(held.size):
+            self._passed.add(FULL, 0)
+        elif not self._enqueue(self._passing, (reason, held)):
+            room.leave(held.size)
             self._passed.add(EGRESS, 0)
 
     @property
     def waiting(self) -> dict[str, int]:
-        """What waits: samples decided, samples passing, bytes."""
-        return {"decided": len(self._decided), "passing": len(self._passing), "bytes": self._bytes}
+        """What waits: samples decided, samples passing."""
+        return {"decided": len(self._decided), "passing": len(self._passing)}
 
     @property
-    def _bytes(self) -> int:
-        return self._entered - self._left
+    def stands(self) -> bool:
+        """Whether the mesh takes nothing: nobody is held up for its sake then."""
+        moving = MOVING * (1 + self._in_hand // 65536)
+        return not self.headroom.clear and clock.monotonic() - self._sent_at > moving
 
     def _let_catch_up(self, held: Held) -> None:
         """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still.
@@ -122,24 +135,21 @@ class Egress:
         """
         most = 0 if len(self._passing) > BEHIND else BEHIND
         if not self.headroom.clear:
-            most = MOST_SAMPLES // 2
-            waits = held.sample.congestion_control != zenoh.CongestionControl.DROP
-            if not waits or clock.monotonic() - self._sent_at > MOVING:
+            most = self._rooms.passing.most // 2
+            if not held.waits or self.stands:
                 return
         with self._wake:
             self._awaited = most
             self._caught_up.wait_for(
-                lambda: len(self._passing) <= most and self._bytes <= MOST_BYTES // 2,
+                lambda: len(self._passing) <= most and not self._rooms.passing.crowded,
                 CATCH_UP * (1 + held.size // 65536),
             )
 
     def _enqueue(self, lane: deque[tuple[Any, Held]], item: tuple[Any, Held]) -> bool:
         with self._wake:
-            size = item[1].size
-            if not self._open or len(lane) >= MOST_SAMPLES or self._bytes + size > MOST_BYTES:
+            if not self._open:
                 return False
             lane.append(item)
-            self._entered += size
             if not self._busy:
                 self._wake.notify()
             return True
@@ -165,6 +175,7 @@ class Egress:
         """Send what passes, until nothing waits or a decided sample comes first."""
         while self._open and self._passing and not (self._decided and self._ripe()):
             reason, held = self._passing.popleft()
+            self._rooms.passing.leave(held.size)
             self._send_passing(reason, held, droppable=self._take(held))
             self._sent_at = clock.monotonic()
             if 0 < len(self._passing) <= self._awaited:
@@ -182,8 +193,9 @@ class Egress:
         return max(self._free_at - clock.monotonic(), 1e-4) if self._decided else None
 
     def _send_decided(self, number: int, held: Held) -> None:
+        self._rooms.covered.leave(held.size)
         sent = self._send(held, droppable=self._take(held))
-        now = clock.monotonic()
+        now = self._sent_at = clock.monotonic()
         if sent and self.rate is not None:
             air = held.size * self._demand.copies(held.key)
             self._free_at = max(self._free_at, now) + air / self.rate
@@ -202,13 +214,26 @@ class Egress:
 
     def _take(self, held: Held) -> bool:
         """Take a sample out of what waits; whether it may be dropped on links that have no room for it."""
-        self._left += held.size
+        self._in_hand = held.size
         if self._patience.at_ease and (self.headroom.alone or self.headroom.takes(held.size)):
             return False
-        droppable = held.sample.congestion_control != zenoh.CongestionControl.DROP and self._patience.runs_out()
+        droppable = held.waits and self._patience.runs_out()
+        if droppable:
+            self._risk()
         if not self._patience.at_ease:
             self._patience.hand(held.size, self._demand.wanting(held.key))
         return droppable
+
+    def _risk(self) -> None:
+        """A sample may be dropped on a link that is slower than the others."""
+        self.risked += 1
+        said_at, said = self._said
+        if clock.monotonic() - said_at >= SAID:
+            self._said = clock.monotonic(), self.risked
+            log.warning(
+                "a link takes much less than the others; samples that may have been lost there since that was said: %d",
+                self.risked - said,
+            )
 
     def _send(self, held: Held, *, droppable: bool = False) -> bool:
         sample = held.sample

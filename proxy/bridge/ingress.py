@@ -5,7 +5,6 @@ Never decides, and never waits for a mesh that stands still.
 
 import itertools
 import logging
-import threading
 from collections.abc import Callable, Collection, Iterable
 from functools import partial
 from typing import NamedTuple, Protocol
@@ -21,6 +20,7 @@ from proxy.bridge.egress import Egress
 from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.overlap import Overlap, of_sample
 from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC, OVERFLOW, Passed
+from proxy.bridge.room import Room
 from proxy.bridge.rules import ADVANCED, Rules, Verdict
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
 from proxy.core.events import SamplePublished
@@ -28,11 +28,6 @@ from proxy.core.mode import Mode, in_force
 from utility_specs import InformationType
 
 log = logging.getLogger(__name__)
-
-MOST_HELD = 4096
-"""Samples held for the core, which has a bound of its own; this one holds when the loop stalls."""
-MOST_BYTES = 16 * 1024 * 1024
-"""Bytes of them [B]; one sample is held whatever its size."""
 
 
 class Submit(Protocol):
@@ -69,8 +64,8 @@ class _Course(NamedTuple):
 class Ingress:
     """Subscribes on the app side to what the mesh wants and sorts it: the core gets what is covered, the rest passes.
 
-    Covered samples are held until `release`. `submit` gets them for the core, with the type that covers them. Without
-    `sourced` no sample keeps the number of its publisher.
+    Covered samples are held until `release` or `drop`, as far as there is `room`. `submit` gets them for the core, with
+    the type that covers them. Without `sourced` no sample keeps the number of its publisher.
     """
 
     def __init__(
@@ -86,6 +81,7 @@ class Ingress:
         submit: Submit,
         mode: Mode,
         sourced: bool,
+        room: Room,
     ) -> None:
         self._mode = mode
         self.aside = False
@@ -99,11 +95,10 @@ class Ingress:
         self._rules = rules
         self._submit = submit
         self._sourced = sourced
+        self._room = room
         self._courses: dict[str, _Course] = {}
         self._numbers = itertools.count(1)
         self._held: dict[int, Held] = {}
-        self._bytes = 0
-        self._lock = threading.Lock()
         self._cover = Cover()
         self._overlap = Overlap(of_sample)
         self._mirror = Mirror(self._subscribe, GRACE)
@@ -153,11 +148,13 @@ class Ingress:
         return self._sourced and self._keeps_numbers(self._match(key))
 
     def release(self, number: int) -> Held | None:
-        """Give out a held sample; None when it is not held (any more)."""
-        with self._lock:
-            held = self._held.pop(number, None)
-            self._bytes -= 0 if held is None else held.size
-            return held
+        """Give out a held sample, which keeps its place; None when it is not held (any more)."""
+        return self._held.pop(number, None)
+
+    def drop(self, number: int) -> None:
+        """Forget a held sample, if it is held."""
+        if (held := self.release(number)) is not None:
+            self._room.leave(held.size)
 
     def waiting(self, number: int) -> Held | None:
         """Return a held sample, which stays held; None when it is not held (any more)."""
@@ -222,10 +219,13 @@ class Ingress:
         self._passed.add(reason, 0)
 
     def _hold(self, now: float, held: Held, stamp: zenoh.Timestamp | None, covering: InformationType) -> None:
-        number = next(self._numbers)
-        if not self._keep(number, held):
+        if self._room.crowded and held.waits and not self._egress.stands:
+            self._room.linger(held.size)
+        if not self._room.enter(held.size):
             self._passed.add(OVERFLOW, 0)
             return
+        number = next(self._numbers)
+        self._held[number] = held
         published = SamplePublished(
             now=now,
             sample=number,
@@ -241,18 +241,8 @@ class Ingress:
         each = in_force(self.mode, covering.mode) is Mode.SHADOW
         superseded = self._submit(published, covering, payload, attachment, each=each)
         if superseded is not None:
-            self.release(superseded)
+            self.drop(superseded)
 
     def _keeps_numbers(self, covering: InformationType | None) -> bool:
         """Whether none of the samples that a type covers is dropped on purpose."""
         return covering is None or covering.bypass or in_force(self.mode, covering.mode) is not Mode.ENFORCE
-
-    def _keep(self, number: int, held: Held) -> bool:
-        """Hold a sample until `release`; whether there is room."""
-        with self._lock:
-            full = len(self._held) >= MOST_HELD or self._bytes + held.size > MOST_BYTES
-            if full and self._held:
-                return False
-            self._held[number] = held
-            self._bytes += held.size
-            return True

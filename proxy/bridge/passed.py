@@ -7,6 +7,7 @@ from proxy.core.events import SamplesPassed
 NO_SPEC = "passed:no-spec"
 MODE = "passed:mode"
 EGRESS = "dropped:egress"
+FULL = "dropped:full"
 OVERFLOW = "dropped:overflow"
 DENIED = "dropped:denied"
 BYPASS = "passed:bypass"

@@ -29,6 +29,11 @@ class Held(NamedTuple):
     size: int
     source: zenoh.SourceInfo | None
 
+    @property
+    def waits(self) -> bool:
+        """Whether its publisher would rather wait than lose it."""
+        return bool(self.sample.congestion_control != zenoh.CongestionControl.DROP)
+
 
 def publish(
     session: Air,

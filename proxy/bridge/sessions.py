@@ -22,12 +22,12 @@ BATCH = 8192
 QUEUES = {
     "size": {"data_high": 8, "data": 8, "data_low": 8},
     "congestion_control": {
-        "drop": {"wait_before_drop": 1000, "max_wait_before_drop_fragments": 10_000},
+        "drop": {"wait_before_drop": 1000, "max_wait_before_drop_fragments": 50_000},
         "block": {"wait_before_close": 2_000_000},
     },
 }
 """Zenoh's queues on the mesh: pieces that wait in each, and how long a publication waits for a full link before its
-sample is dropped there, or the link given up [µs]."""
+sample is dropped there, one of many pieces as late as by routers, or the link given up [µs]."""
 THREADS = "(tx: (worker_threads: 8), rx: (worker_threads: 64), net: (worker_threads: 4))"
 """Both sides share Zenoh's threads, and a lost link keeps one for 10 s: with few, it would stop the apps' side."""
 os.environ.setdefault("ZENOH_RUNTIME", THREADS)  # read when the first session of the process opens
@@ -183,4 +183,4 @@ def _dialled(endpoints: Iterable[str], retry: Mapping[str, Any]) -> dict[str, An
 
 
 _SOON = {"period_init_ms": 100, "period_max_ms": 200, "period_increase_factor": 1.5}
-_PATIENTLY = {"period_init_ms": 200, "period_max_ms": 2000, "period_increase_factor": 1.5}
+_PATIENTLY = {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 1.5}

@@ -10,6 +10,7 @@ import zenoh
 from proxy.bridge.air import Air, Broadcast
 from proxy.bridge.door import Door
 from proxy.bridge.loopback import has_ipv6, present
+from proxy.bridge.recall import Recall, opened
 from proxy.bridge.sessions import app_options, mesh_options, open_session
 from proxy.bridge.voice import Voice
 from proxy.config import AppConfig, MeshConfig
@@ -28,6 +29,7 @@ class Sides:
     apps: Voice
     others: Voice
     wake: threading.Event
+    recall: Recall
 
 
 def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: float = 0.0) -> Sides:
@@ -53,8 +55,10 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: f
         zenoh_options=mesh.zenoh,
         relayed=mesh.relayed,
     )
-    mesh_session = open_session(doors[1].added_to(options), "mesh")
+    mesh_session, scouting = opened(lambda: open_session(doors[1].added_to(options), "mesh"))
     closing.callback(mesh_session.close)
+    recall = Recall(mesh_session, options, scouting)
+    closing.callback(recall.close)
     air = _open_air(mesh, mesh_session, closing)
     others = Voice(mesh_session, doors[1], side="mesh", mode="client", zenoh_options=mesh.zenoh, changed=wake.set)
     closing.callback(others.close)
@@ -68,7 +72,7 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: f
         changed=wake.set,
     )
     closing.callback(apps.close)
-    return Sides(app_session, mesh_session, air, apps, others, wake)
+    return Sides(app_session, mesh_session, air, apps, others, wake, recall)
 
 
 def _open_air(mesh: MeshConfig, session: zenoh.Session, closing: ExitStack) -> Air:

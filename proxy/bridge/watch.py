@@ -20,6 +20,7 @@ from proxy.bridge.mirror import Mirror
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
+from proxy.bridge.recall import Recall
 from proxy.bridge.rules import Rules
 from proxy.bridge.voice import Voice
 from proxy.bridge.witnesses import Witnesses
@@ -56,7 +57,7 @@ class Watch:
         demand: Demand,
         outward: Queries,
         inward: Queries,
-        links: tuple[Links, ...],
+        links: tuple[Links | Recall, ...],
         headroom: Headroom,
         rules: Rules,
         neighbours: Neighbours,

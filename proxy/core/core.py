@@ -33,6 +33,7 @@ from proxy.core.stating import WALL_STEP
 from proxy.core.strangers import Strangers
 from proxy.core.stream import Generated, Stream
 from proxy.core.telling import Telling
+from proxy.core.unplanned import Unplanned
 from proxy.core.view import SharedView
 from proxy.core.wall import WallClocks
 from proxy.core.warnings import namesake_warnings, transport_warnings
@@ -49,6 +50,7 @@ class Core:
         self.started = now
         self.view = SharedView(settings, specs)
         self.counts = Counts()
+        self._losses = Unplanned(self.counts)
         limits = limits_of(specs, settings.allowance, 1)
         settled_at = now + settings.settle
         self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=settled_at, started=now)
@@ -133,7 +135,8 @@ class Core:
         if event.superseded:
             stream.fates[SUPERSEDED] += event.superseded
         waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
-        return self.gate.put(self._valued(stream, waiting, event.features, stream.generated + event.superseded + 1))
+        valued = self._valued(stream, waiting, event.features, stream.generated + event.superseded + 1)
+        return self.gate.put(event.now, valued)
 
     @_on.register
     def _(self, event: ev.SampleReread) -> list[Command]:
@@ -148,7 +151,7 @@ class Core:
         forgotten = stream.last is None or stream.last.t_gen < waiting.t_gen
         waiting = self._valued(stream, waiting, event.features, stream.generated + forgotten)
         superseded = self.gate.supersede(waiting)
-        return self.gate.put(waiting) if superseded is None else superseded
+        return self.gate.put(event.now, waiting) if superseded is None else superseded
 
     def _valued(self, stream: Stream, waiting: Waiting, extracted: Mapping[str, float], count: int) -> Waiting:
         """Return a sample with its worth by the specs in force; it is number `count` of the stream.
@@ -187,7 +190,7 @@ class Core:
     @_on.register
     def _(self, event: ev.SampleRefused) -> list[Command]:
         self.gate.settled(event.sample)
-        self.counts.drop(event.sample, "dropped:egress")
+        self.counts.drop(event.sample, event.reason)
         self.gate.refused(event.sample)
         self._keys.pop(event.sample, None)
         return []
@@ -344,7 +347,7 @@ class Core:
             self.telling.urgent |= self.gate.wakes_at < math.inf and self.telling.has_news()
         commands += self.telling.due(now, digests=not self.layout.pending)
         self.view.sweep(now)
-        return commands
+        return [*commands, *self._losses.look(now)]
 
     def _lay_out(self, now: float, commands: list[Command]) -> None:
         """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""

@@ -63,10 +63,11 @@ class SampleHanded:
 
 @dataclass(frozen=True, slots=True)
 class SampleRefused:
-    """A sample that the core forwarded could not be handed over (queue full, session closed, error), or is gone."""
+    """A sample that the core forwarded could not be handed over (session closed, error), or is gone."""
 
     now: float
     sample: int
+    reason: str = "dropped:egress"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,13 @@
 """The gate: takes the next sample, has it decided, and forwards or drops it with a reason."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 
 from planner import Aggregation, Constraint, Plan
+from proxy.core.ample import Ample
 from proxy.core.asks import PATIENCE, waits_until
 from proxy.core.cadence import Cadences
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
@@ -20,7 +22,6 @@ from proxy.core.latency import middle
 from proxy.core.lateness import Lateness
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
-from proxy.core.plenty import EACH, PACE, fits
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.span import Span
@@ -29,6 +30,8 @@ from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.window import WindowBuilder
 
+AT_ONCE = 128
+"""So many samples are taken up at one event: what else happens has its turn before the rest of a burst."""
 LEAST_HELD = 1e-6
 """A constraint cannot be zero; this is as good."""
 PLAY = 0.005
@@ -60,7 +63,7 @@ class Gate:
         self._shares = shares
         self._counts = counts
         self._windows = windows
-        self.inbox = Inbox(settings.inbox, settings.backlog)
+        self.inbox = Inbox(settings.inbox, settings.backlog, settings.inbox_bytes)
         self.waiting = 0.0
         """How long news of others wait on a channel that is full [s]."""
         self.mode = settings.mode
@@ -82,8 +85,7 @@ class Gate:
         """When a sample that waits for room can be taken up [s]."""
         self._unsettled: dict[int, Waiting] = {}
         """Samples whose worth by the specs in force is not known yet."""
-        self._room = -math.inf, False
-        """Whether there is room for all that may be sent, and until when that is taken for true [s]."""
+        self._ample = Ample(view)
         self._others_known: tuple[float, int, tuple[Limit, ...]] = (-math.inf, 0, ())
         """When, after how many notes and under which limits others had sent this."""
         self._others_sent: tuple[tuple[float, tuple[float, ...]], ...] = ()
@@ -99,9 +101,39 @@ class Gate:
         """Whether news take long beside the window: where each robot would decide alone, one lends."""
         return self._lateness.late
 
-    def put(self, waiting: Waiting) -> list[Command]:
-        """Queue a sample for its decision; it may evict another one."""
-        return [*self._leave(self.inbox.put(waiting)), *self._delete()]
+    def put(self, now: float, waiting: Waiting) -> list[Command]:
+        """Queue a sample. Where too many wait all go at once if the limits have room for them; if not, one leaves."""
+        if self.pending is not None and (stream := self._own(now, waiting)) is not None:
+            self._ample.note(now, stream)
+        room = self.inbox.full(waiting) and self._takes_all(now, waiting)
+        sent = self._send_all(now) if room else []
+        return [*sent, *self._leave(self.inbox.put(waiting)), *self._delete()]
+
+    def _takes_all(self, now: float, waiting: Waiting) -> bool:
+        """Whether all that is undecided may be sent now by every constraint in force, and one more sample."""
+        left = self._free(now)
+        for each in (waiting, *self._undecided()):
+            left = [room - amount for room, amount in zip(left, self._use(now, each), strict=True)]
+            if min(left, default=0.0) < 0.0:
+                return False
+        return True
+
+    def _free(self, now: float) -> list[float]:
+        """What may still be sent now of each constraint in force."""
+        if self.sharing:
+            return [self._shares.free(now, k) for k in range(len(self.limits))]
+        sent = self._others(now)
+        return [c.limit - self._known_use(now, c, k, sent) for k, c in enumerate(self.limits)]
+
+    def _send_all(self, now: float) -> list[Command]:
+        """Send all that waits, what is being decided before it."""
+        commands: list[Command] = []
+        pending, self.pending = self.pending, None
+        sample = self.inbox.take(self._deletions.holds) if pending is None else pending.sample
+        while sample is not None:
+            commands += [*self._take_up(now, sample, None), *self._delete()]
+            sample = self.inbox.take(self._deletions.holds)
+        return commands
 
     def unsettle(self) -> list[Command]:
         """Take back all that is undecided: specs changed, and no decision may mix what two of them say."""
@@ -134,8 +166,11 @@ class Gate:
         self._lateness.look(now, self.limits, self.waiting)
         if not self.inbox:
             return commands
-        while self.pending is None and (sample := self.inbox.take(partial(self._waits, now))) is not None:
+        for _ in range(AT_ONCE):
+            if self.pending is not None or (sample := self.inbox.take(partial(self._waits, now))) is None:
+                return commands
             commands += [*self._take_up(now, sample, ticket), *self._delete()]
+        self.wakes_at = now
         return commands
 
     def ready(self, event: DecisionReady) -> list[Command]:
@@ -238,7 +273,8 @@ class Gate:
         self._counts.approve(sample, reason)
         return Forward(sample)
 
-    def _take_up(self, now: float, sample: Waiting, ticket: int) -> list[Command]:
+    def _take_up(self, now: float, sample: Waiting, ticket: int | None) -> list[Command]:
+        """Decide a sample as far as that needs no search; with a `ticket` it may be searched for."""
         stream = self._own(now, sample)
         if stream is None:
             return [self.pass_on(sample.sample, "passed:no-spec")]
@@ -253,7 +289,7 @@ class Gate:
             return [self._refuse(now, sample, "dropped:constraint", lacking)]
         if must:
             self.decisions.owed += 1
-        elif self._roomy(now):
+        elif ticket is None or self._roomy(now, stream):
             self.decisions.unneeded += bool(self.limits)
         elif self._foreseen(now, stream, sample, use):
             self.decisions.foreseen += 1
@@ -276,18 +312,11 @@ class Gate:
         """Whether a guarantee of the stream demands the sample."""
         return guaranteed(stream) and any(owed(stream, [sample.t_gen], self._view.audiences.of(now, stream).slowest))
 
-    def _roomy(self, now: float) -> bool:
+    def _roomy(self, now: float, stream: Stream) -> bool:
         """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
-        until, roomy = self._room
-        if not self.limits:
-            return True
-        if now >= until:
-            view = self._view
-            streams = [s for s in view.own() if view.competes(now, s)] if self.sharing else view.competition.all(now)
-            held = [self._shares.held(now, k) if self.sharing else limit.limit for k, limit in enumerate(self.limits)]
-            roomy = fits(view, streams, self.limits, held)
-            self._room = now + max(PACE, EACH * len(streams)), roomy
-        return roomy
+        held = [self._shares.held(now, k) if self.sharing else limit.limit for k, limit in enumerate(self.limits)]
+        waiting = len(self.inbox)
+        return not self.limits or self._ample.fits(now, stream, self.limits, held, waiting, alone=self.sharing)
 
     def _foreseen(self, now: float, stream: Stream, sample: Waiting, use: tuple[float, ...]) -> bool:
         """Whether what we hold was lent for this sample: nothing else of ours can use it, the next one comes too late.
@@ -389,8 +418,8 @@ class Gate:
         """Pass the deletions that have nothing before them any more."""
         return [self.pass_on(sample, "passed:delete") for sample in self._deletions.due(self._undecided())]
 
-    def _undecided(self) -> list[Waiting]:
-        return [*self.inbox, *self._unsettled.values(), *([] if self.pending is None else [self.pending.sample])]
+    def _undecided(self) -> Iterator[Waiting]:
+        return chain(self.inbox, self._unsettled.values(), () if self.pending is None else (self.pending.sample,))
 
     def _drop(self, sample: int, reason: str) -> Command:
         self._counts.drop(sample, reason)

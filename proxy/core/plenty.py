@@ -6,12 +6,12 @@ until there is none any more, what was lent so is not lengthened, and runs out.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
+from proxy.core.ample import EACH, PACE, Amounts, need
 from proxy.core.limits import Limit
 from proxy.core.shares import Lent, Shares
 from proxy.core.slots import LASTS, LONGEST, RENEWED, lengthened_by
-from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
 ENOUGH = 0.5
@@ -22,33 +22,6 @@ CALM = 2.0
 """It must have been so for so long: what new streams need is not known at once [s]."""
 SPARED = 0.9
 """So much of the rest is given out, too; each robot gets the same of it."""
-PACE = 0.25
-"""What robots need is worked out this often [s]..."""
-EACH = 1e-3
-"""... where many streams compete only after so long for each of them [s]."""
-KNOWN = 8
-"""Of a stream that generated fewer samples nobody can say what it needs."""
-
-Amounts = tuple[float, ...]
-
-
-def need(view: SharedView, stream: Stream, limits: Sequence[Limit]) -> Amounts:
-    """Return what a stream takes of each limit in any window when all its samples are sent."""
-    size, copies, period = stream.newest.size, view.copies(stream), max(stream.schedule.period, 1e-3)
-    # In any window there may be one more than fit into it evenly.
-    return tuple([c.measure.use(size, copies, own=True) * (c.window / period + 1.0) for c in limits])
-
-
-def fits(view: SharedView, streams: Iterable[Stream], limits: Sequence[Limit], held: Sequence[float]) -> bool:
-    """Whether all samples of these streams fit easily into what is held of each limit: none has to be dropped."""
-    left = [STAYS * amount for amount in held]
-    for stream in streams:
-        if stream.generated < KNOWN:
-            return False
-        left = [amount - needed for amount, needed in zip(left, need(view, stream, limits), strict=True)]
-        if min(left, default=0.0) < 0.0:
-            return False
-    return True
 
 
 class Plenty:
@@ -73,7 +46,7 @@ class Plenty:
         self._needs, self._limits = {}, len(limits)
         for stream in streams:
             known = self._needs.get(stream.robot, (0.0,) * len(limits))
-            self._needs[stream.robot] = _sum(known, need(self._view, stream, limits))
+            self._needs[stream.robot] = _sum(known, need(self._view, stream, limits, now))
         part = STAYS if self._there else ENOUGH
         enough = bool(limits) and all(left >= 1.0 - part for left in self._left(len(limits)))
         self._enough_since = min(self._enough_since, now) if enough else math.inf

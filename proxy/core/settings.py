@@ -14,11 +14,12 @@ class CoreSettings:
 
     `horizon` counts messages, `horizon_time` and `settle` are seconds, `allowance` is the share of every limit that
     all digests together may use (at least 100 B/s per robot), `floor` the part of a limit that a newcomer may use
-    before all others know of it, `inbox` the samples that may wait for a decision, `backlog` those of one stream where
-    each sample counts, `transport` how samples travel (`proxy.core.transport`), `relayed` says that robots meet at a
-    router: a sample goes on the air to it, and then once to each robot that wants it.
-    `digests_on_air` says that digests are broadcast, as samples are. A decision may take `deadline` [s] from the event
-    that asked for it on; windows are thinned where it would not do. `version` is that of Sendworthy.
+    before all others know of it, `inbox` the samples that may wait for a decision and `inbox_bytes` their size,
+    `backlog` those of one stream where each sample counts, `transport` how samples travel (`proxy.core.transport`),
+    `relayed` says that robots meet at a router: a sample goes on the air to it, and then once to each robot that wants
+    it. `digests_on_air` says that digests are broadcast, as samples are. A decision may take `deadline` [s] from the
+    event that asked for it on; windows are thinned where it would not do. `version` is that of
+    Sendworthy.
     """
 
     robot: str
@@ -34,6 +35,7 @@ class CoreSettings:
     floor: float = 0.01
     settle: float = 0.5
     inbox: int = 256
+    inbox_bytes: float = math.inf
     backlog: int = 32
     streams: int = 4096
     relayed: bool = False

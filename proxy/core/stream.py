@@ -55,6 +55,8 @@ class Stream:
     information_type: InformationType
     schedule: Schedule = field(default_factory=Schedule)
     generated: int = 0
+    began: float = 0.0
+    """When the first sample was generated that we know of [s]."""
     forwarded: int = 0
     last: Generated | None = None
     sent: Sent | None = None
@@ -104,6 +106,8 @@ class Stream:
         """
         if count <= self.generated:
             return
+        if not self.generated:
+            self.began = last.t_gen
         self.generated = count
         self.changes += 1
         self.schedule.observe(count if numbered else None, last.t_gen, told)

@@ -46,6 +46,7 @@ def test_defaults_are_those_of_the_manual():
             "engine": "native",
             "coordination": "auto",
         },
+        "queue": {"samples": 4096, "bytes": 32 * 1024 * 1024},
         "clock": {"error": 0.0},
         "log": {"level": "info"},
     }

@@ -190,7 +190,9 @@ def test_the_status_tells_of_the_daemon(pair):
     assert [link["zid"] for link in daemon["links"]] == [pair[1].status()["zid"]]
     assert daemon["faults"] == 0
     assert Path(daemon["specs"]).is_absolute()
-    assert daemon["egress"] == {"decided": 0, "passing": 0, "bytes": 0}
+    assert daemon["egress"] == {"decided": 0, "passing": 0, "risked": 0}
+    nothing = {"samples": 0, "bytes": 0}
+    assert daemon["queue"] == {"covered": nothing, "passing": nothing, "most": {"samples": 4096, "bytes": 1 << 25}}
 
 
 def test_specs_are_swapped_while_running(pair, tmp_path):

@@ -8,6 +8,7 @@ import zenoh
 
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.neighbours import Neighbours
+from proxy.bridge.room import rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, BridgeConfig, MeshConfig
@@ -41,6 +42,7 @@ class Robot:
         **mesh_options: Any,
     ) -> None:
         self._stack = stack
+        self.rooms = rooms(4096, 32 * 1024 * 1024)
         self.asked: list[SamplePublished] = []
         self.attachments: list[bytes | None] = []
         self.events: list[Event] = []
@@ -65,6 +67,8 @@ class Robot:
             rules=Rules(BridgeConfig.model_validate(rules or {})),
             app_connect=(),
             relayed=False,
+            rooms=self.rooms,
+            recall=sides.recall,
             submit=self._submit,
             post=self.events.append,
             offer=self.events.append,

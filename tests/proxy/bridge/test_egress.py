@@ -11,6 +11,7 @@ from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.headroom import Headroom
 from proxy.bridge.passed import Passed
+from proxy.bridge.room import rooms
 from proxy.bridge.sample import Held
 from proxy.bridge.sessions import mesh_options, open_session
 from proxy.core.events import SampleHanded, SampleRefused
@@ -24,16 +25,17 @@ LARGE = "x" * 200_000
 class Bench:
     """An egress onto a session that a peer listens to, and samples to send."""
 
-    def __init__(self, stack, rate):
+    def __init__(self, stack, rate=None, most=8192, most_bytes=1 << 24):
         endpoint = free_endpoint()
         options = mesh_options([endpoint], [], scouting=False, interface="auto", zenoh_options={})
         self.mesh = closing(stack, open_session(options, "mesh"))
         peer = closing(stack, plain_session("peer", connect=(endpoint,)))
         self.heard = Heard(peer, "**")
         self.posted = []
+        self.rooms = rooms(most, most_bytes)
         self.passed = Passed()
         demand = Demand(self.mesh, lambda _: None, lambda: None)
-        self.egress = Egress(self.mesh, demand, self.passed, self.posted.append, rate)
+        self.egress = Egress(self.mesh, demand, self.passed, self.posted.append, rate, rooms=self.rooms)
         stack.callback(self.egress.close, 1.0)
         publisher = self.mesh.declare_publisher("probe")
         wait_until(lambda: publisher.matching_status.matching, what="the peer's subscription")
@@ -50,6 +52,11 @@ class Bench:
         sample = self._samples.samples[-1]
         return Held(sample, self.mesh.new_timestamp(), "made", len(sample.payload), sample.source_info)
 
+    def forward(self, number, held):
+        """As ingress and core do: a covered sample has its place."""
+        assert self.rooms.covered.enter(held.size)
+        self.egress.forward(number, held)
+
     def mine(self):
         """What the peer heard from the egress: its samples are stamped."""
         return [s.payload.to_string() for s in self.heard.samples if s.timestamp is not None]
@@ -57,26 +64,26 @@ class Bench:
 
 @pytest.fixture
 def bench(stack):
-    return Bench(stack, None)
+    return Bench(stack)
 
 
 def test_forwarded_samples_are_reported_when_handed_over(bench):
     """Each sample reaches the mesh and is answered with its number, in order."""
     for i in range(5):
-        bench.egress.forward(i, bench.held(str(i)))
+        bench.forward(i, bench.held(str(i)))
     assert bench.egress.waiting["decided"] == 5
     bench.egress.start()
     wait_until(lambda: len(bench.posted) == 5, what="five answers")
     assert [(type(event), event.sample) for event in bench.posted] == [(SampleHanded, i) for i in range(5)]
     wait_until(lambda: len(bench.mine()) == 5, what="five samples")
-    assert bench.egress.waiting == {"decided": 0, "passing": 0, "bytes": 0}
+    assert bench.egress.waiting == {"decided": 0, "passing": 0}
 
 
 def test_decided_samples_are_paced(stack):
     """At 10 kB/s three samples of 1 kB are handed over at least 0.1 s apart."""
     bench = Bench(stack, 10_000.0)
     for i in range(3):
-        bench.egress.forward(i, bench.held("x" * 1000))
+        bench.forward(i, bench.held("x" * 1000))
     bench.egress.start()
     wait_until(lambda: len(bench.posted) == 3, what="three answers")
     times = [event.now for event in bench.posted]
@@ -87,7 +94,7 @@ def test_passing_samples_do_not_wait_for_paced_ones(stack):
     """What needs no decision overtakes what waits for its pace, and is counted with its bytes."""
     bench = Bench(stack, 100.0)
     for i in range(3):
-        bench.egress.forward(i, bench.held("x" * 1000))
+        bench.forward(i, bench.held("x" * 1000))
     passing = bench.held("urgent")
     bench.egress.start()
     wait_until(lambda: len(bench.posted) == 1, what="the first")
@@ -105,20 +112,48 @@ def test_passing_traffic_does_not_starve_decided_samples(stack):
     bench = Bench(stack, 1000.0)
     for _ in range(20):
         bench.egress.pass_on("passed:no-spec", bench.held("x" * 1000))
-    bench.egress.forward(1, bench.held("decided"))
+    bench.forward(1, bench.held("decided"))
     bench.egress.start()
     wait_until(lambda: bench.posted, timeout=10.0, what="the decided sample, not 20 s later")
 
 
-def test_a_full_egress_refuses(bench, monkeypatch):
-    """Beyond its bounds samples are refused: decided ones by number, passing ones by count."""
-    monkeypatch.setattr(egress_module, "MOST_SAMPLES", 1)
+@pytest.mark.parametrize(("most", "most_bytes"), [(2, 1 << 24), (100, 400_000)])
+def test_what_passes_finds_a_place_up_to_a_bound(stack, most, most_bytes):
+    """Of samples or bytes; what finds none is counted."""
+    bench = Bench(stack, most=most, most_bytes=most_bytes)
     held = bench.held(LARGE)
-    for number in (1, 2):
-        bench.egress.forward(number, held)
+    for _ in range(3):
         bench.egress.pass_on("passed:no-spec", held)
-    assert [(type(event), event.sample) for event in bench.posted] == [(SampleRefused, 2)]
-    assert [(r.reason, r.count, r.size) for r in bench.passed.take(0.0)] == [("dropped:egress", 1, 0)]
+    assert bench.rooms.passing.describe() == {"samples": 2, "bytes": 2 * len(LARGE)}
+    assert [(r.reason, r.count, r.size) for r in bench.passed.take(0.0)] == [("dropped:full", 1, 0)]
+    bench.egress.start()
+    wait_until(lambda: bench.mine() == [LARGE] * 2, what="the others")
+    assert bench.rooms.passing.describe() == {"samples": 0, "bytes": 0}
+
+
+@pytest.mark.parametrize("decided", [True, False])
+def test_a_sample_of_any_size_finds_a_place(stack, decided):
+    """However little may wait: another one may wait beside it."""
+    bench = Bench(stack, most_bytes=1000)
+    wait = {"congestion_control": zenoh.CongestionControl.BLOCK}
+    for held in (bench.held(LARGE, **wait), bench.held("small", **wait)):
+        if decided:
+            bench.forward(1, held)
+        else:
+            bench.egress.pass_on("passed:no-spec", held)
+    bench.egress.start()
+    wait_until(lambda: bench.mine() == [LARGE, "small"], what="both")
+
+
+def test_decided_samples_keep_their_place_until_they_are_sent(bench):
+    """Also where none is sent any more."""
+    bench.forward(1, bench.held("first"))
+    assert bench.rooms.covered.samples == 1
+    bench.egress.start()
+    wait_until(lambda: bench.rooms.covered.samples == 0, what="the first to leave")
+    bench.egress.close(1.0)
+    bench.forward(2, bench.held("second"))
+    assert bench.rooms.covered.samples == 0
 
 
 def test_what_passes_is_sent_by_whoever_brings_it(bench):
@@ -174,12 +209,12 @@ class FullLinks:
 
 
 @pytest.mark.parametrize(("moving", "waits"), [(True, True), (True, False), (False, True)])
-def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_move(bench, monkeypatch, moving, waits):
+def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_move(stack, monkeypatch, moving, waits):
     """Otherwise whoever brings a sample goes on at once, and what finds no room is dropped."""
+    bench = Bench(stack, most=2)
     control = zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
     held = bench.held("x", congestion_control=control)
     monkeypatch.setattr(egress_module, "BEHIND", 1)
-    monkeypatch.setattr(egress_module, "MOST_SAMPLES", 2)
     monkeypatch.setattr(egress_module, "MOVING", 1e9 if moving else -1.0)
     waited = []
     monkeypatch.setattr(bench.egress._caught_up, "wait_for", lambda _, timeout: waited.append(timeout))
@@ -190,10 +225,11 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
     assert bench.egress.waiting["passing"] == 2
 
 
-def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(bench, monkeypatch):
+def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(stack, monkeypatch):
     """Not only when nothing waits any more."""
+    bench = Bench(stack, most=4)
     held = bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK)
-    for name, value in {"BEHIND": 2, "MOST_SAMPLES": 4, "MOVING": 1e9, "CATCH_UP": 60.0}.items():
+    for name, value in {"BEHIND": 2, "MOVING": 1e9, "CATCH_UP": 60.0}.items():
         monkeypatch.setattr(egress_module, name, value)
     bench.egress.headroom = FullLinks()
     for _ in range(3):
@@ -207,15 +243,17 @@ def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(bench
     wait_until(lambda: len(bench.mine()) == 4, what="all of them")
 
 
-def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch):
-    """It is published as one that may be; others see that only while a link is full."""
+def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch, caplog):
+    """It is published as one that may be, which is counted and said; others see that only while a link is full."""
     bench.egress.headroom = FullLinks()
     monkeypatch.setattr(bench.egress._patience, "runs_out", lambda: True)
-    bench.egress.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
+    bench.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
     bench.egress.start()
     wait_until(bench.mine, what="the sample")
     (sample,) = [s for s in bench.heard.samples if s.timestamp is not None]
     assert sample.congestion_control == zenoh.CongestionControl.DROP
+    assert bench.egress.risked == 1
+    assert "a link takes much less than the others" in caplog.text
 
 
 def test_while_links_have_room_nobody_asks_for_patience(bench, monkeypatch):
@@ -223,18 +261,10 @@ def test_while_links_have_room_nobody_asks_for_patience(bench, monkeypatch):
     monkeypatch.setattr(Headroom, "alone", False)
     asked = []
     monkeypatch.setattr(bench.egress._patience, "runs_out", lambda: asked.append(True))
-    bench.egress.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
+    bench.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
     bench.egress.start()
     wait_until(bench.mine, what="the sample")
     assert not asked
-
-
-def test_bytes_are_bounded_too(bench, monkeypatch):
-    """A few large samples fill it as many small ones do."""
-    monkeypatch.setattr(egress_module, "MOST_BYTES", 1500)
-    for number in (1, 2):
-        bench.egress.forward(number, bench.held("x" * 1000))
-    assert [event.sample for event in bench.posted] == [2]
 
 
 def test_a_closed_session_refuses_and_is_said_once(bench, caplog):
@@ -243,7 +273,7 @@ def test_a_closed_session_refuses_and_is_said_once(bench, caplog):
     bench.mesh.close()
     bench.egress.start()
     for number in (1, 2):
-        bench.egress.forward(number, held)
+        bench.forward(number, held)
     wait_until(lambda: len(bench.posted) == 2, what="both refusals")
     bench.egress.pass_on("passed:no-spec", held)
     assert {type(event) for event in bench.posted} == {SampleRefused}
@@ -258,5 +288,5 @@ def test_a_closed_egress_takes_nothing(bench):
     held = bench.held("x")
     bench.egress.start()
     bench.egress.close(1.0)
-    bench.egress.forward(7, held)
+    bench.forward(7, held)
     assert [event.sample for event in bench.posted] == [7]

@@ -4,6 +4,8 @@ import pytest
 import zenoh
 
 from proxy.bridge import ingress as ingress_module
+from proxy.bridge.egress import Egress
+from proxy.bridge.room import Room
 from proxy.core.events import SamplesPassed
 from proxy.core.mode import Mode
 from tests.proxy.bridge.robots import fence_apps, team, wait_interest
@@ -22,7 +24,7 @@ def wanted(pair):
 @pytest.mark.usefixtures("wanted")
 def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     """When the core does not answer, samples beyond the bound are dropped, counted, and local apps still hear all."""
-    monkeypatch.setattr(ingress_module, "MOST_HELD", 3)
+    monkeypatch.setattr(pair[0].rooms.covered, "most", 3)
     local = Heard(pair[0].node(), "covered/**")
     wait_interest(pair[0], keys=("covered/**",))
     publisher = pair[0].node()
@@ -32,21 +34,53 @@ def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     wait_until(lambda: sum(event.count for event in pair[0].posted(SamplesPassed)) == 2, what="the counts")
     assert len(pair[0].asked) == pair[0].bridge.describe()["held"] == 3
     assert {event.reason for event in pair[0].posted(SamplesPassed)} == {"dropped:overflow"}
+    for asked in pair[0].asked:
+        pair[0].bridge.drop(asked.sample)
+    assert pair[0].bridge.describe()["queue"]["covered"] == {"samples": 0, "bytes": 0}
+
+
+@pytest.mark.usefixtures("wanted")
+@pytest.mark.parametrize("waits", [True, False])
+def test_where_many_are_held_only_who_would_rather_wait_lingers(pair, monkeypatch, waits):
+    """A moment for each sample, so that the core catches up."""
+    lingered = []
+    monkeypatch.setattr(Room, "linger", lambda _, size: lingered.append(size))
+    monkeypatch.setattr(pair[0].rooms.covered, "most", 4)
+    control = zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
+    publisher = pair[0].node()
+    for _ in range(4):
+        publisher.put("covered/a", "x", congestion_control=control)
+    wait_until(lambda: len(pair[0].asked) == 4, what="the samples")
+    assert lingered == [1] * waits
+
+
+@pytest.mark.usefixtures("wanted")
+def test_for_a_mesh_that_stands_still_nobody_lingers(pair, monkeypatch):
+    """Local applications go on at full speed."""
+    lingered = []
+    monkeypatch.setattr(Room, "linger", lambda _, size: lingered.append(size))
+    monkeypatch.setattr(Egress, "stands", True)
+    monkeypatch.setattr(pair[0].rooms.covered, "most", 2)
+    publisher = pair[0].node()
+    for _ in range(3):
+        publisher.put("covered/a", "x", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: pair[0].posted(SamplesPassed), what="the count of the third")
+    assert not lingered
 
 
 @pytest.mark.usefixtures("wanted")
 def test_no_more_bytes_are_held_than_the_bound(pair, monkeypatch):
-    """One sample is held whatever its size, and what is released makes room."""
-    monkeypatch.setattr(ingress_module, "MOST_BYTES", 100)
+    """Two samples are held whatever their size, and what is released makes room."""
+    monkeypatch.setattr(pair[0].rooms.covered, "most_bytes", 100)
     publisher = pair[0].node()
-    for i in range(2):
+    for i in range(3):
         publisher.put(f"covered/{i}", "x" * 101, congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: pair[0].posted(SamplesPassed), what="the count")
-    (asked,) = pair[0].asked
-    pair[0].bridge.drop(asked.sample)
-    publisher.put("covered/2", "x" * 101)
-    wait_until(lambda: len(pair[0].asked) == 2, what="the next one")
-    assert pair[0].bridge.describe()["held"] == 1
+    first, _ = pair[0].asked
+    pair[0].bridge.drop(first.sample)
+    publisher.put("covered/3", "x" * 101)
+    wait_until(lambda: len(pair[0].asked) == 3, what="the next one")
+    assert pair[0].bridge.describe()["held"] == 2
 
 
 @pytest.mark.usefixtures("wanted")

@@ -226,7 +226,7 @@ def test_a_sample_that_egress_refuses_is_counted_as_dropped(make_talk):
 
 def test_a_backlog_shrinks_the_budget_of_iterations(make_talk, make_specs):
     """A decision gets less time the more wait."""
-    talk = make_talk(make_specs(limit="80 Mbit/s"))
+    talk = make_talk(make_specs(limit="80 kbit/s"))
     talk.want(0.0)
     _, commands = talk.publish(0.1)
     for i in range(20):

@@ -55,13 +55,38 @@ def test_every_sample_waits_and_is_decided_with_those_behind_it(make_aggregated,
 
 
 def test_of_too_many_the_least_valuable_is_dropped(make_aggregated):
-    """The bound is a setting."""
-    talk = make_aggregated("sum", backlog=2)
+    """The bound is a setting; it counts where the limits have no room for all that wait."""
+    talk = make_aggregated("sum", limit="24 kbit/s", backlog=2)
     talk.publish(0.1)
     talk.publish(0.2, red=0.5)
     least, _ = talk.publish(0.3, red=0.1)
     _, commands = talk.publish(0.4, red=0.2)
     assert only(commands) == [Drop(least, "dropped:overflow")]
+
+
+@pytest.mark.parametrize(("coordination", "bounds"), [("overhear", {"backlog": 2}), ("shares", {"inbox_bytes": 4000})])
+def test_while_the_limits_have_room_for_all_none_leaves_for_want_of_a_place(make_aggregated, coordination, bounds):
+    """What is being decided and all that wait go at once, in order, without a search."""
+    talk = make_aggregated("sum", coordination=coordination, settle=0.0, **bounds)
+    talk.tell(ev.PeerGone(0.05, "op", "zz-op"))
+    talk.tell(ev.MatchingChanged(0.05, "robot/r1/camera", matching=True))
+    samples = [talk.publish(5.0 + 0.01 * n)[0] for n in range(9)]
+    sent = [command.sample for command in talk.all(Forward)]
+    assert len(sent) >= 5
+    assert sent == samples[: len(sent)]
+    assert not talk.all(Drop)
+
+
+def test_deletions_keep_their_place_when_all_go_at_once(make_aggregated):
+    """Before what was published after them."""
+    talk = make_aggregated("sum", backlog=1)
+    first, _ = talk.publish(0.1)
+    second, _ = talk.publish(0.2)
+    deletion, _ = talk.publish(0.3, delete=True)
+    third, _ = talk.publish(0.4)
+    talk.publish(0.5)
+    talk.publish(0.6)
+    assert [command.sample for command in talk.all(Forward)][:4] == [first, second, deletion, third]
 
 
 def test_after_the_first_of_once_the_others_are_dropped_without_a_search(make_aggregated):
@@ -245,7 +270,7 @@ def test_what_never_came_to_a_decision_is_told_of_its_stream(make_talk, make_agg
     talk.publish(0.2, superseded=3)
     (stream,) = talk.core.status(0.3)["streams"]
     assert (stream["generated"], stream["by_reason"]) == (7, {"dropped:superseded": 5})
-    talk = make_aggregated("sum", backlog=2)
+    talk = make_aggregated("sum", limit="24 kbit/s", backlog=2)
     for now in (0.1, 0.11, 0.12, 0.13):
         talk.publish(now)
     (stream,) = talk.core.status(0.3)["streams"]

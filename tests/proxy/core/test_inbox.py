@@ -67,6 +67,31 @@ def test_overflow_evicts_what_is_worth_least_per_byte():
     assert inbox.put(waiting(4, "d", scale=0.1)) == [Evicted(4, "dropped:overflow", "d")]
 
 
+def test_bytes_are_bounded_too_and_one_sample_counts_as_half_of_them_at_most():
+    """So one of any size may wait, with others beside it."""
+    inbox = Inbox(10, 5, 1000)
+    assert inbox.put(waiting(1, "large", size=40_000_000)) == []
+    assert inbox.put(waiting(2, "a", size=500, scale=9.0)) == []
+    assert inbox.put(waiting(3, "b", size=1, scale=9.0)) == [Evicted(1, "dropped:overflow", "large")]
+    assert inbox.put(waiting(4, "c", size=499)) == []
+    assert inbox.put(waiting(5, "d", size=600)) == [Evicted(5, "dropped:overflow", "d")]
+
+
+def test_it_is_full_for_what_another_one_would_have_to_leave_for():
+    """For want of places or bytes, or because too many wait of a stream of which each counts."""
+    inbox = Inbox(3, 2, 1000)
+    inbox.put(waiting(1, "a", markovian=False))
+    assert not inbox.full(waiting(2, "a", markovian=False))
+    inbox.put(waiting(2, "a", markovian=False))
+    assert inbox.full(waiting(3, "a", markovian=False))
+    assert not inbox.full(waiting(3, "b", size=5000))
+    inbox.put(waiting(3, "b", size=5000))
+    assert inbox.full(waiting(4, "c"))
+    assert inbox.take().sample == 1
+    assert inbox.full(waiting(4, "c", size=500))
+    assert not inbox.full(waiting(4, "c"))
+
+
 @given(
     st.lists(st.tuples(st.integers(0, 4), st.booleans(), st.floats(0, 10)), max_size=60),
     st.integers(1, 8),

@@ -5,15 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from planner import SearchSettings, Throughput
-from proxy.core import events as ev
-from proxy.core.commands import Decide, Forward
-from proxy.core.limits import Limit
-from proxy.core.plenty import fits, need
+from planner import SearchSettings
 from proxy.core.settings import CoreSettings
 from studies.simulation.medium import Medium
 from studies.simulation.team import Frame, Team
-from tests.proxy.core.talk import only
 from utility_specs import load_specs
 
 LIMIT, WINDOW = 125_000.0, 0.5
@@ -27,7 +22,6 @@ name = "any"
 keys = ["robot/**"]
 utility = { kind = "linear", slope = 1.0 }
 """
-LIMITS = (Limit("throughput", WINDOW, LIMIT * WINDOW, Throughput(LIMIT * WINDOW, WINDOW)),)
 
 
 def frames(robot, begin, end, rate, size):
@@ -97,33 +91,3 @@ def test_where_nothing_is_shared_nothing_is_lent(tmp_path):
     assert any(d.receiver == "op" for d in deliveries)
     assert {core.layout.lent for core in team.cores.values()} == {0}
     assert {core.layout.due_at for core in team.cores.values()} == {math.inf}
-
-
-def test_what_a_stream_needs_is_one_message_more_than_fit_evenly(make_talk, specs):
-    """Four a second of 1 kB are three in some windows of half a second."""
-    talk = make_talk(specs)
-    talk.want(0.0, keys=("robot/**",))
-    for k in range(20):
-        talk.publish(0.25 * k)
-    (stream,) = talk.core.view.own()
-    assert need(talk.core.view, stream, LIMITS) == (pytest.approx(3000.0, rel=0.01),)
-    assert fits(talk.core.view, [stream], LIMITS, [5000.0])
-    assert not fits(talk.core.view, [stream], LIMITS, [4000.0])
-
-
-def test_of_a_new_stream_nobody_knows_what_it_needs(make_talk, specs):
-    """It is decided until its rate is known; then there is nothing to decide."""
-    talk = make_talk(specs)
-    talk.want(0.0, keys=("robot/**",))
-    searched = []
-    for k in range(20):
-        _, commands = talk.publish(0.25 * k)
-        searched.append(bool(only(commands, Decide)))
-        for decide in only(commands, Decide):
-            talk.answer(0.25 * k, decide, send=True)
-    assert searched[:7] == [True] * 7
-    assert not any(searched[10:])
-    sample, commands = talk.publish(5.0)
-    assert only(commands) == [Forward(sample)]
-    assert talk.core.status(5.0)["decisions"]["unneeded"] == talk.core.gate.decisions.unneeded > 8
-    talk.tell(ev.TimePassed(5.1))

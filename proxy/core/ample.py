@@ -1,0 +1,90 @@
+"""Ample room: what all streams are to be expected to send fits easily into every limit, so nothing has to be dropped.
+
+Then samples go without a search. Of new streams nobody knows what they need, so their first samples are decided; but
+where many samples wait, as in a burst, a search for each would take longer than they are worth: then it is taken that
+new streams generate as many again as they did so far.
+"""
+
+from collections.abc import Iterable, Sequence
+
+from proxy.core.limits import Limit
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+
+PART = 0.7
+"""There is ample room while all need no more than this part of every limit."""
+PACE = 0.25
+"""What streams need is worked out anew for all of them this often [s]..."""
+EACH = 1e-3
+"""... where many streams compete only after so long for each of them [s]."""
+KNOWN = 8
+"""Of a stream that generated fewer samples nobody can say how often it does."""
+MANY = 8
+"""With more samples waiting than this there is no time for searches that are not needed."""
+
+Amounts = tuple[float, ...]
+
+
+def need(view: SharedView, stream: Stream, limits: Sequence[Limit], now: float) -> Amounts:
+    """Return what a stream takes of each limit in any window when all its samples are sent."""
+    size, copies = stream.newest.size, view.copies(stream)
+    return tuple([c.measure.use(size, copies, own=True) * _most(stream, c.window, now) for c in limits])
+
+
+def _most(stream: Stream, window: float, now: float) -> float:
+    """Return how many samples a stream generates in any window: a new one no more than as many again as so far."""
+    # In any window there may be one more than fit into it evenly.
+    by_period = window / max(stream.schedule.period, 1e-3) + 1.0
+    settled = stream.generated >= KNOWN and now - stream.began >= window
+    return by_period if settled else min(by_period, 2.0 * stream.generated)
+
+
+class Ample:
+    """Whether there is ample room. What one stream needs is known at once, what all others do from time to time."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self._due = 0.0
+        self._for: tuple[Sequence[Limit], bool] = (), False
+        self._needs: dict[tuple[str, str], Amounts] = {}
+        self._new: set[tuple[str, str]] = set()
+        self._total: Amounts = ()
+
+    def fits(
+        self, now: float, stream: Stream, limits: Sequence[Limit], held: Sequence[float], waiting: int, *, alone: bool
+    ) -> bool:
+        """Whether all fits into what is `held` of each limit: what our own streams need, if we hold it `alone`.
+
+        A sample of `stream` is to be decided, and so many others wait.
+        """
+        if now >= self._due or self._for != (limits, alone):
+            self._for = limits, alone
+            self._look(now, limits)
+        self.note(now, stream)
+        if self._new and waiting <= MANY:
+            return False
+        return all(total <= PART * amount for total, amount in zip(self._total, held, strict=True))
+
+    def note(self, now: float, stream: Stream) -> None:
+        """A stream has generated a sample."""
+        self._set(stream, need(self._view, stream, self._for[0], now))
+
+    def _look(self, now: float, limits: Sequence[Limit]) -> None:
+        view, alone = self._view, self._for[1]
+        own = (stream for stream in view.own() if view.competes(now, stream))
+        competing: Iterable[Stream] = own if alone else view.competition.all(now)
+        self._needs, self._total = {}, (0.0,) * len(limits)
+        self._new.clear()
+        for stream in competing:
+            self._set(stream, need(view, stream, limits, now))
+        self._due = now + max(PACE, EACH * len(self._needs))
+
+    def _set(self, stream: Stream, needed: Amounts) -> None:
+        place = stream.robot, stream.key
+        before = self._needs.get(place, (0.0,) * len(needed))
+        self._needs[place] = needed
+        if stream.generated < KNOWN:
+            self._new.add(place)
+        else:
+            self._new.discard(place)
+        self._total = tuple([t + n - b for t, n, b in zip(self._total, needed, before, strict=True)])

@@ -1,0 +1,108 @@
+"""Robots that were lost are asked for more often than Zenoh asks, from Zenoh's own socket."""
+
+import socket
+import struct
+
+import pytest
+
+from proxy.bridge.recall import PATIENCE, PERIOD, Recall, opened
+from proxy.bridge.sessions import mesh_options, open_session
+from tests.ports import free_port
+from tests.proxy.nodes import closing, free_endpoint, plain_session
+from tests.waiting import wait_until
+
+GROUP = "224.0.0.225"
+
+
+class Bench:
+    """A session that scouts on loopback, and what is asked there."""
+
+    def __init__(self, stack, *, scouting=True):
+        port, self.endpoint = free_port(), free_endpoint()
+        self._group = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        for option in (socket.SO_REUSEADDR, socket.SO_REUSEPORT):
+            self._group.setsockopt(socket.SOL_SOCKET, option, 1)
+        self._group.bind((GROUP, port))
+        member = struct.pack("4s4s", socket.inet_aton(GROUP), socket.inet_aton("127.0.0.1"))
+        self._group.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+        self._group.settimeout(30.0)
+        address = {"scouting": {"multicast": {"address": f"{GROUP}:{port}"}}}
+        options = mesh_options([self.endpoint], [], scouting=scouting, interface="lo", zenoh_options=address)
+        self.session, sockets = opened(lambda: open_session(options, "mesh"))
+        closing(stack, self.session)
+        self.recall = Recall(self.session, options, sockets)
+        stack.callback(self.recall.close)
+        self.sockets = sockets
+
+    def question(self):
+        """The next question on the group, and who asks."""
+        return self._group.recvfrom(1000)
+
+    def asked(self, now):
+        """Whether a look at `now` asks."""
+        sent = []
+        (scouting,) = self.recall._sockets
+        self.recall._sockets = [Recorded(scouting, sent)]
+        self.recall.check(now)
+        self.recall._sockets = [scouting]
+        return bool(sent)
+
+    def linked(self, count):
+        wait_until(lambda: len(list(self.session.info.peers_zid())) == count, what=f"{count} links")
+
+
+class Recorded:
+    """A socket, and what was sent with it."""
+
+    def __init__(self, real, sent):
+        self._real = real
+        self._sent = sent
+
+    def sendto(self, data, address):
+        self._sent.append(data)
+        return self._real.sendto(data, address)
+
+
+@pytest.fixture
+def bench(stack):
+    return Bench(stack)
+
+
+def test_questions_are_those_of_zenoh_and_come_from_its_socket(stack, bench):
+    """So it is Zenoh that gets the answers."""
+    own = bench.question()
+    peer = closing(stack, plain_session("peer", connect=(bench.endpoint,)))
+    bench.linked(1)
+    bench.recall.check(1.0)
+    peer.close()
+    bench.linked(0)
+    (scouting,) = bench.recall._sockets
+    scouting.sendto(b"mark", bench.recall._group)
+    bench.recall.check(2.0)
+    while bench.question()[0] != b"mark":
+        pass
+    assert bench.question() == own
+
+
+def test_who_is_missing_is_asked_for_until_all_are_back_or_given_up(stack, bench):
+    """The more links are left the less often, for all who hear a question answer it."""
+    stays = closing(stack, plain_session("peer", connect=(bench.endpoint,)))
+    goes = closing(stack, plain_session("peer", connect=(bench.endpoint,)))
+    bench.linked(2)
+    assert not bench.asked(1.0)
+    goes.close()
+    bench.linked(1)
+    assert bench.asked(10.0)
+    assert not bench.asked(10.0 + 1.9 * PERIOD)
+    assert bench.asked(10.0 + 2.0 * PERIOD)
+    stays.close()
+    bench.linked(0)
+    assert bench.asked(20.0)
+    assert bench.asked(20.0 + PERIOD)
+    assert bench.asked(19.0 + PATIENCE)
+    assert not bench.asked(20.0 + PATIENCE)
+
+
+def test_where_nobody_is_looked_for_there_is_nothing_to_ask_with(stack):
+    """Without scouting only named endpoints are dialled."""
+    assert Bench(stack, scouting=False).sockets == []
