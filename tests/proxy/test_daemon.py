@@ -79,12 +79,15 @@ class Robot:
         return closing(self._stack, plain_session("client", connect=(self.app,)))
 
     def status(self):
-        """Zenoh loses a question now and then on a machine that is busy: it is asked again."""
-        for _ in range(6):
-            (answer,) = answers(self.operator, keys.status(self.name), timeout=5.0)
-            if not answer.startswith("error"):
-                break
-        return json.loads(answer)
+        """Where the daemon has no time to answer within five seconds it is asked again, as any condition is."""
+        found = []
+
+        def answered():
+            found[:] = answers(self.operator, keys.status(self.name), timeout=5.0)
+            return found and not found[0].startswith("error")
+
+        wait_until(answered, what=f"the status of {self.name}")
+        return json.loads(found[0])
 
 
 @pytest.fixture
