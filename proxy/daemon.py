@@ -34,10 +34,14 @@ from proxy.core.commands import (
     Command,
     Decide,
     Drop,
+    Forget,
     Forward,
+    Keep,
     NoteInterest,
     Notice,
     Reread,
+    Retain,
+    SendCopy,
     SendDigest,
     SendState,
     SetPace,
@@ -68,6 +72,9 @@ STOP = 0.7
 
 ORDERS = 16
 """Orders that may wait, each of which may be of megabytes."""
+
+AWAY = 600.0
+"""A robot that has vanished for longer is gone: nothing is kept for it any more [s]."""
 
 SWAP = 2.0
 """How long whoever reloads waits until it is done [s]."""
@@ -248,6 +255,8 @@ class Daemon:
                 self._bridge.forward(sample)
             case Drop(sample):
                 self._bridge.drop(sample)
+            case Keep() | Forget() | SendCopy() | Retain():
+                self._keep(command)
             case Reread(sample, key):
                 self._reread(sample, key)
             case NoteInterest(zid, subscriptions):
@@ -258,6 +267,17 @@ class Daemon:
                 log.log(_LEVELS[level], "%s", text)
             case SendDigest() | SendState() | AskState():
                 self._speak(command)
+
+    def _keep(self, command: Keep | Forget | SendCopy | Retain) -> None:
+        match command:
+            case Keep(sample):
+                self._bridge.keep(sample)
+            case Forget(sample):
+                self._bridge.forget(sample)
+            case SendCopy(sample, to):
+                self._bridge.send_copy(sample, to)
+            case Retain(expressions):
+                self._bridge.retain(expressions)
 
     def _speak(self, command: SendDigest | SendState | AskState) -> None:
         match command:
@@ -352,6 +372,7 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         digests_on_air=mesh.transport == "broadcast" and not mesh.secured,
         wall_offset=clock.wall_offset(),
         version=metadata.version("sendworthy"),
+        away=AWAY,
     )
 
 

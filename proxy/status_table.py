@@ -26,6 +26,7 @@ def table(status: Status) -> str:
         _decisions(status.get("decisions", {})),
         _budget(status.get("budget", ())),
         _streams(status.get("streams", ())),
+        _kept(status.get("kept", {})),
         _features(status.get("features", ())),
         ALONE if status.get("peers") == [] else _peers(status.get("peers", ())),
         _warnings(status),
@@ -195,6 +196,23 @@ def _streams(streams: Iterable[Status]) -> str:
     return _section(head, "llllrrrrrrrr", rows)
 
 
+def _kept(kept: Status) -> str:
+    """The copies for robots that were away, and what became of them; nothing when there were none."""
+    reasons = {"waiting": kept.get("waiting", 0)} | kept.get("by_reason", {})
+    law = " + ".join(f"{count} {reason}" for reason, count in reasons.items())
+    total = [f"kept  {kept['in']} copies for robots that were away = {law}"] if kept.get("in") else []
+    rows = [
+        (
+            str(each.get("robot", UNKNOWN)),
+            "back" if each.get("back") else "away",
+            duration(each.get("away")),
+            str(each.get("samples", 0)),
+        )
+        for each in kept.get("for", ())
+    ]
+    return "\n".join([*total, *(columns([("KEPT FOR", "", "SINCE", "COPIES"), *rows], "llrr") if rows else ())])
+
+
 def _features(features: Iterable[Status]) -> str:
     """What could not be computed, or not for every sample; nothing when all goes well."""
     rows = [
@@ -247,7 +265,7 @@ def _percent(part: float | None) -> str:
 
 def _warnings(status: Status) -> str:
     found = [str(warning) for warning in status.get("warnings", ())]
-    if not status.get("counts", {}).get("conserved", True):
+    if not all(status.get(ledger, {}).get("conserved", True) for ledger in ("counts", "kept")):
         found.append("the counts do not add up: please report this")
     if status.get("malformed"):
         refused = status.get("refused", {}).items()

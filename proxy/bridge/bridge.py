@@ -25,7 +25,7 @@ from proxy.bridge.rules import Rules
 from proxy.bridge.sample import Held
 from proxy.bridge.voice import Voice
 from proxy.bridge.watch import Watch
-from proxy.core.events import Event, SampleRefused
+from proxy.core.events import CopyRefused, Event, SampleRefused
 from proxy.core.mode import Mode
 from utility_specs import InformationType, Specs
 
@@ -71,6 +71,8 @@ class Bridge:
         self._post = post
         self._rules = rules
         self._rooms = rooms
+        self._kept: dict[int, Held] = {}
+        """Samples that may be sent to a robot that is away or was; the core bounds them."""
         self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh, relayed=relayed)
         passed = Passed()
         sourced = apps.sourced and others.sourced
@@ -88,7 +90,7 @@ class Bridge:
             sourced=sourced,
             room=rooms.covered,
         )
-        self._delivery = Delivery(app, mesh, self._match, rules, offer, numbered=sourced)
+        self._delivery = Delivery(app, mesh, self._match, rules, offer, numbered=sourced, counts_each=self._counts_each)
         if isinstance(air, Broadcast):
             air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))
@@ -121,6 +123,7 @@ class Bridge:
     def open(self) -> None:
         """Let things cross."""
         self._egress.start()
+        self._delivery.open()
         self._watch.start()
 
     def close(self) -> None:
@@ -144,6 +147,27 @@ class Bridge:
     def drop(self, number: int) -> None:
         """Forget a covered sample."""
         self._ingress.drop(number)
+
+    def keep(self, number: int) -> None:
+        """Keep a covered sample besides, whatever becomes of it, until `forget`."""
+        if (held := self._ingress.waiting(number)) is not None:
+            self._kept[number] = held
+
+    def forget(self, number: int) -> None:
+        """Keep a sample no longer."""
+        self._kept.pop(number, None)
+
+    def send_copy(self, number: int, to: str) -> None:
+        """Send a sample that is kept to the robot with this tag alone."""
+        held = self._kept.get(number)
+        if held is None:
+            self._post(CopyRefused(clock.monotonic(), number, to))
+        else:
+            self._egress.forward(number, held._replace(to=to))
+
+    def retain(self, expressions: tuple[str, ...]) -> None:
+        """Take what apps publish on these key expressions, even if nobody who is here wants it."""
+        self._watch.retain(expressions)
 
     def held(self, number: int) -> Held | None:
         """Return a covered sample that waits for its decision; None when it does not (any more)."""
@@ -186,6 +210,7 @@ class Bridge:
             "egress": self._egress.waiting | {"risked": self._egress.risked},
             "queue": self._rooms.describe(),
             "delivered": self._delivery.delivered,
+            "repeated": self._delivery.repeated,
             "subscriptions": list(self._delivery.expressions),
             "observed": sorted(self._ingress.declared),
             "wanted": self.demand.wanted,
@@ -202,6 +227,10 @@ class Bridge:
 
     def _match(self, key: str) -> InformationType | None:
         return self._specs.match(key)
+
+    def _counts_each(self, key: str) -> bool:
+        covering = self._match(key)
+        return covering is not None and not covering.markovian
 
     def _dropped(self, key: str) -> bool:
         """Whether a spec drops the queries for a key."""

@@ -6,13 +6,16 @@ from functools import partial
 import zenoh
 
 from proxy import clock
+from proxy.bridge import keys
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.overlap import Overlap, of_sample
+from proxy.bridge.received import Received
 from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import origin_of, publish, wall_of
 from proxy.core.events import Event, SampleHeard
+from proxy.core.wire import tag
 
 
 class Delivery:
@@ -22,7 +25,8 @@ class Delivery:
     `overhear`. Nobody publishes a sample both ways.
 
     `covered` says whether an information type covers a key; for such samples `offer` gets a `SampleHeard`. `numbered`:
-    samples keep the numbers of their publishers.
+    samples keep the numbers of their publishers. `counts_each`: each sample of a key counts, so that other robots keep
+    copies for us while we are away.
     """
 
     def __init__(
@@ -34,6 +38,7 @@ class Delivery:
         offer: Callable[[Event], object],
         *,
         numbered: bool = True,
+        counts_each: Callable[[str], bool] = lambda _: False,
     ) -> None:
         self._app = app
         self._mesh = mesh
@@ -41,9 +46,20 @@ class Delivery:
         self._rules = rules
         self._offer = offer
         self._numbered = numbered
+        self._counts_each = counts_each
+        self._received = Received()
+        self._copies: Declaration | None = None
         self._overlap = Overlap(of_sample)
         self._mirror = Mirror(self._subscribe, GRACE)
         self.delivered = 0
+        self.repeated = 0
+        """Copies of samples that had come before."""
+
+    def open(self) -> None:
+        """Hear the copies of samples that were kept for us."""
+        handler = zenoh.handlers.Callback(self._deliver_copy, indirect=False)
+        ours = keys.kept(tag(str(self._mesh.zid())), "**")
+        self._copies = self._mesh.declare_subscriber(ours, handler, allowed_origin=zenoh.Locality.REMOTE)
 
     @property
     def expressions(self) -> tuple[str, ...]:
@@ -67,6 +83,9 @@ class Delivery:
     def close(self) -> None:
         """Subscribe to nothing."""
         self._mirror.close()
+        copies, self._copies = self._copies, None
+        if copies is not None:
+            copies.undeclare()
 
     def overhear(self, key: str, sample: zenoh.Sample) -> None:
         """Take in a sample of `key` that was broadcast, wanted or not: the core learns of all that are covered."""
@@ -85,8 +104,17 @@ class Delivery:
         if self._overlap.takes(number, key, sample):
             self._hand(key, sample)
 
-    def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None) -> None:
+    def _deliver_copy(self, sample: zenoh.Sample) -> None:
+        attach()
+        key = keys.kept_of(str(sample.key_expr))
+        if self._overlap.covers(key):
+            self._hand(key, sample, key, copy=True)
+
+    def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None, *, copy: bool = False) -> None:
         verdict, stamp = self._rules.into.verdict(key), sample.timestamp
+        if (copy or self._counts_each(key)) and not self._received.takes(key, stamp, copy=copy):
+            self.repeated += 1
+            return
         if verdict is Verdict.COMPANION and not self._numbered:
             return
         if verdict is Verdict.DENIED:
@@ -94,7 +122,7 @@ class Delivery:
         else:
             publish(self._app, sample, stamp, renamed, source=sample.source_info if self._numbered else None)
             self.delivered += 1
-        if self._covered(key) is not None:
+        if not copy and self._covered(key) is not None:  # how long a copy took says nothing about the way
             self._offer(_heard(key, sample))
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import zenoh
 
 from proxy import clock
+from proxy.bridge import keys
 from proxy.bridge.air import Air
 from proxy.bridge.demand import Demand
 from proxy.bridge.headroom import Headroom
@@ -23,7 +24,9 @@ from proxy.bridge.passed import EGRESS, FULL, Passed
 from proxy.bridge.patience import Patience
 from proxy.bridge.room import CATCH_UP, Rooms
 from proxy.bridge.sample import Held, publish
-from proxy.core.events import SampleHanded, SampleRefused
+from proxy.core.events import CopyHanded, CopyRefused, SampleHanded, SampleRefused
+
+Answer = SampleHanded | SampleRefused | CopyHanded | CopyRefused
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +45,8 @@ class Egress:
     """The only writer of samples onto the mesh.
 
     `rate` is the pace of decided samples [B/s], copies counted; None: unpaced. `post` gets a `SampleHanded`
-    or a `SampleRefused` for each of them; the others are counted in `passed`.
+    or a `SampleRefused` for each of them, for one that was kept a `CopyHanded` or a `CopyRefused`; the others are
+    counted in `passed`.
     """
 
     def __init__(
@@ -50,7 +54,7 @@ class Egress:
         air: Air,
         demand: Demand,
         passed: Passed,
-        post: Callable[[SampleHanded | SampleRefused], None],
+        post: Callable[[Answer], None],
         rate: float | None,
         *,
         rooms: Rooms,
@@ -99,8 +103,8 @@ class Egress:
     def forward(self, number: int, held: Held) -> None:
         """Send a decided sample as soon as the pace allows. It has its place since it came in."""
         if not self._enqueue(self._decided, (number, held)):
-            self._rooms.covered.leave(held.size)
-            self._post(SampleRefused(clock.monotonic(), number))
+            self._leave(held)
+            self._answer(clock.monotonic(), number, held, sent=False)
 
     def pass_on(self, reason: str, held: Held) -> None:
         """Send a sample at once, counted under `reason`."""
@@ -193,13 +197,24 @@ class Egress:
         return max(self._free_at - clock.monotonic(), 1e-4) if self._decided else None
 
     def _send_decided(self, number: int, held: Held) -> None:
-        self._rooms.covered.leave(held.size)
+        self._leave(held)
         sent = self._send(held, droppable=self._take(held))
         now = self._sent_at = clock.monotonic()
         if sent and self.rate is not None:
-            air = held.size * self._demand.copies(held.key)
+            air = held.size * (1 if held.to else self._demand.copies(held.key))
             self._free_at = max(self._free_at, now) + air / self.rate
-        self._post(SampleHanded(now, number) if sent else SampleRefused(now, number))
+        self._answer(now, number, held, sent=sent)
+
+    def _leave(self, held: Held) -> None:
+        """A decided sample waits no more. A copy has no place among them: the core bounds what is kept."""
+        if not held.to:
+            self._rooms.covered.leave(held.size)
+
+    def _answer(self, now: float, number: int, held: Held, *, sent: bool) -> None:
+        if held.to:
+            self._post(CopyHanded(now, number, held.to) if sent else CopyRefused(now, number, held.to))
+        else:
+            self._post(SampleHanded(now, number) if sent else SampleRefused(now, number))
 
     def _send_passing(self, reason: str, held: Held, *, droppable: bool = False) -> None:
         air = held.size * self._demand.copies(held.key)
@@ -237,8 +252,8 @@ class Egress:
 
     def _send(self, held: Held, *, droppable: bool = False) -> bool:
         sample = held.sample
-        outlet = self._demand.outlet(held.key)
-        if outlet is None and self._demand.silent(held.key):
+        outlet = None if held.to else self._demand.outlet(held.key)
+        if outlet is None and not held.to and self._demand.silent(held.key):
             return True
         try:
             if outlet is not None and not droppable and outlet.suits(sample):
@@ -250,7 +265,8 @@ class Egress:
                     source_info=held.source,
                 )
             else:
-                publish(self._air, sample, held.stamp, source=held.source, droppable=droppable)
+                key = keys.kept(held.to, held.key) if held.to else None
+                publish(self._air, sample, held.stamp, key, source=held.source, droppable=droppable)
         except (zenoh.ZError, RuntimeError) as error:  # RuntimeError: the publisher is being taken back
             if not self._failing:
                 log.error("the mesh session refuses %s: %s", held.key, error)

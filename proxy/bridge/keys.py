@@ -45,6 +45,16 @@ def digest_to(to: str, robot: str, tag: str) -> str:
     return f"{PREFIX}/{robot}/digest-to/{to}/{tag}"
 
 
+def kept(to: str, key: str) -> str:
+    """Where copies of samples of `key` go that were kept for the robot with the tag `to`."""
+    return f"{PREFIX}/{to}/kept/{key}"
+
+
+def kept_of(key: str) -> str:
+    """Return the key of the sample of which something on such a key is a copy."""
+    return key.split("/", 3)[3]
+
+
 def state(robot: str, tag: str) -> str:
     """Where the `robot` with this tag publishes its state and answers queries for it."""
     return f"{PREFIX}/{robot}/state/{tag}"

@@ -21,13 +21,17 @@ _PRIORITIES = {
 
 
 class Held(NamedTuple):
-    """A sample with the timestamp and the source info it leaves with. `size` is that of the payload [B]."""
+    """A sample with the timestamp and the source info it leaves with. `size` is that of the payload [B].
+
+    `to` is the tag of the only robot that gets it, if it is a copy.
+    """
 
     sample: zenoh.Sample
     stamp: zenoh.Timestamp | None
     key: str
     size: int
     source: zenoh.SourceInfo | None
+    to: str = ""
 
     @property
     def waits(self) -> bool:

@@ -3,7 +3,7 @@
 import logging
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import zenoh
 
@@ -89,6 +89,8 @@ class Watch:
         self._seen: dict[str, Mapping[str, bool]] = {}
         self._editions = (0, 0)
         self._stirred = True
+        self._retained: Mapping[str, bool] = {}
+        self._retained_now: Mapping[str, bool] = self._retained
         self._stop = False
         self.gauging = False
         """Whether the core is told how long what the links send is on its way."""
@@ -108,6 +110,11 @@ class Watch:
         self._tokens_in.close()
         for witnesses in self._witnesses:
             witnesses.close()
+
+    def retain(self, expressions: Iterable[str]) -> None:
+        """Take what apps publish on these even if nobody on the mesh wants it. From any thread."""
+        self._retained = dict.fromkeys(expressions, False)
+        self._wake.set()
 
     def flush(self) -> None:
         """Report what passed without a decision since the last time."""
@@ -155,6 +162,8 @@ class Watch:
         editions = self._apps.ledger.edition, self._others.ledger.edition
         aside = self._neighbours.aside
         turned, self._ingress.aside = aside != self._ingress.aside, aside
+        retained, self._retained_now = self._retained_now, self._retained
+        turned = turned or retained is not self._retained_now
         # What turns a witness tells a moment later; who waits must not pass before.
         heard = [witnesses.ask() for witnesses in self._witnesses] if awaited else []
         if turned or any(heard) or editions != self._editions or self._unsettled():
@@ -207,7 +216,7 @@ class Watch:
         wanted = by_mesh.others(self._others.declared("subscriber"), self._delivery.declared, now)
         if self._others.ledger.broken:
             wanted |= dict.fromkeys(INGRESS, False)
-        taken = self._ingress.update(out.crossing("subscribers", wanted))
+        taken = self._ingress.update(out.crossing("subscribers", {**wanted, **self._retained_now}))
         # What we subscribe to ourselves from now on needs its witnesses: at once, for the ledgers may know it already.
         self._stirred = asked or taken
         if self._stirred:

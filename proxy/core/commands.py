@@ -39,6 +39,35 @@ class Drop:
 
 
 @dataclass(frozen=True, slots=True)
+class Keep:
+    """Keep the payload of a sample besides, whatever becomes of it, until `Forget`."""
+
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class Forget:
+    """The payload of a sample that was to be kept is needed no more."""
+
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class SendCopy:
+    """Send a sample that is kept only to the robot with the tag `to`; answer with `CopyHanded` or `CopyRefused`."""
+
+    sample: int
+    to: str
+
+
+@dataclass(frozen=True, slots=True)
+class Retain:
+    """Take what apps publish on these key expressions (all of them), even if nobody who is here wants it."""
+
+    expressions: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Reread:
     """Extract the features of the sample anew, by the specs that are in force now; answer with `SampleReread`."""
 
@@ -93,4 +122,19 @@ class Notice:
     text: str
 
 
-Command = Decide | Forward | Drop | Reread | SendDigest | SendState | AskState | NoteInterest | SetPace | Notice
+Command = (
+    Decide
+    | Forward
+    | Drop
+    | Keep
+    | Forget
+    | SendCopy
+    | Retain
+    | Reread
+    | SendDigest
+    | SendState
+    | AskState
+    | NoteInterest
+    | SetPace
+    | Notice
+)

@@ -13,13 +13,17 @@ from dataclasses import replace
 from functools import singledispatchmethod
 from typing import Any
 
+from planner import Aggregation
+from planner.utility import MessageUtility
 from proxy.core import events as ev
 from proxy.core.channel import Channel
-from proxy.core.commands import Command, Drop, NoteInterest, Notice
+from proxy.core.commands import Command, Drop, Forward, NoteInterest, Notice, Retain
 from proxy.core.counts import DROPPED, Counts
 from proxy.core.fixed import feature, rounded
-from proxy.core.gate import Gate
+from proxy.core.gate import CONSTRAINT, Gate
 from proxy.core.inbox import SUPERSEDED, Waiting
+from proxy.core.interest import common
+from proxy.core.kept import Leaving
 from proxy.core.layout import Layout
 from proxy.core.limits import limits_of, use_of
 from proxy.core.mode import Mode
@@ -40,6 +44,7 @@ from proxy.core.warnings import namesake_warnings, transport_warnings
 from proxy.core.window import WindowBuilder
 from proxy.core.wire import Digest, StreamDigest, tag
 from utility_specs import Specs
+from utility_specs.lifetimes import Lifetime
 
 
 class Core:
@@ -56,6 +61,7 @@ class Core:
         self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=settled_at, started=now)
         windows = WindowBuilder(self.view, now)
         self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
+        self.kept = self.gate.kept
         self.layout = Layout(self.view, self.shares, self.gate, windows)
         self.channel = Channel(now, self.view, self.shares, self.gate, self.counts)
         self.telling = Telling(now, self.view, self.shares, self.gate, self.channel)
@@ -68,6 +74,10 @@ class Core:
         """Who lends, and whether news take long, as the allowance was last shared out."""
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
+        self.retained: frozenset[str] = frozenset()
+        """What apps publish on these is taken from them even if nobody who is here wants it."""
+        self._lifetimes: dict[int, tuple[MessageUtility, float]] = {}
+        """How long samples are worth anything [s], by utility."""
         self._tickets = 0
         self._wakes_at = now
         self._taking_in = dict(type(self).__dict__["_on"].dispatcher.registry)
@@ -81,9 +91,9 @@ class Core:
         if self.gate.sharing or self.view.peers:
             self.shares.look(event.now)
         commands: list[Command] = [*take_in(self, event), *self._advance(event.now)]
-        self._forget_dropped(commands)
+        self._follow(event.now, commands)
         self._wakes_at = self._due(event.now)
-        return commands
+        return self.kept.around(commands)
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]; since the last event nothing can have changed that."""
@@ -131,11 +141,14 @@ class Core:
         if stream is None:
             return [self.gate.pass_on(event.sample, self._unplanned(event.key))]
         if deletes:
+            waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
+            self._keep_for_others(stream, waiting, delete=True)
             return self.gate.delete(event.key, event.sample)
         if event.superseded:
             stream.fates[SUPERSEDED] += event.superseded
         waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
         valued = self._valued(stream, waiting, event.features, stream.generated + event.superseded + 1)
+        self._keep_for_others(stream, valued, delete=event.delete)
         return self.gate.put(event.now, valued)
 
     @_on.register
@@ -171,6 +184,21 @@ class Core:
         markovian = stream.information_type.markovian and self.gate.mode_of(stream) is not Mode.SHADOW
         return replace(waiting, scale=scale, markovian=markovian, features=features)
 
+    def _keep_for_others(self, stream: Stream | None, waiting: Waiting, *, delete: bool) -> None:
+        """Keep a sample for robots that are away, if each sample of its stream counts; of `best` the best one does."""
+        if self.settings.away and stream is not None and not stream.information_type.markovian:
+            most = 1 if stream.information_type.aggregation is Aggregation.BEST else self.settings.backlog
+            self.kept.published(waiting, self._lifetime(stream), most, delete=delete)
+
+    def _lifetime(self, stream: Stream) -> float:
+        """How long samples of a stream are worth anything [s]."""
+        utility = stream.information_type.utility
+        known = self._lifetimes.get(id(utility))
+        if known is None:
+            end = Lifetime.of(utility).end
+            known = self._lifetimes[id(utility)] = utility, math.inf if end is None else end
+        return known[1]
+
     @_on.register
     def _(self, event: ev.SamplesPassed) -> list[Command]:
         self.counts.passed(event.count, event.reason, event.size)
@@ -192,7 +220,17 @@ class Core:
         self.gate.settled(event.sample)
         self.counts.drop(event.sample, event.reason)
         self.gate.refused(event.sample)
-        self._keys.pop(event.sample, None)
+        self.kept.refused(self._keys.pop(event.sample, ""), event.sample)
+        return []
+
+    @_on.register
+    def _(self, event: ev.CopyHanded) -> list[Command]:
+        self.kept.handed(event.now, event.sample, event.to)
+        return []
+
+    @_on.register
+    def _(self, event: ev.CopyRefused) -> list[Command]:
+        self.kept.turned_back(event.now, event.sample, event.to)
         return []
 
     @_on.register
@@ -219,6 +257,9 @@ class Core:
         else:
             self.telling.asking.want(event.now, name)
         told: list[Command] = [NoteInterest(peer.zid, peer.subscriptions)] * (peer.subscriptions != subscriptions)
+        if peer.state is not None:
+            self.kept.told(name, peer.subscriptions)
+            told += self._retain()
         after = transport_warnings(self.view)
         wrong_transports = (Notice("error", warning) for warning in after if warning not in before)
         return [*told, *wrong_transports, *self._compare_clocks(event.now)]
@@ -250,9 +291,10 @@ class Core:
     @_on.register
     def _(self, event: ev.PeerAppeared) -> list[Command]:
         before, known = namesake_warnings(self.view), dict(self.view.peers)
-        if event.zid == self.settings.zid or not self.view.add_peer(event.now, event.robot, event.zid):
-            return []
         name = tag(event.zid)
+        if event.zid == self.settings.zid or not self.view.add_peer(event.now, event.robot, event.zid):
+            self._lost_a_moment(event.now, name, event.zid)
+            return []
         for other in known.keys() - self.view.peers.keys():  # it had to leave for the new one
             self._forget(other)
         self._membership(event.now)
@@ -260,6 +302,10 @@ class Core:
         self.telling.asking.want(event.now, name)
         robot = self.view.peers[name].robot
         notices: list[Command] = [Notice("info", f"robot {robot} is on the mesh")]
+        self.kept.appeared(event.robot, name)
+        for stream in self.view.own():
+            if stream.key in self.kept.reached(name):
+                stream.resume(name)
         for heard, digest in self.strangers.introduce(name):
             notices += self._hear(heard, digest)
         return [*notices, *(Notice("error", said) for said in namesake_warnings(self.view) if said not in before)]
@@ -270,10 +316,25 @@ class Core:
         if peer is None or peer.zid != event.zid:
             return []
         robot = peer.robot
+        self.kept.lost(event.now, self._leaving(peer))
         self.view.gone(event.zid)
         self._forget(tag(event.zid))
         self._membership(event.now)
-        return [NoteInterest(event.zid, ()), Notice("info", f"robot {robot} left the mesh")]
+        return [*self._retain(), NoteInterest(event.zid, ()), Notice("info", f"robot {robot} left the mesh")]
+
+    def _lost_a_moment(self, now: float, name: str, zid: str) -> None:
+        """The token of a robot that we know appears: it had vanished, too shortly for us to hear of it."""
+        peer = self.view.peers.get(name)
+        if peer is not None and peer.zid == zid and peer.state is not None:
+            self.kept.lost(now, self._leaving(peer))
+            self.kept.appeared(peer.name, name)
+            self.kept.told(name, peer.subscriptions)
+
+    def _leaving(self, peer: Peer) -> Leaving:
+        name = tag(peer.zid)
+        once = [s for s in self.view.own() if s.information_type.aggregation is Aggregation.ONCE]
+        reached = frozenset(stream.key for stream in once if name in stream.reached)
+        return Leaving(peer.name, name, peer.subscriptions, reached, peer.specs == self.view.specs.generation)
 
     def _forget(self, name: str) -> None:
         """The robot with this tag is not in the view any more."""
@@ -304,14 +365,16 @@ class Core:
         self.telling.restate(event.now)
         self.view.restart_losses()
         self._adopt_limits(event.now)
-        return self.gate.unsettle()
+        self._lifetimes.clear()
+        return [*self.gate.unsettle(), *self._retain()]
 
     @_on.register
     def _(self, event: ev.ModeChanged) -> list[Command]:
         self.gate.mode = event.mode
         self.telling.restate(event.now)
         self.view.restart_losses()
-        return self.gate.release(event.now) if event.mode is Mode.PASS else []
+        released = self.gate.release(event.now) if event.mode is Mode.PASS else []
+        return [*released, *self._retain()]
 
     @_on.register
     def _(self, event: ev.DecisionReady) -> list[Command]:
@@ -347,7 +410,22 @@ class Core:
             self.telling.urgent |= self.gate.wakes_at < math.inf and self.telling.has_news()
         commands += self.telling.due(now, digests=not self.layout.pending)
         self.view.sweep(now)
+        if self.kept.sweep(now):
+            commands += self._retain()
         return [*commands, *self._losses.look(now)]
+
+    def _retain(self) -> list[Command]:
+        """Say what is to be taken from apps whoever is here: so nothing is missed of whoever vanishes."""
+        if not self.settings.away:
+            return []
+        kinds = [each for each in self.view.specs.types if each.planned and not each.markovian]
+        wanted = self.kept.subscriptions().union(*(peer.subscriptions for peer in self.view.peers.values()))
+        keys = {key for each in kinds for key in each.keys} if self.gate.mode is not Mode.PASS else set[str]()
+        retained = frozenset(common(wanted, keys))
+        if retained == self.retained:
+            return []
+        self.retained = retained
+        return [Retain(tuple(sorted(retained)))]
 
     def _lay_out(self, now: float, commands: list[Command]) -> None:
         """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
@@ -416,10 +494,24 @@ class Core:
     def _compare_clocks(self, now: float) -> list[Command]:
         return self.clocks.compare(now, self.view.peers.values())
 
-    def _forget_dropped(self, commands: list[Command]) -> None:
+    def _follow(self, now: float, commands: list[Command]) -> None:
+        """Take note of what becomes of samples: whoever vanishes soon may not have got those that were sent to it.
+
+        So is it with those for which there was no room: where robots share, it may be because of who has vanished.
+        """
         for command in commands:
-            if isinstance(command, Drop):
-                self._keys.pop(command.sample, None)
+            if isinstance(command, Forward | Drop):
+                if self.kept.follows(command.sample):
+                    lost = isinstance(command, Drop) and command.reason != CONSTRAINT
+                    names = () if lost else self._names(command.sample)
+                    self.kept.decided(now, command.sample, names, sent=isinstance(command, Forward))
+                if isinstance(command, Drop):
+                    self._keys.pop(command.sample, None)
+
+    def _names(self, sample: int) -> tuple[str, ...]:
+        """Return the tags of those that want a sample of ours."""
+        stream = self.view.known(self.settings.robot, self._keys.get(sample, ""))
+        return () if stream is None else self.view.wanting(stream)
 
     def _unplanned(self, key: str) -> str:
         """Why nobody decides on the samples of a key."""

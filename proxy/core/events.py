@@ -71,6 +71,24 @@ class SampleRefused:
 
 
 @dataclass(frozen=True, slots=True)
+class CopyHanded:
+    """A sample that was kept for the robot with the tag `to` was handed to the mesh session."""
+
+    now: float
+    sample: int
+    to: str
+
+
+@dataclass(frozen=True, slots=True)
+class CopyRefused:
+    """A sample that was kept for the robot with the tag `to` could not be handed over."""
+
+    now: float
+    sample: int
+    to: str
+
+
+@dataclass(frozen=True, slots=True)
 class SampleHeard:
     """A sample arrived from the mesh. `stamp` is its timestamp as wall time [s], `origin` the id in it (hex)."""
 
@@ -231,6 +249,8 @@ Event = (
     | SamplesPassed
     | SampleHanded
     | SampleRefused
+    | CopyHanded
+    | CopyRefused
     | SampleHeard
     | DigestHeard
     | StateHeard

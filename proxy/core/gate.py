@@ -10,14 +10,16 @@ from planner import Aggregation, Constraint, Plan
 from proxy.core.ample import Ample
 from proxy.core.asks import PATIENCE, waits_until
 from proxy.core.cadence import Cadences
-from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread
+from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, SendCopy
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
 from proxy.core.events import DecisionReady
 from proxy.core.fallback import TokenBuckets
+from proxy.core.fixed import rounded
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
+from proxy.core.kept import NO_SPEC, ONCE, Copy, Kept
 from proxy.core.latency import middle
 from proxy.core.lateness import Lateness
 from proxy.core.limits import Limit, Limits, Promises, use_of
@@ -32,6 +34,7 @@ from proxy.core.window import WindowBuilder
 
 AT_ONCE = 128
 """So many samples are taken up at one event: what else happens has its turn before the rest of a burst."""
+CONSTRAINT = "dropped:constraint"
 LEAST_HELD = 1e-6
 """A constraint cannot be zero; this is as good."""
 PLAY = 0.005
@@ -42,13 +45,14 @@ DOUBTED = 1.5
 
 @dataclass(frozen=True, slots=True)
 class Pending:
-    """The sample being decided, beside so many other messages; of too many some were left out."""
+    """The sample being decided, or the copy of one, beside so many other messages; of too many some were left out."""
 
     ticket: int
     sample: Waiting
     constraints: tuple[str, ...]
     held: int = 0
     thinned: bool = False
+    copy: Copy | None = None
 
 
 class Gate:
@@ -64,6 +68,8 @@ class Gate:
         self._counts = counts
         self._windows = windows
         self.inbox = Inbox(settings.inbox, settings.backlog, settings.inbox_bytes)
+        self.kept = Kept(settings.away)
+        """Copies for robots that are away."""
         self.waiting = 0.0
         """How long news of others wait on a channel that is full [s]."""
         self.mode = settings.mode
@@ -128,8 +134,8 @@ class Gate:
     def _send_all(self, now: float) -> list[Command]:
         """Send all that waits, what is being decided before it."""
         commands: list[Command] = []
-        pending, self.pending = self.pending, None
-        sample = self.inbox.take(self._deletions.holds) if pending is None else pending.sample
+        deciding, self.pending = self._deciding(), None
+        sample = deciding[0] if deciding else self.inbox.take(self._deletions.holds)
         while sample is not None:
             commands += [*self._take_up(now, sample, None), *self._delete()]
             sample = self.inbox.take(self._deletions.holds)
@@ -137,8 +143,8 @@ class Gate:
 
     def unsettle(self) -> list[Command]:
         """Take back all that is undecided: specs changed, and no decision may mix what two of them say."""
-        pending, self.pending = self.pending, None
-        taken = [*self.inbox.clear(), *([] if pending is None else [pending.sample])]
+        taken = [*self.inbox.clear(), *self._deciding()]
+        self.pending = None
         self._unsettled |= {waiting.sample: waiting for waiting in taken}
         return [Reread(each.sample, each.key) for each in self._unsettled.values()]
 
@@ -164,14 +170,29 @@ class Gate:
         commands: list[Command] = []
         self.wakes_at = math.inf
         self._lateness.look(now, self.limits, self.waiting)
-        if not self.inbox:
+        if not self.inbox and not self.kept:
             return commands
+        crowded = False
         for _ in range(AT_ONCE):
-            if self.pending is not None or (sample := self.inbox.take(partial(self._waits, now))) is None:
-                return commands
-            commands += [*self._take_up(now, sample, ticket), *self._delete()]
-        self.wakes_at = now
+            if self.pending is not None:
+                break
+            if not crowded and (copy := self._foremost(now)) is not None:
+                commands += self._take_up_copy(now, copy, ticket)
+                crowded = self.pending is None and self.kept.waits(copy)
+            elif (sample := self.inbox.take(partial(self._waits, now))) is not None:
+                commands += [*self._take_up(now, sample, ticket), *self._delete()]
+            else:
+                break
+        else:
+            self.wakes_at = now
+        if self.kept:
+            self.wakes_at = min(self.wakes_at, self.kept.next_at(now))
         return commands
+
+    def _foremost(self, now: float) -> Copy | None:
+        """Return the copy that is decided before all that waits in the inbox: of one priority it is the older one."""
+        copy = self.kept.foremost(now)
+        return None if copy is None or any(w.priority < copy.waiting.priority for w in self.inbox) else copy
 
     def ready(self, event: DecisionReady) -> list[Command]:
         """The answer for the pending sample, if that is still awaited; deletions that came meanwhile follow it."""
@@ -212,9 +233,11 @@ class Gate:
         if plan is None:
             return self._fall_back(now, pending, error)
         self._complaint = ""
+        if pending.copy is not None:
+            return self._decided_copy(now, pending, pending.copy, plan)
         use = self._use(now, pending.sample)
         lacking = self.lacking(now, use) if plan.send else ()
-        reason = "dropped:constraint" if lacking else "forwarded" if plan.send else "dropped:planner"
+        reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
         if reason != "forwarded":
             return [self._refuse(now, pending.sample, reason, lacking)]
@@ -260,8 +283,8 @@ class Gate:
         commands: list[Command] = []
         self.inbox.put_back(self._unsettled.values())
         self._unsettled.clear()
-        pending, self.pending = self.pending, None
-        sample = self.inbox.take(self._deletions.holds) if pending is None else pending.sample
+        deciding, self.pending = self._deciding(), None
+        sample = deciding[0] if deciding else self.inbox.take(self._deletions.holds)
         while sample is not None:
             commands += [self.pass_on(sample.sample, "passed:mode"), *self._delete()]
             self._shares.use_at_most(now, use_of(sample.size, 1, self.limits), 1.0)
@@ -286,7 +309,7 @@ class Gate:
         must = self._owed(now, stream, sample)
         if lacking := self.lacking(now, use):
             self.decisions.unkept += must
-            return [self._refuse(now, sample, "dropped:constraint", lacking)]
+            return [self._refuse(now, sample, CONSTRAINT, lacking)]
         if must:
             self.decisions.owed += 1
         elif ticket is None or self._roomy(now, stream):
@@ -297,14 +320,65 @@ class Gate:
             return [self._search(now, sample, ticket)]
         return [self._send(now, sample, use, "forwarded")]
 
-    def _search(self, now: float, sample: Waiting, ticket: int) -> Command:
-        """Have a sample decided."""
+    def _take_up_copy(self, now: float, copy: Copy, ticket: int) -> list[Command]:
+        """Send a copy, or have it decided; while there is no room for it, it waits for as long as it is worth it."""
+        stream = self._own(now, copy.waiting)
+        if stream is None or stream.information_type.markovian:
+            self.kept.give_up(copy, NO_SPEC)
+            return []
+        once = stream.information_type.aggregation is Aggregation.ONCE and not copy.delete
+        if once and copy.to in stream.reached:
+            self.kept.give_up(copy, ONCE)
+            return []
+        use = self._use_of_copy(copy)
+        enforced = self.mode_of(stream) is Mode.ENFORCE
+        if enforced and self.lacking(now, use):
+            return []
+        if not enforced or copy.delete or self._roomy(now, stream):
+            return [self._send_copy(now, copy, use)]
+        scale = rounded(stream.information_type.scale(copy.waiting.features))
+        return [self._search(now, replace(copy.waiting, scale=scale, to=copy.to), ticket, copy)]
+
+    def _decided_copy(self, now: float, pending: Pending, copy: Copy, plan: Plan | None) -> list[Command]:
+        """The answer for a copy: what is not sent now may be later, when there is more room."""
+        if not self.kept.waits(copy):
+            return []
+        use, rule = self._use_of_copy(copy), self._view.specs.fallback
+        urgent = plan is not None or copy.waiting.priority <= rule.urgent
+        needed = use if urgent else tuple(amount / rule.part for amount in use)
+        send = (plan is None or plan.send) and not self.lacking(now, needed)
+        if plan is not None:
+            reason = "forwarded" if send else "waits"
+            self.decisions.note(Decided(now, copy.waiting.key, plan, pending.constraints, reason))
+        if send:
+            return [self._send_copy(now, copy, use)]
+        self.kept.postpone(now, copy)
+        return []
+
+    def _send_copy(self, now: float, copy: Copy, use: tuple[float, ...]) -> Command:
+        stream = self._own(now, copy.waiting)
+        if stream is not None and stream.information_type.aggregation is Aggregation.ONCE:
+            stream.resume(copy.to)
+        self._view.aired(1 + self._settings.relayed, (1 + self._settings.relayed) * copy.waiting.size)
+        if self.mode_of(stream) is Mode.ENFORCE:
+            self._shares.use(now, use)
+        else:
+            self._shares.use_at_most(now, use, 1.0)
+        self.kept.hand(copy)
+        return SendCopy(copy.waiting.sample, copy.to)
+
+    def _use_of_copy(self, copy: Copy) -> tuple[float, ...]:
+        """What a copy uses of the constraints: it goes to one robot, and when relayed to the router before."""
+        return use_of(copy.waiting.size, 1 + self._settings.relayed, self.limits)
+
+    def _search(self, now: float, sample: Waiting, ticket: int, copy: Copy | None = None) -> Command:
+        """Have a sample decided, or the copy of one."""
         problem, full = self._windows.within(now, sample, self.inbox, self.problem_limits(now), self.span.most)
         held = sum(not message.sent for message in problem.messages) - 1
         thinned = self.span.most < full
         if thinned:
             self.decisions.thin(held, full)
-        self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints), held, thinned)
+        self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints), held, thinned, copy)
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
         return Decide(ticket, problem, ticket, min(budget, self._settings.iterations), now)
 
@@ -342,7 +416,7 @@ class Gate:
             return self.pass_on(sample.sample, "passed:unwanted")
         use = use_of(sample.size, 1 if is_broadcast(self._settings.transport) else silent, self.limits)
         if lacking := [k for k, amount in enumerate(use) if amount > self._shares.free(now, k)]:
-            return self._refuse(now, sample, "dropped:constraint", tuple(_held(self.limits[k]) for k in lacking))
+            return self._refuse(now, sample, CONSTRAINT, tuple(_held(self.limits[k]) for k in lacking))
         self._shares.use(now, use)
         return self.pass_on(sample.sample, "passed:unwanted")
 
@@ -356,6 +430,8 @@ class Gate:
 
     def _by_rule(self, now: float, pending: Pending) -> list[Command]:
         """Decide by priority and token buckets."""
+        if pending.copy is not None:
+            return self._decided_copy(now, pending, pending.copy, None)
         rule, use, buckets = self._view.specs.fallback, self._use(now, pending.sample), self._buckets
         buckets.fill(now, self.limits, [rule.part * room for room in self._rooms_left(now)])
         urgent = pending.sample.priority <= rule.urgent
@@ -419,7 +495,11 @@ class Gate:
         return [self.pass_on(sample, "passed:delete") for sample in self._deletions.due(self._undecided())]
 
     def _undecided(self) -> Iterator[Waiting]:
-        return chain(self.inbox, self._unsettled.values(), () if self.pending is None else (self.pending.sample,))
+        return chain(self.inbox, self._unsettled.values(), self._deciding())
+
+    def _deciding(self) -> list[Waiting]:
+        """The sample that is being decided, if one is; a copy stays where it is kept."""
+        return [] if self.pending is None or self.pending.copy is not None else [self.pending.sample]
 
     def _drop(self, sample: int, reason: str) -> Command:
         self._counts.drop(sample, reason)

@@ -11,7 +11,10 @@ OVERFLOW = "dropped:overflow"
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """A sample in the inbox. `worth` orders evictions: value per byte; `priority` is Zenoh's, 1 the highest."""
+    """A sample in the inbox. `worth` orders evictions: value per byte; `priority` is Zenoh's, 1 the highest.
+
+    `to` is the tag of the only robot that it is for, if it is a copy.
+    """
 
     sample: int
     key: str
@@ -21,6 +24,7 @@ class Waiting:
     priority: int
     markovian: bool
     features: Mapping[str, float] = field(default_factory=dict)
+    to: str = ""
 
     @property
     def worth(self) -> float:

@@ -4,13 +4,15 @@ Robots of a team mostly subscribe to the same expressions, so a key is compared 
 it, and its answer is kept until an expression that matches the key comes or goes.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from functools import lru_cache
 
 import zenoh
 
 MOST_KEYS = 8192
 """Keys whose answer is kept."""
+MOST_NARROWED = 256
+"""Subscriptions that are narrowed to the keys of information types; of more, all of those keys are meant."""
 MOST_WILD = 3
 """`**` and `$*` in one key expression; Zenoh takes exponential time for many: who asks so is said to want all."""
 
@@ -22,6 +24,21 @@ def intersects(expression: str, key: str) -> bool:
         return True
     one, other = _parsed(expression), _parsed(key)
     return one is not None and other is not None and bool(one.intersects(other))
+
+
+def common(subscriptions: Collection[str], keys: Collection[str]) -> set[str]:
+    """Return key expressions that match what both some subscription and some of the keys do, and little more."""
+    if len(subscriptions) > MOST_NARROWED:
+        return set(keys)
+    return {_narrower(each, key) for each in subscriptions for key in keys if intersects(each, key)}
+
+
+def _narrower(expression: str, key: str) -> str:
+    """Return the narrower of two expressions that have something in common; where neither is, the first."""
+    if expression.count("**") + expression.count("$*") > MOST_WILD:
+        return key
+    one, other = _parsed(expression), _parsed(key)
+    return key if one is None or other is None or one.includes(other) else expression
 
 
 @lru_cache(maxsize=16_384)

@@ -36,6 +36,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "wall_error": core.view.clock_error or None,
         "uptime": now - core.started,
         "counts": _counts(core),
+        "kept": core.kept.described(now) | {"keys": sorted(core.retained)},
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "streams": [_stream(core, stream, now) for stream in core.view.streams()],

@@ -19,7 +19,8 @@ class CoreSettings:
     `relayed` says that robots meet at a router: a sample goes on the air to it, and then once to each robot that wants
     it. `digests_on_air` says that digests are broadcast, as samples are. A decision may take `deadline` [s] from the
     event that asked for it on; windows are thinned where it would not do. `version` is that of
-    Sendworthy.
+    Sendworthy. `away` is how long samples of which each counts are kept for a robot that has vanished [s]; 0.0: the
+    driver cannot keep them.
     """
 
     robot: str
@@ -42,3 +43,4 @@ class CoreSettings:
     digests_on_air: bool = False
     wall_offset: float = 0.0
     version: str = ""
+    away: float = 0.0

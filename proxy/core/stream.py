@@ -165,6 +165,11 @@ class Stream:
             self.reached.update(names)
             self._sent_to = names
 
+    def resume(self, name: str) -> None:
+        """This robot was sent a sample before it vanished, and is back."""
+        self.changes += 1
+        self.reached.add(name)
+
     def miss(self, names: Iterable[str]) -> None:
         """Those robots were not sent a sample after all."""
         self.changes += 1

@@ -155,6 +155,12 @@ class Audiences:
             known = self._known[place] = self._look(now, stream, gaining)
         return known.audience
 
+    def to(self, now: float, name: str, size: int) -> Audience:
+        """Return the robot with this tag as the only one that gains by a message of ours of so many bytes."""
+        sender = _From(self._view, self._view.settings.robot)
+        first, receivers = grouped(sender.ways((name,), size, self._loss(now)))
+        return Audience(size, first, sender.mean.per_byte, receivers)
+
     def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> _Looked:
         """Look at the ways of a stream, or find what they were for another one lately."""
         size = stream.newest.size

@@ -59,6 +59,8 @@ class _Candidate:
     own: bool
     markovian: bool
     times: list[float]
+    copy: bool = False
+    """Whether these are messages for one robot alone, which was away when they were generated."""
 
     @property
     def worth(self) -> float:
@@ -147,7 +149,7 @@ class WindowBuilder:
         """Return who competes, what is to decide, what guarantees demand anyway, and how much there is to decide."""
         queued = int(min(len(waiting), most // 2))
         places = int(min(self._view.settings.horizon, most - queued))
-        candidates = self._candidates(now, "" if current is None else current.key, limits, places)
+        candidates = self._candidates(now, "" if current is None or current.to else current.key, limits, places)
         end = self._forecast(now, candidates, limits)
         demanded = [m for c in candidates if guaranteed(c.stream) for m in self._owed(c, limits)]
         for c in candidates:
@@ -161,11 +163,14 @@ class WindowBuilder:
         _thin(candidates, places)
         ours = {c.stream.key: c for c in candidates if c.own}
         opened = [
-            _Open(w.t_gen, c, w.size, w.scale, w.features, w is current)
-            for w in (*_competing(waiting, ours)[:queued], *([] if current is None else [current]))
-            for c in (ours[w.key],)
-            if w is current or limits.holds is None or limits.holds(w.t_gen, use_of(w.size, c.copies, limits.union))
+            _open(w, ours[w.key])
+            for w in _competing(waiting, ours)[:queued]
+            if limits.holds is None or limits.holds(w.t_gen, use_of(w.size, ours[w.key].copies, limits.union))
         ]
+        if current is not None:
+            if current.to:
+                candidates.append(self._copied(now, len(candidates), current))
+            opened.append(_open(current, candidates[-1] if current.to else ours[current.key], current=True))
         opened += [_expect(c, t) for c in candidates for t in c.times]
         if limits.promised is not None:
             opened += [m for c in candidates for m in self._asking(now, c, limits.promised)]
@@ -211,6 +216,16 @@ class WindowBuilder:
         view, own = self._view, stream.robot == self._view.settings.robot
         markovian, audience = stream.information_type.markovian, view.audiences.of(now, stream)
         return _Candidate(stream, place, view.copies(stream), audience, own, markovian, [])
+
+    def _copied(self, now: float, place: int, current: Waiting) -> _Candidate:
+        """Return the stream of a copy, as it is for the one robot that the copy is for."""
+        view, own = self._view, self._view.settings.robot
+        stream = view.stream(now, own, current.key)
+        if stream is None:
+            raise LookupError(f"no type plans for {current.key}")
+        audience = view.audiences.to(now, current.to, current.size)
+        copies = 1 + view.settings.relayed
+        return _Candidate(stream, place, copies, audience, own=True, markovian=False, times=[], copy=True)
 
     def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
@@ -341,6 +356,10 @@ def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
     return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.audience.latency_of(m.size), utility, m.scale, use)
 
 
+def _open(waiting: Waiting, c: _Candidate, *, current: bool = False) -> _Open:
+    return _Open(waiting.t_gen, c, waiting.size, waiting.scale, waiting.features, current)
+
+
 def _expect(c: _Candidate, t_gen: float) -> _Open:
     like = c.stream.expected(t_gen)
     return _Open(t_gen, c, like.size, like.scale, like.features)
@@ -357,6 +376,8 @@ def _facts(c: _Candidate, now: float, nothing: tuple[float, ...], promised: Prom
     received counts from now on: what it was worth before no decision can change.
     """
     stream = c.stream
+    if c.copy:  # what its robot has of the stream it had before it vanished
+        return []
     lent = promised.get((stream.robot, stream.key)) if promised else None
     if c.markovian and not lent:
         return [_fact(c, stream.recent[-1], -math.inf, nothing)] if stream.recent else []

@@ -22,7 +22,7 @@ class Besieged:
     """A core with one honest robot on the mesh. `act` is an event, hostile or not; `check` what must hold after it."""
 
     def __init__(self, specs, coordination="shares"):
-        settings = CoreSettings("r1", "0000000001", streams=STREAMS, coordination=coordination, settle=0.0)
+        settings = CoreSettings("r1", "0000000001", streams=STREAMS, coordination=coordination, settle=0.0, away=20.0)
         self.core = Core(settings, specs, 0.0)
         self.now, self.samples, self.generated = 0.0, 0, 0
         self.open, self.undecided, self.unread = set(), {}, []
@@ -80,6 +80,7 @@ class Besieged:
         """Conservation, bounds, and an honest robot that is known as what it is."""
         core, view = self.core, self.core.view
         assert core.counts.conserved
+        assert core.kept.conserved
         assert core.counts.by_reason.total() - core.counts.by_reason[SUPERSEDED] <= self.samples
         assert len(list(view.streams())) <= STREAMS
         assert sum(map(len, view._table._owned.values())) == len(view._table._all)

@@ -17,7 +17,7 @@ class Counting:
         self.carried = 0
         self._cut = cut
         self._server = socket.create_server(("127.0.0.1", port))
-        self._ends = []
+        self._ends, self._lost = [], set()
 
     def __enter__(self):
         threading.Thread(target=self._accept, daemon=True).start()
@@ -35,6 +35,11 @@ class Counting:
         ends, self._ends = self._ends, []
         for end in ends:
             _close(end)
+
+    def lose(self):
+        """Carry nothing from now on, which nobody is told: as a radio out of reach."""
+        self._cut = True
+        self._lost |= set(self._ends)
 
     def mend(self):
         """Carry again."""
@@ -57,8 +62,9 @@ class Counting:
     def _pump(self, source, sink, counted):
         with suppress(OSError):
             while data := source.recv(65536):
-                self.carried += len(data) * counted
-                sink.sendall(data)
+                if source not in self._lost:
+                    self.carried += len(data) * counted
+                    sink.sendall(data)
         _close(sink)
 
 

@@ -169,6 +169,22 @@ def test_decisions_are_told_as_far_as_anything_is_known_of_them():
     ]
 
 
+def test_what_is_kept_for_robots_that_are_away_is_a_table():
+    """All copies are accounted for, and whoever they wait for is named."""
+    kept = {
+        "in": 9,
+        "waiting": 3,
+        "conserved": True,
+        "by_reason": {"dropped:expired": 1, "forwarded": 5},
+        "for": [{"robot": "r2", "back": False, "away": 4.0, "samples": 3}],
+    }
+    assert table({"kept": kept}).splitlines()[4:] == [
+        "kept  9 copies for robots that were away = 3 waiting + 1 dropped:expired + 5 forwarded",
+        "KEPT FOR        SINCE  COPIES",
+        "r2        away    4 s       3",
+    ]
+
+
 def test_what_the_rules_denied_is_a_table():
     """By direction, as far as there is anything, with the bytes of what bypassed among the counts."""
     nothing = {"samples": 0, "queries": 0, "replies": 0, "subscribers": 0, "queryables": 0, "tokens": 0}

@@ -3,10 +3,12 @@
 import pytest
 import zenoh
 
+from proxy.bridge import keys
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.rules import Rules
 from proxy.config import BridgeConfig
 from proxy.core.events import SampleHeard
+from proxy.core.wire import tag
 from tests.proxy.nodes import Heard, closing, free_endpoint, pass_fence, plain_session, wait_matching
 from tests.waiting import wait_until
 
@@ -82,3 +84,44 @@ def test_a_covered_sample_that_is_denied_is_heard_all_the_same(stack):
     wait_until(lambda: heard.samples, what="the one that is not denied")
     assert [str(sample.key_expr) for sample in heard.samples] == ["b"]
     assert (delivery.delivered, rules.describe()["in"]["samples"]) == (1, 1)
+
+
+def test_a_copy_is_delivered_as_what_it_is_a_copy_of(stack):
+    """Under its own key, unless it came before or no application wants it; the core learns nothing of its way."""
+    endpoint, inside = free_endpoint(), free_endpoint()
+    mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
+    app = closing(stack, plain_session("router", listen=(inside,)))
+    events = []
+    delivery = Delivery(app, mesh, lambda key: key, Rules(BridgeConfig()), events.append, counts_each=lambda _: True)
+    stack.callback(delivery.close)
+    delivery.open()
+    delivery.update({"alarm/*": False})
+    node = closing(stack, plain_session("client", connect=(inside,)))
+    heard = Heard(node, "**")
+    pass_fence(node, app)
+    other = closing(stack, plain_session("peer", connect=(endpoint,)))
+    to = tag(str(mesh.zid()))
+    for key in ("alarm/a", keys.kept(to, "alarm/a")):
+        wait_matching(other, key)
+    before, missed = other.new_timestamp(), other.new_timestamp()
+    block = zenoh.CongestionControl.BLOCK
+    other.put("alarm/a", "before", timestamp=before, congestion_control=block)
+    wait_until(lambda: heard.samples, what="the first one")
+    for key, text, stamp in (("alarm/a", "before", before), ("other/a", "unwanted", missed), ("alarm/a", "x", missed)):
+        other.put(
+            keys.kept(to, key),
+            text,
+            timestamp=stamp,
+            attachment="with it",
+            encoding="text/plain;s",
+            priority=zenoh.Priority.DATA_HIGH,
+            congestion_control=block,
+        )
+    other.delete(keys.kept(to, "alarm/a"), timestamp=other.new_timestamp(), congestion_control=block)
+    wait_until(lambda: len(heard.samples) >= 3, what="what was missed")
+    _, sample, deletion = heard.samples
+    assert [str(each.key_expr) for each in heard.samples] == ["alarm/a"] * 3
+    assert (sample.payload.to_string(), sample.attachment.to_string()) == ("x", "with it")
+    assert (str(sample.encoding), sample.priority) == ("text/plain;s", zenoh.Priority.DATA_HIGH)
+    assert (sample.timestamp, deletion.kind) == (missed, zenoh.SampleKind.DELETE)
+    assert (delivery.delivered, delivery.repeated, len(events)) == (3, 1, 1)

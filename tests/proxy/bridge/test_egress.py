@@ -10,12 +10,13 @@ from proxy.bridge import egress as egress_module
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.headroom import Headroom
+from proxy.bridge.keys import kept
 from proxy.bridge.passed import Passed
 from proxy.bridge.room import rooms
 from proxy.bridge.sample import Held
 from proxy.bridge.sessions import mesh_options, open_session
-from proxy.core.events import SampleHanded, SampleRefused
-from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
+from proxy.core.events import CopyHanded, SampleHanded, SampleRefused
+from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
 
 LARGE = "x" * 200_000
@@ -29,8 +30,8 @@ class Bench:
         endpoint = free_endpoint()
         options = mesh_options([endpoint], [], scouting=False, interface="auto", zenoh_options={})
         self.mesh = closing(stack, open_session(options, "mesh"))
-        peer = closing(stack, plain_session("peer", connect=(endpoint,)))
-        self.heard = Heard(peer, "**")
+        self.peer = closing(stack, plain_session("peer", connect=(endpoint,)))
+        self.heard = Heard(self.peer, "**")
         self.posted = []
         self.rooms = rooms(most, most_bytes)
         self.passed = Passed()
@@ -77,6 +78,21 @@ def test_forwarded_samples_are_reported_when_handed_over(bench):
     assert [(type(event), event.sample) for event in bench.posted] == [(SampleHanded, i) for i in range(5)]
     wait_until(lambda: len(bench.mine()) == 5, what="five samples")
     assert bench.egress.waiting == {"decided": 0, "passing": 0}
+
+
+def test_a_copy_goes_to_one_robot_alone(bench):
+    """On a key of its own, as it is otherwise, and is answered with whom it was for."""
+    copies = Heard(bench.peer, kept("ab12cd34", "**"))
+    wait_matching(bench.mesh, kept("ab12cd34", "made"))
+    bench.egress.forward(7, bench.held("missed", attachment="of old")._replace(to="ab12cd34"))
+    bench.egress.start()
+    wait_until(lambda: bench.posted, what="the answer")
+    wait_until(lambda: copies.samples, what="the copy")
+    (copy,) = copies.samples
+    assert (str(copy.key_expr), copy.attachment.to_string()) == (kept("ab12cd34", "made"), "of old")
+    (answer,) = bench.posted
+    assert (type(answer), answer.sample, answer.to) == (CopyHanded, 7, "ab12cd34")
+    assert bench.mine() == []
 
 
 def test_decided_samples_are_paced(stack):

@@ -24,6 +24,15 @@ def test_subscriptions_to_all_robots_match_each():
         assert zenoh.KeyExpr(all_robots).includes(one)
 
 
+def test_copies_go_where_one_robot_hears_them_and_tell_their_key():
+    """No application matches them, and neither does another robot."""
+    key = keys.kept("ab12cd34", "robot/r1/alarm")
+    assert keys.kept_of(key) == "robot/r1/alarm"
+    assert zenoh.KeyExpr(keys.kept("ab12cd34", "**")).includes(key)
+    assert not zenoh.KeyExpr(keys.kept("ab12cd35", "**")).intersects(key)
+    assert not keys.on_air(key)
+
+
 def test_no_wildcard_of_an_app_matches_own_keys():
     """Verbatim chunks keep Sendworthy's keys apart."""
     assert not zenoh.KeyExpr("**").intersects(keys.digest("r1", "ab"))

@@ -414,3 +414,17 @@ def test_news_that_comes_as_a_wait_ends_is_not_forgotten(pair, monkeypatch):
 
     monkeypatch.setattr(news, "wait", ends_late)
     wait_until(lambda: observes(pair[0], "late"), what="the subscription")
+
+
+def test_what_is_to_be_retained_is_taken_though_nobody_is_there(pair):
+    """A robot that wants it may be away; whoever comes and goes, nothing else is taken from applications."""
+    bridge = pair[0].bridge
+    bridge.retain(("covered/a", "covered/b"))
+    wait_until(lambda: bridge.describe()["observed"] == ["covered/a", "covered/b"], what="both")
+    heard = Heard(pair[1].node(), "covered/**")
+    fence(pair[1], pair[0])
+    wait_until(lambda: bridge.describe()["observed"] == ["covered/**"], what="what includes them")
+    heard.subscriber.undeclare()
+    wait_until(lambda: bridge.describe()["observed"] == ["covered/a", "covered/b"], what="them alone again")
+    bridge.retain(())
+    wait_until(lambda: not bridge.describe()["observed"], what="nothing")

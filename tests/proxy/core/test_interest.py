@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core import interest
-from proxy.core.interest import Interest, intersects
+from proxy.core.interest import Interest, common, intersects
 
 EXPRESSIONS = ("a/*", "a/**", "a/b", "**", "a/b$*", "a/@v/*", "*/c", "c", "a/$*c")
 KEYS = ("a/b", "a/c", "a/bc", "a/@v/b", "c", "d/c", "a/b/c", "x")
@@ -24,6 +24,27 @@ def test_the_answer_is_exact_under_changes(changes, asked):
         right = tuple(sorted(tag for tag, keys in of.items() if any(intersects(each, key) for each in keys)))
         assert kept.wanting(key) == kept.wanting(key) == right
         assert kept.wanting(key, tag) == tuple(each for each in right if each != tag)
+
+
+@given(
+    st.sets(st.sampled_from(EXPRESSIONS), max_size=4),
+    st.sets(st.sampled_from(EXPRESSIONS), max_size=4),
+    st.sampled_from(KEYS),
+)
+def test_what_two_have_in_common_is_covered(subscriptions, keys, key):
+    """By expressions of theirs: whatever both match, and where one includes the other nothing else."""
+    found = common(subscriptions, keys)
+    assert found <= subscriptions | keys
+    both = any(intersects(each, key) for each in subscriptions) and any(intersects(each, key) for each in keys)
+    assert both <= any(intersects(each, key) for each in found)
+
+
+def test_the_narrower_one_is_what_is_in_common():
+    """Of many subscriptions, and of those that take too long to compare, the keys are."""
+    assert common(["**"], ["a/*"]) == common(["a/*"], ["**"]) == {"a/*"}
+    assert common(["b/*"], ["a/*"]) == set()
+    assert common(["a/**/b/**/c/**/d/**"], ["a/*"]) == {"a/*"}
+    assert common([f"a/{n}" for n in range(1000)], ["a/*"]) == {"a/*"}
 
 
 def test_many_changes_at_once_are_as_exact():
