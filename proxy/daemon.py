@@ -26,6 +26,7 @@ from proxy.bridge.radio import Scouted
 from proxy.bridge.room import rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
+from proxy.bridge.silence import longest_silence
 from proxy.config import Config
 from proxy.config_changes import Change
 from proxy.core import transport
@@ -195,6 +196,7 @@ class Daemon:
             relayed=config.mesh.relayed,
             recall=sides.recall,
             rooms=rooms(config.queue.samples, config.queue.bytes),
+            silent=longest_silence(config.mesh.zenoh),
             submit=self._extractor.submit,
             post=loop.post,
             offer=loop.offer,

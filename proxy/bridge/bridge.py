@@ -23,6 +23,7 @@ from proxy.bridge.recall import Recall
 from proxy.bridge.room import Rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.sample import Held
+from proxy.bridge.silence import SILENT, Silence
 from proxy.bridge.voice import Voice
 from proxy.bridge.watch import Watch
 from proxy.core.events import CopyRefused, Event, SampleRefused
@@ -41,7 +42,7 @@ class Bridge:
     What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by
     itself. `post` gets what the core must know, `offer` what arrived, as far as it keeps up. In mode `enforce`
     forwarded samples are paced to the specs' rate. The voices must have been opened with `wake.set` as what to call
-    when something changed.
+    when something changed. Links to robots that are silent for `silent` [s] are ended.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class Bridge:
         relayed: bool,
         rooms: Rooms,
         recall: Recall,
+        silent: float = SILENT,
         submit: Submit,
         post: Callable[[Event], None],
         offer: Callable[[Event], object],
@@ -109,7 +111,7 @@ class Bridge:
             demand=self.demand,
             outward=self._outward,
             inward=self._inward,
-            links=(self._links, routers, recall),
+            links=(self._links, routers, recall, Silence(mesh, silent)),
             headroom=self._egress.headroom,
             rules=rules,
             neighbours=neighbours,

@@ -6,21 +6,15 @@ socket of each link; while that is little, a publication returns at once, whatev
 
 import ctypes
 import fcntl
-import ipaddress
 import socket
 import struct
 import sys
 import termios
 import threading
-from contextlib import suppress
-from pathlib import Path
-
-import zenoh
 
 from proxy.bridge.air import Air
+from proxy.bridge.sockets import Sockets, libc, tcp_info
 
-_libc = ctypes.PyDLL(None)
-"""What is asked here answers at once: other threads need not be let in meanwhile, and out again."""
 _Memory = ctypes.c_uint32 * 9
 _MEMORY_SIZE = ctypes.sizeof(_Memory)
 _MEMINFO = 55
@@ -34,8 +28,6 @@ _SINCE_SENT, _UNACKED, _RTT, _NOT_SENT, _LEAST_RTT, _RATE = (
 trip [us], bytes that wait, the least time of a round trip [us], and what came through at last [B/s]."""
 _ACKED = struct.Struct("@120xQ")
 """Place of the bytes that have arrived."""
-_TCP_INFO = 168
-"""So much of it is needed [B]."""
 LATELY = 300
 """A link that sent nothing for so long says nothing of the channel [ms]; it says that it is alive every 500 ms."""
 DENSE = 4
@@ -47,16 +39,13 @@ LITTLE = 16384
 EACH = 2048
 """What a small sample may take of a send buffer beside its bytes, in the worst case [B]."""
 
-Address = tuple[str, int]
-
 
 class Headroom:
     """Watches the sockets of all links of `session`. One that cannot be found counts as full."""
 
     def __init__(self, session: Air) -> None:
-        self._session = session
+        self._found = Sockets(session)
         self._lock = threading.Lock()
-        self._links: tuple[str, ...] = ()
         self._sockets: tuple[int, ...] = ()
         self._ends: tuple[tuple[str, int], ...] = ()
         """The session at the other end of each link, and its socket."""
@@ -102,17 +91,13 @@ class Headroom:
 
     def refresh(self) -> None:
         """Take note of links that came and went."""
-        ends = {f"{link.src} {link.dst}": str(link.zid) for link in self._session.info.links() if not _private(link)}
-        links = tuple(sorted(ends))
-        if links == self._links and not self._unknown:
+        if not self._found.refresh():
             return
-        found = _sockets()
-        numbers = [found.get(tuple(_address(end) for end in link.split())) for link in links]  # type: ignore[arg-type]
+        ends = self._found.ends
         with self._lock:
-            self._links = links
-            self._sockets = tuple(number for number in numbers if number is not None)
-            self._ends = tuple((ends[link], n) for link, n in zip(links, numbers, strict=True) if n is not None)
-            self._unknown = None in numbers
+            self._sockets = tuple(number for _, number in ends)
+            self._ends = ends
+            self._unknown = self._found.unknown
             self._budget = 0.0
 
     def _look(self) -> float:
@@ -121,30 +106,17 @@ class Headroom:
         return min((_room(number) for number in self._sockets), default=float("inf"))
 
 
-def _private(link: zenoh.Link) -> bool:
-    """Whether this is the link of our own voice."""
-    return str(link.src).startswith("unixsock-stream")
-
-
 def _room(number: int) -> float:
     """Return what may be written into a socket without asking again [B]; nothing when it is gone."""
     info = _Memory()
-    if _libc.getsockopt(number, socket.SOL_SOCKET, _MEMINFO, info, ctypes.byref(ctypes.c_uint32(_MEMORY_SIZE))) != 0:
+    if libc.getsockopt(number, socket.SOL_SOCKET, _MEMINFO, info, ctypes.byref(ctypes.c_uint32(_MEMORY_SIZE))) != 0:
         return 0.0
     return USABLE * info[_SNDBUF] - max(info[_QUEUED], info[_ALLOCATED])
 
 
-def _tcp_info(number: int) -> ctypes.Array[ctypes.c_char] | None:
-    """Return what the kernel knows of a connection; None when it is gone or the kernel is too old."""
-    info = ctypes.create_string_buffer(_TCP_INFO)
-    size = ctypes.c_uint32(_TCP_INFO)
-    failed = _libc.getsockopt(number, socket.IPPROTO_TCP, socket.TCP_INFO, info, ctypes.byref(size))
-    return None if failed or size.value < _TCP_INFO else info
-
-
 def _written(number: int) -> int | None:
     """Return what was written into a socket so far [B]; None when it is gone."""
-    info = _tcp_info(number)
+    info = tcp_info(number)
     if info is None:
         return None
     try:
@@ -156,7 +128,7 @@ def _written(number: int) -> int | None:
 
 def _wait(number: int) -> float | None:
     """Return how long what is written into a socket now is on its way [s]; None when nothing was sent lately."""
-    info = _tcp_info(number)
+    info = tcp_info(number)
     if info is None:
         return None
     since, unacked, rtt, not_sent, least, rate = (
@@ -165,36 +137,3 @@ def _wait(number: int) -> float | None:
     if since > LATELY or not rate:
         return None
     return float((rtt if unacked >= DENSE else least) / 1e6 + not_sent / rate)
-
-
-def _sockets() -> dict[tuple[Address, Address], int]:
-    """Return the numbers of this process's open TCP sockets by their two ends."""
-    found = {}
-    for entry in Path("/proc/self/fd").iterdir():
-        with suppress(OSError):  # closed meanwhile, or not connected
-            if not str(entry.readlink()).startswith("socket:"):
-                continue
-            borrowed = socket.socket(fileno=int(entry.name))
-            try:
-                if borrowed.family in (socket.AF_INET, socket.AF_INET6):
-                    ends = _plain(borrowed.getsockname()), _plain(borrowed.getpeername())
-                    found[ends] = borrowed.fileno()
-            finally:
-                borrowed.detach()  # it is Zenoh's
-    return found
-
-
-def _address(locator: str) -> Address:
-    """Return the address in a locator such as `tcp/[::1]:7447`."""
-    host, _, port = locator.partition("/")[2].split("#")[0].split("?")[0].rpartition(":")
-    return _plain((host.strip("[]").split("%")[0], port))
-
-
-def _plain(name: tuple[str, int | str] | tuple[str, int, int, int]) -> Address:
-    """Return an address without what differs between how Zenoh and the kernel write it."""
-    try:
-        host = ipaddress.ip_address(name[0].split("%")[0])
-    except ValueError:
-        return name[0], 0
-    mapped = host.ipv4_mapped if isinstance(host, ipaddress.IPv6Address) else None
-    return str(mapped or host), int(name[1] or 0)

@@ -13,11 +13,16 @@ MESH_GROUP = "224.0.0.225:7448"
 """Not Zenoh's default group: the mesh session would link to the robot's own app side."""
 SOCKET_BUFFER = 65536
 """Socket buffers on the mesh [B]. Large ones hide seconds of queue from the daemon."""
-LEASE = 2000
-"""A robot that says nothing for this long is gone [ms]."""
+LEASE = 10_000
+"""A link from which Zenoh reads nothing for this long is given up [ms]: a process hangs at its other end. Who vanishes
+is missed sooner, by `silence`."""
+KEEP_ALIVE = 20
+"""So many times in a lease a link that is idle is used all the same: a robot that vanishes leaves that unanswered."""
+LEASE_UNSEEN = 2000
+"""The lease where links may not be TCP, so that the kernel does not know who is silent [ms]."""
 
 BATCH = 8192
-"""Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than `LEASE`, which ends the link."""
+"""Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than a robot may be silent."""
 
 QUEUES = {
     "size": {"data_high": 8, "data": 8, "data_low": 8},
@@ -88,6 +93,7 @@ def mesh_options(
     Without `scouting` only `connect` is dialled: gossip would make peers connect around what is between them.
     The start waits for nobody: who cannot be reached is retried for ever.
     """
+    listen, connect = list(listen), list(connect)
     autoconnect = ["peer"] if scouting else []
     options: dict[str, Any] = {
         "mode": "router" if relayed else "peer",
@@ -107,7 +113,7 @@ def mesh_options(
         "transport": {
             "shared_memory": {"enabled": False},
             "link": {
-                "tx": {"lease": LEASE, "batch_size": BATCH, "queue": QUEUES},
+                "tx": {**_lease([*listen, *connect], zenoh_options), "batch_size": BATCH, "queue": QUEUES},
                 # For links that scouting finds; endpoints carry their own.
                 "tcp": {"so_sndbuf": SOCKET_BUFFER, "so_rcvbuf": SOCKET_BUFFER},
             },
@@ -176,6 +182,14 @@ def reason_of(error: zenoh.ZError) -> str:
 
 AT_ONCE = {"return_conditions": {"connect_scouted": False, "declares": False}}
 """Opening a session waits for nobody."""
+
+
+def _lease(endpoints: Iterable[str], zenoh_options: Mapping[str, Any]) -> dict[str, int]:
+    """Zenoh's lease of links to and from these endpoints; none of ours where it is configured."""
+    if "lease" in zenoh_options.get("transport", {}).get("link", {}).get("tx", {}):
+        return {}
+    seen = all(endpoint.startswith(_TCP) for endpoint in endpoints)
+    return {"lease": LEASE, "keep_alive": KEEP_ALIVE} if seen else {"lease": LEASE_UNSEEN}
 
 
 def _dialled(endpoints: Iterable[str], retry: Mapping[str, Any]) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.recall import Recall
 from proxy.bridge.rules import Rules
+from proxy.bridge.silence import Silence
 from proxy.bridge.voice import Voice
 from proxy.bridge.witnesses import Witnesses
 from proxy.core.events import Event, InterestChanged, LinksGauged
@@ -57,7 +58,7 @@ class Watch:
         demand: Demand,
         outward: Queries,
         inward: Queries,
-        links: tuple[Links | Recall, ...],
+        links: tuple[Links | Recall | Silence, ...],
         headroom: Headroom,
         rules: Rules,
         neighbours: Neighbours,

@@ -54,7 +54,6 @@ def test_zenoh_accepts_the_options_and_reads_what_is_meant(scouting):
     assert (multicast["enabled"], multicast["address"]) == (scouting, MESH_GROUP)
     gossip = json.loads(config.get_json("scouting/gossip"))
     assert gossip["autoconnect"] == multicast["autoconnect"] == {"peer": ["peer"] if scouting else []}
-    assert json.loads(config.get_json("transport/link/tx/lease")) == 2000
     assert not json.loads(config.get_json("transport/shared_memory/enabled"))
 
 

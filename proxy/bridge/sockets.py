@@ -1,0 +1,102 @@
+"""The sockets of a session's links: Zenoh says which links there are, the kernel knows what becomes of each."""
+
+import ctypes
+import ipaddress
+import socket
+from contextlib import suppress
+from pathlib import Path
+
+import zenoh
+
+from proxy.bridge.air import Air
+
+libc = ctypes.PyDLL(None)
+"""What is asked here answers at once: other threads need not be let in meanwhile, and out again."""
+_TCP_INFO = 168
+"""So much of `tcp_info` of <linux/tcp.h> is needed [B]."""
+
+Address = tuple[str, int]
+
+
+class Sockets:
+    """The TCP sockets of all links of `session`, but those of our own voice."""
+
+    def __init__(self, session: Air) -> None:
+        self._session = session
+        self._links: tuple[str, ...] = ()
+        self.ends: tuple[tuple[str, int], ...] = ()
+        """The session at the other end of each link, and its socket."""
+        self._places: dict[int, tuple[Address, Address]] = {}
+        self.unknown = True
+        """Whether the sockets of some links cannot be found."""
+
+    def refresh(self) -> bool:
+        """Take note of links that came and went; whether there may be news."""
+        ends = {f"{link.src} {link.dst}": str(link.zid) for link in self._session.info.links() if not _private(link)}
+        links = tuple(sorted(ends))
+        if links == self._links and not self.unknown:
+            return False
+        found = _sockets()
+        places = [_place(link) for link in links]
+        numbers = [found.get(place) for place in places]
+        self._places = {number: place for number, place in zip(numbers, places, strict=True) if number is not None}
+        self._links = links
+        self.ends = tuple((ends[link], n) for link, n in zip(links, numbers, strict=True) if n is not None)
+        self.unknown = None in numbers
+        return True
+
+    def owns(self, number: int) -> bool:
+        """Whether a socket still is that of the link that it was found for: numbers are used again."""
+        return number in self._places and _sockets().get(self._places[number]) == number
+
+
+def tcp_info(number: int) -> ctypes.Array[ctypes.c_char] | None:
+    """Return what the kernel knows of a connection; None when it is gone or the kernel is too old."""
+    info = ctypes.create_string_buffer(_TCP_INFO)
+    size = ctypes.c_uint32(_TCP_INFO)
+    failed = libc.getsockopt(number, socket.IPPROTO_TCP, socket.TCP_INFO, info, ctypes.byref(size))
+    return None if failed or size.value < _TCP_INFO else info
+
+
+def _private(link: zenoh.Link) -> bool:
+    """Whether this is the link of our own voice."""
+    return str(link.src).startswith("unixsock-stream")
+
+
+def _sockets() -> dict[tuple[Address, Address], int]:
+    """Return the numbers of this process's open TCP sockets by their two ends."""
+    found = {}
+    for entry in Path("/proc/self/fd").iterdir():
+        with suppress(OSError):  # closed meanwhile, or not connected
+            if not str(entry.readlink()).startswith("socket:"):
+                continue
+            borrowed = socket.socket(fileno=int(entry.name))
+            try:
+                if borrowed.family in (socket.AF_INET, socket.AF_INET6):
+                    ends = _plain(borrowed.getsockname()), _plain(borrowed.getpeername())
+                    found[ends] = borrowed.fileno()
+            finally:
+                borrowed.detach()  # it is Zenoh's
+    return found
+
+
+def _place(link: str) -> tuple[Address, Address]:
+    """Return the two ends of a link."""
+    near, far = link.split()
+    return _address(near), _address(far)
+
+
+def _address(locator: str) -> Address:
+    """Return the address in a locator such as `tcp/[::1]:7447`."""
+    host, _, port = locator.partition("/")[2].split("#")[0].split("?")[0].rpartition(":")
+    return _plain((host.strip("[]").split("%")[0], port))
+
+
+def _plain(name: tuple[str, int | str] | tuple[str, int, int, int]) -> Address:
+    """Return an address without what differs between how Zenoh and the kernel write it."""
+    try:
+        host = ipaddress.ip_address(name[0].split("%")[0])
+    except ValueError:
+        return name[0], 0
+    mapped = host.ipv4_mapped if isinstance(host, ipaddress.IPv6Address) else None
+    return str(mapped or host), int(name[1] or 0)
