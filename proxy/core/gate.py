@@ -203,13 +203,13 @@ class Gate:
         return [*self._decided(event.now, pending, event.plan, event.error), *self._delete()]
 
     def overdue(self, now: float, ticket: int) -> list[Command]:
-        """There is no answer in time for the pending sample: the static rule decides at once."""
+        """There is no answer in time for the pending sample: what fits is sent at once."""
         pending = self._answered(ticket)
         if pending is None:
             return []
         self.span.note(pending.held, math.inf, thinned=pending.thinned)
         self.decisions.late += 1
-        return [*self._by_rule(now, pending), *self._delete()]
+        return [*self._undecided_in_time(now, pending), *self._delete()]
 
     def handed(self, sample: int) -> None:
         """The mesh session took the sample."""
@@ -427,6 +427,15 @@ class Gate:
             commands.append(Notice("error", f"the planner failed, a static rule decides: {error}"))
         self._complaint = error
         return [*commands, *self._by_rule(now, pending)]
+
+    def _undecided_in_time(self, now: float, pending: Pending) -> list[Command]:
+        """Send what fits, unless something more urgent waits: what is not used now is lost, or was lent for nothing."""
+        sample, use = pending.sample, self._use(now, pending.sample)
+        if any(waiting.priority < sample.priority for waiting in self.inbox):
+            return self._by_rule(now, pending)
+        if lacking := self.lacking(now, use):
+            return [self._refuse(now, sample, "dropped:fallback", lacking)]
+        return [self._send(now, sample, use, "passed:fallback")]
 
     def _by_rule(self, now: float, pending: Pending) -> list[Command]:
         """Decide by priority and token buckets."""

@@ -324,15 +324,30 @@ def test_what_is_not_decided_in_time_the_static_rule_decides_at_once(make_aggreg
     assert status["counts"]["conserved"]
 
 
-def test_the_static_rule_keeps_the_limits_however_late_all_is(make_aggregated):
-    """Of 40 kB in 4 s at most half of the limit of 10 kB/s goes, and a bucket."""
+def test_what_is_late_is_sent_as_far_as_it_fits(make_aggregated):
+    """Of 40 kB in 4 s almost all that the limit of 10 kB/s lets through goes, and never more in any window."""
     talk = make_aggregated("sum", deadline=0.02)
     for number in range(40):
         now = 0.1 * (1 + number)
         _, commands = talk.publish(now)
         for decide in only(commands, Decide):
             talk.tell(ev.DecisionLate(now + 0.02, decide.ticket))
-    assert 18 <= len(talk.all(Forward)) <= 25
+    assert 30 <= len(talk.all(Forward)) <= 40
+
+
+@pytest.mark.parametrize("priority", [1, 6])
+def test_what_is_late_leaves_room_for_more_urgent_samples_that_wait(make_aggregated, priority):
+    """Only one of the two fits: the more urgent one is sent, else the one that was late."""
+    talk = make_aggregated("sum", deadline=0.02)
+    before, commands = talk.publish(0.1)
+    talk.answer(0.11, *only(commands, Decide), send=True)
+    first, commands = talk.publish(0.2, size=6000)
+    (late,) = only(commands, Decide)
+    second, _ = talk.publish(0.21, size=6000, priority=priority)
+    commands = talk.tell(ev.DecisionLate(0.22, late.ticket))
+    for decide in only(commands, Decide):
+        talk.tell(ev.DecisionLate(0.24, decide.ticket))
+    assert talk.all(Forward) == [Forward(before), Forward(second if priority == 1 else first)]
 
 
 def slow_days(talk):
