@@ -2,14 +2,15 @@
 
 import os
 import signal
+import subprocess
+import sys
 
 import pytest
 
 from proxy import clock
-from proxy.bridge.sessions import mesh_options
-from proxy.bridge.silence import Answers, Silence, longest_silence, silent_since
-from tests.proxy.bridge.test_headroom import listener, mesh  # noqa: F401 - fixtures
-from tests.proxy.nodes import closing, plain_session
+from proxy.bridge.sessions import mesh_options, open_session
+from proxy.bridge.silence import SILENT, Answers, Silence, longest_silence, silent_since
+from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
 TX = {"transport": {"link": {"tx": {"lease": 5000}}}}
@@ -34,34 +35,53 @@ def test_silence_is_not_to_answer(looks, silent):
     assert looks[-1][0] - since == pytest.approx(silent)
 
 
-def test_a_peer_that_does_not_run_is_not_silent(mesh, listener):  # noqa: F811 - fixtures
-    """It is frozen, and its kernel acknowledges all the same: no link ends, however little patience there is."""
-    session, _ = mesh
-    silence = Silence(session, 0.2)
-    publisher = session.declare_publisher("k")
-    wait_until(lambda: publisher.matching_status.matching, what="the subscription")
-    os.kill(listener.pid, signal.SIGSTOP)
-    began = clock.monotonic()
-
-    def waited():
-        publisher.put(b"x")
-        silence.check(clock.monotonic())
-        return clock.monotonic() - began > 1.0
-
-    wait_until(waited, what="more than its patience")
-    assert list(session.info.peers_zid())
+ROBOT = """
+import sys
+from proxy.bridge.sessions import mesh_options, open_session
+options = mesh_options([], [sys.argv[1]], scouting=False, interface="auto", zenoh_options={})
+with open_session(options, "mesh") as session:
+    sys.stdin.read()
+"""
 
 
-def test_a_link_that_is_silent_ends(mesh, stack):  # noqa: F811 - fixtures
+@pytest.fixture
+def mesh(stack):
+    endpoint = free_endpoint()
+    options = mesh_options([endpoint], [], scouting=False, interface="auto", zenoh_options={})
+    return closing(stack, open_session(options, "mesh")), endpoint
+
+
+def test_a_robot_that_has_no_processor_is_not_silent(mesh):
+    """It stands still for longer than a robot may be silent, and its kernel acknowledges all the same: it stays."""
+    session, endpoint = mesh
+    silence = Silence(session)
+    robot = subprocess.Popen([sys.executable, "-c", ROBOT, endpoint], stdin=subprocess.PIPE)
+    try:
+        wait_until(session.info.links, what="the link")
+        before = [link.dst for link in session.info.links()]
+        os.kill(robot.pid, signal.SIGSTOP)
+        began = clock.monotonic()
+
+        def waited():
+            silence.check(clock.monotonic())
+            assert [link.dst for link in session.info.links()] == before
+            return clock.monotonic() - began > 1.5 * SILENT
+
+        wait_until(waited, what="more than a robot may be silent")
+    finally:
+        robot.kill()
+        robot.communicate()
+
+
+def test_a_link_that_is_silent_ends(mesh, stack):
     """At once: Zenoh does not wait for its lease then."""
     session, endpoint = mesh
     closing(stack, plain_session("peer", connect=(endpoint,)))
-    wait_until(lambda: list(session.info.peers_zid()), what="the link")
     wait_until(session.info.links, what="the link")
     ends = {link.dst for link in session.info.links()}
 
     def ended():
-        # No patience at all: whatever was sent just now is unanswered.
+        # Without any patience whoever has something to answer is silent.
         Silence(session, 0.0).check(clock.monotonic())
         return ends.isdisjoint(link.dst for link in session.info.links())
 
