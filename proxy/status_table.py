@@ -93,7 +93,7 @@ def _decisions(decisions: Status) -> str:
         longest = duration(decisions.get("longest"))
         rows.append(("time", f"{duration(decisions['seconds'] / made)} each, the longest {longest}"))
     if late := decisions.get("late"):
-        rows.append(("", f"{late} more were late: the static rule made them"))
+        rows.append(("", f"{late} were late: they were sent if they fitted"))
     if (thinned := decisions.get("thinned") or {}).get("windows"):
         rows.append(
             ("thinned", f"{thinned['windows']} windows, {thinned['messages']} of {thinned['of']} messages kept")

@@ -53,7 +53,7 @@ class Decisions:
     `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
     ones, whose gap is known [utility·s]. `unneeded` are samples that were sent while there was room for all, `foreseen`
     those for which who leads lent us what they took; `owed` those that a guarantee demanded, `unkept` those of them for
-    which the limits left no room. `late` are decisions that the static rule made, for there was no answer in time. Of
+    which the limits left no room. `late` are samples that were sent if they fitted, for there was no answer in time. Of
     windows that were `thinned` to come in time `kept` counts the messages to decide, `full` those there would be else.
     `binding` counts by constraint the dropped samples that it was in the way of.
     """

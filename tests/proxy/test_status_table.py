@@ -143,7 +143,7 @@ def test_decisions_that_came_late_and_windows_that_were_thinned_are_told():
     thinned = {"windows": 2, "messages": 30, "of": 120}
     assert table({"decisions": {"made": 0, "late": 3, "thinned": thinned}}).splitlines()[4:] == [
         "decided  0 times",
-        "         3 more were late: the static rule made them",
+        "         3 were late: they were sent if they fitted",
         "thinned  2 windows, 30 of 120 messages kept",
     ]
     assert "thinned" not in table({"decisions": {"made": 1, "late": 0, "thinned": thinned | {"windows": 0}}})
