@@ -8,6 +8,7 @@ itself it is not told. So the voice declares what mirrors the other side.
 
 import logging
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from typing import Any, Literal
 
@@ -73,15 +74,15 @@ class Voice:
         if told and not tap.widened.wait(_PATIENCE):
             self.ledger.give_up("the voice's interests are written in another way")
         self._mark = tap.mark
-        self.sourced = gives_source(main, self.session, tap.mark)
-        """Whether replies can have source info."""
-        if not self.sourced:
-            log.error(
-                "%s.zenoh: cannot give replies source info, so the numbers of advanced publishers stay on their robots;"
-                " access_control must allow %s/trial/**",
-                side,
-                PREFIX,
-            )
+        # A router works out its routes a tenth of a second after it is linked: what else a start takes need not wait.
+        trial = ThreadPoolExecutor(1, "trial")
+        self._sourced = trial.submit(_sourced, main, self.session, tap.mark, side)
+        trial.shutdown(wait=False)
+
+    @property
+    def sourced(self) -> bool:
+        """Whether replies can have source info; waits until it is known."""
+        return self._sourced.result()
 
     def attachment_of(self, sample: zenoh.Sample) -> zenoh.ZBytes | bytes | None:
         """Return the attachment with which `sample` is to be replied, so that the reply has its source info too."""
@@ -101,6 +102,7 @@ class Voice:
 
     def close(self) -> None:
         """Fall silent: everything declared with the voice is gone."""
+        wait((self._sourced,))
         for interest in self._interests:
             interest.undeclare()
         self._interests = []
@@ -118,6 +120,18 @@ class Voice:
         """Be told of tokens."""
         handler = zenoh.handlers.Callback(_ignore, indirect=False)
         return self.session.liveliness().declare_subscriber(key, handler, history=True)
+
+
+def _sourced(main: zenoh.Session, voice: zenoh.Session, mark: bytes, side: str) -> bool:
+    found = gives_source(main, voice, mark)
+    if not found:
+        log.error(
+            "%s.zenoh: cannot give replies source info, so the numbers of advanced publishers stay on their robots;"
+            " access_control must allow %s/trial/**",
+            side,
+            PREFIX,
+        )
+    return found
 
 
 def _ignore(_: zenoh.Sample) -> None:

@@ -36,7 +36,11 @@ def plain_session(
         "listen": {"endpoints": list(listen)},
         "connect": {"endpoints": list(connect), "timeout_ms": 5000, "exit_on_failure": False} | again,
         "timestamping": {"enabled": stamps},
-        "scouting": {"multicast": {"enabled": False}, "gossip": {} if gossip else {"autoconnect": {"peer": []}}},
+        "scouting": {
+            "delay": 0,
+            "multicast": {"enabled": False},
+            "gossip": {} if gossip else {"autoconnect": {"peer": []}},
+        },
     }
     return zenoh.open(zenoh.Config.from_json5(json.dumps(options)))
 

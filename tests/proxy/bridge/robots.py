@@ -49,8 +49,13 @@ class Robot:
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
         app = AppConfig(listen=(self.app_endpoint,))
         mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False, **mesh_options)
-        sides = open_sides(app, mesh, stack)
+        sides = self._sides = open_sides(app, mesh, stack)
+        self._connect, self._specs, self._rules = connect, specs, rules
         self.app, self.mesh, self.air, self.voice = sides.app, sides.mesh, sides.air, sides.apps.session
+
+    def begin(self) -> None:
+        """Let things cross."""
+        stack, sides = self._stack, self._sides
         neighbours = Neighbours(sides.app, "robot", str(sides.mesh.zid()), sides.wake.set)
         stack.callback(neighbours.close)
         self.bridge = Bridge(
@@ -61,10 +66,10 @@ class Robot:
             others=sides.others,
             neighbours=neighbours,
             wake=sides.wake,
-            specs=specs,
+            specs=self._specs,
             mode=Mode.ENFORCE,
-            connect=connect,
-            rules=Rules(BridgeConfig.model_validate(rules or {})),
+            connect=self._connect,
+            rules=Rules(BridgeConfig.model_validate(self._rules or {})),
             app_connect=(),
             relayed=False,
             rooms=self.rooms,
@@ -117,6 +122,8 @@ def team(
     robots: list[Robot] = []
     for own in rules[:size]:
         robots.append(Robot(stack, loaded, tuple(robot.mesh_endpoint for robot in robots), own, **mesh_options))
+    for robot in robots:
+        robot.begin()
     wait_until(
         lambda: all(len(robot.mesh.info.peers_zid()) == size - 1 for robot in robots), what="the full mesh of links"
     )
