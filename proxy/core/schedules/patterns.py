@@ -69,8 +69,8 @@ class Periodic(NamedTuple):
         """Return the times due from the next number on; what is late is not expected any more."""
         rhythm = self.rhythm
         number = max(1, floor((span.after - rhythm.origin) / rhythm.period) + 1)
-        while rhythm.origin + number * rhythm.period <= span.after:  # where the quotient was rounded down
-            number += 1
+        # Where the quotient was rounded down. No loop: it would not end where times cannot tell the periods apart.
+        number += rhythm.origin + number * rhythm.period <= span.after
         return evenly(rhythm.origin + number * rhythm.period, rhythm.period, span.until, span.most)
 
 

@@ -46,12 +46,16 @@ class Rhythm(NamedTuple):
         """When a sample was or is due [s]."""
         return self.origin + (number - self.number) * self.period
 
-    def nudged(self, number: int, t: float) -> "Rhythm":
-        """Return the rhythm with one more sample, weighed as least squares over those `known` would."""
+    def nudged(self, number: int, t: float, step: float = 1.0) -> "Rhythm":
+        """Return the rhythm with one more sample, weighed as least squares over those `known` would.
+
+        Their numbers are `step` apart on average: the farther, the less one of them tells of the period.
+        """
         due, known = self.due(number), self.known
         weight = 1.0 / (known * (known + 1))
         origin = t if self.wanders else due + (4 * known - 2) * weight * (t - due)
-        return Rhythm(self.period + 6.0 * weight * (t - due), origin, number, self.jitter, known, self.wanders)
+        period = self.period + 6.0 * weight * (t - due) / step
+        return Rhythm(period, origin, number, self.jitter, known, self.wanders)
 
 
 def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:

@@ -124,7 +124,8 @@ class Tracker:
         self._line.append((number, t))
         self._since += 1
         if self.rhythm is not None and self.rhythm.known >= MEMORY // 2 and self._since < REFIT:
-            nudged = self.rhythm.nudged(number, t)
+            step = (number - self._line[0][0]) / (len(self._line) - 1)
+            nudged = self.rhythm.nudged(number, t, step)
             if nudged.period >= LEAST_PERIOD:
                 self.rhythm = nudged
                 return

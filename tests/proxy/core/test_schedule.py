@@ -1,6 +1,7 @@
 """When streams generate."""
 
 import math
+import random
 
 import numpy as np
 import pytest
@@ -394,6 +395,27 @@ def test_whatever_is_seen_forecasts_are_in_order_and_bounded(events, most, ahead
         assert math.isfinite(schedule.period)
         assert schedule.period >= 0.0
         assert schedule.jitter >= 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_stream_of_which_most_samples_are_superseded_keeps_a_period(seed):
+    """Publications come twenty at once and at odd times, and of most of them the last one alone is seen."""
+    rng = random.Random(seed)
+    schedule, count, t = Schedule(), 0, 100.0
+    for _ in range(100):
+        count, t = count + rng.choice([1, 19, 20, 20, 20]), t + rng.lognormvariate(-5.0, 1.0)
+        schedule.observe(count, t)
+        assert len(schedule.forecast(t, t + 60.0, 60, t)) <= 60
+        assert schedule.period >= 0.0
+
+
+@pytest.mark.parametrize("kind", ["", "periodic", "poisson", "bursts 2 1e-31"])
+def test_a_period_that_no_clock_can_tell_is_not_believed(kind):
+    """Whoever tells it, forecasts come to an end."""
+    schedule = Schedule()
+    assert not schedule.assume(1e-30, kind)
+    schedule.observe(5, 100.1)
+    assert schedule.forecast(100.3, 160.3, 60, 100.3) == []
 
 
 def test_last_sample_patience_and_next_sample_are_known_at_a_look():

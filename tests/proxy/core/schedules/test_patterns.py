@@ -18,6 +18,11 @@ def test_what_is_late_is_not_expected_any_more():
     assert late.expect(Span(11.0, 11.0, 12.0, 9)) == [12.0]
 
 
+def test_periods_that_times_cannot_tell_apart_end_all_the_same():
+    """Nobody waits for a number that is due later."""
+    assert len(Periodic(Rhythm(1e-30, 100.1, 10, 0.0, 16)).expect(Span(100.3, 100.3, 160.3, 9))) == 9
+
+
 def test_random_samples_come_from_now_on():
     """Not from when the last one was heard of."""
     pattern = Memoryless(2.0)

@@ -63,5 +63,14 @@ def test_one_more_sample_moves_a_rhythm_as_far_as_a_fit_would():
     nudged, whole = fit(points[:15]).nudged(*points[15]), fit(points)
     assert nudged.period == pytest.approx(whole.period, abs=0.003)
     assert nudged.due(16) == pytest.approx(whole.due(16), abs=0.01)
+    sparse = [(20 * n, 20 * t) for n, t in points]
+    nudged, whole = fit(sparse[:15]).nudged(*sparse[15], 20.0), fit(sparse)
+    assert nudged.period == pytest.approx(whole.period, abs=0.003)
     assert fit([(0, 0.0), (1, 1.0)]).nudged(2, 2.0).due(3) == pytest.approx(3.0)
     assert Rhythm(1.0, 5.0, 5, 0.1, 16, wanders=True).nudged(6, 6.2).origin == 6.2
+
+
+def test_there_is_no_period_that_is_none():
+    """Times that stand still or fall tell none."""
+    assert fit([(0, 1.0), (1, 1.0)]) is None
+    assert fit([(0, 2.0), (1, 1.0), (2, 0.0)]) is None
