@@ -118,7 +118,7 @@ def wait_matching(session: zenoh.Session, key: str) -> None:
     probe.undeclare()
 
 
-def answers(session: zenoh.Session, selector: str, timeout: float = 30.0, **options: Any) -> Iterator[str]:
+def answers(session: zenoh.Session, selector: str, **options: Any) -> Iterator[str]:
     """The payloads of all replies, errors as "error: …"."""
-    for reply in session.get(selector, timeout=timeout, **options):
+    for reply in session.get(selector, timeout=30.0, **options):
         yield reply.ok.payload.to_string() if reply.ok else f"error: {reply.err.payload.to_string()}"
