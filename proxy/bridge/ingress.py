@@ -131,8 +131,14 @@ class Ingress:
         return self._mirror.leaving
 
     def update(self, wanted: Iterable[str]) -> bool:
-        """Receive exactly what `wanted` matches, each sample once; return whether that is news."""
-        return self._mirror.update(self._cover.update(wanted))
+        """Receive exactly what `wanted` matches, each sample once; return whether that is news.
+
+        What is subscribed to stays while it is wanted, though something wider is subscribed to by now: Zenoh loses
+        samples on their way when one of two subscriptions that match them is undeclared.
+        """
+        wanted = set(wanted)
+        stay = dict.fromkeys(wanted.intersection(self._mirror.declared), False)
+        return self._mirror.update(self._cover.update(wanted) | stay)
 
     def close(self) -> None:
         """Receive nothing more."""

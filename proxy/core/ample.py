@@ -1,8 +1,8 @@
 """Ample room: what all streams are to be expected to send fits easily into every limit, so nothing has to be dropped.
 
-Then samples go without a search. Of new streams nobody knows what they need, so their first samples are decided; but
-where many samples wait, as in a burst, a search for each would take longer than they are worth: then it is taken that
-new streams generate as many again as they did so far.
+Then samples go without a search. Of new streams nobody knows what they need, so their first samples are decided, unless
+so many of them are a small part of every limit. Where many samples wait, as in a burst, a search for each would take
+longer than they are worth: then it is taken that new streams generate as many again as they did so far.
 """
 
 from collections.abc import Iterable, Sequence
@@ -13,6 +13,9 @@ from proxy.core.view import SharedView
 
 PART = 0.7
 """There is ample room while all need no more than this part of every limit."""
+PART_OF_NEW = 0.05
+"""... and, while any of them is new, no more than this part. Where new streams come all the time searches for each of
+their samples lost others on an idle channel."""
 PACE = 0.25
 """What streams need is worked out anew for all of them this often [s]..."""
 EACH = 1e-3
@@ -61,9 +64,8 @@ class Ample:
             self._for = limits, alone
             self._look(now, limits)
         self.note(now, stream)
-        if self._new and waiting <= MANY:
-            return False
-        return all(total <= PART * amount for total, amount in zip(self._total, held, strict=True))
+        part = PART_OF_NEW if self._new and waiting <= MANY else PART
+        return all(total <= part * amount for total, amount in zip(self._total, held, strict=True))
 
     def note(self, now: float, stream: Stream) -> None:
         """A stream has generated a sample."""

@@ -246,3 +246,22 @@ def test_what_becomes_of_a_key_is_worked_out_anew_when_the_mode_changes(pair, wa
         asked.append(len(pair[0].asked))
     assert asked == [1, 1, 2]
     assert heard().count("covered/a") == 1
+
+
+def test_what_is_subscribed_to_stays_while_something_wider_comes_and_goes(pair):
+    """Zenoh loses samples when one of two subscriptions that match them goes, so none goes that is wanted still."""
+    stays = Heard(pair[1].node(), "free/a")
+    wait_interest(pair[1], pair[0], keys=("free/a",))
+    wait_until(lambda: pair[0].bridge.describe()["observed"] == ["free/a"], what="the first")
+    wider = Heard(pair[1].node(), "free/**")
+    wait_until(lambda: len(pair[0].bridge.describe()["observed"]) > 1, what="the wider one")
+    beside = Heard(pair[1].node(), "free/b")
+    other = Heard(pair[1].node(), "other")
+    wait_until(lambda: "other" in pair[0].bridge.describe()["observed"], what="one more")
+    wait_until(lambda: not pair[0].bridge._ingress.leaving, what="the end of what is to go")
+    assert pair[0].bridge.describe()["observed"] == ["free/**", "free/a", "other"]
+    for heard in (wider, other, beside):
+        heard.subscriber.undeclare()
+    wait_until(lambda: pair[0].bridge.describe()["observed"] == ["free/a"], what="the end of the others")
+    pair[0].node().put("free/a", "x")
+    wait_until(lambda: stays.payloads == ["x"], what="the sample")

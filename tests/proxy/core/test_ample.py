@@ -4,7 +4,7 @@ import pytest
 
 from planner import Throughput
 from proxy.core import events as ev
-from proxy.core.ample import MANY, PART, Ample, need
+from proxy.core.ample import MANY, PART, PART_OF_NEW, Ample, need
 from proxy.core.commands import Decide, Forward
 from proxy.core.gate import AT_ONCE
 from proxy.core.limits import Limit
@@ -41,7 +41,7 @@ def test_what_a_new_stream_needs_is_twice_what_it_generated(talk):
 
 @pytest.mark.parametrize("alone", [True, False])
 def test_where_many_wait_new_streams_may_need_a_part_of_what_is_held(talk, alone):
-    """A sample counts at once, what all other streams need is looked at now and then. Where few wait there is time."""
+    """A sample counts at once, what others need is looked at now and then. Where few wait it is a small part."""
     for robot in ("a", "b"):
         talk.publish(1.0, f"robot/{robot}/camera")
     first, second = talk.core.view.own()
@@ -51,23 +51,34 @@ def test_where_many_wait_new_streams_may_need_a_part_of_what_is_held(talk, alone
         return ample.fits(now, stream, LIMITS, [1.001 * amount / PART], waiting, alone=alone)
 
     assert fits(1.0, first, 4000.0)
-    assert not fits(1.0, first, 4000.0, MANY)
+    assert not fits(1.0, first, 0.99 * 4000.0 * PART / PART_OF_NEW, MANY)
+    assert fits(1.0, first, 4000.0 * PART / PART_OF_NEW, MANY)
     assert not fits(1.0, second, 3990.0)
     talk.publish(1.01, "robot/b/camera")
     assert not fits(1.02, second, 4000.0)
     assert fits(1.02, second, 6000.0)
 
 
-@pytest.mark.parametrize("limit", ["8 Mbit/s", "80 kbit/s"])
-def test_a_burst_goes_without_a_search_where_the_limit_has_room_for_it(make_talk, make_specs, limit):
+@pytest.mark.parametrize(("limit", "first"), [("8 Mbit/s", 30_000), ("80 kbit/s", 300)])
+def test_a_burst_goes_without_a_search_where_the_limit_has_room_for_it(make_talk, make_specs, limit, first):
     """What comes while one is decided goes with the answer, but for a few."""
     talk = make_talk(make_specs(limit=limit))
     talk.want(0.0)
     for n in range(100):
-        talk.publish(1.0 + 0.0001 * n, f"robot/{n}/camera", size=200)
+        talk.publish(1.0 + 0.0001 * n, f"robot/{n}/camera", size=200 if n else first)
     (decide,) = talk.all(Decide)
     talk.answer(1.01, decide, send=True)
     assert len(talk.all(Forward)) == (100 - MANY - 1 if limit == "8 Mbit/s" else 1)
+
+
+def test_new_streams_that_come_all_the_time_need_no_search_on_an_idle_channel(make_talk, make_specs):
+    """Nothing can be gained by dropping any of what is a small part of the limit, known or not."""
+    talk = make_talk(make_specs(limit="8 Mbit/s"))
+    talk.want(0.0)
+    for n in range(100):
+        talk.publish(1.0 + 0.1 * n, f"robot/{n}/camera", size=200)
+    assert not talk.all(Decide)
+    assert len(talk.all(Forward)) == 100
 
 
 def test_of_a_burst_so_many_are_taken_up_at_one_event(make_talk, make_specs):
@@ -75,7 +86,7 @@ def test_of_a_burst_so_many_are_taken_up_at_one_event(make_talk, make_specs):
     talk = make_talk(make_specs(limit="80 Mbit/s"), inbox=1000)
     talk.want(0.0)
     for n in range(400):
-        talk.publish(1.0, f"robot/{n}/camera", size=200)
+        talk.publish(1.0, f"robot/{n}/camera", size=200 if n else 300_000)
     talk.answer(1.01, talk.all(Decide)[0], send=True)
     sent = [len(talk.all(Forward))]
     while len(talk.all(Decide)) == 1:

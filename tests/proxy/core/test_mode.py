@@ -79,7 +79,7 @@ def test_a_delete_may_be_decided_like_a_sample(make_said):
     talk = make_said('deletes = "decide"')
     first, commands = talk.publish(0.1, red=1.0)
     second, _ = talk.publish(0.2)
-    delete, nothing = talk.publish(0.3, size=0, delete=True)
+    delete, nothing = talk.publish(0.3, size=400, delete=True)
     assert only(nothing) == [Drop(second, "dropped:superseded")]
     forward, decide = only(talk.answer(0.31, only(commands)[0], send=True))
     assert forward == Forward(first)
