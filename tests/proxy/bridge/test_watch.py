@@ -423,7 +423,8 @@ def test_what_is_to_be_retained_is_taken_though_nobody_is_there(pair):
     wait_until(lambda: bridge.describe()["observed"] == ["covered/a", "covered/b"], what="both")
     heard = Heard(pair[1].node(), "covered/**")
     fence(pair[1], pair[0])
-    wait_until(lambda: bridge.describe()["observed"] == ["covered/**"], what="what includes them")
+    both = ["covered/a", "covered/b"]
+    wait_until(lambda: bridge.describe()["observed"] == ["covered/**", *both], what="what includes them, beside them")
     heard.subscriber.undeclare()
     wait_until(lambda: bridge.describe()["observed"] == ["covered/a", "covered/b"], what="them alone again")
     bridge.retain(())
