@@ -33,5 +33,4 @@ def slowness() -> float:
 
 
 def _work() -> None:
-    for number in range(5_000_000):
-        _ = number
+    sum(range(5_000_000))  # in C: measuring coverage must not look like a slow machine

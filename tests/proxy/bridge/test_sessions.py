@@ -65,11 +65,13 @@ def mapped():
 
 LARGE = 200_000
 """Samples of this size go through shared memory where both sides have it [B]."""
+MANY = 200
+"""The first ones may go before Zenoh has shared memory ready."""
 PUBLISHER = """
 import json, sys, zenoh
 options = {"mode": "client", "connect": {"endpoints": [sys.argv[1]]}, "scouting": {"multicast": {"enabled": False}}}
 with zenoh.open(zenoh.Config.from_json5(json.dumps(options))) as session:
-    for _ in range(10):
+    for _ in range(int(sys.argv[3])):
         session.put("large", bytes(int(sys.argv[2])), congestion_control=zenoh.CongestionControl.BLOCK)
 """
 
@@ -83,8 +85,8 @@ def test_nothing_of_an_application_that_published_stays_mapped(stack, options, s
     heard = Heard(closing(stack, open_session(app_options([endpoint], options), "app")), "large")
     before = mapped()
     for rounds in (1, 2):
-        subprocess.run([sys.executable, "-c", PUBLISHER, endpoint, str(LARGE)], check=True)
-        wait_until(lambda rounds=rounds: len(heard.samples) == 10 * rounds, what="all samples")
+        subprocess.run([sys.executable, "-c", PUBLISHER, endpoint, str(LARGE), str(MANY)], check=True)
+        wait_until(lambda rounds=rounds: len(heard.samples) == MANY * rounds, what="all samples")
     assert (mapped() - before > 1 << 20) == stays
 
 
