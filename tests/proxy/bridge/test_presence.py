@@ -70,6 +70,14 @@ class Voiced:
         told = {"robot": self.robot, "tag": tag(self.zid), "sent": 1.0, "epoch": 1, "messages": 3, "bytes": 4}
         return Digest(**told | changes)
 
+    def insist(self, **changes):
+        """Send a digest that Zenoh may not drop, however many there are."""
+        self.mesh.put(
+            keys.digest(self.robot, tag(self.zid)),
+            pack_digest(self.digest(**changes)),
+            congestion_control=zenoh.CongestionControl.BLOCK,
+        )
+
     def state(self, **changes):
         return State(**{"robot": self.robot, "zid": self.zid, "mode": "enforce", "specs": "s"} | changes)
 
@@ -236,11 +244,7 @@ def test_what_one_robot_says_is_bounded_whoever_says_it(stack, two, monkeypatch)
     wait_until(lambda: len(first.of(PeerAppeared)) == 2, what="the third")
     most = 2 * int(DIGESTS)
     for sent in range(1, most + 1):
-        second.mesh.put(
-            keys.digest("r2", tag(second.zid)),
-            pack_digest(second.digest(sent=float(sent))),
-            congestion_control=zenoh.CongestionControl.BLOCK,
-        )
+        second.insist(sent=float(sent))
     wait_until(lambda: len(first.of(DigestHeard)) + flooded(first) >= most, what="the flood's end")
     assert 0 < len(first.of(DigestHeard)) <= DIGESTS
     third.presence.send_digest(third.digest())
@@ -263,8 +267,8 @@ def test_digests_that_were_heard_before_take_nothing_from_those_that_come(two):
     first, second = two
     first.heard[tag(second.zid)] = 5.0
     for sent in (3.0, 5.0) * int(DIGESTS):
-        second.presence.send_digest(second.digest(sent=sent))
-    second.presence.send_digest(second.digest(sent=6.0))
+        second.insist(sent=sent)
+    second.insist(sent=6.0)
     wait_until(lambda: first.of(DigestHeard), what="the news")
     assert [event.digest.sent for event in first.of(DigestHeard)] == [6.0]
     assert {event.kind for event in first.of(MalformedHeard)} == {"digest:old"}
