@@ -34,7 +34,6 @@ demo: setup
 # together: they may share a daemon. CONTRIBUTING.md says which test belongs where.
 WORKERS ?= $(shell expr 2 \* $$(nproc))
 PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadscope
-COVERED := COVERAGE_FILE=$(CURDIR)/build/coverage/data $(PYTEST) --cov --cov-report=
 
 test: setup
 	$(PYTEST) -m "not system and not full"
@@ -42,10 +41,9 @@ test: setup
 # All that needs no root, with more examples. What the studies call is no proof of it, so it does not count as covered.
 test-full: setup
 	@rm -rf build/coverage && mkdir -p build/coverage
-	$(COVERED) -m "not system" --hypothesis-profile=full --ignore=tests/studies
+	COVERAGE_FILE=$(CURDIR)/build/coverage/data $(PYTEST) -m "not system" --hypothesis-profile=full \
+	    --ignore=tests/studies --cov --cov-fail-under=95
 	$(PYTEST) -m "not system" --hypothesis-profile=full tests/studies
-	$(BIN)/coverage combine --quiet build/coverage
-	$(BIN)/coverage report --fail-under=95
 
 lint: setup
 	$(BIN)/ruff check .
