@@ -5,6 +5,7 @@ as it takes, with everything of the robot behind that one link. Here the others 
 
 What may be dropped on one link may be on all: Zenoh gives a link some pieces to hold, and drops what comes before its
 thread has had the time to write them. So from then on each sample waits until the links with room have the one before.
+A link that then lets `LONGEST` run out has dropped what it seemed to have room for: nothing waits for it again either.
 """
 
 import time
@@ -33,6 +34,8 @@ class Patience:
         self._ended = False
         self._due: dict[str, int] = {}
         """What links will have sent when they have the sample before [B]."""
+        self._given_up: set[str] = set()
+        """Links with room that did not take the sample before."""
         self.lost = 0
         """How often it ran out."""
 
@@ -64,16 +67,18 @@ class Patience:
         """A sample is published next, to the sessions `takers` among others: wait until they have the one before."""
         if self.at_ease:
             self._due = {}
+            self._given_up.clear()
             return
         until = clock.monotonic() + LONGEST
         sent = self._headroom.sent()
-        while self._behind(sent) and not self._ended and clock.monotonic() < until:
+        while (behind := self._behind(sent)) and not self._ended and clock.monotonic() < until:
             self._wait(_SOON)
             sent = self._headroom.sent()
-        self._due = {zid: done + size for zid, done in sent.items() if zid in takers}
+        self._given_up |= behind
+        self._due = {zid: done + size for zid, done in sent.items() if zid in takers and zid not in self._given_up}
 
-    def _behind(self, sent: dict[str, int]) -> bool:
-        return any(sent.get(zid, due) < due for zid, due in self._due.items())
+    def _behind(self, sent: dict[str, int]) -> set[str]:
+        return {zid for zid, due in self._due.items() if sent.get(zid, due) < due}
 
     def _lost(self, now: float, until: float) -> bool:
         if now - self._lost_at < REST:

@@ -191,7 +191,8 @@ def test_a_digest_takes_few_bytes_whatever_the_name(stack):
             first.presence.send_digest(digest)
             wait_until(lambda heard=heard: len(raw.samples) > heard, what="a digest")
             sizes.append(counting.carried - before - len(pack_digest(digest)))
-    assert min(sizes) == OVERHEAD
+    # Frames are counted from a random number on, which is shorter by a byte on one link of 128, and so on.
+    assert OVERHEAD - 3 <= min(sizes) <= OVERHEAD
 
 
 def test_echoes_are_read_with_the_times_at_which_we_sent(two):
