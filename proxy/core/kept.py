@@ -19,8 +19,8 @@ from proxy.core.inbox import Waiting
 from proxy.core.interest import intersects
 
 DOUBT = 14.0
-"""What was decided so shortly before a loss was noticed may not have arrived [s]: Zenoh's lease of 10 s, where the other
-end's kernel answers and nobody reads, and what waits in the buffers of a slow channel, which hide 3.8 s."""
+"""What was decided so shortly before a loss was noticed may not have arrived [s]: Zenoh's lease of 10 s, where the
+other end's kernel answers and nobody reads, and what waits in the buffers of a slow channel, which hide 3.8 s."""
 RETRY = 0.25
 """A copy that a plan was against is decided again so much later [s]."""
 LOOK = 0.05
