@@ -74,7 +74,7 @@ def test_what_a_robot_missed_while_it_was_away_it_gets_when_it_is_back(stack, ma
     away, here = Heard(second.node(), "**"), Heard(third.node(), "alarm/a")
     app = first.node()
     wait_until(lambda: kept(first)["keys"] == ["alarm/**", "alarm/a", "warning/**"], what="what both subscribe to")
-    wait_until(lambda: taken(first) == ["**"], what="somebody to take it from the application")
+    wait_until(lambda: "**" in taken(first), what="somebody to take it from the application")
     wait_until(lambda: app.put("alarm/a", "before") or known(first, "alarm/a") == 2, what="the stream")
     app.put("alarm/a", "last")
     wait_until(lambda: of(away, "alarm/a")[-1:] == of(here, "alarm/a")[-1:] == ["last"], what="both to hear")
