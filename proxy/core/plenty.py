@@ -32,8 +32,7 @@ class Plenty:
         self._shares = shares
         self._due = -math.inf
         self._there = False
-        self._enough_since = -math.inf
-        """While it is first looked at nothing was ever short: who has just met others need not wait."""
+        self._enough_since = math.inf
         self._needs: dict[str, Amounts] = {}
         self._limits = 0
         self._lent: dict[str, list[Lent]] = {}

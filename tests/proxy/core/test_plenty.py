@@ -91,11 +91,3 @@ def test_where_nothing_is_shared_nothing_is_lent(tmp_path):
     assert any(d.receiver == "op" for d in deliveries)
     assert {core.layout.lent for core in team.cores.values()} == {0}
     assert {core.layout.due_at for core in team.cores.values()} == {math.inf}
-
-
-def test_a_team_that_has_just_met_has_room_from_the_start(specs):
-    """Who leads need not watch first how little is sent before it lends of a limit that nobody uses."""
-    team = Team(specs, {"r1": (), "r2": (), "op": ("robot/**",)}, Medium(250_000.0))
-    small = [frame for robot in ("r1", "r2") for frame in frames(robot, 1.2, 3.0, 50.0, 200)]
-    deliveries = team.run(sorted(small, key=lambda frame: frame.t_gen), 3.5)
-    assert len(deliveries) == len(small)
