@@ -251,7 +251,8 @@ def test_what_one_robot_says_is_bounded_whoever_says_it(stack, two, monkeypatch)
     third.presence.send_digest(third.digest())
     wait_until(lambda: first.of(DigestHeard)[-1].digest.robot == "r3", what="the other robot's")
     for _ in range(2 * int(STATES)):
-        second.presence.send_state(second.state(number=1))
+        payload, block = pack_state(second.state(number=1)), zenoh.CongestionControl.BLOCK
+        second.mesh.put(keys.state("r2", tag(second.zid)), payload, congestion_control=block)
     third.presence.send_state(third.state(number=1))
     wait_until(lambda: [e for e in first.of(StateHeard) if e.state.robot == "r3"], what="the other robot's state")
     wait_until(lambda: first.of(MalformedHeard)[-1].kind == "state:flood", what="the surplus")
