@@ -1,8 +1,8 @@
 """Ample room: what all streams are to be expected to send fits easily into every limit, so nothing has to be dropped.
 
-Then samples go without a search. Of new streams nobody knows what they need, so their first samples are decided, unless
-so many of them are a small part of every limit. Where many samples wait, as in a burst, a search for each would take
-longer than they are worth: then it is taken that new streams generate as many again as they did so far.
+Then samples go without a search. Of new streams nobody knows what they need: it is taken that they generate as many
+again as they did so far. That is doubtful, so their first samples are decided unless it is a small part of every limit,
+or many samples wait, as in a burst: then a search for each would take longer than they are worth.
 """
 
 from collections.abc import Iterable, Sequence
