@@ -283,8 +283,8 @@ class Daemon:
 
     def _speak(self, command: SendDigest | SendState | AskState) -> None:
         match command:
-            case SendDigest(digest, to):
-                self._presence.send_digest(digest, to)
+            case SendDigest(digest):
+                self._presence.send_digest(digest)
             case SendState(state, update):
                 self._presence.send_state(state, update)
             case AskState(name, tag):

@@ -149,26 +149,11 @@ class Presence:
             addressed.undeclare()
         self._addressed.clear()
 
-    def send_digest(self, digest: Digest, to: str = "") -> None:
-        """Publish our digest, or send it only to the robot with the tag `to`."""
+    def send_digest(self, digest: Digest) -> None:
+        """Publish our digest."""
         self._sent.append(ticks(digest.sent))
-        if self._air is not None and not to:
-            self._put(keys.digest(self._robot, self._tag), pack_digest(digest), self._air.announce)
-            return
-        key = keys.digest_to(to, self._robot, self._tag) if to else keys.digest(self._robot, self._tag)
-        if to:
-            self._number(to, key)
-        self._put(key, pack_digest(digest))
-
-    def _number(self, to: str, key: str) -> None:
-        """Declare the key of digests to this robot; that of whom none was sent to for longest gives way."""
-        declared = self._addressed.pop(to, None)
-        if declared is None:
-            numbered = zenoh.handlers.Callback(_ignore, indirect=False)
-            declared = self._mesh.declare_queryable(key, numbered, allowed_origin=zenoh.Locality.REMOTE)
-        self._addressed[to] = declared
-        if len(self._addressed) > ADDRESSED:
-            self._addressed.pop(next(iter(self._addressed))).undeclare()
+        put = None if self._air is None else self._air.announce
+        self._put(keys.digest(self._robot, self._tag), pack_digest(digest), *([put] if put else []))
 
     def send_state(self, state: State, update: State | None = None) -> None:
         """Answer with our state from now on, and publish it, or instead of it the update."""
@@ -255,7 +240,7 @@ class Presence:
 
     def _digest(self, now: float, robot: str, name: str, data: bytes) -> Event | None:
         try:
-            return DigestHeard(now, unpack_digest(data, robot, name, self._tag, self._sent))
+            return DigestHeard(now, unpack_digest(data, robot, name, self._tag, self._sent), len(data))
         except MalformedWireError:
             self.floods.refuse(now, robot, "digest:malformed")
             return None

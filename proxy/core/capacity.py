@@ -6,8 +6,7 @@ holds for all, so all keep to the same limit, and only its estimate grows. The o
 when they see a queue: that decreases it for all, once, for who hears of it waits for the effect.
 
 After a decrease the queue has to drain: until then less is in force, which passes, so it is told beside what lasts. All
-would begin anew at once when it has; so they do one after the other, unless somebody lends. Followers of one who lends
-take no silence for bad news: who hears nothing is lent nothing.
+would begin anew at once when it has; so they do one after the other.
 """
 
 import math
@@ -61,7 +60,7 @@ class Seen:
 
     `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
     of every adaptive limit's ceiling that one sample of each stream takes together, and `one` the largest of these.
-    The word of the `leader` counts for all, if there is one; `lends`: whether nothing is sent but what it lends.
+    The word of the `leader` counts for all.
     """
 
     dropped: int
@@ -70,7 +69,6 @@ class Seen:
     each: tuple[float, ...]
     one: tuple[float, ...]
     leader: str = ""
-    lends: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +144,8 @@ class Capacity:
                 self._hearing.heard_by(now)
                 if echo.sent in self._said:
                     self._arrivals.note(now, self._said[echo.sent], digest.tag, echo.samples)
+        if digest.brief:
+            return
         self._load.note(now, digest.tag, digest.sent, digest.messages, digest.bytes)
         self._words.note(now, digest)
 
@@ -178,7 +178,7 @@ class Capacity:
     def look(self, now: float, seen: Seen) -> None:
         """Grow or decrease the estimates by what is seen now."""
         self._looked_at, words = now, self._words
-        words.follow(now, seen.leader, lends=seen.lends)
+        words.follow(now, seen.leader)
         self._note_drops(now, seen.dropped)
         bearable = BEARABLE + BEHIND * min(seen.longest, LONGEST)
         recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
@@ -189,7 +189,7 @@ class Capacity:
         self._used_at = now if self._in_use else self._used_at
         if not self._ways:
             self._why = "nobody is there"
-        elif not words.alone and self._hears_nothing(now, bearable):
+        elif self._hears_nothing(now, bearable):
             self._queue = None
         elif new is not None and new.delay > bearable:
             self._why = "delay"
@@ -201,7 +201,7 @@ class Capacity:
                 estimate.linger(now, self._queue.delay)
         elif self._judge_loss(now, used):
             self._why = "loss"
-        elif (self._queue is None or new is None) and not words.alone:
+        elif self._queue is None or new is None:
             self._why = "settling"
         elif self._queue is not None and self._queue.delay > bearable / 2.0:
             self._why = "some delay"
@@ -288,8 +288,6 @@ class Capacity:
         outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
         links = [ways.link for ways in outward]
         inward = list(self._ways.values())
-        if self._words.alone:
-            outward = inward = [self._ways[self._words.leader]]
         groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
         found = [queue(now, ways, since, bearable / 2.0, recent=recent, span=span) for ways in groups]
         return max((each for each in found if each), key=lambda each: each.delay, default=None)
@@ -380,7 +378,7 @@ class Capacity:
             self._others_told[k] = others
             self._lasting[k] = min(estimate.part, others)
             self._drained[k] = min(estimate.told(now), others, words.draining(now, k, len(self._limits)))
-            self._force[k] = self._drained[k] if words.lends else self._in_turn(now, k)
+            self._force[k] = self._in_turn(now, k)
 
     def _in_turn(self, now: float, k: int) -> float:
         """What is in force: when a queue has drained robots begin anew one after the other, within a window."""

@@ -2,27 +2,28 @@
 
 import math
 
+from proxy.core.budget import Budget
 from proxy.core.capacity import Capacity, Seen
 from proxy.core.commands import SetPace
 from proxy.core.counts import Counts
-from proxy.core.gate import Gate
 from proxy.core.limits import Limit, in_force, use_of
-from proxy.core.shares import Shares
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
+from proxy.core.wire import tag
 
 
 class Channel:
-    """Keeps the limits of `gate` and `shares`."""
+    """Keeps the limits of the `budget`."""
 
-    def __init__(self, now: float, view: SharedView, shares: Shares, gate: Gate, counts: Counts) -> None:
-        self.capacity = Capacity(now, shares.own)
+    def __init__(self, now: float, view: SharedView, budget: Budget, counts: Counts) -> None:
+        self.capacity = Capacity(now, tag(view.settings.zid))
         self._view = view
-        self._shares = shares
-        self._gate = gate
+        self._budget = budget
         self._counts = counts
         self._ceilings: tuple[Limit, ...] = ()
         self._factors: tuple[float, ...] | None = ()
+        self.waiting = 0.0
+        """How long news of others wait on a channel that is full [s]."""
 
     @property
     def part(self) -> float:
@@ -32,12 +33,11 @@ class Channel:
     def adopt(self, now: float, limits: tuple[Limit, ...]) -> None:
         """The limits are now these; adaptive ones begin where those of the same name are."""
         self._ceilings = limits
-        self._shares.set_limits(now, limits)
         self.capacity.set_limits(now, limits)
         if self._factors or self.capacity.factors:
             self._factors = None  # so that the driver is told
         self._force(self.capacity.factors)
-        self._gate.waiting = 0.0  # until it is looked at again: without adaptive limits never
+        self.waiting = 0.0  # until it is looked at again: without adaptive limits never
 
     def look(self, now: float) -> bool:
         """Look at the channel when it is time to; return whether all should hear of it at once."""
@@ -45,7 +45,7 @@ class Channel:
             return False
         self.capacity.sent(now, self._view.messages, self._view.bytes)
         self.capacity.look(now, self._seen(now))
-        self._gate.waiting = self.capacity.waiting(now)
+        self.waiting = self.capacity.waiting(now)
         return self.capacity.news(now)
 
     def follow(self) -> SetPace | None:
@@ -56,13 +56,11 @@ class Channel:
         self._force(self._factors)
         if not self._factors:
             return SetPace(math.inf)
-        pairs = zip(self._gate.limits, self._ceilings, strict=True)
+        pairs = zip(self._budget.limits, self._ceilings, strict=True)
         return SetPace(min(limit.measure.pace * limit.limit / ceiling.limit for limit, ceiling in pairs))
 
     def _force(self, factors: tuple[float, ...]) -> None:
-        self._gate.limits = in_force(self._ceilings, factors)
-        for k, (limit, ceiling) in enumerate(zip(self._gate.limits, self._ceilings, strict=True)):
-            self._shares.set_factor(k, limit.limit / ceiling.limit)
+        self._budget.set_limits(in_force(self._ceilings, factors))
 
     def _seen(self, now: float) -> Seen:
         streams = self._view.competition.all(now)
@@ -78,9 +76,13 @@ class Channel:
             longest=max((part * time for each in parts for part, time in zip(each, windows, strict=True)), default=0.0),
             each=tuple(sum(each[k] for each in parts) for k in range(len(factors))),
             one=tuple(max((each[k] for each in parts), default=0.0) for k in range(len(factors))),
-            leader=self._shares.leader,
-            lends=self._gate.sharing,
+            leader=self._leader(),
         )
+
+    def _leader(self) -> str:
+        """Whose word on the channel counts: of all that take part the robot with the least tag."""
+        present = (name for name, peer in self._view.peers.items() if not peer.plain)
+        return min(tag(self._view.settings.zid), *present, key=str) if self._view.peers else tag(self._view.settings.zid)
 
     def _parts(self, stream: Stream) -> tuple[float, ...]:
         """What a sample takes of the ceilings of adaptive limits."""

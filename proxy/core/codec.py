@@ -12,6 +12,7 @@ others would misread is two versions on, so that they do not try, and the CHANGE
 import math
 import zlib
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import msgpack
@@ -19,23 +20,19 @@ import msgpack
 from proxy.core.errors import MalformedWireError, OtherVersionError
 from proxy.core.fixed import coded, decoded, seconds, ticks
 from proxy.core.wire import (
-    BEGINS,
     MOST_CLOCK_ERROR,
     MOST_ORIGINS,
     MOST_SUBSCRIPTIONS,
     MOST_TOLD,
-    PARTS,
     Digest,
     Echo,
-    Grant,
-    Returned,
     State,
     StreamDigest,
     StreamState,
 )
 
-VERSION = 4
-OLDEST = 4
+VERSION = 6
+OLDEST = 6
 """What older daemons said is another language."""
 READ = range(max(OLDEST, VERSION - 1), VERSION + 2)
 """The versions that are understood."""
@@ -54,14 +51,11 @@ MAX_PERIOD = 86_400.0
 MOST_PHASES = 1_000_000
 """What is further off a rhythm is told as so far off."""
 MAX_LATENCY = 3600.0
-MAX_LENT = 3_600_000
 MAX_SCALE = 1e15
 MAX_ENTRY = 32
 """Fields of what a state tells of a stream; later versions may have more of them."""
 MAX_VERSION = 64
 """Letters in the version of a daemon."""
-MOST_RETURNED = 128
-"""Fields of what is given back."""
 _HEAD = 32
 """The first two fields of a message take no more [B]."""
 _WRAP = 65_536
@@ -71,14 +65,14 @@ _LARGEST = 3.5e38
 def pack_digest(digest: Digest) -> bytes:
     """Return the wire form of a digest."""
     sent = ticks(digest.sent)
-    fields: list[Any] = [VERSION, sent, digest.epoch, digest.state, digest.messages, digest.bytes]
+    if digest.brief:
+        return _pack([VERSION, sent, digest.state, *(_brief_fields(sent, stream) for stream in digest.streams)])
+    fields: list[Any] = [VERSION, sent, digest.state, digest.messages, digest.bytes]
     lists: list[list[Any]] = [
         [_stream_fields(sent, stream) for stream in digest.streams],
-        [_grant_fields(sent, grant) for grant in digest.grants],
         [field for e in digest.echoes for field in _echo_fields(sent, e)],
         [coded(part) for part in digest.capacity],
-        [field for each in digest.returned for field in _returned_fields(sent, each)],
-        [1] if digest.lends else [],
+        [1] if digest.splits else [],
     ]
     while lists and not lists[-1]:
         lists.pop()
@@ -90,7 +84,7 @@ def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterab
 
     Echoes are kept of those digests that we, `own`, did send: at one of the times `sent` [ticks].
     """
-    return _digest(_fields(data, MAX_DIGEST, 6), robot, tag, own, sent)
+    return _digest(_fields(data, MAX_DIGEST, 4), robot, tag, own, sent)
 
 
 def pack_state(state: State) -> bytes:
@@ -103,7 +97,7 @@ def pack_state(state: State) -> bytes:
     if not state.since:
         fields += [state.mode, state.specs, state.transport]
         fields += [list(state.subscriptions), [_packed_id(origin) for origin in state.origins]]
-        fields += [ticks(state.clock_error), state.version]
+        fields += [ticks(state.clock_error), state.version, state.limits]
     packed = _pack(fields)
     return min(packed, zlib.compress(packed, 9), key=len)
 
@@ -137,6 +131,17 @@ def _stream_fields(sent: int, s: StreamDigest) -> list[Any]:
     return [*told, *rhythm, *map(_feature, s.features)]
 
 
+def _brief_fields(sent: int, s: StreamDigest) -> list[Any]:
+    told = _stream_fields(sent, s)[:5]
+    return [*told, s.size, *([] if s.scale < 0.0 else [coded(s.scale)])] if s.size or s.scale >= 0.0 else told
+
+
+def _brief_digest(sent: int, f: list[Any]) -> StreamDigest:
+    size, scale = f[5] if len(f) > 5 else 0, f[6] if len(f) > 6 else 0
+    news = _stream_digest(sent, [*f[:5], size, scale])
+    return replace(news, scale=news.scale if len(f) > 6 else -1.0, period=-1.0)
+
+
 def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
     generated, unsent, age, forwarded = _count(f[1], MAX_SAMPLES), _count(f[2]), _whole(f[3]), _whole(f[4])
     if unsent > generated:
@@ -158,28 +163,6 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
         max(-MOST_PHASES, min(_whole(rhythm[0]), MOST_PHASES)),
         min(_count(rhythm[1]), MOST_PHASES),
     )
-
-
-def _grant_fields(sent: int, g: Grant) -> list[Any]:
-    """Times in milliseconds: the begin from when the digest is sent, the end from the begin."""
-    begins, ends = round(g.begins * 1e3), round(g.ends * 1e3)
-    return [_packed_tag(g.peer), begins - sent // 10, ends - begins, *g.parts]
-
-
-def _grant(sent: int, f: list[Any]) -> Grant:
-    begins = sent // 10 + _whole(f[1])
-    ends = begins + _count(f[2], MAX_LENT)
-    return Grant(_tag(f[0]), begins / 1e3, ends / 1e3, tuple(_count(part, PARTS) for part in f[3:]))
-
-
-def _returned_fields(sent: int, r: Returned) -> tuple[int, int]:
-    """Nothing is used in the future of the digest that tells of it, so a time that is less than none means none."""
-    return r.begins, max(0, sent - ticks(r.used)) if r.used else -1
-
-
-def _returned(sent: int, f: tuple[Any, ...]) -> Returned:
-    begins, ago = _count(f[0], BEGINS - 1), _whole(f[1])
-    return Returned(begins, seconds(sent - ago) if ago >= 0 else 0.0)
 
 
 def _echo_fields(sent: int, e: Echo) -> tuple[Any, ...]:
@@ -213,21 +196,21 @@ def _echo(sent: int, peer: str, echoed: int, r: tuple[Any, ...]) -> Echo:
 
 def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -> Digest:
     sent = _whole(f[1])
-    streams, grants, echoes, capacity, returned, lends = [*map(_list, f[6:12]), [], [], [], [], [], []][:6]
+    if len(f) < 5 or isinstance(f[3], list):
+        brief = tuple(_brief_digest(sent, stream) for stream in _each(f[3:], 5, 7))
+        return Digest(robot, tag, seconds(sent), streams=brief, state=_count(f[2]), brief=True)
+    streams, echoes, capacity, splits = [*map(_list, f[5:9]), [], [], [], []][:4]
     return Digest(
         robot=robot,
         tag=tag,
         sent=seconds(sent),
-        epoch=_count(f[2]),
-        state=_count(f[3]),
-        messages=_count(f[4]),
-        bytes=_count(f[5]),
+        state=_count(f[2]),
+        messages=_count(f[3]),
+        bytes=_count(f[4]),
         streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 7, 10 + 32)),
-        grants=tuple(_grant(sent, grant) for grant in _each(grants, 4, 3 + 64)),
         echoes=_echoes(sent, echoes, own, ours),
         capacity=tuple(_amount(part, 1.0) for part in capacity),
-        returned=tuple(_returned(sent, each) for each in _records(_at_most(returned, MOST_RETURNED), 2)),
-        lends=bool(lends),
+        splits=bool(splits),
     )
 
 
@@ -253,6 +236,7 @@ def _state(f: list[Any], robot: str) -> State:
         number=number,
         clock_error=_clock_error(f[11:12]),
         version=_name(f[12])[:MAX_VERSION] if len(f) > 12 else "",
+        limits=_count(f[13], 2**32) if len(f) > 13 else 0,
     )
 
 

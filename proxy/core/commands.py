@@ -77,10 +77,9 @@ class Reread:
 
 @dataclass(frozen=True, slots=True)
 class SendDigest:
-    """Publish our digest on the mesh, or send it only to the robot with the tag `to`."""
+    """Publish our digest on the mesh."""
 
     digest: Digest
-    to: str = ""
 
 
 @dataclass(frozen=True, slots=True)

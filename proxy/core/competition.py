@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from proxy.core.limits import Promises
 from proxy.core.stream import Stream
 
 if TYPE_CHECKING:
@@ -30,19 +29,19 @@ class Competition:
         self._revision = -1
         self._set_rows([])
 
-    def chosen(self, now: float, most: int, promised: Promises, robot: str | None = None) -> list[Stream]:
+    def chosen(self, now: float, most: int, robot: str | None = None) -> list[Stream]:
         """Return those streams that compete for which a window of `most` messages has places, by robot and key.
 
         With a `robot` only its streams compete.
 
-        Half of the places are for those worth most per byte on the air, half for those that generate next what is not
-        `promised` yet. Both are only estimated: a look at each stream has to do.
+        Half of the places are for those worth most per byte on the air, half for those that generate next. Both are only
+        estimated: a look at each stream has to do.
         """
         rows = self._rows(now)
         if robot is not None:
             rows = rows[[self._robots[owner] == robot for owner in self._owner[rows].tolist()]] if len(rows) else rows
         if len(rows) > most:
-            due = self._due(now, promised)[rows]
+            due = np.maximum(now, self._next)[rows]
             order = np.lexsort((due, self._cheapness[rows]))
             best, rest = order[: most // 2], np.sort(order[most // 2 :])
             soonest = rest[np.argsort(due[rest], kind="stable")[: most - len(best)]]
@@ -58,15 +57,6 @@ class Competition:
         self._renew()
         told = np.array(self._view.all_told_at(self._robots, now))
         return np.flatnonzero((told[self._owner] - self._last < self._patience) & self._wanted)
-
-    def _due(self, now: float, promised: Promises) -> Floats:
-        """About when each stream generates next what is not promised yet [s]; never, while no period is known."""
-        due = np.maximum(now, self._next)
-        for place, messages in promised.items():
-            row = self._row.get(place)
-            if row is not None and messages:
-                due[row] = max(due[row], messages[-1].t_gen + self._streams[row].schedule.period)
-        return due
 
     def _renew(self) -> None:
         """Work out anew the rows of which something was noted, or all when it concerns all."""

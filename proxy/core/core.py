@@ -16,15 +16,16 @@ from typing import Any
 from planner import Aggregation
 from planner.utility import MessageUtility
 from proxy.core import events as ev
+from proxy.core.budget import Budget
 from proxy.core.channel import Channel
 from proxy.core.commands import Command, Drop, Forward, NoteInterest, Notice, Retain
+from proxy.core.coordination import Coordination
 from proxy.core.counts import DROPPED, Counts
 from proxy.core.fixed import feature, rounded
 from proxy.core.gate import CONSTRAINT, Gate
 from proxy.core.inbox import SUPERSEDED, Waiting
 from proxy.core.interest import common
 from proxy.core.kept import Leaving
-from proxy.core.layout import Layout
 from proxy.core.limits import limits_of, use_of
 from proxy.core.mode import Mode
 from proxy.core.outsiders import Outsiders
@@ -32,7 +33,6 @@ from proxy.core.peer import Peer
 from proxy.core.plausible import PATIENCE, objection, objection_to_state
 from proxy.core.report import report
 from proxy.core.settings import CoreSettings
-from proxy.core.shares import Shares
 from proxy.core.stating import WALL_STEP
 from proxy.core.strangers import Strangers
 from proxy.core.stream import Generated, Stream
@@ -56,22 +56,18 @@ class Core:
         self.view = SharedView(settings, specs)
         self.counts = Counts()
         self._losses = Unplanned(self.counts)
-        limits = limits_of(specs, settings.allowance, 1)
-        settled_at = now + settings.settle
-        self.shares = Shares(tag(settings.zid), limits, floor=settings.floor, settled_at=settled_at, started=now)
+        self.coordination = Coordination(now, settings, self.view)
+        self.budget = Budget(self.view, self.coordination)
         windows = WindowBuilder(self.view, now)
-        self.gate = Gate(settings, self.view, self.shares, self.counts, windows)
+        self.gate = Gate(settings, self.view, self.budget, self.counts, windows)
         self.kept = self.gate.kept
-        self.layout = Layout(self.view, self.shares, self.gate, windows)
-        self.channel = Channel(now, self.view, self.shares, self.gate, self.counts)
-        self.telling = Telling(now, self.view, self.shares, self.gate, self.channel)
+        self.channel = Channel(now, self.view, self.budget, self.counts)
+        self.telling = Telling(now, self.view, self.coordination, self.gate, self.channel)
         self.refused: Counter[str] = Counter()
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
         self.strangers = Strangers()
         self.clocks = WallClocks(self.view)
         self.outsiders = Outsiders(self.view)
-        self._led = "", False
-        """Who lends, and whether news take long, as the allowance was last shared out."""
         self._keys: dict[int, str] = {}
         """Of our samples that are not handed over yet."""
         self.retained: frozenset[str] = frozenset()
@@ -88,8 +84,6 @@ class Core:
         if type(event) not in self._taking_in:
             raise TypeError(f"{type(event).__name__} is no event of the core")
         take_in = self._taking_in[type(event)]
-        if self.gate.sharing or self.view.peers:
-            self.shares.look(event.now)
         commands: list[Command] = [*take_in(self, event), *self._advance(event.now)]
         self._follow(event.now, commands)
         self._wakes_at = self._due(event.now)
@@ -101,11 +95,7 @@ class Core:
 
     def _due(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""
-        due = min(self.telling.next_at(now, digests=not self.layout.pending), self.gate.wakes_at, now + 1.0)
-        if self.gate.sharing:
-            due = min(due, self.shares.due_at(now))
-            if self.shares.confirmed(now):  # a plan that cannot be told yet is not made yet
-                due = min(due, max(self.layout.due_at, self._speaks_at(now)))
+        due = min(self.telling.next_at(now), self.gate.wakes_at, self.coordination.due_at(now), now + 1.0)
         return max(min((due, *self.channel.capacity.wake_at(now))), now)
 
     def status(self, now: float) -> dict[str, Any]:
@@ -240,7 +230,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.DigestHeard) -> list[Command]:
-        return self._hear(event.now, event.digest)
+        return self._hear(event.now, event.digest, event.size)
 
     @_on.register
     def _(self, event: ev.StateHeard) -> list[Command]:
@@ -307,7 +297,7 @@ class Core:
             if stream.key in self.kept.reached(name):
                 stream.resume(name)
         for heard, digest in self.strangers.introduce(name):
-            notices += self._hear(heard, digest)
+            notices += self._hear(heard, digest, 0)
         return [*notices, *(Notice("error", said) for said in namesake_warnings(self.view) if said not in before)]
 
     @_on.register
@@ -339,7 +329,6 @@ class Core:
     def _forget(self, name: str) -> None:
         """The robot with this tag is not in the view any more."""
         self.telling.asking.done(name)
-        self.shares.forget(name)
         self.channel.capacity.forget(name)
 
     @_on.register
@@ -378,9 +367,6 @@ class Core:
 
     @_on.register
     def _(self, event: ev.DecisionReady) -> list[Command]:
-        if self.layout.answered(event.ticket):
-            self.telling.urgent |= self.layout.lend(event.now, event.plan, event.now + self.telling.speaks_again())
-            return []
         return self.gate.ready(event)
 
     @_on.register
@@ -403,12 +389,12 @@ class Core:
             self._membership(now)
             new = self.outsiders.found - before
             commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
-        self._lay_out(now, commands)
+        affordable = self.telling.affordable(now)
+        self.telling.urgent |= self.coordination.look(now, self.budget.limits, self.channel.waiting, affordable)
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
-            self.telling.urgent |= self.gate.wakes_at < math.inf and self.telling.has_news()
-        commands += self.telling.due(now, digests=not self.layout.pending)
+        commands += self.telling.due(now)
         self.view.sweep(now)
         if self.kept.sweep(now):
             commands += self._retain()
@@ -427,30 +413,11 @@ class Core:
         self.retained = retained
         return [Retain(tuple(sorted(retained)))]
 
-    def _lay_out(self, now: float, commands: list[Command]) -> None:
-        """In `shares`, and when it falls to us, plan what others should send, as soon as we can tell them."""
-        leader, late = self.shares.leader if self.gate.sharing else "", self.gate.late
-        if (leader, late) != self._led:
-            self.telling.urgent |= leader != self._led[0]
-            self._led = leader, late
-            self.telling.set_rate()
-        if not self.gate.sharing:
-            return
-        if now >= self._speaks_at(now):
-            self._tickets += 1
-            before = self.layout.lent
-            commands += self.layout.ask(now, self._tickets, self.gate.inbox)
-            self.telling.urgent |= self.layout.lent > before
-
-    def _speaks_at(self, now: float) -> float:
-        """When the allowance has paid for a digest to one robot [s]."""
-        return self.telling.pacer.due(now, urgent=True, news=True, copies=1)
-
-    def _hear(self, now: float, digest: Digest) -> list[Command]:
+    def _hear(self, now: float, digest: Digest, size: int) -> list[Command]:
         """Take in a digest, if it is one that the robot can have sent."""
         peer = self.view.peers.get(digest.tag)
         if peer is None:
-            if digest.tag == self.shares.own:
+            if digest.tag == tag(self.settings.zid):
                 self.refused["digest:forged"] += 1
             else:
                 self.strangers.keep(now, digest)
@@ -464,26 +431,20 @@ class Core:
             return []
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
+        if digest.brief and peer.digest is not None:
+            last = peer.digest
+            digest = replace(digest, messages=last.messages, bytes=last.bytes, splits=last.splits)
         if self.view.heard_digest(now, digest):
-            if digest.streams or digest.returned:
-                self.layout.hurry()
-            grants = digest.grants if peer.offset.known else ()
-            uncertainty = self.view.doubt(now, peer) if grants else 0.0
-            self.shares.heard(now, digest.tag, digest.epoch, grants, ours=peer.offset.ours, uncertainty=uncertainty)
-            if digest.returned and peer.offset.known:
-                self._take_back(peer, digest)
-            self.outsiders.note(now, digest.tag, known=self.shares.knows(digest.epoch, self.view.peers))
+            self.coordination.heard(digest)
+            self.outsiders.heard(digest.tag)
+            self.telling.heard(now, size)
             self.channel.capacity.heard(now, digest)
             self.telling.look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
 
-    def _take_back(self, peer: Peer, digest: Digest) -> None:
-        unused = self.shares.take_back(digest.tag, digest.epoch, digest.returned, peer.offset.latest)
-        self.layout.unused(peer.robot, unused)
-
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)
-        self.shares.set_members(now, self.view.peers.keys() - self.outsiders.found)
+        self.coordination.set_members(now, self.view.peers.keys() - self.outsiders.found)
         self.telling.urgent = True
 
     def _adopt_limits(self, now: float) -> None:
@@ -522,6 +483,6 @@ class Core:
 
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""
-        each = use_of(-(-size // count), 1, self.gate.limits)
-        self.shares.use_at_most(now, tuple(count * use for use in each), 1.0 - self.view.specs.floor)
+        each = use_of(-(-size // count), 1, self.budget.limits)
+        self.budget.use_at_most(now, tuple(count * use for use in each), 1.0 - self.view.specs.floor)
         self.view.aired(count, size)

@@ -1,17 +1,20 @@
-"""When to tell the others what, within the allowance.
+"""When to tell the others what, within the allowance of the team.
 
-The allowance is a bucket of bytes. Urgent news may empty it, ordinary news half of it. States, questions and answers
-are paid for later: until then half of what comes in goes there, and no other state is published. What is told goes in
-turn: of echoes, of grants and of news that may have been lost, each digest has a few.
+The allowance is one bucket of bytes for all robots: each keeps its own picture of it, fills it at the whole rate, and
+takes out what it tells and what it hears others tell. So those who have most to announce announce most, if need be ahead
+of time. A part of it is for all else, and of that each robot has an equal part: ordinary news, and, paid for later,
+states, questions and answers. What is told goes in turn: of echoes and of news that may have been lost, each digest has
+a few.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from proxy.core.fixed import feature, rounded
-from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST
+from proxy.core.limits import LEAST_ALLOWANCE
 from proxy.core.schedules.told import told
-from proxy.core.stream import Stream
-from proxy.core.wire import Echo, Grant, StreamDigest
+from proxy.core.stream import Stream, usual_scale
+from proxy.core.wire import Echo, State, StreamDigest
 
 SLOW = 1.0
 """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
@@ -25,10 +28,10 @@ MOST_STREAMS = 32
 """News of at most this many streams in one digest."""
 MOST_ECHOES = 8
 """Peers echoed in one digest."""
-MOST_GRANTS = 48
-"""Grants in one digest."""
-DEBT = 2.0
-"""So many digests new streams may be told ahead of the allowance."""
+ORDINARY = 0.4
+"""This part of the allowance is for all but announcements."""
+FULL = 2.0
+"""The allowance of so long may be left for later [s]."""
 ECHO = 23
 """What an echo takes [B]..."""
 ECHOING = 0.25
@@ -49,99 +52,104 @@ class DigestPacer:
     def __init__(self, now: float) -> None:
         self.revision = 0
         """How often what was told of streams changed."""
-        self._rate = LEAST_ALLOWANCE
+        self._rate, self._robots = LEAST_ALLOWANCE, 1
+        self._common = 0.0
+        """What is left of the allowance of all."""
         self._tokens = LEAST_ALLOWANCE
+        """What is left of our part of what is for ordinary news."""
         self._debt = -SAVED * LEAST_ALLOWANCE
         self._updated = now
-        self._size = float(LEAST_DIGEST)
-        self._depth = 150.0
-        """What the dearest of the recent digests cost, all copies together [B]."""
+        self._size = 64.0
         self._last = now - SLOW
         self._echoing = HEAD_START
+        self._turn = 0.0
+        """Of a digest so much more has to be left of the allowance for an ordinary one: it moves on with each."""
         self._echoed: dict[str, float] = {}
         self._ever: set[str] = set()
         """Own keys that were told of at all."""
-        self._granted: dict[Grant, int] = {}
-        """How often each grant that still holds was told."""
-        self._all_told = 0
-        """So often all of these were told, at least."""
-        self._offered: tuple[Grant, ...] = ()
-        """The grants that still hold."""
-        self.again = False
-        """Whether the grant to be told next was told before: that is not urgent."""
         self._told: dict[str, tuple[float, StreamDigest]] = {}
         """What was last told of each own stream, by its key, and when."""
         self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
         """What there is to tell of each stream, by its key, since so many changes of it."""
 
-    def set_rate(self, rate: float) -> None:
-        """The allowance of this robot is now `rate` [B/s], all copies together."""
-        self._rate = rate
-
-    @property
-    def interval(self) -> float:
-        """How long the allowance takes to pay for a digest to one robot [s]."""
-        return self._size / self._rate
-
-    @property
-    def solvent(self) -> bool:
-        """Whether no more was told than a few digests ahead of the allowance."""
-        return self._tokens > -DEBT * self._depth
+    def set_rate(self, rate: float, robots: int) -> None:
+        """The allowance of so many robots is now `rate` [B/s], all copies together."""
+        self._rate, self._robots = rate, robots
 
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
         return any(s.key not in self._ever and s.last is not None for s in streams)
 
-    def due(
-        self, now: float, *, urgent: bool, news: bool, copies: int, spare: int = 1, size: float | None = None
-    ) -> float:
+    def due(self, now: float, *, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
-        It is as large as the last one, or of this `size` [B]. Where it is not urgent, `spare` urgent ones could still
-        follow it, two at most.
+        It is as large as the last one. Another one could follow it, and we tell no more than an equal part.
         """
-        cost = (self._size if size is None else size) * copies
-        self._depth = max(self._depth, cost)
+        cost = self._size * copies
         self._fill(now)
-        needed = cost if urgent else (1.0 + spare) * cost
-        rate = self._rate if self._debt <= 0.0 else self._rate / 2.0
-        affordable = now + max(0.0, needed - self._tokens) / rate
-        return affordable if urgent or news else max(affordable, self._last + SLOW)
+        affordable = now + max(0.0, cost - self._tokens) / (self._rate_of_own * (0.5 if self._debt > 0.0 else 1.0))
+        # Where all have waited for the allowance, they do not go on at the same moment.
+        room = now + max(0.0, cost * (1.0 + self._turn) - self._common) / self._rate
+        due = max(affordable, room)
+        return due if news else max(due, self._last + SLOW)
+
+    def due_ahead(self, now: float, seconds: float) -> float:
+        """When a digest may go out that spends the allowance of so many seconds ahead of time, in our clock [s]."""
+        self._fill(now)
+        return now + max(0.0, -seconds * self._rate - self._common) / self._rate
+
+    def spent(self, now: float, size: int, copies: int) -> None:
+        """Another robot told something of so many bytes, in so many copies."""
+        self._fill(now)
+        self._common -= (size + OVERHEAD) * max(1, copies)
 
     def state_due(self, now: float) -> float:
         """When the next state may be published, in our clock [s]."""
         self._fill(now)
-        return now + max(0.0, self._debt) / (self._rate / 2.0)
+        return now + max(0.0, self._debt) / (self._rate_of_own / 2.0)
 
-    def sent(self, now: float, size: int, copies: int) -> None:
-        """A digest of so many bytes went out in so many copies."""
+    def sent(self, now: float, size: int, copies: int, *, announces: bool = False) -> None:
+        """A digest of so many bytes went out in so many copies; `announces`: only what was sent."""
         self._fill(now)
-        self._size = max(size + OVERHEAD, LEAST_DIGEST)
-        cost = self._size * max(1, copies)
-        self._depth = max(cost, 0.9 * self._depth)
+        cost = (size + OVERHEAD) * max(1, copies)
+        self._common -= cost
+        if announces:
+            return
+        self._size, self._last = float(size + OVERHEAD), now
         self._tokens -= cost
-        self._last = now
+        self._turn = (self._turn + 0.618) % 1.0
 
     def owe(self, now: float, size: int, copies: int) -> None:
         """Something else of so many bytes went out in so many copies: it is paid for in time."""
         self._fill(now)
         self._debt += (size + OVERHEAD) * copies
 
-    def changed(self, now: float, streams: list[Stream]) -> tuple[StreamDigest, ...]:
-        """News of own streams since they were last told of, the most changed first, and some that may be lost."""
+    def changed(self, now: float, streams: list[Stream], *, sent_only: bool = False) -> tuple[StreamDigest, ...]:
+        """News of own streams since they were last told of, the most changed first, and some that may be lost.
+
+        With `sent_only` news of those that sent something since.
+        """
         self.revision += 1
         known = {s.key for s in streams}
         self._told = {key: told for key, told in self._told.items() if key in known}
         self._digests = {key: digest for key, digest in self._digests.items() if key in known}
         current = [(s, d) for s in streams if (d := self._digest(s)) is not None]
         news = [(s, d) for s, d in current if s.key not in self._told or self._told[s.key][1] != d]
+        if sent_only:
+            news = [(s, d) for s, d in news if s.key not in self._told or self._told[s.key][1].forwarded != d.forwarded]
         news.sort(key=lambda entry: -self._weight(*entry))
         old = [(s, d) for s, d in current if s.key in self._told and now >= self._told[s.key][0] + REFRESH]
         old.sort(key=lambda entry: self._told[entry[0].key][0])
-        chosen = (news + [entry for entry in old if entry not in news][:MOST_REFRESHED])[:MOST_STREAMS]
+        chosen = (news + [entry for entry in old if not sent_only and entry not in news][:MOST_REFRESHED])[:MOST_STREAMS]
         self._told.update({s.key: (now, d) for s, d in chosen})
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)
+
+    def usual(self, streams: tuple[StreamDigest, ...], state: State) -> tuple[StreamDigest, ...]:
+        """Return announcements without what is as usual, or as told before."""
+        sizes = {each.id: each.size for each in state.streams}
+        usual = {stream.id: usual_scale(stream) for stream, _, _ in self._digests.values()}
+        return tuple(_briefly(each, sizes.get(each.id, 0), usual.get(each.id, -1.0)) for each in streams)
 
     def echoes(self, now: float, echoes: Iterable[Echo], copies: int) -> tuple[Echo, ...]:
         """Some of the echoes, in a digest of so many copies: of those peers that were not echoed for longest."""
@@ -154,34 +162,6 @@ class DigestPacer:
         self._echoing -= ECHO * copies * len(chosen)
         self._echoed.update(dict.fromkeys(chosen, now))
         return tuple(known[peer] for peer in chosen)
-
-    def addressee(self, grants: Iterable[Grant], often: int = 1) -> str:
-        """Who is to be told of a grant next: of the one told least often that begins first; nobody when all are told.
-
-        Each is told so `often`, as digests may be lost.
-        """
-        offered = tuple(grants)
-        if offered is not self._offered and offered != self._offered:
-            self._granted = {grant: self._granted.get(grant, 0) for grant in offered}
-            self._all_told = 0
-        self._offered = offered
-        if self._all_told >= often:
-            self.again = False
-            return ""
-        untold = [(times, grant) for grant, times in self._granted.items() if times < often]
-        times, grant = min(untold, key=lambda each: (each[0], each[1].begins, each[1].peer), default=(0, None))
-        self.again = times > 0
-        if grant is None:
-            self._all_told = often
-            return ""
-        return grant.peer
-
-    def grants(self, to: str, often: int = 1) -> tuple[Grant, ...]:
-        """What of the grants a digest `to` this robot tells, or to all: those told least often, that begin first."""
-        concerned = [g for g, times in self._granted.items() if times < often and to in ("", g.peer)]
-        chosen = sorted(concerned, key=lambda g: (self._granted[g], g.begins, g.peer))[:MOST_GRANTS]
-        self._granted.update({grant: self._granted[grant] + 1 for grant in chosen})
-        return tuple(chosen)
 
     def has_news(self, streams: list[Stream]) -> bool:
         """Whether any stream changed since it was last told of."""
@@ -225,18 +205,24 @@ class DigestPacer:
         return float("inf") if told is None else abs(digest.scale - told[1].scale) + digest.scale
 
     def _fill(self, now: float) -> None:
-        """What came in since then; as much as is owed, up to a half, is paid."""
+        """What came in since then; as much of our part as is owed, up to a half, is paid."""
         if now <= self._updated:
             return
-        came = (now - self._updated) * self._rate
-        self._updated = now
-        most = max(3.0 * self._depth, self._rate)
+        elapsed, self._updated = now - self._updated, now
+        self._common = min(self._common + elapsed * self._rate, FULL * self._rate)
+        came = elapsed * self._rate_of_own
+        most = max(3.0 * self._size * self._robots, self._rate_of_own)
         self._echoing = min(most, self._echoing + ECHOING * came)
         paid = min(max(0.0, self._debt), came / 2.0)
         room = max(0.0, most - self._tokens)
         self._tokens += min(room, came - paid)
         # What the digests do not need is saved.
-        self._debt = max(self._debt - paid - max(0.0, came - paid - room), -SAVED * self._rate)
+        self._debt = max(self._debt - paid - max(0.0, came - paid - room), -SAVED * self._rate_of_own)
+
+    @property
+    def _rate_of_own(self) -> float:
+        """Our part of what is for ordinary news [B/s]."""
+        return ORDINARY * self._rate / self._robots
 
 
 def _of(stream: Stream) -> StreamDigest | None:
@@ -253,3 +239,10 @@ def _of(stream: Stream) -> StreamDigest | None:
         tuple(map(feature, stream.information_type.told(stream.last.features))) if stream.last.features else (),
         *told(stream.schedule.rhythm, stream.generated, stream.last.t_gen),
     )
+
+
+def _briefly(news: StreamDigest, size: int, scale: float) -> StreamDigest:
+    """Return an announcement of a stream that is so large and worth so much as a rule."""
+    said = -1.0 if news.scale == scale else news.scale
+    plain = replace(news, scale=said, features=(), period=-1.0, late=0, jitter=0)
+    return replace(plain, size=0) if news.size == size and said < 0.0 else plain

@@ -102,10 +102,11 @@ class SampleHeard:
 
 @dataclass(frozen=True, slots=True)
 class DigestHeard:
-    """Another robot's digest arrived."""
+    """Another robot's digest of so many bytes arrived."""
 
     now: float
     digest: Digest
+    size: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,10 +6,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
 
-from planner import Aggregation, Constraint, Plan
+from planner import Aggregation, Plan
 from proxy.core.ample import Ample
-from proxy.core.asks import PATIENCE, waits_until
-from proxy.core.cadence import Cadences
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, SendCopy
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -20,28 +18,20 @@ from proxy.core.fixed import rounded
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.kept import NO_SPEC, ONCE, Copy, Kept
-from proxy.core.latency import middle
-from proxy.core.lateness import Lateness
-from proxy.core.limits import Limit, Limits, Promises, use_of
+from proxy.core.budget import Budget
+from proxy.core.limits import Limit, use_of
 from proxy.core.mode import Mode, in_force
 from proxy.core.settings import CoreSettings
-from proxy.core.shares import Shares
 from proxy.core.span import Span
 from proxy.core.stream import Sent, Stream
-from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.window import WindowBuilder
 
 AT_ONCE = 128
 """So many samples are taken up at one event: what else happens has its turn before the rest of a burst."""
 CONSTRAINT = "dropped:constraint"
-LEAST_HELD = 1e-6
-"""A constraint cannot be zero; this is as good."""
-PLAY = 0.005
-"""What one robot lends comes back so much later than it was to be sent, at least [s]..."""
-DOUBTED = 1.5
-"""... and, where news take long, by so many times what clocks may be wrong by later still."""
-
+PATIENCE = 2.5
+"""A sample waits for room no longer than this [s], nor longer than until the next one of its stream is due."""
 
 @dataclass(frozen=True, slots=True)
 class Pending:
@@ -59,42 +49,28 @@ class Gate:
     """One decision at a time, so each sees what the one before did."""
 
     def __init__(
-        self, settings: CoreSettings, view: SharedView, shares: Shares, counts: Counts, windows: WindowBuilder
+        self, settings: CoreSettings, view: SharedView, budget: Budget, counts: Counts, windows: WindowBuilder
     ) -> None:
         self._settings = settings
-        self._always_sharing = settings.coordination == "shares"
         self._view = view
-        self._shares = shares
+        self._budget = budget
         self._counts = counts
         self._windows = windows
         self.inbox = Inbox(settings.inbox, settings.backlog, settings.inbox_bytes)
         self.kept = Kept(settings.away)
         """Copies for robots that are away."""
-        self.waiting = 0.0
-        """How long news of others wait on a channel that is full [s]."""
         self.mode = settings.mode
-        self.limits: tuple[Limit, ...] = ()
         self.pending: Pending | None = None
         self.decisions = Decisions()
         self.span = Span(settings.deadline)
         self._complaint = ""
         self._buckets = TokenBuckets()
-        self._lateness = Lateness(view, shares)
         self._deletions = Deletions()
-        self.cadences = Cadences(view)
-        """How often streams send that have slots."""
-        self.promised: Promises | None = None
-        """What we let others send, where it is we who lend."""
-        self.standing = False
-        """Whether we lend slots that stay, so that what we hold is ours as it is for others."""
         self.wakes_at = math.inf
         """When a sample that waits for room can be taken up [s]."""
         self._unsettled: dict[int, Waiting] = {}
         """Samples whose worth by the specs in force is not known yet."""
         self._ample = Ample(view)
-        self._others_known: tuple[float, int, tuple[Limit, ...]] = (-math.inf, 0, ())
-        """When, after how many notes and under which limits others had sent this."""
-        self._others_sent: tuple[tuple[float, tuple[float, ...]], ...] = ()
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
 
@@ -103,9 +79,9 @@ class Gate:
         return self.mode if stream is None else in_force(self.mode, stream.information_type.mode)
 
     @property
-    def late(self) -> bool:
-        """Whether news take long beside the window: where each robot would decide alone, one lends."""
-        return self._lateness.late
+    def limits(self) -> tuple[Limit, ...]:
+        """The constraints in force for all robots together."""
+        return self._budget.limits
 
     def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Queue a sample. Where too many wait all go at once if the limits have room for them; if not, one leaves."""
@@ -117,19 +93,12 @@ class Gate:
 
     def _takes_all(self, now: float, waiting: Waiting) -> bool:
         """Whether all that is undecided may be sent now by every constraint in force, and one more sample."""
-        left = self._free(now)
+        left = self._budget.free(now)
         for each in (waiting, *self._undecided()):
             left = [room - amount for room, amount in zip(left, self._use(now, each), strict=True)]
             if min(left, default=0.0) < 0.0:
                 return False
         return True
-
-    def _free(self, now: float) -> list[float]:
-        """What may still be sent now of each constraint in force."""
-        if self.sharing:
-            return [self._shares.free(now, k) for k in range(len(self.limits))]
-        sent = self._others(now)
-        return [c.limit - self._known_use(now, c, k, sent) for k, c in enumerate(self.limits)]
 
     def _send_all(self, now: float) -> list[Command]:
         """Send all that waits, what is being decided before it."""
@@ -169,7 +138,6 @@ class Gate:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
         self.wakes_at = math.inf
-        self._lateness.look(now, self.limits, self.waiting)
         if not self.inbox and not self.kept:
             return commands
         crowded = False
@@ -236,47 +204,12 @@ class Gate:
         if pending.copy is not None:
             return self._decided_copy(now, pending, pending.copy, plan)
         use = self._use(now, pending.sample)
-        lacking = self.lacking(now, use) if plan.send else ()
+        lacking = self._budget.lacking(now, use) if plan.send else ()
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
         if reason != "forwarded":
             return [self._refuse(now, pending.sample, reason, lacking)]
         return [self._send(now, pending.sample, use, reason)]
-
-    def fits(self, now: float, use: tuple[float, ...]) -> bool:
-        """Whether a message may be sent now by every constraint in force."""
-        return not self.lacking(now, use)
-
-    def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
-        """Return the constraints in force that leave no room for a message now, as a problem names them."""
-        if self.sharing:
-            return tuple(_held(self.limits[k]) for k in self._shares.lacking(now, use))
-        sent = self._others(now)
-        return tuple(
-            limit.name
-            for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-            if self._known_use(now, limit, k, sent) + amount > max(limit.limit, amount)
-        )
-
-    def problem_limits(self, now: float) -> Limits:
-        """Return the constraints of a problem: the union's and, where others lend to us, what we hold of them."""
-        shares = self._shares
-        if not self.sharing:
-            return Limits(self.limits, (), shares.sent(), self._others(now))
-        if shares.leads and not self.standing:
-            late = self._play(now)
-            play = [late if limit.shared else 0.0 for limit in self.limits]
-            union = tuple(
-                replace(c, limit=shares.whole(k), window=c.window + play[k]) for k, c in enumerate(self.limits)
-            )
-            return Limits(union, (), shares.sent(), self._lent(now), self.promised or {})
-        held = self._held(lambda k, _: shares.held(now, k))
-        return Limits(self.limits, held, shares.sent(), holds=partial(shares.holds, now), stays=shares.stays(now))
-
-    def _play(self, now: float) -> float:
-        """How much later than planned what we lend comes back [s]: what can no longer be is planned for nothing."""
-        doubts = self._view.doubts(now) if self.late else []
-        return PLAY + (DOUBTED * middle(doubts) if doubts else 0.0)
 
     def release(self, now: float) -> list[Command]:
         """Let everything that waits pass, and what is being decided before it: the mode is `pass` now."""
@@ -287,7 +220,7 @@ class Gate:
         sample = deciding[0] if deciding else self.inbox.take(self._deletions.holds)
         while sample is not None:
             commands += [self.pass_on(sample.sample, "passed:mode"), *self._delete()]
-            self._shares.use_at_most(now, use_of(sample.size, 1, self.limits), 1.0)
+            self._budget.use_at_most(now, use_of(sample.size, 1, self.limits), 1.0)
             sample = self.inbox.take(self._deletions.holds)
         return commands
 
@@ -307,15 +240,13 @@ class Gate:
         if self.limits and not self._view.gaining(stream):
             return [self._refuse(now, sample, "dropped:once")]
         must = self._owed(now, stream, sample)
-        if lacking := self.lacking(now, use):
+        if lacking := self._budget.lacking(now, use):
             self.decisions.unkept += must
             return [self._refuse(now, sample, CONSTRAINT, lacking)]
         if must:
             self.decisions.owed += 1
         elif ticket is None or self._roomy(now, stream):
             self.decisions.unneeded += bool(self.limits)
-        elif self._foreseen(now, stream, sample, use):
-            self.decisions.foreseen += 1
         else:
             return [self._search(now, sample, ticket)]
         return [self._send(now, sample, use, "forwarded")]
@@ -332,7 +263,7 @@ class Gate:
             return []
         use = self._use_of_copy(copy)
         enforced = self.mode_of(stream) is Mode.ENFORCE
-        if enforced and self.lacking(now, use):
+        if enforced and self._budget.lacking(now, use):
             return []
         if not enforced or copy.delete or self._roomy(now, stream):
             return [self._send_copy(now, copy, use)]
@@ -346,7 +277,7 @@ class Gate:
         use, rule = self._use_of_copy(copy), self._view.specs.fallback
         urgent = plan is not None or copy.waiting.priority <= rule.urgent
         needed = use if urgent else tuple(amount / rule.part for amount in use)
-        send = (plan is None or plan.send) and not self.lacking(now, needed)
+        send = (plan is None or plan.send) and not self._budget.lacking(now, needed)
         if plan is not None:
             reason = "forwarded" if send else "waits"
             self.decisions.note(Decided(now, copy.waiting.key, plan, pending.constraints, reason))
@@ -361,9 +292,9 @@ class Gate:
             stream.resume(copy.to)
         self._view.aired(1 + self._settings.relayed, (1 + self._settings.relayed) * copy.waiting.size)
         if self.mode_of(stream) is Mode.ENFORCE:
-            self._shares.use(now, use)
+            self._budget.use(now, use)
         else:
-            self._shares.use_at_most(now, use, 1.0)
+            self._budget.use_at_most(now, use, 1.0)
         self.kept.hand(copy)
         return SendCopy(copy.waiting.sample, copy.to)
 
@@ -373,7 +304,7 @@ class Gate:
 
     def _search(self, now: float, sample: Waiting, ticket: int, copy: Copy | None = None) -> Command:
         """Have a sample decided, or the copy of one."""
-        problem, full = self._windows.within(now, sample, self.inbox, self.problem_limits(now), self.span.most)
+        problem, full = self._windows.within(now, sample, self.inbox, self._budget.problem_limits(now), self.span.most)
         held = sum(not message.sent for message in problem.messages) - 1
         thinned = self.span.most < full
         if thinned:
@@ -388,36 +319,14 @@ class Gate:
 
     def _roomy(self, now: float, stream: Stream) -> bool:
         """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
-        held = [self._shares.held(now, k) if self.sharing else limit.limit for k, limit in enumerate(self.limits)]
-        waiting = len(self.inbox)
-        return not self.limits or self._ample.fits(now, stream, self.limits, held, waiting, alone=self.sharing)
-
-    def _foreseen(self, now: float, stream: Stream, sample: Waiting, use: tuple[float, ...]) -> bool:
-        """Whether what we hold was lent for this sample: nothing else of ours can use it, the next one comes too late.
-
-        Then who leads has decided on it beside those of all others, which we do not know better. A slot was lent for
-        all samples that are like the ones to come.
-        """
-        shares = self._shares
-        if not (self.sharing and shares.leader and sample.markovian and self._alone(now, stream)):
-            return False
-        if self._slots(now):
-            return _usual(stream, sample)
-        if shares.leads or shares.stays(now):
-            return False
-        after = min(now, sample.t_gen + 0.5 * stream.schedule.period)  # the next one may be due already
-        coming = stream.schedule.forecast(after, now + PATIENCE, 1, now)
-        return not any(shares.holds(now, t, use) for t in coming)
+        whole = [self._budget.whole(now, k) for k in range(len(self.limits))]
+        alone = self._budget.alone
+        return not self.limits or self._ample.fits(now, stream, self.limits, whole, len(self.inbox), alone=alone)
 
     def _unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
-        silent = self._view.untold(self._settings.robot)
-        if not silent or not self.sharing:
-            return self.pass_on(sample.sample, "passed:unwanted")
-        use = use_of(sample.size, 1 if is_broadcast(self._settings.transport) else silent, self.limits)
-        if lacking := [k for k, amount in enumerate(use) if amount > self._shares.free(now, k)]:
-            return self._refuse(now, sample, CONSTRAINT, tuple(_held(self.limits[k]) for k in lacking))
-        self._shares.use(now, use)
+        if silent := self._view.untold(self._settings.robot):
+            self._budget.use_at_most(now, use_of(sample.size, silent, self.limits), 1.0)
         return self.pass_on(sample.sample, "passed:unwanted")
 
     def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
@@ -433,7 +342,7 @@ class Gate:
         sample, use = pending.sample, self._use(now, pending.sample)
         if any(waiting.priority < sample.priority for waiting in self.inbox):
             return self._by_rule(now, pending)
-        if lacking := self.lacking(now, use):
+        if lacking := self._budget.lacking(now, use):
             return [self._refuse(now, sample, "dropped:fallback", lacking)]
         return [self._send(now, sample, use, "passed:fallback")]
 
@@ -442,21 +351,14 @@ class Gate:
         if pending.copy is not None:
             return self._decided_copy(now, pending, pending.copy, None)
         rule, use, buckets = self._view.specs.fallback, self._use(now, pending.sample), self._buckets
-        buckets.fill(now, self.limits, [rule.part * room for room in self._rooms_left(now)])
+        buckets.fill(now, self.limits, [rule.part * room for room in self._budget.left(now)])
         urgent = pending.sample.priority <= rule.urgent
         needed = use if urgent else tuple(amount / rule.part for amount in use)
-        if lacking := self.lacking(now, needed) or (() if urgent else buckets.lacking(use)):
+        if lacking := self._budget.lacking(now, needed) or (() if urgent else buckets.lacking(use)):
             return [self._refuse(now, pending.sample, "dropped:fallback", lacking)]
         if not urgent:
             buckets.take(use)
         return [self._send(now, pending.sample, use, "passed:fallback")]
-
-    def _rooms_left(self, now: float) -> list[float]:
-        """What we may use of each limit in a window, our own sends included."""
-        if self.sharing:
-            return [self._shares.held(now, k) for k in range(len(self.limits))]
-        used = [sum(use[k] for t, use in self._others(now) if t >= now - c.window) for k, c in enumerate(self.limits)]
-        return [max(0.0, c.limit - used[k]) for k, c in enumerate(self.limits)]
 
     def _send(self, now: float, sample: Waiting, use: tuple[float, ...], reason: str) -> Command:
         stream = self._own(now, sample)
@@ -467,7 +369,7 @@ class Gate:
             self._view.note_sent(stream, stream.forwarded + 1, sent)
             stream.fates[reason] += 1
         self._tell(stream, sample.size)
-        self._shares.use(now, use)
+        self._budget.use(now, use)
         return self.pass_on(sample.sample, reason)
 
     def _refuse(self, now: float, sample: Waiting, reason: str, lacking: tuple[str, ...] = ()) -> Command:
@@ -482,7 +384,7 @@ class Gate:
         self._tell(stream, sample.size)
         specs = self._view.specs
         if "enforce" in specs.modes or self.mode is Mode.ENFORCE:  # what is enforced has to do with what is left
-            self._shares.use_at_most(now, self._use(now, sample), 1.0 - specs.floor)
+            self._budget.use_at_most(now, self._use(now, sample), 1.0 - specs.floor)
         return self.pass_on(sample.sample, "passed:shadow")
 
     def _tell(self, stream: Stream | None, size: int) -> None:
@@ -522,96 +424,18 @@ class Gate:
         stream = self._own(now, sample)
         return use_of(sample.size, self._view.copies(stream) if stream is not None else 1, self.limits)
 
-    @property
-    def sharing(self) -> bool:
-        """Whether each robot sends only what is lent to it: as configured, or because news take long."""
-        return self._always_sharing or self._lateness.late
-
     def _waits(self, now: float, sample: Waiting) -> bool:
-        """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
+        """Whether a sample is not taken up yet: something goes before it, or room for it opens before the next one comes."""
         if self._deletions.holds(sample):
             return True
-        if not self.sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
+        stream = self._own(now, sample)
+        if stream is None or not self._budget.alone or self.mode_of(stream) is Mode.SHADOW:
             return False
         use = self._use(now, sample)
-        if self._shares.fits(now, use):
+        if self._budget.fits(now, use):
             return False
-        opens = self._shares.opens(now, use, self._patient_until(now, sample, use))
-        if opens is None:
-            opens = self._answer_by(sample)
-            if opens is None or opens <= now:
-                return False
+        opens = self._budget.opens(now, use)
+        if opens >= sample.t_gen + min(PATIENCE, stream.schedule.period):
+            return False
         self.wakes_at = min(self.wakes_at, opens)
         return True
-
-    def _patient_until(self, now: float, sample: Waiting, use: tuple[float, ...]) -> float:
-        """Until when a sample waits for room that we hold already [s]; with slots, as is best for its stream.
-
-        One that must be sent, or is worth more than usual, waits as everywhere.
-        """
-        stream = self._own(now, sample)
-        if stream is None or not (self._slots(now) and self._alone(now, stream)):
-            return now + PATIENCE
-        held = [self._shares.held(now, k) for k in range(len(use))]
-        patience = self.cadences.patience(now, stream, self.limits, use, held)
-        if patience is None:
-            return now + PATIENCE
-        unusual = self._owed(now, stream, sample) or sample.scale > stream.expected(sample.t_gen).scale
-        return max(sample.t_gen + patience, now + PATIENCE if unusual else now)
-
-    def _slots(self, now: float) -> bool:
-        """Whether what we hold is slots, or where we lead, what slots left."""
-        return self.standing if self._shares.leads else self._shares.stays(now)
-
-    def _alone(self, now: float, stream: Stream) -> bool:
-        """Whether no other stream of ours competes for what we hold."""
-        return not any(s is not stream and self._view.competes(now, s) for s in self._view.own())
-
-    def _answer_by(self, sample: Waiting) -> float | None:
-        """Until when a sample waits for who leads to lend what it takes; None where we cannot ask."""
-        stream, leader = self._view.known(self._settings.robot, sample.key), self._view.peers.get(self._shares.leader)
-        return None if stream is None or leader is None else waits_until(stream, sample.t_gen, leader)
-
-    def _known_use(self, now: float, limit: Limit, k: int, sent: Sequence[tuple[float, tuple[float, ...]]]) -> float:
-        """What we know to be sent, by anybody, within the window that ends now."""
-        since = now - limit.window
-        return sum(use[k] for t, use in sent if t >= since) + self._shares.used(now, k)
-
-    def _held(self, held: Callable[[int, Limit], float]) -> tuple[Constraint, ...]:
-        """Return what we hold of each limit, as constraints."""
-        return tuple(Constraint(_held(c), c.window, max(held(k, c), LEAST_HELD)) for k, c in enumerate(self.limits))
-
-    def _others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
-        """What we know others to have sent within the longest window, as (time, use); a decision asks several times."""
-        known = now, self._view.sends_noted, self.limits
-        if known != self._others_known:
-            self._others_known, self._others_sent = known, self._sent_by_others(now)
-        return self._others_sent
-
-    def _sent_by_others(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
-        longest = max((limit.window for limit in self.limits), default=0.0)
-        sent = self._view.sent_since(now - longest)
-        alike = {amount: use_of(*amount, self.limits, own=False) for amount in {amount for _, amount in sent}}
-        return tuple([(t, alike[amount]) for t, amount in sent])
-
-    def _lent(self, now: float) -> tuple[tuple[float, tuple[float, ...]], ...]:
-        """What others may send, as if they did so at the last moment; over a longer time again and again."""
-        shortest = min(limit.window for limit in self.limits)
-        own = (0.0,) * sum(not limit.shared for limit in self.limits)
-        return tuple(
-            (lent.ends - n * shortest, (*lent.amounts, *own))
-            for lent in self._shares.lent(now)
-            for n in range(1 + int((lent.ends - lent.begins) / shortest))
-        )
-
-
-def _usual(stream: Stream, sample: Waiting) -> bool:
-    """Whether a sample is worth no less than those to come, as far as is known."""
-    like, kind = stream.expected(sample.t_gen), stream.information_type
-    alike = kind.utility_of(sample.features) is kind.utility_of(like.features)
-    return alike and sample.scale >= like.scale and sample.size <= like.size
-
-
-def _held(limit: Limit) -> str:
-    """The name of what we hold of a constraint."""
-    return f"{limit.name} (held)"

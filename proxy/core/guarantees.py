@@ -26,12 +26,10 @@ def longest(stream: Stream, latency: float) -> float:
     return min(rate, age)
 
 
-def owed(stream: Stream, times: Iterable[float], latency: float, last: float | None = None) -> Iterator[float]:
-    """Yield those generation times of samples [s] that must be sent; `last` is that of the last one sent."""
+def owed(stream: Stream, times: Iterable[float], latency: float) -> Iterator[float]:
+    """Yield those generation times of samples [s] that must be sent."""
     apart, ahead = longest(stream, latency), (1.0 - EARLY) * stream.schedule.period
     before = -math.inf if stream.sent is None else stream.sent.t_gen
-    if last is not None:
-        before = max(before, last)
     for t in times:
         if t + ahead - before > apart:
             yield t

@@ -1,7 +1,8 @@
 """What the constraints of the specs leave for messages, and what a message uses of them."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import zlib
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from planner import Constraint
@@ -9,7 +10,9 @@ from planner.measures import Measure
 from utility_specs import ConstraintSpec, Specs
 
 LEAST_ALLOWANCE = 100.0
-"""What the digests of one robot may use whatever the limit is [B/s]."""
+"""What the digests of a team may use whatever the limit is, for each of its robots [B/s]."""
+LARGE = 0.02
+"""What takes more than this part of a limit is told at once when it is sent, or what of it was sent together."""
 LEAST_LEFT = 0.1
 """Part of a limit that digests leave to messages in any case."""
 LEAST_DIGEST = 64
@@ -33,38 +36,17 @@ class Limit(Constraint):
 
 
 @dataclass(frozen=True, slots=True)
-class Promise:
-    """We lent a robot what the message takes that one of its streams is expected to generate at `t_gen` [s]."""
-
-    t_gen: float
-    ends: float
-    """Until then it may be sent [s]."""
-    size: int
-    scale: float
-    features: Mapping[str, float]
-
-
-Promises = Mapping[tuple[str, str], Sequence[Promise]]
-"""What we promised, by robot and key, in order of generation."""
-
-
-@dataclass(frozen=True, slots=True)
 class Limits:
-    """The constraints of a problem: those of the union of all robots, and what we hold of them ourselves.
+    """The constraints of a problem, and what was sent that counts against them, as (time, use), oldest first.
 
-    `held` is empty where the union alone binds us. `sent` are our own sends as (time, use), oldest first, and `others`
-    those of others, as far as they count. Where we lend, others send what is `promised` and what we can still lend for.
-    `holds` tells whether we hold what a message takes at a time to come, where that changes.
+    `sent` are our own sends, `others` those of other robots. `alone`: the constraints are our part, so only our own
+    streams compete for them.
     """
 
     union: tuple[Limit, ...]
-    held: tuple[Constraint, ...]
-    sent: tuple[tuple[float, tuple[float, ...]], ...]
+    sent: tuple[tuple[float, tuple[float, ...]], ...] = ()
     others: tuple[tuple[float, tuple[float, ...]], ...] = ()
-    promised: Promises | None = None
-    holds: Callable[[float, tuple[float, ...]], bool] | None = None
-    stays: bool = True
-    """Whether what we hold is for longer than the next message."""
+    alone: bool = False
 
 
 def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Limit, ...]:
@@ -76,6 +58,12 @@ def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Limit, ...]:
     return tuple(_limit(spec, allowance, robots) for spec in ordered)
 
 
+def fingerprint(specs: Specs) -> int:
+    """Return a number, not 0, that tells what these specs set all robots together from other limits."""
+    shared = sorted(repr(spec.measure) + spec.name for spec in specs.constraints if not spec.measure.private)
+    return zlib.crc32("\n".join(shared).encode()) or 1
+
+
 def in_force(limits: tuple[Limit, ...], factors: Sequence[float]) -> tuple[Limit, ...]:
     """Return the limits with each adaptive one, in their order, at this part of its ceiling."""
     left = iter(factors)
@@ -83,14 +71,19 @@ def in_force(limits: tuple[Limit, ...], factors: Sequence[float]) -> tuple[Limit
 
 
 def allowance_of(specs: Specs, allowance: float, robots: int) -> float:
-    """Return what the digests of one of so many robots may use [B/s], all copies together."""
-    rates = [_digest_rate(spec.measure, allowance, robots) for spec in specs.constraints]
-    return max(min(rates, default=0.0), LEAST_ALLOWANCE)
+    """Return what the digests of so many robots may use together [B/s], all copies counted."""
+    rates = [robots * _digest_rate(spec.measure, allowance, robots) for spec in specs.constraints]
+    return max(min(rates, default=0.0), robots * LEAST_ALLOWANCE)
 
 
 def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = True) -> tuple[float, ...]:
     """Return what a message uses of each constraint; `own`: whether this robot sends it."""
     return tuple([limit.measure.use(size, copies, own=own) for limit in limits])
+
+
+def changes_plans(use: Sequence[float], limits: Iterable[Limit]) -> bool:
+    """Whether so much of the limits is used that all others have to hear of it at once."""
+    return any(amount > LARGE * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared)
 
 
 def shortest_window(limits: Iterable[Limit]) -> float:

@@ -3,7 +3,10 @@
 They have other limits, for they have other specs; or nothing is understood of what they say, if they say anything.
 """
 
+import math
 from collections.abc import Iterable
+
+from proxy.core.limits import fingerprint
 
 from proxy.core.codec import READ, VERSION
 from proxy.core.peer import Peer
@@ -31,33 +34,28 @@ class Outsiders:
         self._look_at = 0.0
         self.found: frozenset[str] = frozenset()
 
-    def note(self, now: float, name: str, *, known: bool) -> None:
-        """A robot told of its epoch; `known` when that is one of the limits that we have."""
+    def heard(self, name: str) -> None:
+        """A digest of a robot was understood."""
         self._heard.add(name)
-        if known or not self._differs(name):
-            self._since.pop(name, None)
-        else:
-            self._since.setdefault(name, now)
         if name in self.found:
-            self._look_at = now
+            self._look_at = -math.inf
 
     def look(self, now: float) -> bool:
         """Look who has taken no part for too long; return whether these are others than before."""
-        if now < self._look_at and not self._since:
+        if now < self._look_at:
             return False
         self._look_at, peers = now + PACE, self._view.peers
         self._heard &= peers.keys()
-        self._since = {name: since for name, since in self._since.items() if self._differs(name)}
+        self._since = {name: self._since.get(name, now) for name, peer in peers.items() if self._differs(peer)}
         for name, peer in peers.items():
             peer.plain = self._not_understood(now, name, peer)
         apart = {name for name, since in self._since.items() if now - since > PATIENCE}
         before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
         return self.found != before
 
-    def _differs(self, name: str) -> bool:
-        """Whether a robot is there and has other specs by now: both may have changed since it told of its epoch."""
-        peer = self._view.peers.get(name)
-        return peer is not None and peer.specs not in ("", self._view.specs.generation)
+    def _differs(self, peer: Peer) -> bool:
+        """Whether a robot has other limits, as it says."""
+        return peer.limits not in (0, fingerprint(self._view.specs))
 
     def warnings(self, among: Iterable[str] | None = None) -> list[str]:
         """Name them all, or those `among` these."""
@@ -67,7 +65,7 @@ class Outsiders:
     def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
         if name in self._heard:
             return now - peer.digest_received > SILENCE
-        if peer.state is not None:  # who follows another robot speaks to that one most of the time
+        if peer.state is not None:
             return now - peer.since > SILENCE
         return now - peer.since > PATIENCE + ASKING * len(self._view.peers) or _foreign(peer)
 

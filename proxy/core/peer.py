@@ -92,6 +92,8 @@ class Peer:
     transport: str = ""
     version: str = ""
     """Which Sendworthy it runs, as it says."""
+    limits: int = 0
+    """Tells what limits its specs set; 0: nobody knows."""
     wire: int = 0
     """The version of the protocol that it speaks; 0: nobody knows."""
     plain: bool = False
@@ -191,7 +193,7 @@ class Peer:
             self.restart_losses()
         self.mode, self.specs = state.mode, state.specs
         self.transport = state.transport
-        self.version = state.version
+        self.version, self.limits = state.version, state.limits
         self._take_clock(now, state)
         self.state = state
 

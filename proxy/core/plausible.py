@@ -53,6 +53,8 @@ def _does_not_follow(last: Digest, elapsed: float, digest: Digest) -> str:
         return "digest:old"
     if digest.sent - last.sent > elapsed + DELAY:
         return "digest:time"
+    if digest.brief:
+        return ""
     messages, size = digest.messages - last.messages, digest.bytes - last.bytes
     fits = 0 <= messages <= FASTEST * (elapsed + BURST) and 0 <= size <= BROADEST * (elapsed + BURST)
     return "" if fits else "digest:counts"

@@ -30,8 +30,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "zid": core.settings.zid,
         "mode": core.gate.mode.value,
         "specs": core.view.specs.generation,
-        "coordination": core.settings.coordination,
-        "leader": _leader(core),
+        "coordination": "split" if core.coordination.splits else "announce",
         "transport": core.settings.transport,
         "wall_error": core.view.clock_error or None,
         "uptime": now - core.started,
@@ -61,14 +60,6 @@ def report(core: Core, now: float) -> dict[str, Any]:
     }
 
 
-def _leader(core: Core) -> str | None:
-    """Who lends to all where robots share; nobody as long as they do not agree."""
-    if not core.gate.sharing:
-        return None
-    peer = core.view.peers.get(core.shares.leader)
-    return core.settings.robot if core.shares.leads else None if peer is None else peer.robot
-
-
 def _counts(core: Core) -> dict[str, Any]:
     counts = core.counts
     return {
@@ -91,10 +82,9 @@ def _budget(core: Core, now: float) -> list[dict[str, Any]]:
             "unit": limit.measure.unit,
             "window": limit.window,
             "limit": limit.limit,
-            "held": core.shares.held(now, k) if core.gate.sharing else limit.limit,
-            "used": core.shares.used(now, k),
-            "members": len(core.shares.members) if limit.shared else 1,
-            "confirmed": not core.gate.sharing or core.shares.confirmed(now) or not limit.shared,
+            "held": core.budget.whole(now, k),
+            "used": core.budget.used(now, k),
+            "members": 1 + len(core.view.peers) if limit.shared else 1,
             **({"adaptive": core.channel.capacity.described(now, adaptive.index(k))} if k in adaptive else {}),
         }
         for k, limit in enumerate(core.gate.limits)

@@ -30,7 +30,7 @@ class CoreSettings:
     horizon_time: float = 60.0
     iterations: int = 300
     deadline: float = math.inf
-    coordination: Literal["shares", "overhear"] = "shares"
+    coordination: Literal["announce", "split"] = "announce"
     transport: str = UNICAST
     allowance: float = 0.02
     floor: float = 0.01

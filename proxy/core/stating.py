@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
+from proxy.core.limits import fingerprint
 from proxy.core.mode import Mode
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
@@ -33,6 +34,7 @@ def state_of(view: SharedView, mode: Mode) -> State:
         transport=settings.transport,
         clock_error=view.clock_error,
         version=settings.version,
+        limits=fingerprint(view.specs),
     )
 
 
@@ -50,12 +52,12 @@ def shortened(state: State) -> tuple[State, int]:
     return (replace(state, streams=streams, subscriptions=subscriptions, origins=origins), left) if left else (state, 0)
 
 
-def differs(told: State, state: State, *, rhythms: bool = True) -> bool:
-    """Whether a state is news; `rhythms`: even if no more than these changed, of which digests tell."""
+def differs(told: State, state: State) -> bool:
+    """Whether a state is news; not where only rhythms changed, of which digests tell."""
     stepped = abs(state.wall_offset - told.wall_offset) > WALL_STEP
     return (
         stepped
-        or bool(_news(told, state, rhythms=rhythms))
+        or bool(_news(told, state))
         or _apart_from_streams(told) != _apart_from_streams(state)
         or _lost(told, state)
     )
@@ -69,17 +71,17 @@ def update_of(told: State, state: State) -> State | None:
     return State(state.robot, state.zid, "", "", news, (), state.wall_offset, number=state.number, since=told.number)
 
 
-def _news(told: State, state: State, *, rhythms: bool = True) -> tuple[StreamState, ...]:
+def _news(told: State, state: State) -> tuple[StreamState, ...]:
     before = {stream.id: stream for stream in told.streams}
-    return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s, rhythms=rhythms))
+    return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s))
 
 
-def _moved(told: StreamState, stream: StreamState, *, rhythms: bool) -> bool:
+def _moved(told: StreamState, stream: StreamState) -> bool:
     if (told.key, told.information_type) != (stream.key, stream.information_type):
         return True
     if abs(stream.size - told.size) > LEAST_GROWTH * max(stream.size, 1):
         return True
-    if not rhythms and {told.schedule, stream.schedule} <= RHYTHMIC:
+    if {told.schedule, stream.schedule} <= RHYTHMIC:
         return False
     change = LEAST_CHANGE * max(stream.period, 1e-9)
     moved = abs(stream.jitter - told.jitter) > change or abs(stream.period - told.period) > change

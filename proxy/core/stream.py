@@ -221,3 +221,9 @@ class Stream:
         if last.features:
             return Generated(last.t_gen, last.size, self.information_type.scale(values), values)
         return Generated(last.t_gen, last.size, max(0.0, values[SCALE]))
+
+
+def usual_scale(stream: Stream) -> float:
+    """Return the value of a sample of which nothing more is known, as it travels."""
+    kind = stream.information_type
+    return rounded(kind.scale(kind.completed({})))

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from planner import Aggregation
 from proxy.core.competition import Competition
@@ -11,11 +12,11 @@ from proxy.core.latency import Latency
 from proxy.core.peer import SET, Peer, latency_of
 from proxy.core.schedules.told import heard
 from proxy.core.settings import CoreSettings
-from proxy.core.stream import Generated, Sent, Stream
+from proxy.core.stream import Generated, Sent, Stream, usual_scale
 from proxy.core.streams import PLAIN, Streams
 from proxy.core.transport import is_broadcast
 from proxy.core.ways import Audiences
-from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
+from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState, tag
 from utility_specs import Specs
 
 MOST_SENDS = 16_384
@@ -26,8 +27,6 @@ DIGEST = 150
 """A digest is about so large on the way [B]."""
 LEAST_LATENCY = 1e-6
 """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
-ALIKE = 0.005
-"""Ways there and back differ by this part, where nothing worse comes of it than messages too many."""
 UNTOLD = 2.5e-3
 """Two wall clocks may have moved so much against each other and nobody said so, because it is too little [s]."""
 MOST_PEERS = 256
@@ -198,18 +197,6 @@ class SharedView:
     def tags(self) -> dict[str, str]:
         """The tags of all robots by their names, our own included."""
         return {peer.robot: name for name, peer in self.peers.items()} | {self.settings.robot: tag(self.settings.zid)}
-
-    def doubt(self, now: float, peer: Peer) -> float:
-        """What we take a peer's clock to be off by at most from what we estimate [s].
-
-        That the ways there and back take alike nobody knows: where the union has to hold for certain it is not assumed.
-        """
-        most = peer.offset.uncertainty(now)
-        return most if self.settings.coordination == "shares" else min(most, ALIKE * peer.offset.latency)
-
-    def doubts(self, now: float) -> list[float]:
-        """The same of all peers whose clocks are known [s]."""
-        return [self.doubt(now, peer) for peer in self.peers.values() if peer.offset.known]
 
     @property
     def longest_way(self) -> float:
@@ -461,12 +448,23 @@ class SharedView:
         if told is not None:
             stream.assume(told.period, told.schedule)
         t_gen = min(peer.offset.ours(news.t_generated), now)
-        features, before = stream.information_type.heard(news.features), stream.last
-        last, rhythm = Generated(t_gen, news.size, news.scale, features), heard(news, peer.offset.ours)
+        before, kind = stream.last, stream.information_type
+        if news.period < 0.0:  # an announcement
+            features = kind.completed({}) if before is None else before.features
+            news, rhythm = _completed(stream, news, told), stream.schedule.followed
+        else:
+            features, rhythm = kind.heard(news.features), heard(news, peer.offset.ours)
+        last = Generated(t_gen, news.size, news.scale, features)
         stream.note_generated(news.generated, last, told=rhythm)
         if news.forwarded > stream.forwarded:
             t_sent = peer.offset.ours(news.t_forwarded)
             self.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
+
+
+def _completed(stream: Stream, news: StreamDigest, told: StreamState | None) -> StreamDigest:
+    """Return news with what an announcement leaves out because it is as usual."""
+    size = news.size or (told.size if told is not None else stream.newest.size if stream.last else 0)
+    return replace(news, size=size, scale=news.scale if news.scale >= 0.0 else usual_scale(stream))
 
 
 def _last_sent(news: StreamDigest, t_sent: float, last: Generated, before: Generated | None) -> Sent:

@@ -4,8 +4,8 @@ It ends at the earlier of `horizon` messages and `horizon_time`, but not before 
 forecast message of every stream; if that is too many, low-value streams are thinned, not time. Where more streams
 compete than a window has messages, some have none in it: half of the places are for the streams worth most per byte on
 the air, half for those that generate next, so that what is imminent competes with what is valuable. Only streams that
-somebody wants compete, and where robots hold shares only our own, because then no other stream can gain by what we
-leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
+somebody wants compete, and where each robot has its part of the limits only our own, because then no other stream can
+gain by what we leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
 or the last few where the stream does not go by the most recent one. Everything sent within a constraint window is
 traffic, for what it uses. What guarantees demand of the future is a fact and traffic like that.
 """
@@ -16,16 +16,15 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from heapq import heapify, heappop, heapreplace
-from itertools import chain, islice
+from itertools import islice
 from operator import attrgetter
 from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
-from proxy.core.asks import LEAD, serves
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
-from proxy.core.limits import Limits, Promise, Promises, use_of
+from proxy.core.limits import Limits, changes_plans, use_of
 from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
 from proxy.core.ways import Audience
@@ -85,31 +84,7 @@ class _Open(NamedTuple):
     current: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Expected:
-    """A message of another robot as we expect it: of which stream, in how many copies, and what it will be."""
-
-    stream: Stream
-    copies: int
-    message: Promise
-
-
 _SENT = attrgetter("t_sent")
-
-Ahead = Mapping[int, Expected]
-"""What the messages of a problem are, by their places."""
-
-
-@dataclass(frozen=True, slots=True)
-class Outlook:
-    """What others are expected to generate: a `problem`, if there is anything to decide, and what it is about.
-
-    `demanded` is what guarantees demand whatever the problem's solution is.
-    """
-
-    problem: Problem | None
-    ahead: Ahead
-    demanded: tuple[Expected, ...]
 
 
 class WindowBuilder:
@@ -131,82 +106,43 @@ class WindowBuilder:
         Half of the places are for samples that wait, those worth most, the rest for forecasts.
         """
         candidates, opened, demanded, full = self._opened(now, current, list(waiting), limits, most)
-        return self._problem(now, candidates, opened, demanded, limits)[0], full
-
-    def ahead(self, now: float, waiting: Iterable[Waiting], limits: Limits) -> Outlook:
-        """Return what others are expected to generate. The current message of the problem is just the first."""
-        candidates, opened, owed, _ = self._opened(now, None, list(waiting), limits, math.inf)
-        demanded = tuple(expected for m in owed if (expected := self._expected(m)) is not None)
-        if not opened:
-            return Outlook(None, {}, demanded)
-        problem, places = self._problem(now, candidates, opened, owed, limits)
-        ahead = {place: expected for place, m in places.items() if (expected := self._expected(m)) is not None}
-        return Outlook(problem, ahead, demanded)
+        return self._problem(now, candidates, opened, demanded, limits), full
 
     def _opened(
-        self, now: float, current: Waiting | None, waiting: list[Waiting], limits: Limits, most: float
+        self, now: float, current: Waiting, waiting: list[Waiting], limits: Limits, most: float
     ) -> tuple[list[_Candidate], list[_Open], list[_Open], int]:
         """Return who competes, what is to decide, what guarantees demand anyway, and how much there is to decide."""
         queued = int(min(len(waiting), most // 2))
         places = int(min(self._view.settings.horizon, most - queued))
-        candidates = self._candidates(now, "" if current is None or current.to else current.key, limits, places)
+        candidates = self._candidates(now, "" if current.to else current.key, limits, places)
         end = self._forecast(now, candidates, limits)
-        demanded = [m for c in candidates if guaranteed(c.stream) for m in self._owed(c, limits)]
+        demanded = [m for c in candidates if guaranteed(c.stream) for m in self._owed(c)]
         for c in candidates:
             if c.times and c.times[-1] > end:
                 c.times = [t for t in c.times if t <= end]
-            if c.own and limits.holds is not None:
-                c.times = [t for t in c.times if limits.holds(t, _use(_expect(c, t), limits))]
             if not c.markovian:
                 c.times = _bounded(c, c.times)
         full = len(waiting) + min(self._view.settings.horizon, sum([len(c.times) for c in candidates]))
         _thin(candidates, places)
         ours = {c.stream.key: c for c in candidates if c.own}
-        opened = [
-            _open(w, ours[w.key])
-            for w in _competing(waiting, ours)[:queued]
-            if limits.holds is None or limits.holds(w.t_gen, use_of(w.size, ours[w.key].copies, limits.union))
-        ]
-        if current is not None:
-            if current.to:
-                candidates.append(self._copied(now, len(candidates), current))
-            opened.append(_open(current, candidates[-1] if current.to else ours[current.key], current=True))
+        opened = [_open(w, ours[w.key]) for w in _competing(waiting, ours)[:queued]]
+        if current.to:
+            candidates.append(self._copied(now, len(candidates), current))
+        opened.append(_open(current, candidates[-1] if current.to else ours[current.key], current=True))
         opened += [_expect(c, t) for c in candidates for t in c.times]
-        if limits.promised is not None:
-            opened += [m for c in candidates for m in self._asking(now, c, limits.promised)]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
         return candidates, opened, demanded, full
 
-    def _owed(self, c: _Candidate, limits: Limits) -> list[_Open]:
+    def _owed(self, c: _Candidate) -> list[_Open]:
         """Take what its guarantee demands out of the forecasts of a stream."""
-        promised = (limits.promised or {}).get((c.stream.robot, c.stream.key), ())
-        last = promised[-1].t_gen if promised else None
-        times = list(owed(c.stream, c.times, c.audience.slowest, last))
+        times = list(owed(c.stream, c.times, c.audience.slowest))
         c.times = [t for t in c.times if t not in times]
         return [_expect(c, t) for t in times]
-
-    def _asking(self, now: float, c: _Candidate, promises: Promises) -> list[_Open]:
-        """Where we lend, return what another robot has generated, told us of, and waits with."""
-        stream, last = c.stream, c.stream.newest
-        if c.own:
-            return []
-        peer = self._view.peer_called(stream.robot)
-        if peer is None or not serves(now, stream, peer):
-            return []
-        promised, half = promises.get((stream.robot, stream.key), ()), 0.5 * stream.schedule.period
-        known = max([stream.sent.t_sent if stream.sent else -math.inf, *(p.t_gen + half for p in promised[-1:])])
-        return [_Open(last.t_gen, c, last.size, last.scale, last.features)] if last.t_gen > known else []
-
-    def _expected(self, m: _Open) -> Expected | None:
-        """Return a message of another robot as it is expected; None when it is ours."""
-        if m.of.own:
-            return None
-        return Expected(m.of.stream, m.of.copies, Promise(m.t_gen, m.t_gen, m.size, m.scale, m.features))
 
     def _candidates(self, now: float, deciding: str, limits: Limits, most: int) -> list[_Candidate]:
         """Streams that compete, by robot and key, at most so many; that of the current message always does."""
         view, own = self._view, self._view.settings.robot
-        competing = view.competition.chosen(now, most, limits.promised or {}, own if limits.held else None)
+        competing = view.competition.chosen(now, most, own if limits.alone else None)
         current = view.known(own, deciding)
         if current is not None and not any(s is current for s in competing):
             insort(competing, current, key=lambda s: (s.robot, s.key))
@@ -257,18 +193,14 @@ class WindowBuilder:
         view, stream = self._view, c.stream
         if c.own:
             return now
-        if limits.promised is not None:
-            promised = limits.promised.get((stream.robot, stream.key), ())
-            peer = view.peer_called(stream.robot)
-            told = now + LEAD + (peer.offset.latency if peer is not None else 0.0)
-            return max(told, promised[-1].t_gen + 0.5 * stream.schedule.period) if promised else told
         schedule = stream.schedule
         heard = schedule.last or now
         if stream.sent is not None:
             heard = max(heard, stream.sent.t_gen + 0.5 * schedule.period)
         if heard >= now:
             return heard
-        if not view.overhears(stream):
+        use = use_of(stream.newest.size, c.copies, limits.union, own=False)
+        if not (view.overhears(stream) or changes_plans(use, limits.union)):
             return max(heard, now - longest)
         return max(heard, now - self._way_here(c) - OVERHEARD - schedule.jitter)
 
@@ -282,46 +214,36 @@ class WindowBuilder:
 
     def _problem(
         self, now: float, candidates: list[_Candidate], opened: list[_Open], demanded: list[_Open], limits: Limits
-    ) -> tuple[Problem, dict[int, _Open]]:
-        constraints = (*limits.union, *limits.held)
-        nothing = (0.0,) * len(constraints)
-        promised = limits.promised or {}
+    ) -> Problem:
+        nothing = (0.0,) * len(limits.union)
         messages: list[tuple[Message, _Open | None]] = [
-            (fact, None) for c in candidates for fact in _facts(c, now, nothing, promised)
+            (fact, None) for c in candidates for fact in _facts(c, now, nothing)
         ]
         messages += [(_fact(m.of, _sent(m, now), 0.0, nothing), None) for m in demanded]
-        t_sent, uses, lends = -math.inf, _Uses(limits), limits.promised is not None
+        t_sent, uses = -math.inf, _Uses(limits)
         for m in opened:
-            t_sent = max(t_sent, m.t_gen, now) if lends or m.of.own else max(t_sent, m.t_gen)
+            t_sent = max(t_sent, m.t_gen, now) if m.of.own else max(t_sent, m.t_gen)
             messages.append((_message(m, t_sent, uses.of(m)), m))
         robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
         messages.sort(key=_order)
-        places = {place: m for place, (_, m) in enumerate(messages) if m is not None}
-        current = next((place for place, m in places.items() if m.current), min(places))
-        problem = Problem(
+        current = next(place for place, (_, m) in enumerate(messages) if m is not None and m.current)
+        return Problem(
             streams=tuple(
                 PlannerStream(robots[c.stream.robot], c.stream.information_type.aggregation, c.audience.receivers)
                 for c in candidates
             ),
             messages=tuple(message for message, _ in messages),
             current=current,
-            constraints=constraints,
+            constraints=limits.union,
             traffic=_traffic(now, demanded, limits, uses),
             t_start=min(self._started, messages[0][0].t_gen),
             t_end=t_sent + opened[-1].of.audience.slowest + max(opened[-1].of.stream.mean_interval, LEAST_LIFE),
-            goes_on=limits.stays,
         )
-        return problem, places
 
 
 def _order(entry: tuple[Message, _Open | None]) -> tuple[float, int]:
     """Messages stand by generation time; candidates, and so their streams, by robot and key."""
     return entry[0].t_gen, entry[0].stream
-
-
-def _use(m: _Open, limits: Limits) -> tuple[float, ...]:
-    """What a message of ours uses of the limits of the union."""
-    return use_of(m.size, m.of.copies, limits.union)
 
 
 class _Uses:
@@ -332,21 +254,18 @@ class _Uses:
         self._known: dict[tuple[int, int, bool], tuple[float, ...]] = {}
 
     def of(self, m: _Open) -> tuple[float, ...]:
-        """Return what a message uses: of what we hold only our own do."""
-        own = m.of.own
-        found = self._known.get((m.size, m.of.copies, own))
+        """Return what a message uses: of what robots do not share only our own do."""
+        place = m.size, m.of.copies, m.of.own
+        found = self._known.get(place)
         if found is None:
-            use = use_of(m.size, m.of.copies, self._limits.union, own=own)
-            found = (*use, *(use if own else (0.0,) * len(use))[: len(self._limits.held)])
-            self._known[m.size, m.of.copies, own] = found
+            found = self._known[place] = use_of(m.size, m.of.copies, self._limits.union, own=m.of.own)
         return found
 
 
 def _traffic(now: float, demanded: list[_Open], limits: Limits, uses: _Uses) -> tuple[Traffic, ...]:
-    """Return everything known to be sent that the windows still count; where robots hold shares only our own."""
+    """Return everything known to be sent that the windows still count, and what guarantees demand."""
     longest = max(c.window for c in limits.union)
-    traffic = [Traffic(t, use) for t, use in limits.others if t >= now - longest]
-    traffic += [Traffic(t, (*use, *use[: len(limits.held)])) for t, use in limits.sent]
+    traffic = [Traffic(t, use) for t, use in (*limits.others, *limits.sent) if t >= now - longest]
     traffic += [Traffic(max(m.t_gen, now), uses.of(m)) for m in demanded]
     return tuple(sorted(traffic, key=_SENT))
 
@@ -369,7 +288,7 @@ def _sent(m: _Open, now: float) -> Sent:
     return Sent(m.t_gen, max(m.t_gen, now), m.size, m.scale, m.features)
 
 
-def _facts(c: _Candidate, now: float, nothing: tuple[float, ...], promised: Promises) -> list[Message]:
+def _facts(c: _Candidate, now: float, nothing: tuple[float, ...]) -> list[Message]:
     """Return what was sent of a stream as far as it matters for what comes; its use counts as traffic.
 
     Nothing where messages add up, or where whom the first one reached is no receiver any more. Of `best`, what was
@@ -378,20 +297,13 @@ def _facts(c: _Candidate, now: float, nothing: tuple[float, ...], promised: Prom
     stream = c.stream
     if c.copy:  # what its robot has of the stream it had before it vanished
         return []
-    lent = promised.get((stream.robot, stream.key)) if promised else None
-    if c.markovian and not lent:
+    if c.markovian:
         return [_fact(c, stream.recent[-1], -math.inf, nothing)] if stream.recent else []
     kind = stream.information_type.aggregation
     if kind in (Aggregation.SUM, Aggregation.ONCE):
         return []
-    most = 1 if c.markovian else MOST_FACTS
     since = now if kind is Aggregation.BEST else -math.inf
-    coming: list[Sent] = []
-    if lent:
-        known = (stream.sent.t_gen if stream.sent else -math.inf) + 0.5 * stream.schedule.period
-        coming = [Sent(p.t_gen, p.t_gen, p.size, p.scale, p.features) for p in lent if p.t_gen > known]
-    sent = chain(reversed(coming), reversed(stream.recent))
-    return [_fact(c, each, since, nothing) for each in islice(sent, most)]
+    return [_fact(c, each, since, nothing) for each in islice(reversed(stream.recent), MOST_FACTS)]
 
 
 def _fact(c: _Candidate, sent: Sent, since: float, use: tuple[float, ...]) -> Message:

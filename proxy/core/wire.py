@@ -32,7 +32,11 @@ class StreamDigest:
     features: tuple[float, ...] = ()
     """Its features in the order of its type, where others need them to value it; else nothing."""
     period: float = 0.0
-    """The period of its rhythm as its robot finds [s]; 0.0 where it has none."""
+    """The period of its rhythm as its robot finds [s]; 0.0 where it has none, negative in an announcement.
+
+    That leaves out rhythm and features, which are as told before, a `size` of 0, for the typical one of the state, and a
+    negative `scale`, for the one its type has by default.
+    """
     late: int = 0
     """How much later than due the last one was generated, and by how much they are off [`PHASES` of the period]."""
     jitter: int = 0
@@ -57,38 +61,6 @@ class Echo:
 
 PHASES = 100
 """A period has so many parts where times within it are told."""
-PARTS = 100_000
-"""A limit is given away in so many parts, whatever its unit is."""
-
-
-@dataclass(frozen=True, slots=True)
-class Grant:
-    """The sender lets `peer` (a tag) send so much from `begins` to `ends`, in whole milliseconds of its clock [s].
-
-    `parts` are `PARTS` of the ceiling of every constraint that robots share. The same grant may be told often.
-    """
-
-    peer: str
-    begins: float
-    ends: float
-    parts: tuple[int, ...]
-
-
-BEGINS = 65_536
-"""Of when a grant begins so many milliseconds tell which one is meant."""
-
-
-@dataclass(frozen=True, slots=True)
-class Returned:
-    """The sender gives back what it was lent: after `used` on its clock it uses no more of it [s]; 0.0: it used none.
-
-    `begins` are the last digits of when the grant begins, in milliseconds of who lends (modulo `BEGINS`).
-    """
-
-    begins: int
-    used: float
-
-
 @dataclass(frozen=True, slots=True)
 class Digest:
     """One robot's news. `tag` is the short form of its id."""
@@ -96,21 +68,20 @@ class Digest:
     robot: str
     tag: str
     sent: float
-    epoch: int
-    messages: int
+    messages: int = 0
     """Messages put on the air so far, copies counted."""
-    bytes: int
+    bytes: int = 0
     """Bytes put on the air so far, copies counted."""
     streams: tuple[StreamDigest, ...] = ()
-    grants: tuple[Grant, ...] = ()
     echoes: tuple[Echo, ...] = ()
     state: int = 0
     """Number of the state in force (see `State.number`): who knows another one asks for it."""
     capacity: tuple[float, ...] = ()
     """Of every adaptive limit, in the order of the constraints, the part of its ceiling that the channel bears."""
-    returned: tuple[Returned, ...] = ()
-    lends: bool = False
-    """Whether news take too long for each to decide alone, so that one robot lends; the word of who leads counts."""
+    brief: bool = False
+    """Whether it only announces what was sent; messages and bytes are as told before."""
+    splits: bool = False
+    """Whether the sender finds that each robot has to keep to a part of every limit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +124,8 @@ class State:
     """What its wall clock is wrong by at most [s]; 0.0: nobody knows. An update leaves it as it was."""
     version: str = ""
     """Which Sendworthy it runs; empty: it does not say."""
+    limits: int = 0
+    """Tells the limits that its specs set all robots from others; 0: it does not say."""
     since: int = 0
     """0: this is all. Else only what is new of the streams since the state of that number; the rest is as it was."""
 

@@ -25,7 +25,6 @@ class Words:
         self._own = own
         self._told: dict[str, tuple[float, tuple[float, ...]]] = {}
         self.leader = ""
-        self.lends = True
         self.follows = False
         """Whether another robot leads whose word we have."""
 
@@ -33,11 +32,6 @@ class Words:
     def leads(self) -> bool:
         """Whether it is we who lead."""
         return self.leader == self._own
-
-    @property
-    def alone(self) -> bool:
-        """Whether nobody but the leader matters to us, whose word counts however old it is: we send what it lends."""
-        return self.follows and self.lends
 
     def note(self, now: float, digest: Digest) -> None:
         """A robot tells something."""
@@ -47,11 +41,10 @@ class Words:
         """A robot left."""
         self._told.pop(peer, None)
 
-    def follow(self, now: float, leader: str, *, lends: bool) -> None:
-        """The leader is this one now, if anybody; `lends`: whether nothing is sent but what it lends."""
-        self.leader, self.lends = leader, lends
-        since = -math.inf if lends else now - FRESH
-        self.follows = not self.leads and self._told.get(leader, (-math.inf, ()))[0] > since
+    def follow(self, now: float, leader: str) -> None:
+        """The leader is this one now, if anybody."""
+        self.leader = leader
+        self.follows = not self.leads and self._told.get(leader, (-math.inf, ()))[0] > now - FRESH
 
     def bound(self, now: float, k: int, limit: Limit, receivers: Collection[str]) -> float:
         """What the others leave of a limit: what those tell who receive what we send, and what the rest does."""

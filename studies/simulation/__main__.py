@@ -59,7 +59,7 @@ def _same(how: Conditions, skew: float, seed: int, right: Team, flown: Mission) 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m studies.simulation", description=__doc__)
     add = parser.add_argument
-    add("--coordination", choices=("shares", "overhear"), default="shares")
+    add("--coordination", choices=("announce", "split"), default="announce")
     add("--transport", choices=("unicast", "broadcast"), default="unicast")
     add("--workload", choices=("few", "mixed", "most", "all"), default="all", help="scenario")
     add("--sizes", choices=("equal", "mixed"), default="equal", help="of messages: 2,048 B, or 0.2 to 50 kB")

@@ -15,7 +15,7 @@ WARM_UP = 10.0
 WINDOW = 2.5
 """Of the limit [s]."""
 
-Coordination = Literal["shares", "overhear"]
+Coordination = Literal["announce", "split"]
 Transport = Literal["unicast", "broadcast"]
 
 
@@ -30,7 +30,7 @@ class Conditions:
     clocks are wrong by `clock_error` at most, as their robots know [s]; 0.0: they do not know.
     """
 
-    coordination: Coordination = "shares"
+    coordination: Coordination = "announce"
     transport: Transport = "unicast"
     limit: int = 5
     latency: float = 0.02

@@ -60,9 +60,8 @@ class Probe:
 
 
 def _plans(member: Member) -> bool:
-    """Whether a robot plans for the others: where limits are shared only who leads does."""
-    core = member.core
-    return core.settings.coordination == "overhear" or core.shares.leads
+    """Whether a robot plans for the others: not where each has its part of the limits."""
+    return not member.core.coordination.splits
 
 
 def _expected(member: Member, frame: Frame, t: float, until: float) -> list[float]:

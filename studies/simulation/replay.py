@@ -185,7 +185,6 @@ class _Retelling:
                 )
                 for news in digest.streams
             ),
-            grants=tuple(replace(g, begins=shown(g.begins), ends=shown(g.ends)) for g in digest.grants),
             echoes=tuple(
                 replace(echo, sent=self._time(self._named(echo.peer), echo.sent), received=shown(echo.received))
                 for echo in digest.echoes

@@ -13,7 +13,7 @@ from proxy.core.digests import ON_AIR
 from proxy.core.interest import intersects
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import is_broadcast
-from proxy.core.wire import Digest, State, tag
+from proxy.core.wire import Digest, State
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Happening, joining
 from studies.simulation.clocks import Clock
@@ -122,8 +122,8 @@ class Team:
                 self.agenda.at(t, partial(self._handed, member, sample))
             case Drop(sample):
                 del member.frames[sample]
-            case SendDigest(digest, to):
-                self._tell(member, t, digest, to)
+            case SendDigest(digest):
+                self._tell(member, t, digest)
             case SendState(state, update):
                 self._publish_state(member, t, state, update)
             case AskState(robot):
@@ -135,19 +135,19 @@ class Team:
     def _handed(self, member: Member, sample: int, t: float) -> None:
         self._feed(member, t, ev.SampleHanded(member.now(t), sample))
 
-    def _tell(self, member: Member, t: float, digest: Digest, to: str) -> None:
-        """Send a digest to all who are linked, one copy each or one for all on the air, or to one of them."""
+    def _tell(self, member: Member, t: float, digest: Digest) -> None:
+        """Send a digest to all who are linked, one copy each or one for all on the air."""
         size = len(pack_digest(digest)) + DIGEST_OVERHEAD
-        others = {other.robot: other for other in self.membership.linked(member) if to in ("", tag(other.zid))}
+        others = {other.robot: other for other in self.membership.linked(member)}
         send, copies = self.medium.unicast, len(others)
-        if self.settings.digests_on_air and not to:
+        if self.settings.digests_on_air:
             size += ON_AIR + len(member.robot)
             send, copies = self.medium.broadcast, 1
         self.digest_bytes += size * copies
         self.on_air.append(OnAir(t, member.robot, size * copies, digest=True))
         for robot, arrivals in send(t, size, member.robot, others).items():
             for arrival in arrivals:
-                self.agenda.at(arrival, partial(self._hear_digest, others[robot], digest))
+                self.agenda.at(arrival, partial(self._hear_digest, others[robot], digest, size - DIGEST_OVERHEAD))
 
     def _publish_state(self, member: Member, t: float, state: State, update: State | None) -> None:
         """Answer queries with a state from now on, and send it, or an update, reliably to all who are linked."""
@@ -159,8 +159,8 @@ class Team:
             arrival = self.medium.reliable(t, member.robot, other.robot)
             self.agenda.at(arrival, partial(self._hear_state, other, told))
 
-    def _hear_digest(self, member: Member, digest: Digest, t: float) -> None:
-        self._feed(member, t, ev.DigestHeard(member.now(t), digest))
+    def _hear_digest(self, member: Member, digest: Digest, size: int, t: float) -> None:
+        self._feed(member, t, ev.DigestHeard(member.now(t), digest, size))
 
     def _hear_state(self, member: Member, state: State, t: float) -> None:
         self._feed(member, t, ev.StateHeard(member.now(t), state))

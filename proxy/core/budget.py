@@ -1,0 +1,142 @@
+"""What may still be sent: the constraints in force, what already counts against them, and which part of each is ours.
+
+Where all plan for all (`announce`), everything known to be sent counts, whoever sent it. Where each robot has a part of
+every limit (`split`), only what it sends itself counts against its part. What robots do not share, such as their own
+energy, each has whole.
+"""
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
+
+from proxy.core.coordination import Coordination
+from proxy.core.limits import Limit, Limits, use_of
+from proxy.core.view import SharedView
+
+LEAST = 1e-6
+"""A constraint cannot be zero; this is as good."""
+MOST_STRETCHED = 16.0
+"""Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
+
+Sends = tuple[tuple[float, tuple[float, ...]], ...]
+"""What was sent, as (time [s], use of each constraint), oldest first."""
+
+
+class Budget:
+    """The limits in force, and what is left of them. Constraints are named by their places in `limits`."""
+
+    def __init__(self, view: SharedView, coordination: Coordination) -> None:
+        self._view = view
+        self._coordination = coordination
+        self.limits: tuple[Limit, ...] = ()
+        """The constraints in force for all robots together, adaptive ones as the channel bears them."""
+        self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
+        self._others_known: tuple[float, int, tuple[Limit, ...], bool] = (-math.inf, 0, (), False)
+        """When, after how many notes, under which limits and in which coordination others had sent `_others_sent`."""
+        self._others_sent: Sends = ()
+
+    @property
+    def alone(self) -> bool:
+        """Whether what may be used is our part, so that only our own streams compete for it."""
+        return self._coordination.splits
+
+    def set_limits(self, limits: tuple[Limit, ...]) -> None:
+        """Put these constraints in force; what we sent still counts against those of the same name and kind."""
+        if limits == self.limits:
+            return
+        before = {_identity(limit): k for k, limit in enumerate(self.limits)}
+        places = [before.get(_identity(limit)) for limit in limits]
+        if places != list(range(len(self.limits))):
+            self._sent = deque((t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in self._sent)
+        self.limits = limits
+
+    def whole(self, now: float, k: int) -> float:
+        """What may be used within the window that ends now, by us in `split`, else by all [units of the constraint]."""
+        limit = self.limits[k]
+        return max(LEAST, limit.limit * self._coordination.part(now)) if limit.shared else limit.limit
+
+    def used(self, now: float, k: int) -> float:
+        """What our own sends of the window that ends now use."""
+        since = now - self.limits[k].window
+        return sum(use[k] for t, use in self._sent if t >= since)
+
+    def free(self, now: float) -> list[float]:
+        """What may still be sent now of each constraint; less than nothing where too much was sent."""
+        others = self.others(now)
+        return [self.whole(now, k) - self._counted(now, k, limit.window, others) for k, limit in enumerate(self.limits)]
+
+    def left(self, now: float) -> list[float]:
+        """What we may use of each constraint within the window that ends now, our own sends included."""
+        return [max(0.0, room + self.used(now, k)) for k, room in enumerate(self.free(now))]
+
+    def fits(self, now: float, use: tuple[float, ...]) -> bool:
+        """Whether a message with this use may be sent now."""
+        return not self.lacking(now, use)
+
+    def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
+        """Name the constraints that leave no room for a message with this use now."""
+        others = self.others(now)
+        return tuple(
+            limit.name
+            for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
+            if not self._fits(now, k, amount, others)
+        )
+
+    def opens(self, now: float, use: tuple[float, ...]) -> float:
+        """When a message with this use may be sent, if nothing else is sent meanwhile [s]; infinite when never."""
+        times = {t + limit.window for t, _ in (*self._sent, *self.others(now)) for limit in self.limits}
+        return next((t for t in sorted(times) if t > now and self.fits(t + LEAST, use)), math.inf)
+
+    def use(self, now: float, use: tuple[float, ...]) -> None:
+        """A message with this use is sent now."""
+        self._sent.append((now, use))
+        longest = max((limit.window * MOST_STRETCHED for limit in self.limits), default=0.0)
+        while self._sent and self._sent[0][0] < now - longest:
+            self._sent.popleft()
+
+    def use_at_most(self, now: float, use: tuple[float, ...], part: float) -> None:
+        """Traffic that nobody decided on is sent now; it counts up to `part` of what is ours, the rest is left."""
+        room = (part * self.whole(now, k) - self.used(now, k) for k in range(len(self.limits)))
+        self.use(now, tuple(max(0.0, min(amount, left)) for amount, left in zip(use, room, strict=True)))
+
+    def others(self, now: float) -> Sends:
+        """What we know others to have sent, as far as it counts; in `split` they have their own parts."""
+        known = now, self._view.sends_noted, self.limits, self._coordination.splits
+        if known != self._others_known:
+            self._others_known, self._others_sent = known, () if known[3] else self._sent_by_others(now)
+        return self._others_sent
+
+    def problem_limits(self, now: float) -> Limits:
+        """Return the constraints of a problem, and what was sent that still counts."""
+        union = tuple(replace(limit, limit=self.whole(now, k)) for k, limit in enumerate(self.limits))
+        longest = max((limit.window for limit in self.limits), default=0.0)
+        own = tuple(each for each in self._sent if each[0] >= now - longest)
+        others = tuple(each for each in self.others(now) if each[0] >= now - longest)
+        return Limits(union, own, others, alone=self._coordination.splits)
+
+    def _fits(self, now: float, k: int, amount: float, others: Sends) -> bool:
+        """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""
+        limit, whole = self.limits[k], self.whole(now, k)
+        if amount <= whole:
+            return self._counted(now, k, limit.window, others) + amount <= whole
+        if limit.shared and not self._coordination.whole_turn(now):
+            return False
+        stretched = limit.window * min(amount / limit.limit, MOST_STRETCHED)
+        return self._counted(now, k, stretched, others) <= 0.0
+
+    def _counted(self, now: float, k: int, window: float, others: Sends) -> float:
+        since = now - window
+        own = sum(use[k] for t, use in self._sent if t >= since)
+        return own + sum(use[k] for t, use in others if t >= since)
+
+    def _sent_by_others(self, now: float) -> Sends:
+        longest = max((limit.window * MOST_STRETCHED for limit in self.limits), default=0.0)
+        sent: Sequence[tuple[float, tuple[int, int]]] = self._view.sent_since(now - longest)
+        alike = {amount: use_of(*amount, self.limits, own=False) for amount in {amount for _, amount in sent}}
+        return tuple([(t, alike[amount]) for t, amount in sent])
+
+
+def _identity(limit: Limit) -> tuple[str, str]:
+    """What makes a constraint the same one under new specs: amounts of another kind are in another unit."""
+    return limit.name, limit.measure.kind
