@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator
 
 from proxy.config_values import (
     Interface,
@@ -159,9 +159,9 @@ class PlannerConfig(Section):
     )
     search: Literal["best", "paper"] = Field(default="best", description="kind of search")
     engine: Literal["native", "python"] = Field(default="native", description="who searches")
-    coordination: Literal["auto", "shares", "overhear"] = Field(
-        default="auto",
-        description="how robots divide the limit; auto: shares in unicast, overhear in broadcast",
+    coordination: Literal["announce", "split"] = Field(
+        default="announce",
+        description="how robots keep a limit together: each plans for all, or each has a part of it",
     )
 
 
@@ -208,16 +208,12 @@ class Config(Section):
     clock: ClockConfig = ClockConfig()
     log: LogConfig = LogConfig()
 
-    @field_validator("planner")
-    @classmethod
-    def _overhears(cls, planner: PlannerConfig, given: ValidationInfo) -> PlannerConfig:
-        mesh = given.data.get("mesh")
-        if planner.coordination == "overhear" and isinstance(mesh, MeshConfig) and mesh.transport != "broadcast":
-            raise ValueError(
-                'coordination = "overhear" needs mesh.transport = "broadcast": in unicast nobody hears what others'
-                " send, and together they would exceed every limit several times over"
-            )
-        return planner
+    _outdated: tuple[str, ...] = PrivateAttr(default=())
+
+    @property
+    def outdated(self) -> tuple[str, ...]:
+        """What is written as older versions had it, and what it means now, each with its place."""
+        return self._outdated
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,9 @@ from utility_specs.wording import Place, message_of
 
 SETTINGS = {setting.path: setting for setting in settings()}
 SPECS = ("specs", "path")
+COORDINATION = ("planner", "coordination")
+RENAMED = {"auto": "announce", "overhear": "announce", "shares": "split"}
+"""What older versions called the ways of coordination."""
 
 
 def load_config(path: Path | None, environ: Mapping[str, str], overrides: Mapping[str, str]) -> Config:
@@ -35,12 +38,15 @@ def load_config(path: Path | None, environ: Mapping[str, str], overrides: Mappin
     for override in [*variables(environ), *flags(overrides)]:
         _apply(override, layers, problems)
     problems.source, problems.layers = replace(source, data=layers.values), layers
+    outdated = tuple(_brought_up_to_date(layers, problems))
     config = _validated(layers.values, problems)
     _check_zenoh(layers.values, problems)
     specs = _specs_path(source.path.parent, layers, problems)
     if config is None or problems.found:
         raise ConfigError(problems.sorted())
-    return config.model_copy(update={"specs": config.specs.model_copy(update={"path": specs})})
+    config = config.model_copy(update={"specs": config.specs.model_copy(update={"path": specs})})
+    config._outdated = outdated  # noqa: SLF001 - no setting, but what became of some
+    return config
 
 
 @dataclass(slots=True)
@@ -56,14 +62,18 @@ class _Problems:
 
     def at(self, path: KeyPath, message: str) -> None:
         """Add a mistake in the merged values, where it was made."""
+        text, line = self.told(path, message)
+        self.add(text, line)
+
+    def told(self, path: KeyPath, message: str) -> tuple[str, int]:
+        """Return a message with the place in the merged values that it is about, and the line."""
         origin = self.layers.origin(path)
         if origin is None:
             problem = self.source.problem(path, message)
-            self.add(str(problem), problem.line or 0)
-            return
+            return str(problem), problem.line or 0
         label = self.source.label(path)
         place = "" if origin == f"--{label}" else f"{label}: "
-        self.add(f"{origin}: {place}{message}", _AFTER_THE_FILE)
+        return f"{origin}: {place}{message}", _AFTER_THE_FILE
 
     def sorted(self) -> tuple[str, ...]:
         return tuple(text for _, text in sorted(self.found, key=lambda problem: problem[0]))
@@ -93,6 +103,15 @@ def _apply(override: Override, layers: Layers, problems: _Problems) -> None:
         problems.add(f"{override.origin}: unknown key {key}{suggestion}", _AFTER_THE_FILE)
     else:
         layers.put(override, takes_text=setting is not None and setting.takes_text)
+
+
+def _brought_up_to_date(layers: Layers, problems: _Problems) -> Iterator[str]:
+    """Give values that older versions had the ones that they mean now; yield what to tell of each."""
+    section = layers.values.get(COORDINATION[0])
+    before = section.get(COORDINATION[1]) if isinstance(section, dict) else None
+    if isinstance(section, dict) and isinstance(before, str) and before in RENAMED:
+        section[COORDINATION[1]] = now = RENAMED[before]
+        yield problems.told(COORDINATION, f'"{before}" is called "{now}" now: please write that')[0]
 
 
 def _validated(values: Mapping[str, Any], problems: _Problems) -> Config | None:

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from functools import partial
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import zenoh
 
@@ -365,8 +365,7 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         inbox=config.queue.samples // 2,
         inbox_bytes=config.queue.bytes // 2,
         backlog=planner.backlog,
-        # A unicast mesh overhears nothing.
-        coordination=_COORDINATION[mesh.transport] if planner.coordination == "auto" else planner.coordination,
+        coordination=planner.coordination,
         transport=transport.broadcast(mesh.group) if mesh.transport == "broadcast" else transport.UNICAST,
         allowance=mesh.allowance,
         relayed=mesh.relayed,
@@ -378,5 +377,4 @@ def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
     )
 
 
-_COORDINATION: dict[str, Literal["shares", "overhear"]] = {"unicast": "shares", "broadcast": "overhear"}
 _LEVELS = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}

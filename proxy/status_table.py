@@ -35,13 +35,12 @@ def table(status: Status) -> str:
 
 
 def _headline(status: Status) -> str:
-    leader = status.get("leader")
     return "   ".join(
         (
             f"robot {status.get('robot', UNKNOWN)}",
             f"mode {status.get('mode', UNKNOWN)}",
             _specs(status),
-            f"coordination {status.get('coordination', UNKNOWN)}" + f" (led by {leader})" * bool(leader),
+            f"coordination {status.get('coordination', UNKNOWN)}",
             f"transport {status.get('transport', UNKNOWN)}",
             f"up {duration(status.get('uptime'))}",
             *([f"sendworthy {status['version']}"] if status.get("version") else []),
@@ -283,11 +282,6 @@ def _warnings(status: Status) -> str:
         found.append(f"{status['daemon']['refused']} messages of other robots came faster than they could be taken in")
     if status.get("daemon", {}).get("faults"):
         found.append(f"internal errors: {status['daemon']['faults']}, see the log")
-    found += [
-        f"{limit.get('constraint')}: not all robots have agreed on the shares yet"
-        for limit in status.get("budget", ())
-        if not limit.get("confirmed", True)
-    ]
     return "\n".join(f"warning: {warning}" for warning in found)
 
 

@@ -102,6 +102,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG
     set_up_logging(config.log.level, os.environ)
+    for outdated in config.outdated:
+        log.warning("%s", outdated)
     if not raise_priority():  # before there are other threads: each takes after the one that starts it
         log.debug("not allowed to raise the priority of the daemon: beside busy processes it hears and decides late")
     try:

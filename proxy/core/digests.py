@@ -140,7 +140,9 @@ class DigestPacer:
         news.sort(key=lambda entry: -self._weight(*entry))
         old = [(s, d) for s, d in current if s.key in self._told and now >= self._told[s.key][0] + REFRESH]
         old.sort(key=lambda entry: self._told[entry[0].key][0])
-        chosen = (news + [entry for entry in old if not sent_only and entry not in news][:MOST_REFRESHED])[:MOST_STREAMS]
+        chosen = (news + [entry for entry in old if not sent_only and entry not in news][:MOST_REFRESHED])[
+            :MOST_STREAMS
+        ]
         self._told.update({s.key: (now, d) for s, d in chosen})
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)

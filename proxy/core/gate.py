@@ -1,13 +1,14 @@
 """The gate: takes the next sample, has it decided, and forwards or drops it with a reason."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
 
 from planner import Aggregation, Plan
 from proxy.core.ample import Ample
+from proxy.core.budget import Budget
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, SendCopy
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -18,7 +19,6 @@ from proxy.core.fixed import rounded
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.kept import NO_SPEC, ONCE, Copy, Kept
-from proxy.core.budget import Budget
 from proxy.core.limits import Limit, use_of
 from proxy.core.mode import Mode, in_force
 from proxy.core.settings import CoreSettings
@@ -32,6 +32,7 @@ AT_ONCE = 128
 CONSTRAINT = "dropped:constraint"
 PATIENCE = 2.5
 """A sample waits for room no longer than this [s], nor longer than until the next one of its stream is due."""
+
 
 @dataclass(frozen=True, slots=True)
 class Pending:

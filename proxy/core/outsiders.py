@@ -6,9 +6,8 @@ They have other limits, for they have other specs; or nothing is understood of w
 import math
 from collections.abc import Iterable
 
-from proxy.core.limits import fingerprint
-
 from proxy.core.codec import READ, VERSION
+from proxy.core.limits import fingerprint
 from proxy.core.peer import Peer
 from proxy.core.view import SharedView
 

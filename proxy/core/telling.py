@@ -12,10 +12,10 @@ from proxy.core.asking import Asking
 from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
+from proxy.core.coordination import Coordination
 from proxy.core.digests import ON_AIR, QUESTION, DigestPacer
 from proxy.core.gate import Gate
 from proxy.core.limits import allowance_of, changes_plans, use_of
-from proxy.core.coordination import Coordination
 from proxy.core.stating import differs, shortened, state_of, update_of
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, State, tag
@@ -39,9 +39,7 @@ _CHANGES = attrgetter("changes")
 class Telling:
     """One robot's part of the conversation. `urgent`: something changed enough to alter others' plans."""
 
-    def __init__(
-        self, now: float, view: SharedView, coordination: Coordination, gate: Gate, channel: Channel
-    ) -> None:
+    def __init__(self, now: float, view: SharedView, coordination: Coordination, gate: Gate, channel: Channel) -> None:
         self._view = view
         self._coordination = coordination
         self._gate = gate

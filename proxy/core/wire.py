@@ -61,6 +61,8 @@ class Echo:
 
 PHASES = 100
 """A period has so many parts where times within it are told."""
+
+
 @dataclass(frozen=True, slots=True)
 class Digest:
     """One robot's news. `tag` is the short form of its id."""

@@ -40,7 +40,7 @@ OFF = 0.02
 """They come by up to this part of their period earlier or later than they should."""
 JITTER, LOSS = 0.001, 0.01
 """Of the medium: mean [s] and part."""
-ARRANGEMENTS: tuple[tuple[Coordination, Transport], ...] = (("overhear", "broadcast"), ("shares", "unicast"))
+ARRANGEMENTS: tuple[tuple[Coordination, Transport], ...] = (("announce", "broadcast"), ("announce", "unicast"))
 
 ADAPTIVE = 'limit = "adaptive"\nceiling = "200 kB/s"'
 SPEC = """

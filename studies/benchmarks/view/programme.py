@@ -19,9 +19,9 @@ JITTER = 0.1
 """Of generation times where forecasts are looked at [s]; a period is about a second."""
 
 ARRANGEMENTS: tuple[tuple[Coordination, Transport], ...] = (
-    ("overhear", "broadcast"),
-    ("shares", "broadcast"),
-    ("shares", "unicast"),
+    ("announce", "broadcast"),
+    ("announce", "unicast"),
+    ("split", "unicast"),
 )
 
 
