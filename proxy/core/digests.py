@@ -20,6 +20,8 @@ SLOW = 1.0
 """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
 OVERHEAD = 15
 """What Zenoh adds to a digest: the length of the batch, its frame, and the number for the key [B]."""
+ANNOUNCEMENT = 16
+"""An announcement is about so large [B]."""
 ON_AIR = 60
 """What the key takes besides the robot's name where digests are broadcast [B]."""
 QUESTION = 75
@@ -79,6 +81,11 @@ class DigestPacer:
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
         return any(s.key not in self._ever and s.last is not None for s in streams)
+
+    @property
+    def rate(self) -> float:
+        """The allowance of all robots together [B/s]."""
+        return self._rate
 
     def due(self, now: float, *, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.

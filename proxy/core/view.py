@@ -54,6 +54,8 @@ class SharedView:
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0
         self.bytes = 0
+        self.largest = 0
+        """What the largest message put on the air was since the last digest, all copies of it [B]."""
         self.sends: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
         """When and how much other robots sent within the longest window."""
         self.sends_noted = 0
@@ -100,6 +102,7 @@ class SharedView:
         """So many messages of so many bytes in all, copies counted, go on the air."""
         self.messages += messages
         self.bytes += size
+        self.largest = max(self.largest, size)
 
     def streams(self) -> Iterator[Stream]:
         """All streams, own ones and others'."""
