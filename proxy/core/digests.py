@@ -155,7 +155,7 @@ class DigestPacer:
         return tuple(digest for _, digest in chosen)
 
     def usual(self, streams: tuple[StreamDigest, ...], state: State) -> tuple[StreamDigest, ...]:
-        """Return announcements without what is as usual, or as told before."""
+        """Return announcements without what is as usual, and without features."""
         sizes = {each.id: each.size for each in state.streams}
         usual = {stream.id: usual_scale(stream) for stream, _, _ in self._digests.values()}
         return tuple(_briefly(each, sizes.get(each.id, 0), usual.get(each.id, -1.0)) for each in streams)
@@ -253,5 +253,5 @@ def _of(stream: Stream) -> StreamDigest | None:
 def _briefly(news: StreamDigest, size: int, scale: float) -> StreamDigest:
     """Return an announcement of a stream that is so large and worth so much as a rule."""
     said = -1.0 if news.scale == scale else news.scale
-    plain = replace(news, scale=said, features=(), period=-1.0, late=0, jitter=0)
+    plain = replace(news, scale=said, features=())
     return replace(plain, size=0) if news.size == size and said < 0.0 else plain

@@ -452,11 +452,9 @@ class SharedView:
             stream.assume(told.period, told.schedule)
         t_gen = min(peer.offset.ours(news.t_generated), now)
         before, kind = stream.last, stream.information_type
-        if news.period < 0.0:  # an announcement
-            features = kind.completed({}) if before is None else before.features
-            news, rhythm = _completed(stream, news, told), stream.schedule.followed
-        else:
-            features, rhythm = kind.heard(news.features), heard(news, peer.offset.ours)
+        # Announcements leave features out, and what is as usual.
+        features = kind.heard(news.features) if news.features or before is None else before.features
+        news, rhythm = _completed(stream, news, told), heard(news, peer.offset.ours)
         last = Generated(t_gen, news.size, news.scale, features)
         stream.note_generated(news.generated, last, told=rhythm)
         if news.forwarded > stream.forwarded:
@@ -466,6 +464,8 @@ class SharedView:
 
 def _completed(stream: Stream, news: StreamDigest, told: StreamState | None) -> StreamDigest:
     """Return news with what an announcement leaves out because it is as usual."""
+    if news.size and news.scale >= 0.0:
+        return news
     size = news.size or (told.size if told is not None else stream.newest.size if stream.last else 0)
     return replace(news, size=size, scale=news.scale if news.scale >= 0.0 else usual_scale(stream))
 
