@@ -24,6 +24,8 @@ AFFORDABLE = 0.8
 """... and announcements cost too much where they take this part of the allowance;"""
 STILL = 0.8
 """and both still when it is a little less: so many times that."""
+FEW = 16
+"""Of more robots than these some have something to send, though nobody may have heard of it yet."""
 PACE = 0.25
 """Both are looked at this often [s]."""
 
@@ -40,11 +42,13 @@ class Coordination:
         """Tags of the others that say that the team has to split."""
         self.finds_due = False
         """Whether we say so."""
+        self.rivals = False
+        """Whether several robots have something to send."""
 
     @property
     def splits(self) -> bool:
         """Whether each robot has a part of every limit."""
-        return self._always or self.finds_due or bool(self._splitting)
+        return self._always or (self.rivals and (self.finds_due or bool(self._splitting)))
 
     def part(self, now: float) -> float:
         """What part of every shared limit we may plan with: ours in `split`, else what is not another's."""
@@ -76,7 +80,9 @@ class Coordination:
             return False
         self._due, before = now + PACE, self.finds_due
         window, still = shortest_window(limits), STILL if before else 1.0
-        if not self._view.peers or math.isinf(window):
+        sending = {stream.robot for stream in self._view.competition.all(now)}
+        self.rivals = len(sending) > 1 or len(self._view.peers) > FEW
+        if not self.rivals or math.isinf(window):
             self.finds_due = False
         else:
             late = max(self._longest_way(), waiting) >= still * LATE * window

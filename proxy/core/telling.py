@@ -15,7 +15,7 @@ from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
 from proxy.core.coordination import Coordination
 from proxy.core.digests import ANNOUNCEMENT, ON_AIR, OVERHEAD, QUESTION, DigestPacer
 from proxy.core.gate import Gate
-from proxy.core.limits import allowance_of, changes_plans, use_of
+from proxy.core.limits import allowance_of, changes_plans, shortest_window, use_of
 from proxy.core.stating import differs, shortened, state_of, update_of
 from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
@@ -27,6 +27,8 @@ IDLE = 1.0
 """Who is alone looks this often whether there is something to tell [s]."""
 MOST_AT_ONCE = 8
 """Digests that go out at the same time."""
+LEAST_SENDS = 2.0
+"""A team is taken to send at least so many messages in a window that have to be announced."""
 LEAST_PERIOD = 1e-3
 """Streams are taken to generate no faster than so [s]."""
 STATE_PACE = 0.2
@@ -163,17 +165,19 @@ class Telling:
             return 0.0  # who sends is overheard
         limits, rate, load = self._gate.limits, 0.0, [0.0] * len(self._gate.limits)
         for stream in self._view.competition.all(now):
-            use = use_of(stream.newest.size, self._view.copies(stream), limits)
+            use = use_of(round(stream.mean_size), self._view.copies(stream), limits)
             if changes_plans(use, limits):
                 often = 1.0 / max(stream.schedule.period, LEAST_PERIOD)
                 rate += often
                 load = [before + often * each for before, each in zip(load, use, strict=True)]
         fits = [c.limit / c.window / each for c, each in zip(limits, load, strict=True) if c.shared and each > 0.0]
-        return min([1.0, *fits]) * rate * (ANNOUNCEMENT + OVERHEAD) * self._digest_copies() / self.pacer.rate
+        # Of a large team little is known for long; but that it sends some messages in each window.
+        most = max(min([1.0, *fits]) * rate, LEAST_SENDS / shortest_window(limits))
+        return most * (ANNOUNCEMENT + OVERHEAD) * self._digest_copies() / self.pacer.rate
 
     def _sent_much(self) -> bool:
         """Whether we sent something since the last digest that changes what others plan."""
-        if self._coordination.splits or self._view.messages == self._told_messages:
+        if self._coordination.splits or not self._coordination.rivals or self._view.messages == self._told_messages:
             return False
         return changes_plans(use_of(self._view.largest, 1, self._gate.limits), self._gate.limits)
 
