@@ -31,8 +31,8 @@ class Flight(Protocol):
 class Score:
     """What was reached after the warm-up.
 
-    `utility` is that of the operator [utility·s]; `sent` are bytes of samples, `offered` those that were
-    generated, copies included, and `room` what the limit has for samples if nobody tells anything. `over` is the part of all
+    `utility` is that of the operator [utility·s]; `sent` are bytes of samples, `offered` those that were generated,
+    copies included, and `room` what the limit has for samples if nobody tells anything. `over` is the part of all
     samples whose window exceeds the limit when they are sent, `worst` the fullest window of all, in limits. `told` is
     what robots tell each other and `digests` the part of it in digests [B/s]. Of small samples `arrived` is the part
     that came to a receiver, `kept` that which was sent, `age` the age then (median, 95th percentile) [s]. Of alarms:
