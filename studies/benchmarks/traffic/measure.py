@@ -99,8 +99,8 @@ def tables(found: Sequence[Result], seconds: float) -> list[Table]:
     """Return what was reached and what it cost."""
     reached_note = (
         f"Traffic *mixed*: camera, odometry, telemetry, log and alarms of each robot; flights of {seconds:g} s. Of the"
-        " best: the plan of whole messages with most utility that sends all small samples, known offline; `gap`: what it"
-        " lacks of what no plan can exceed. Ages of small samples in ms, at their median and 95th percentile; alone:"
+        " best: the plan of whole messages with most utility that sends all small samples, known offline; `gap`: what"
+        " it lacks of what no plan can exceed. Ages of small samples in ms, at their median and 95th percentile; alone:"
         " without cameras, in mode `pass`. Windows of all sends, digests included, as they crossed the links."
     )
     cost_note = (
