@@ -33,12 +33,8 @@ class Steady:
 
     def lift(self, now: float, value: int, unused: float) -> None:
         """It rises to `value`, and what it rises by has been unused for so long [s]."""
-        more, since = value - self.value, max(self.changed, now - unused)
-        if more > 0 and since < now:
-            start, old = self._values[-1]
-            self._values[-1:] = [(start, old), (since, value)] if since > start else [(start, value)]
-        else:
-            self.set(now, value)
+        since = max(self.changed, now - unused) if value > self.value else now
+        self.set(min(now, since), value)
 
     def least(self, now: float) -> int:
         """Return the least that it was in the window until `now`."""

@@ -50,7 +50,7 @@ class Flight:
             self.notices.append((self.now + self.rng.uniform(0.0, most or least), name))
 
     def leave(self, name):
-        del self.splits[name]
+        del self.splits[name], self.groups[name]
         self.notice_in(self.rng.choice([0.3, 2.0]))
 
     def regroup(self, groups):
@@ -85,12 +85,12 @@ class Flight:
 
     def room(self, name):
         """What a robot may send now, as a part of the limit."""
-        recent = sum(use for t, use, by in self.sends if by == name and t > self.now - WINDOW)
+        recent = sum(use for t, use, by, _ in self.sends if by == name and t > self.now - WINDOW)
         return self.splits[name].part(self.clock(name)) - recent
 
     def send(self, name, use):
         self.splits[name].sent(self.clock(name), (use,))
-        self.sends.append((self.now, use, name))
+        self.sends.append((self.now, use, name, self.groups[name]))
         self.used[name] = self.used.get(name, 0.0) + use
 
     def act(self, name):
@@ -118,6 +118,7 @@ class Flight:
         """What the robots of one team sent in the last window, that of the team that sent most."""
         self.sends = [send for send in self.sends if send[0] > self.now - WINDOW]
         sums = {}
-        for _, use, name in self.sends:
-            sums[self.groups[name]] = sums.get(self.groups[name], 0.0) + use
+        for _, use, name, group in self.sends:
+            now_in = self.groups.get(name, group)
+            sums[now_in] = sums.get(now_in, 0.0) + use
         return max(sums.values(), default=0.0)
