@@ -167,11 +167,6 @@ class Telling:
         used = use_of(size, 1, self._gate.limits)
         return changes_plans([messages * each for each in used], self._gate.limits)
 
-    def has_news(self) -> bool:
-        """Whether there is news of our streams."""
-        self._look_for_news()
-        return self._unknown or self._news
-
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""
         changes = self._view.revision, sum(map(_CHANGES, self._view.own())), self.pacer.revision

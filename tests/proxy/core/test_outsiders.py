@@ -21,14 +21,14 @@ ALIEN = (3 << 32) | 12345
 @pytest.fixture
 def talk(make_talk):
     """A robot that shares, and another one that has other specs and says so."""
-    talk = make_talk(coordination="shares", settle=0.0)
+    talk = make_talk(coordination="split", settle=0.0)
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "otherspecs", (), ("robot/*/camera",), number=1)))
     return talk
 
 
 def says(talk, now, epoch):
-    talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, epoch, 0, 0, state=1)))
+    talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, 0, 0, state=1)))
 
 
 def warnings(talk, now):
@@ -80,7 +80,7 @@ def test_who_got_our_specs_has_no_other_limits_although_it_said_nothing_since(ta
 
 def test_who_follows_somebody_that_we_do_not_know_is_waited_for(make_talk):
     """With the same specs another epoch is no sign of other limits."""
-    talk = make_talk(coordination="shares", settle=0.0)
+    talk = make_talk(coordination="split", settle=0.0)
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     generation = talk.core.view.specs.generation
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", generation, (), ("robot/*/camera",), number=1)))
@@ -102,7 +102,7 @@ def test_a_team_with_different_limits_still_sends(tmp_path):
         {"r1": (), "r2": (), "op": ("robot/*/camera",)},
         Medium(250_000.0),
         search=SearchSettings(search="best"),
-        settings=CoreSettings("", "", coordination="shares"),
+        settings=CoreSettings("", "", coordination="split"),
     )
     core = team.cores["op"]
     core.handle(ev.SpecsChanged(0.0, teams[1]))
@@ -130,7 +130,7 @@ def test_a_robot_that_is_not_understood_is_no_veto(tmp_path, wire):
         {"r1": (), "r2": (), "op": ("robot/*/camera",)},
         Medium(250_000.0),
         search=SearchSettings(search="best"),
-        settings=CoreSettings("", "", coordination="shares"),
+        settings=CoreSettings("", "", coordination="split"),
     )
     for core in team.cores.values():
         core.handle(ev.PeerAppeared(0.0, "ghost", GHOST))
@@ -153,7 +153,7 @@ def test_a_robot_that_is_not_understood_is_no_veto(tmp_path, wire):
 
 def test_who_says_something_in_the_end_takes_part(make_talk):
     """It was slow to start: from its first digest it is one of the team, and no plain node any more."""
-    talk = make_talk(coordination="shares", settle=0.0)
+    talk = make_talk(coordination="split", settle=0.0)
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     talk.tell(ev.TimePassed(1.5 + PATIENCE))
     assert talk.core.shares.members == {talk.core.shares.own}
@@ -193,7 +193,7 @@ def test_who_hangs_after_it_was_understood_is_left_out_in_the_end(talk):
 
 def test_status_tells_versions_and_other_versions_from_what_is_malformed(make_talk):
     """Of our own daemon and of the others, as far as they say."""
-    talk = make_talk(coordination="shares", version="1.2.3")
+    talk = make_talk(coordination="split", version="1.2.3")
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     talk.tell(ev.VersionHeard(0.0, "zz-op", VERSION + 1))
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "s", number=1, version="1.3.0")))
