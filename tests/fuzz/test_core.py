@@ -51,7 +51,7 @@ WILD = st.tuples(
 BRIEF = st.tuples(
     *(st.just(VERSION), st.one_of(st.just(0), TICKS), st.integers(0, 9)),
     st.lists(st.one_of(st.sampled_from((5, 6, 7)).flatmap(lambda n: MILD_STREAM.map(lambda s: s[:n])), STREAM, ANY)),
-).map(lambda fields: [*fields[:3], *fields[3]])
+).map(list)
 """An announcement, or something like it."""
 STREAM_STATE = st.tuples(
     st.integers(0, 2000), KEYS, st.sampled_from(("camera", "x")), VALUES, VALUES, COUNTS, st.just("periodic")
