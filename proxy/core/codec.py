@@ -127,19 +127,25 @@ def _stream_fields(sent: int, s: StreamDigest) -> list[Any]:
     forwarded = ticks(s.t_forwarded) - generated if s.forwarded else 0
     unsent = max(0, s.generated - s.forwarded)
     told = [s.id, s.generated, unsent, sent - generated, forwarded, s.size, coded(s.scale)]
-    rhythm = [coded(min(s.period, MAX_PERIOD)), s.late, s.jitter] if s.period else [0] if s.features else []
-    return [*told, *rhythm, *map(_feature, s.features)]
+    return [*told, *(_rhythm_fields(s) or [0] * bool(s.features)), *map(_feature, s.features)]
 
 
 def _brief_fields(sent: int, s: StreamDigest) -> list[Any]:
-    told = _stream_fields(sent, s)[:5]
-    return [*told, s.size, *([] if s.scale < 0.0 else [coded(s.scale)])] if s.size or s.scale >= 0.0 else told
+    """Size and scale come last, for they may be as usual."""
+    told, rhythm = _stream_fields(sent, s)[:5], _rhythm_fields(s)
+    last = [s.size, *([] if s.scale < 0.0 else [coded(s.scale)])] if s.size or s.scale >= 0.0 else []
+    return [*told, *(rhythm or [0] * bool(last)), *last]
 
 
 def _brief_digest(sent: int, f: list[Any]) -> StreamDigest:
-    size, scale = f[5] if len(f) > 5 else 0, f[6] if len(f) > 6 else 0
-    news = _stream_digest(sent, [*f[:5], size, scale])
-    return replace(news, scale=news.scale if len(f) > 6 else -1.0, period=-1.0)
+    rhythm, last = (f[5:8], f[8:]) if len(f) > 5 and f[5] else (f[5:6], f[6:])
+    size, scale = [*last, 0, 0][:2]
+    news = _stream_digest(sent, [*f[:5], size, scale, *rhythm])
+    return news if len(last) > 1 else replace(news, scale=-1.0)
+
+
+def _rhythm_fields(s: StreamDigest) -> list[Any]:
+    return [coded(min(s.period, MAX_PERIOD)), s.late, s.jitter] if s.period else []
 
 
 def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:

@@ -11,7 +11,7 @@ so. Whoever plans for all leaves room for the parts of those who already split.
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from proxy.core.limits import Limit, shortest_window
 from proxy.core.settings import CoreSettings
@@ -20,8 +20,10 @@ from proxy.core.wire import Digest, tag
 
 LATE = 0.1
 """News are late where they take this part of the shortest window..."""
-STILL_LATE = 0.8
-"""... and still when they take a little less: so many times that."""
+AFFORDABLE = 0.8
+"""... and announcements cost too much where they take this part of the allowance;"""
+STILL = 0.8
+"""and both still when it is a little less: so many times that."""
 PACE = 0.25
 """Both are looked at this often [s]."""
 
@@ -64,17 +66,21 @@ class Coordination:
         """These robots take part, and we."""
         self._splitting &= set(members)
 
-    def look(self, now: float, limits: Sequence[Limit], waiting: float, affordable: bool) -> bool:
+    def look(self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]) -> bool:
         """Look whether the team has to split; return whether that is news.
 
-        News of others are `waiting` so long on a channel that is full [s]; announcements are `affordable` or not.
+        News of others are `waiting` so long on a channel that is full [s]; `announcing` tells what part of the allowance
+        announcements take.
         """
         if now < self._due:
             return False
         self._due, before = now + PACE, self.finds_due
-        long = shortest_window(limits) * LATE * (STILL_LATE if before else 1.0)
-        late = bool(self._view.peers) and max(self._longest_way(), waiting) >= long
-        self.finds_due = not math.isinf(long) and (late or not affordable)
+        window, still = shortest_window(limits), STILL if before else 1.0
+        if not self._view.peers or math.isinf(window):
+            self.finds_due = False
+        else:
+            late = max(self._longest_way(), waiting) >= still * LATE * window
+            self.finds_due = late or announcing(now) > still * AFFORDABLE
         return self.finds_due != before
 
     def due_at(self, now: float) -> float:

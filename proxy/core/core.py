@@ -389,8 +389,8 @@ class Core:
             self._membership(now)
             new = self.outsiders.found - before
             commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
-        affordable = self.telling.affordable(now)
-        self.telling.urgent |= self.coordination.look(now, self.budget.limits, self.channel.waiting, affordable)
+        looked = self.coordination.look(now, self.budget.limits, self.channel.waiting, self.telling.announcing)
+        self.telling.urgent |= looked
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)

@@ -20,6 +20,8 @@ SLOW = 1.0
 """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
 OVERHEAD = 15
 """What Zenoh adds to a digest: the length of the batch, its frame, and the number for the key [B]."""
+ANNOUNCEMENT = 16
+"""An announcement is about so large [B]."""
 ON_AIR = 60
 """What the key takes besides the robot's name where digests are broadcast [B]."""
 QUESTION = 75
@@ -79,6 +81,11 @@ class DigestPacer:
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
         return any(s.key not in self._ever and s.last is not None for s in streams)
+
+    @property
+    def rate(self) -> float:
+        """The allowance of all robots together [B/s]."""
+        return self._rate
 
     def due(self, now: float, *, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
@@ -148,7 +155,7 @@ class DigestPacer:
         return tuple(digest for _, digest in chosen)
 
     def usual(self, streams: tuple[StreamDigest, ...], state: State) -> tuple[StreamDigest, ...]:
-        """Return announcements without what is as usual, or as told before."""
+        """Return announcements without what is as usual, and without features."""
         sizes = {each.id: each.size for each in state.streams}
         usual = {stream.id: usual_scale(stream) for stream, _, _ in self._digests.values()}
         return tuple(_briefly(each, sizes.get(each.id, 0), usual.get(each.id, -1.0)) for each in streams)
@@ -246,5 +253,5 @@ def _of(stream: Stream) -> StreamDigest | None:
 def _briefly(news: StreamDigest, size: int, scale: float) -> StreamDigest:
     """Return an announcement of a stream that is so large and worth so much as a rule."""
     said = -1.0 if news.scale == scale else news.scale
-    plain = replace(news, scale=said, features=(), period=-1.0, late=0, jitter=0)
+    plain = replace(news, scale=said, features=())
     return replace(plain, size=0) if news.size == size and said < 0.0 else plain

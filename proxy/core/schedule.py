@@ -104,11 +104,6 @@ class Schedule:
             self._rule = rule
             self._renew()
 
-    @property
-    def followed(self) -> Rhythm | None:
-        """The rhythm that the stream's robot told, where the last sample came with one."""
-        return self._tracker.rhythm if self._follows else None
-
     def observe(self, count: int | None, t_gen: float, told: Rhythm | None = None) -> None:
         """Take in that sample number `count` was generated at `t_gen`; None: some may have been lost before it.
 

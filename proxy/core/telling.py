@@ -13,10 +13,11 @@ from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
 from proxy.core.coordination import Coordination
-from proxy.core.digests import ON_AIR, QUESTION, DigestPacer
+from proxy.core.digests import ANNOUNCEMENT, ON_AIR, OVERHEAD, QUESTION, DigestPacer
 from proxy.core.gate import Gate
 from proxy.core.limits import allowance_of, changes_plans, use_of
 from proxy.core.stating import differs, shortened, state_of, update_of
+from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, State, tag
 
@@ -26,6 +27,8 @@ IDLE = 1.0
 """Who is alone looks this often whether there is something to tell [s]."""
 MOST_AT_ONCE = 8
 """Digests that go out at the same time."""
+LEAST_PERIOD = 1e-3
+"""Streams are taken to generate no faster than so [s]."""
 STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
 ON_ITS_WAY = 0.3
@@ -52,8 +55,8 @@ class Telling:
         self.state = State(view.settings.robot, view.settings.zid, "", "")
         """The one that was told last; number 0: none."""
         self._told_at = now
-        self._told_messages = self._told_bytes = 0
-        """Put on the air by us as we told last."""
+        self._told_messages = 0
+        """Messages put on the air by us as we told last."""
         self._state_at = self._restated = now - STATE_PACE
         self._restate_at = now
         """When to look whether our state is news."""
@@ -154,18 +157,25 @@ class Telling:
         news = self._news or self._view.messages != self._told_messages or self._channel.capacity.speak(now)
         return self.pacer.due(now, news=news, copies=copies)
 
-    def affordable(self, now: float) -> bool:
-        """Whether the allowance pays for telling all at once what is sent."""
-        return True
+    def announcing(self, now: float) -> float:
+        """Return what part of the allowance it takes to announce all that the limits let the team send."""
+        if is_broadcast(self._view.settings.transport):
+            return 0.0  # who sends is overheard
+        limits, rate, load = self._gate.limits, 0.0, [0.0] * len(self._gate.limits)
+        for stream in self._view.competition.all(now):
+            use = use_of(stream.newest.size, self._view.copies(stream), limits)
+            if changes_plans(use, limits):
+                often = 1.0 / max(stream.schedule.period, LEAST_PERIOD)
+                rate += often
+                load = [before + often * each for before, each in zip(load, use, strict=True)]
+        fits = [c.limit / c.window / each for c, each in zip(limits, load, strict=True) if c.shared and each > 0.0]
+        return min([1.0, *fits]) * rate * (ANNOUNCEMENT + OVERHEAD) * self._digest_copies() / self.pacer.rate
 
     def _sent_much(self) -> bool:
-        """Whether we sent so much since the last digest that it changes what others plan."""
-        if self._coordination.splits:
+        """Whether we sent something since the last digest that changes what others plan."""
+        if self._coordination.splits or self._view.messages == self._told_messages:
             return False
-        messages = self._view.messages - self._told_messages
-        size = (self._view.bytes - self._told_bytes) // max(1, messages)
-        used = use_of(size, 1, self._gate.limits)
-        return changes_plans([messages * each for each in used], self._gate.limits)
+        return changes_plans(use_of(self._view.largest, 1, self._gate.limits), self._gate.limits)
 
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""
@@ -210,7 +220,7 @@ class Telling:
         return self._send(now, digest, copies)
 
     def _send(self, now: float, digest: Digest, copies: int) -> Command:
-        self._told_messages, self._told_bytes = self._view.messages, self._view.bytes
+        self._told_messages, self._view.largest = self._view.messages, 0
         self._view.sent_digest(now)
         self.pacer.sent(now, self._size_of(digest), copies, announces=digest.brief)
         return SendDigest(digest)

@@ -54,6 +54,8 @@ class SharedView:
         self.origins: dict[str, None] = {settings.zid: None}
         self.messages = 0
         self.bytes = 0
+        self.largest = 0
+        """What the largest message put on the air was since the last digest, all copies of it [B]."""
         self.sends: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
         """When and how much other robots sent within the longest window."""
         self.sends_noted = 0
@@ -100,6 +102,7 @@ class SharedView:
         """So many messages of so many bytes in all, copies counted, go on the air."""
         self.messages += messages
         self.bytes += size
+        self.largest = max(self.largest, size)
 
     def streams(self) -> Iterator[Stream]:
         """All streams, own ones and others'."""
@@ -449,11 +452,9 @@ class SharedView:
             stream.assume(told.period, told.schedule)
         t_gen = min(peer.offset.ours(news.t_generated), now)
         before, kind = stream.last, stream.information_type
-        if news.period < 0.0:  # an announcement
-            features = kind.completed({}) if before is None else before.features
-            news, rhythm = _completed(stream, news, told), stream.schedule.followed
-        else:
-            features, rhythm = kind.heard(news.features), heard(news, peer.offset.ours)
+        # Announcements leave features out, and what is as usual.
+        features = kind.heard(news.features) if news.features or before is None else before.features
+        news, rhythm = _completed(stream, news, told), heard(news, peer.offset.ours)
         last = Generated(t_gen, news.size, news.scale, features)
         stream.note_generated(news.generated, last, told=rhythm)
         if news.forwarded > stream.forwarded:
@@ -463,6 +464,8 @@ class SharedView:
 
 def _completed(stream: Stream, news: StreamDigest, told: StreamState | None) -> StreamDigest:
     """Return news with what an announcement leaves out because it is as usual."""
+    if news.size and news.scale >= 0.0:
+        return news
     size = news.size or (told.size if told is not None else stream.newest.size if stream.last else 0)
     return replace(news, size=size, scale=news.scale if news.scale >= 0.0 else usual_scale(stream))
 

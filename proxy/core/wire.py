@@ -32,11 +32,7 @@ class StreamDigest:
     features: tuple[float, ...] = ()
     """Its features in the order of its type, where others need them to value it; else nothing."""
     period: float = 0.0
-    """The period of its rhythm as its robot finds [s]; 0.0 where it has none, negative in an announcement.
-
-    That leaves out rhythm and features, which are as told before, a `size` of 0, for the typical one of the state, and a
-    negative `scale`, for the one its type has by default.
-    """
+    """The period of its rhythm as its robot finds [s]; 0.0 where it has none."""
     late: int = 0
     """How much later than due the last one was generated, and by how much they are off [`PHASES` of the period]."""
     jitter: int = 0
@@ -81,7 +77,10 @@ class Digest:
     capacity: tuple[float, ...] = ()
     """Of every adaptive limit, in the order of the constraints, the part of its ceiling that the channel bears."""
     brief: bool = False
-    """Whether it only announces what was sent; messages and bytes are as told before."""
+    """Whether it only announces what was sent; messages and bytes, and of each stream its features, are as told before.
+
+    So is a `size` of 0, the typical one of the state, and a negative `scale`, the one its type has by default.
+    """
     splits: bool = False
     """Whether the sender finds that each robot has to keep to a part of every limit."""
 

@@ -107,8 +107,8 @@ def seeds():
     news = (StreamDigest(1, 5, 3, 0.4, 0.3, 900, 2.0, (0.5,), 0.5, 10, 3), StreamDigest(2, 1, 0, 0.4, 0.0, 90, 1.0))
     echoes = (Echo("00000000", 0.05, 0.45, 3, 0.01, 1e-6),)
     brief = (
-        StreamDigest(1, 7, 4, 0.6, 0.6, 0, -1.0, period=-1.0),
-        StreamDigest(2, 3, 1, 0.6, 0.6, 77, 2.0, period=-1.0),
+        StreamDigest(1, 7, 4, 0.6, 0.6, 0, -1.0),
+        StreamDigest(2, 3, 1, 0.6, 0.6, 77, 2.0, (), 0.5, 1, 2),
     )
     digest = Digest("evil", tag(EVIL[0]), 0.5, 9, 999, news, echoes, 2, (0.5,), splits=True)
     announced = Digest("evil", tag(EVIL[0]), 0.6, streams=brief, state=2, brief=True)

@@ -79,7 +79,7 @@ def test_while_the_limits_have_room_for_all_none_leaves_for_want_of_a_place(make
 
 def test_deletions_keep_their_place_when_all_go_at_once(make_aggregated):
     """Before what was published after them."""
-    talk = make_aggregated("sum", backlog=1)
+    talk = make_aggregated("sum", backlog=1, allowance=0.05)
     first, _ = talk.publish(0.1)
     second, _ = talk.publish(0.2)
     deletion, _ = talk.publish(0.3, delete=True)
@@ -326,7 +326,7 @@ def test_what_is_not_decided_in_time_the_static_rule_decides_at_once(make_aggreg
 
 def test_what_is_late_is_sent_as_far_as_it_fits(make_aggregated):
     """Of 40 kB in 4 s almost all that the limit of 10 kB/s lets through goes, and never more in any window."""
-    talk = make_aggregated("sum", deadline=0.02)
+    talk = make_aggregated("sum", deadline=0.02, allowance=0.05)
     for number in range(40):
         now = 0.1 * (1 + number)
         _, commands = talk.publish(now)

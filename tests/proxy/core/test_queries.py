@@ -123,7 +123,7 @@ def queries(core, now):
     yield "limits", lambda: (budget.problem_limits(now), budget.alone, [gate.mode_of(s) for s in view.own()])
     yield "capacity", lambda: (capacity.waiting(now), capacity.due(now), capacity.factors, capacity.wake_at(now))
     yield "words", lambda: (capacity.speak(now), capacity.news(now), capacity.telling(now))
-    yield "telling", lambda: (telling.affordable(now), telling.state)
+    yield "telling", lambda: (telling.announcing(now), telling.state)
     yield "counts", lambda: (core.counts.conserved, core.counts.queued, core.outsiders.warnings())
 
 

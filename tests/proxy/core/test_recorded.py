@@ -73,7 +73,7 @@ def test_fields_that_a_later_version_adds_are_left_out(kind, name, version):
     case = next(c for c in RECORDED[VERSION] if (c["kind"], c["name"]) == (kind, name))
     fields = msgpack.unpackb(inflated(bytes.fromhex(case["bytes"])))
     if name == "announcement":
-        fields[3] = [[*stream, "new"] for stream in fields[3] if len(stream) == 7]
+        fields[3] = [[*stream, "new"] for stream in fields[3][2:]]
         case = case | {"means": case["means"] | {"streams": case["means"]["streams"][2:]}}
     elif kind == "digest":
         fields += [[]] * (9 - len(fields))
