@@ -75,17 +75,13 @@ def _denied(denied: Mapping[str, Status]) -> str:
 
 def _decisions(decisions: Status) -> str:
     """What the searches came to, and why the last one decided so; nothing when there was none."""
-    made, dropped, unneeded, foreseen = (
-        decisions.get(name, 0) for name in ("made", "would_drop", "unneeded", "foreseen")
-    )
-    if not (made or unneeded or foreseen or decisions.get("late")):
+    made, dropped, unneeded = (decisions.get(name, 0) for name in ("made", "would_drop", "unneeded"))
+    if not (made or unneeded or decisions.get("late")):
         return ""
     each = f", {decisions.get('iterations', 0) / made:.0f} iterations each" if made else ""
     rows = [("decided", f"{made} times{each}")]
     if unneeded:
         rows.append(("", f"{unneeded} more samples went while there was room for all"))
-    if foreseen:
-        rows.append(("", f"{foreseen} more samples went as who leads had planned"))
     if dropped:
         rows.append(("", f"{dropped} would be dropped in enforce"))
     if decisions.get("seconds"):

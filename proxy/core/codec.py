@@ -53,7 +53,7 @@ MOST_PHASES = 1_000_000
 MAX_LATENCY = 3600.0
 MAX_SCALE = 1e15
 MAX_ENTRY = 32
-"""Fields of what a state tells of a stream; later versions may have more of them."""
+"""Fields of what a state or an announcement tells of a stream; later versions may have more of them."""
 MAX_VERSION = 64
 """Letters in the version of a daemon."""
 _HEAD = 32
@@ -66,7 +66,7 @@ def pack_digest(digest: Digest) -> bytes:
     """Return the wire form of a digest."""
     sent = ticks(digest.sent)
     if digest.brief:
-        return _pack([VERSION, sent, digest.state, *(_brief_fields(sent, stream) for stream in digest.streams)])
+        return _pack([VERSION, sent, digest.state, [_brief_fields(sent, stream) for stream in digest.streams]])
     fields: list[Any] = [VERSION, sent, digest.state, digest.messages, digest.bytes]
     lists: list[list[Any]] = [
         [_stream_fields(sent, stream) for stream in digest.streams],
@@ -202,9 +202,11 @@ def _echo(sent: int, peer: str, echoed: int, r: tuple[Any, ...]) -> Echo:
 
 def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -> Digest:
     sent = _whole(f[1])
-    if len(f) < 5 or isinstance(f[3], list):
-        brief = tuple(_brief_digest(sent, stream) for stream in _each(f[3:], 5, 10))
+    if isinstance(f[3], list):
+        brief = tuple(_brief_digest(sent, stream) for stream in _each(f[3], 5, MAX_ENTRY))
         return Digest(robot, tag, seconds(sent), streams=brief, state=_count(f[2]), brief=True)
+    if len(f) < 5:
+        raise MalformedWireError(f"{len(f)} fields where 5 are due")
     streams, echoes, capacity, splits = [*map(_list, f[5:9]), [], [], [], []][:4]
     return Digest(
         robot=robot,

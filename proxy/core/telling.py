@@ -181,11 +181,6 @@ class Telling:
             return False
         return changes_plans(use_of(self._view.largest, 1, self._gate.limits), self._gate.limits)
 
-    def has_news(self) -> bool:
-        """Whether there is news of our streams."""
-        self._look_for_news()
-        return self._unknown or self._news
-
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""
         changes = self._view.revision, sum(map(_CHANGES, self._view.own())), self.pacer.revision

@@ -21,7 +21,7 @@ KEY = "robot/honest/camera"
 class Besieged:
     """A core with one honest robot on the mesh. `act` is an event, hostile or not; `check` what must hold after it."""
 
-    def __init__(self, specs, coordination="shares"):
+    def __init__(self, specs, coordination="split"):
         settings = CoreSettings("r1", "0000000001", streams=STREAMS, coordination=coordination, settle=0.0, away=20.0)
         self.core = Core(settings, specs, 0.0)
         self.now, self.samples, self.generated = 0.0, 0, 0
@@ -41,7 +41,7 @@ class Besieged:
         self.now += 0.5
         self.generated += 1
         news = StreamDigest(1, self.generated, self.generated, self.now, self.now, 1000, 1.0)
-        digest = Digest("honest", HONEST[:8], self.now, 0, self.generated, 1000 * self.generated, (news,), state=1)
+        digest = Digest("honest", HONEST[:8], self.now, self.generated, 1000 * self.generated, (news,), state=1)
         self.act(ev.DigestHeard(self.now, digest))
 
     def publish(self, key="robot/r1/camera", size=500, **rest):
@@ -92,7 +92,7 @@ class Besieged:
         assert len(core.strangers._heard) <= MOST
         assert all(len(kept) <= MOST_EACH for kept in core.strangers._heard.values())
         assert set(core.telling.asking._open) <= set(view.peers)
-        assert core.shares.members == (frozenset(view.peers) - core.outsiders.found) | {"00000000"}
+        assert core.coordination._splitting <= view.peers.keys()
         assert core.wake_at(self.now) >= self.now
         honest = view.peers[HONEST[:8]]
         assert (honest.name, honest.keys, honest.subscriptions) == ("honest", {1: KEY}, ("robot/*/camera",))

@@ -11,7 +11,7 @@ from pathlib import Path
 from proxy.core import events as ev
 from proxy.core.codec import pack_digest, pack_state, unpack_digest, unpack_state
 from proxy.core.errors import MalformedWireError
-from proxy.core.wire import Digest, Echo, Grant, State, StreamDigest, StreamState, tag
+from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState, tag
 from tests.fuzz.hostile import Besieged
 from tests.proxy.core.talk import ALL_KINDS
 from utility_specs import Specs, load_specs
@@ -105,11 +105,16 @@ def seeds():
     state = State("evil", EVIL[0], "enforce", "s", streams, ("robot/**",), 1e6, (EVIL[0], "feed"), number=1)
     update = State("evil", EVIL[0], "", "", (StreamState(2, "robot/x/camera", "camera", 0.1),), number=2, since=1)
     news = (StreamDigest(1, 5, 3, 0.4, 0.3, 900, 2.0, (0.5,), 0.5, 10, 3), StreamDigest(2, 1, 0, 0.4, 0.0, 90, 1.0))
-    grants, echoes = (Grant("00000000", 0.6, 0.9, (700,)),), (Echo("00000000", 0.05, 0.45, 3, 0.01, 1e-6),)
-    digest = Digest("evil", tag(EVIL[0]), 0.5, 7, 9, 999, news, grants, echoes, 2, (0.5,))
+    echoes = (Echo("00000000", 0.05, 0.45, 3, 0.01, 1e-6),)
+    brief = (
+        StreamDigest(1, 7, 4, 0.6, 0.6, 0, -1.0),
+        StreamDigest(2, 3, 1, 0.6, 0.6, 77, 2.0, (), 0.5, 1, 2),
+    )
+    digest = Digest("evil", tag(EVIL[0]), 0.5, 9, 999, news, echoes, 2, (0.5,), splits=True)
+    announced = Digest("evil", tag(EVIL[0]), 0.6, streams=brief, state=2, brief=True)
     meet = message("appear", b"\x00evil")
     told = message("state", b"\x00" + pack_state(state)) + message("state", b"\x00" + pack_state(update))
-    said = message("digest", b"\x00" + pack_digest(digest))
+    said = message("digest", b"\x00" + pack_digest(digest)) + message("digest", b"\x00" + pack_digest(announced))
     ours = message("publish", b"probot/r1/camera") + message("decide", b"y") + message("speak", b"")
     heard = message("sample", b"feedrobot/x/camera") + message("time", b"\x01\x00")
     return {

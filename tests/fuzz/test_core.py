@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from proxy.core import events as ev
-from proxy.core.codec import unpack_digest, unpack_state
+from proxy.core.codec import VERSION, unpack_digest, unpack_state
 from proxy.core.errors import MalformedWireError
 from proxy.core.mode import Mode
 from proxy.core.wire import tag
@@ -36,20 +36,23 @@ MILD_STREAM = st.tuples(
     *(st.integers(0, 9000), st.integers(0, 65_535)),
 ).map(list)
 MILD = st.tuples(
-    *(st.just(3), st.just(0), st.integers(0, 9), st.integers(0, 3), st.integers(0, 9), st.integers(0, 99)),
+    *(st.just(VERSION), st.just(0), st.integers(0, 9), st.integers(0, 9), st.integers(0, 99)),
     st.lists(MILD_STREAM, max_size=30),
 ).map(list)
 WILD = st.tuples(
-    *(st.just(3), TICKS, COUNTS, COUNTS, COUNTS, COUNTS),
+    *(st.just(VERSION), TICKS, COUNTS, COUNTS, COUNTS),
     st.lists(st.one_of(STREAM, ANY), max_size=40),
-    st.lists(st.tuples(TAGS, st.integers(0, 70), COUNTS), max_size=5).map(
-        lambda grants: [f for g in grants for f in g]
-    ),
     st.lists(st.tuples(TAGS, st.integers(0, 65_535), TICKS, COUNTS, VALUES, VALUES), max_size=3).map(
         lambda echoes: [f for e in echoes for f in e]
     ),
     st.lists(VALUES, max_size=2),
+    st.one_of(st.just([]), st.just([1]), ANY),
 ).map(list)
+BRIEF = st.tuples(
+    *(st.just(VERSION), st.one_of(st.just(0), TICKS), st.integers(0, 9)),
+    st.lists(st.one_of(st.sampled_from((5, 6, 7)).flatmap(lambda n: MILD_STREAM.map(lambda s: s[:n])), STREAM, ANY)),
+).map(list)
+"""An announcement, or something like it."""
 STREAM_STATE = st.tuples(
     st.integers(0, 2000), KEYS, st.sampled_from(("camera", "x")), VALUES, VALUES, COUNTS, st.just("periodic")
 ).map(list)
@@ -58,7 +61,7 @@ STREAM_STATE = st.tuples(
 class Siege(RuleBasedStateMachine):
     """Arbitrary sequences of honest and hostile events."""
 
-    @initialize(coordination=st.sampled_from(("shares", "overhear")))
+    @initialize(coordination=st.sampled_from(("announce", "split")))
     def begin(self, coordination):
         self.core = Besieged(SPECS, coordination)
         self.tokens = [("eeeeeeee01", "evil")]
@@ -85,7 +88,12 @@ class Siege(RuleBasedStateMachine):
         zid, robot = data.draw(st.one_of(st.sampled_from(self.tokens), st.just((HONEST[:-1] + "2", "honest"))))
         self.core.act(ev.PeerGone(self.core.now, robot, zid))
 
-    @rule(data=st.data(), other=st.one_of(st.none(), st.none(), NAMES), fields=st.one_of(MILD, WILD), now=st.booleans())
+    @rule(
+        data=st.data(),
+        other=st.one_of(st.none(), st.none(), NAMES),
+        fields=st.one_of(MILD, WILD, BRIEF),
+        now=st.booleans(),
+    )
     def a_digest_comes(self, data, other, fields, now):
         zid, robot = data.draw(st.sampled_from(self.tokens))
         robot = robot if other is None else other
@@ -109,7 +117,7 @@ class Siege(RuleBasedStateMachine):
         zid, robot = data.draw(st.sampled_from(self.tokens))
         robot = robot if other is None else other
         rest = ["enforce", "s", 10**13, "broadcast x", subscriptions, origins]
-        fields = [4, zid, number, since, streams, *rest]
+        fields = [VERSION, zid, number, since, streams, *rest]
         self.hear(zid, robot, fields, unpack=lambda data, robot, _: unpack_state(data, robot), make=ev.StateHeard)
 
     @rule(key=KEYS, origin=st.one_of(st.none(), ZIDS), stamp=st.one_of(st.none(), st.floats(0, 1e10)), size=COUNTS)

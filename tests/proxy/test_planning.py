@@ -38,7 +38,7 @@ class Driven:
     def __init__(self, stack, path, aggregation, deadline):
         path.write_text(SPEC.format(aggregation=aggregation))
         Slow.may.set()
-        settings = CoreSettings("r1", "z-r1", coordination="overhear", deadline=deadline)
+        settings = CoreSettings("r1", "z-r1", coordination="announce", deadline=deadline)
         self.done, self.samples = [], 0
         self.loop = Loop(Core(settings, load_specs(path), clock.monotonic()), self._execute)
         self.planning = Planning(SearchSettings(), deadline, self.loop)

@@ -194,7 +194,7 @@ class Crowd:
         )
         epoch = self.core.shares.epoch
         name, echoes = tag(_zid(robot)), self._echoes(robot)
-        return ev.DigestHeard(self.now, Digest(robot, name, sent, epoch, 0, 0, (news,), echoes=echoes, state=1))
+        return ev.DigestHeard(self.now, Digest(robot, name, sent, 0, 0, (news,), echoes=echoes, state=1))
 
     def _echoes(self, robot: str) -> tuple[Echo, ...]:
         """Now and then a robot tells what it got of another one, of each in its turn."""

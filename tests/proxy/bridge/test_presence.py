@@ -67,7 +67,7 @@ class Voiced:
         return [event for event in list(self.events) if isinstance(event, kind)]
 
     def digest(self, **changes):
-        told = {"robot": self.robot, "tag": tag(self.zid), "sent": 1.0, "epoch": 1, "messages": 3, "bytes": 4}
+        told = {"robot": self.robot, "tag": tag(self.zid), "sent": 1.0, "messages": 3, "bytes": 4}
         return Digest(**told | changes)
 
     def insist(self, **changes):

@@ -25,7 +25,7 @@ def make_talk(make_specs):
     """A core of robot r1 to talk to; digests cost nothing unless a test says otherwise."""
 
     def make(specs=None, **settings):
-        settings = {"coordination": "overhear", "allowance": 0.0} | settings
+        settings = {"coordination": "announce", "allowance": 0.0} | settings
         return Talk(Core(CoreSettings("r1", "z-r1", **settings), specs or make_specs(), 0.0))
 
     return make

@@ -88,7 +88,7 @@ class Mesh:
 
     def _digest(self, data, sender, receiver):
         digest = unpack_digest(data, self.names[sender], tag(sender), tag(receiver), self.sent[receiver][-64:])
-        self.feed(receiver, ev.DigestHeard(self.now, digest))
+        self.feed(receiver, ev.DigestHeard(self.now, digest, len(data)))
 
     def _state(self, data, sender, receiver):
         self.feed(receiver, ev.StateHeard(self.now, unpack_state(data, self.names[sender])))

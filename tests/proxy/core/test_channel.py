@@ -26,7 +26,7 @@ def test_fixed_limits_are_in_force_as_they_are(make_talk, make_specs):
 
 
 def test_an_adaptive_limit_begins_with_a_part_of_its_ceiling(make_talk, make_specs):
-    """In gate, shares and pace alike; the allowance shrinks less than in proportion."""
+    """In budget and pace alike; the allowance shrinks less than in proportion."""
     talk = make_talk(make_specs(text=ADAPTIVE))
     talk.want(0.0)
     (factor,) = talk.core.channel.capacity.factors
@@ -50,6 +50,6 @@ def test_what_is_not_looked_at_any_more_is_not_late_for_ever(make_talk, make_spe
     """Where limits stop being adaptive, nobody finds that a queue has drained."""
     talk = make_talk(make_specs(text=ADAPTIVE))
     talk.want(0.0)
-    talk.core.gate.waiting = 0.5
+    talk.core.channel.waiting = 0.5
     talk.tell(ev.SpecsChanged(1.0, make_specs(limit="80 kbit/s")))
-    assert talk.core.gate.waiting == 0.0
+    assert talk.core.channel.waiting == 0.0

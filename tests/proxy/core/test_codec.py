@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from proxy.core.codec import (
     MAX_BYTES,
     MAX_DIGEST,
-    MAX_LENT,
     MAX_PERIOD,
     MAX_SAMPLES,
     MAX_SIZE,
+    VERSION,
     pack_digest,
     pack_state,
     unpack_digest,
@@ -22,7 +22,7 @@ from proxy.core.codec import (
 )
 from proxy.core.errors import MalformedWireError
 from proxy.core.fixed import rounded, seconds, single, ticks
-from proxy.core.wire import MOST_CLOCK_ERROR, PARTS, Digest, Echo, Grant, Returned, State, StreamDigest, StreamState
+from proxy.core.wire import MOST_CLOCK_ERROR, Digest, Echo, State, StreamDigest, StreamState
 
 time = st.integers(0, 10**13).map(lambda ticks_: ticks_ / 1e4)
 count = st.integers(0, 2**53)
@@ -57,11 +57,10 @@ def stream_digests(draw):
 
 
 @st.composite
-def grants(draw):
-    """Whole milliseconds, within what a grant may last."""
-    begins = draw(st.integers(0, 10**9))
-    parts = draw(st.lists(st.integers(0, PARTS), min_size=1, max_size=3))
-    return Grant(draw(tag), begins / 1e3, (begins + draw(st.integers(0, MAX_LENT))) / 1e3, tuple(parts))
+def announcements(draw):
+    """What was sent of a stream; size and value only where they are not as usual, and no features."""
+    value = draw(st.one_of(st.just(-1.0), amount))
+    return dataclasses.replace(draw(stream_digests()), scale=value, features=())
 
 
 digests = st.builds(
@@ -69,14 +68,22 @@ digests = st.builds(
     robot=st.just("r1"),
     tag=st.just("a1b2c3d4"),
     sent=time,
-    epoch=count,
     messages=count,
     bytes=count,
     streams=st.lists(stream_digests(), max_size=2).map(tuple),
-    grants=st.lists(grants(), max_size=2).map(tuple),
     echoes=st.lists(st.builds(Echo, st.just("own"), time, time, samples, amount, amount), max_size=1).map(tuple),
     state=count,
     capacity=st.lists(part, max_size=2).map(tuple),
+    splits=st.booleans(),
+)
+briefs = st.builds(
+    Digest,
+    robot=st.just("r1"),
+    tag=st.just("a1b2c3d4"),
+    sent=time,
+    streams=st.lists(announcements(), max_size=3).map(tuple),
+    state=count,
+    brief=st.just(True),
 )
 stream_state = st.builds(StreamState, st.integers(0, 2**32), key, name, amount, amount, size, name)
 states = st.builds(
@@ -93,6 +100,7 @@ states = st.builds(
     number=count,
     clock_error=st.integers(0, ticks(MOST_CLOCK_ERROR)).map(seconds),
     version=name,
+    limits=st.integers(0, 2**32),
 )
 
 
@@ -100,7 +108,7 @@ def heard(data, sent=()):
     return unpack_digest(data, "r1", "a1b2c3d4", "own", sent)
 
 
-@given(digests)
+@given(st.one_of(digests, briefs))
 def test_a_digest_survives_the_wire(digest):
     """What was packed comes back, once its values are rounded, times to the tenth of a millisecond."""
     assert heard(pack_digest(digest), [ticks(echo.sent) for echo in digest.echoes]) == digest
@@ -117,7 +125,7 @@ def test_a_state_survives_the_wire(state):
 def test_echoes_are_those_of_our_digests():
     """Only the last digits of a time travel: what we did not send, or sent twice with them, is no echo."""
     echoes = (Echo("own", 77.0, 5.0, 1, 0.0), Echo("other", 77.0, 5.0, 1, 0.0))
-    data = pack_digest(Digest("r1", "a1b2c3d4", 6.0, 0, 0, 0, (), (), echoes))
+    data = pack_digest(Digest("r1", "a1b2c3d4", 6.0, 0, 0, (), echoes))
     of_another = dataclasses.replace(echoes[1], sent=0.0)
     assert heard(data, [ticks(77.0), ticks(78.0)]).echoes == (echoes[0], of_another)
     assert heard(data, [ticks(78.0)]).echoes == (of_another,)
@@ -143,7 +151,7 @@ def test_noise_is_malformed(data, compressed):
 NONSENSE = st.one_of(st.none(), st.text(max_size=3), st.integers(), st.floats(), st.lists(st.none()), st.booleans())
 
 
-@given(digests, st.integers(0, 9), NONSENSE)
+@given(st.one_of(digests, briefs), st.integers(0, 9), NONSENSE)
 def test_a_field_of_another_kind_is_refused_or_harmless(digest, place, value):
     """Whatever stands in a field, the digest is refused or has fields of the right kinds."""
     fields = msgpack.unpackb(pack_digest(digest))
@@ -167,10 +175,10 @@ def test_a_field_of_another_kind_is_refused_or_harmless(digest, place, value):
         (b"", "no msgpack"),
         (msgpack.packb({"a": 1}), "no msgpack"),
         (msgpack.packb([3, "r"]), "of version 3"),
-        (msgpack.packb([4.0, "r"]), "is no version"),
-        (msgpack.packb([4, "r"]), "2 fields where 6 are due"),
+        (msgpack.packb([6.0, "r"]), "is no version"),
+        (msgpack.packb([VERSION, "r"]), "2 fields where 4 are due"),
         (b"\x91" * 5000, "no msgpack"),
-        (msgpack.packb([4, [0] * 8000]), "2 fields"),
+        (msgpack.packb([VERSION, [0] * 8000]), "2 fields"),
     ],
 )
 def test_a_refusal_says_why(data, message):
@@ -179,17 +187,17 @@ def test_a_refusal_says_why(data, message):
         heard(data)
 
 
-BASE = [4, 10_000, 1, 1, 1, 1]
+BASE = [VERSION, 10_000, 1, 1, 1]
 STREAM = [1, 5, 1, 10, 20, 300, 1]
 
 
 @pytest.mark.parametrize(
     "fields",
     [
-        [4, 10**17, *BASE[2:]],
-        [4, 1, -1, *BASE[3:]],
-        [4, 1, True, *BASE[3:]],
-        [*BASE[:5], 2**60],
+        [VERSION, 10**17, *BASE[2:]],
+        [VERSION, 1, -1, *BASE[3:]],
+        [VERSION, 1, True, *BASE[3:]],
+        [*BASE[:4], 2**60],
         [*BASE, 5],
         [*BASE, [1]],
         [*BASE, [[1]]],
@@ -203,20 +211,26 @@ STREAM = [1, 5, 1, 10, 20, 300, 1]
         [*BASE, [[*STREAM[:5], 2**60, 1]]],
         [*BASE, [[*STREAM, float("nan")]]],
         [*BASE, [[*STREAM, *range(40)]]],
-        [*BASE, [], [1, 1]],
-        [*BASE, [], [1, 100, 1]],
-        [*BASE, [], [], [1, 1, 1]],
-        [*BASE, [], [], [], [1.5]],
+        [*BASE, [], [1, 1, 1]],
+        [*BASE, [], [], [1.5]],
+        [*BASE, [], [], [], 1],
+        [*BASE[:3], [STREAM[:4]]],
+        [*BASE[:3], [[*STREAM[:5], 0, 2**60]]],
+        [*BASE[:3], [[*STREAM[:5], 0, 300, float("nan")]]],
+        [*BASE[:3], [[1, 5, 6, *STREAM[3:]]]],
+        [*BASE[:3], STREAM],
+        [*BASE[:3], 5],
     ],
 )
 def test_absurd_digests_are_refused(fields):
     """Times of millennia, counts that no app reaches, sizes beyond Zenoh's, NaN: none of it reaches the view."""
     assert heard(msgpack.packb([*BASE, [STREAM]])).streams
+    assert heard(msgpack.packb([*BASE[:3], [STREAM[:5]]])).brief
     with pytest.raises(MalformedWireError):
         heard(msgpack.packb(fields))
 
 
-WHOLE = [4, b"ab", 1, 0, [], 0, "enforce", "s", "unicast", [], []]
+WHOLE = [VERSION, b"ab", 1, 0, [], 0, "enforce", "s", "unicast", [], []]
 
 
 @pytest.mark.parametrize(
@@ -270,31 +284,15 @@ def test_a_state_that_is_none_is_refused(data, message):
 def test_digests_are_small():
     """Hours after their robots started."""
     streams = tuple(StreamDigest(n, 4000, 3000, 12345.6, 12344.5, 35_000, 3.3) for n in range(1, 6))
-    grants = tuple(Grant(f"b1b2c3d{n}", 12345.8 + n, 12346.0 + n, (35_000,)) for n in range(3))
     echoes = tuple(Echo(f"b1b2c3d{n}", 5432.1, 12345.4, 5000, 0.0123, 8e-6) for n in range(9))
-    base = Digest("robot-17", "a1b2c3d4", 12345.6789, 2**32 - 1, 10_000, 10**9, state=7)
+    base = Digest("robot-17", "a1b2c3d4", 12345.6789, 10_000, 10**9, state=7)
 
     def length(**news):
         return len(pack_digest(dataclasses.replace(base, **news)))
 
-    assert length() == 21
-    assert length(streams=streams[:1]) == 42
-    assert length(grants=grants[:1]) == 35
-    assert length(streams=streams, grants=grants, echoes=echoes) <= 350
-
-
-def test_what_is_given_back_travels():
-    """By the last digits of its begin, and until when it was used, or that it was not."""
-    back = (Returned(65_535, 12.25), Returned(7, 0.0))
-    digest = Digest("r1", "t", 13.0, 5, 0, 0, returned=back)
-    assert unpack_digest(pack_digest(digest), "r1", "t").returned == back
-
-
-@pytest.mark.parametrize("returned", [(), (Returned(7, 0.0),)])
-def test_that_who_leads_lends_travels(returned):
-    """It takes a byte for itself and one for each list before it that is empty."""
-    digest = Digest("r1", "t", 13.0, 5, 0, 0, returned=returned, lends=True)
-    assert unpack_digest(pack_digest(digest), "r1", "t") == digest
-    silent = dataclasses.replace(digest, lends=False)
-    assert unpack_digest(pack_digest(silent), "r1", "t") == silent
-    assert len(pack_digest(digest)) <= len(pack_digest(silent)) + 7
+    assert length() == 16
+    assert length(streams=streams[:1]) == 37
+    assert length(streams=streams, echoes=echoes) <= 320
+    usual = tuple(dataclasses.replace(stream, size=0, scale=-1.0) for stream in streams)
+    assert length(streams=usual[:1], brief=True) == 23
+    assert length(streams=usual, brief=True) <= 80

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from proxy.core.competition import Competition
 from proxy.core.events import SampleHeard
-from proxy.core.limits import Promise
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
 from proxy.core.view import SharedView
@@ -68,7 +67,7 @@ class Course:
     def digest(self, robot, key, number):
         made = next(self._counts)
         news = StreamDigest(KEYS.index(key.split("/")[1]), made, made // 2, self.now, self.now, 10 * number, number / 3)
-        self.view.heard_digest(self.now, Digest(robot, f"z-{robot}", self.now, 0, 0, 0, (news,)))
+        self.view.heard_digest(self.now, Digest(robot, f"z-{robot}", self.now, 0, 0, (news,)))
 
     def hear(self, robot, key, number):
         self.view.heard_sample(SampleHeard(self.now, key, 10 * number, f"z-{robot}", None, None))
@@ -97,11 +96,6 @@ class Course:
 
 DEEDS = [name for name in vars(Course) if name != "do" and not name.startswith("_")]
 deeds = st.tuples(st.sampled_from(DEEDS), st.sampled_from(ROBOTS), st.sampled_from(KEYS), st.integers(1, 5))
-lent = st.dictionaries(
-    st.tuples(st.sampled_from((*ROBOTS, OWN)), st.sampled_from([f"{r}/{k}" for r in ROBOTS for k in KEYS])),
-    st.floats(0.0, 10.0),
-    max_size=4,
-)
 
 
 def competing(view, now):
@@ -109,15 +103,14 @@ def competing(view, now):
     return sorted((s for s in view.streams() if view.competes(now, s)), key=lambda s: (s.robot, s.key))
 
 
-def chosen(view, now, most, promised):
+def chosen(view, now, most):
     """By the definition: half of the places for what is worth most, half for what comes next."""
     found = competing(view, now)
     if len(found) <= most:
         return found
 
     def due(stream):
-        ends = [p.t_gen + stream.schedule.period for p in promised.get((stream.robot, stream.key), ())]
-        return max([now, stream.schedule.prospect()[2], *ends[-1:]])
+        return max(now, stream.schedule.prospect()[2])
 
     def worth(stream):
         return stream.last.scale * len(view.gaining(stream)) / max(stream.last.size * view.copies(stream), 1)
@@ -128,28 +121,25 @@ def chosen(view, now, most, promised):
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.lists(deeds, min_size=5, max_size=50), lent, st.integers(1, 5))
-def test_whatever_happened_the_rows_say_what_the_streams_do(specs, happened, promised, most):
+@given(st.lists(deeds, min_size=5, max_size=50), st.integers(1, 5))
+def test_whatever_happened_the_rows_say_what_the_streams_do(specs, happened, most):
     """Nothing that bears on who competes, and on how streams rate, escapes notice."""
     course = Course(specs)
     competition = Competition(course.view)
-    coming = {place: (Promise(t, t, 1, 1.0, {}),) for place, t in promised.items()}
     for robot in ROBOTS:
         course.do("come", robot, "recent", 1)
         course.do("state", robot, "recent", 1)
     for deed in happened:
         course.do(*deed)
         assert [id(s) for s in competition.all(course.now)] == [id(s) for s in competing(course.view, course.now)]
-        found = competition.chosen(course.now, most, coming)
-        assert [(s.robot, s.key) for s in found] == [
-            (s.robot, s.key) for s in chosen(course.view, course.now, most, coming)
-        ]
+        found = competition.chosen(course.now, most)
+        assert [(s.robot, s.key) for s in found] == [(s.robot, s.key) for s in chosen(course.view, course.now, most)]
         assert all(s is course.view.known(s.robot, s.key) for s in found)
 
 
 def test_nobody_competes_where_there_is_no_stream(specs):
     """An empty view has no rows."""
-    assert Competition(SharedView(CoreSettings(OWN, "z-r0"), specs)).chosen(0.0, 5, {}) == []
+    assert Competition(SharedView(CoreSettings(OWN, "z-r0"), specs)).chosen(0.0, 5) == []
 
 
 def test_a_stream_without_a_period_comes_last(specs):
@@ -162,8 +152,8 @@ def test_a_stream_without_a_period_comes_last(specs):
             course.do("publish", robot, key, 2)
         course.do("match", robot, key, 2)
     competition = Competition(course.view)
-    assert [s.key for s in competition.chosen(course.now, 3, {})] == ["r1/recent", "r2/recent", "r3/recent"]
-    assert [s.key for s in competition.chosen(course.now, 2, {})] == ["r1/recent", "r2/recent"]
+    assert [s.key for s in competition.chosen(course.now, 3)] == ["r1/recent", "r2/recent", "r3/recent"]
+    assert [s.key for s in competition.chosen(course.now, 2)] == ["r1/recent", "r2/recent"]
 
 
 WANTED = [("publish", "r1", "recent", 1), ("publish", "r1", "recent", 1)]
@@ -194,8 +184,8 @@ def test_whether_a_stream_competes_is_looked_at_anew_after_what_makes_the_differ
     for each in before:
         course.do(*each)
     competition = Competition(course.view)
-    assert (key in [s.key for s in competition.chosen(course.now, 5, {})]) is not then
+    assert (key in [s.key for s in competition.chosen(course.now, 5)]) is not then
     course.do(*deed)
-    found = competition.chosen(course.now, 5, {})
+    found = competition.chosen(course.now, 5)
     assert found == competing(course.view, course.now)
     assert (key in [s.key for s in found]) is then

@@ -10,6 +10,7 @@ from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forward
 from proxy.core.guarantees import guaranteed, longest, owed
 from proxy.core.settings import CoreSettings
+from proxy.core.stream import Sent
 from studies.simulation.medium import Medium
 from studies.simulation.team import Frame, Team
 from utility_specs import load_specs
@@ -73,7 +74,7 @@ def gaps(times):
 @pytest.mark.parametrize(
     ("guarantee", "most"), [('min_rate = "0.5 Hz"', 2.0), ('max_age = "1500 ms"', 1.5), ('min_rate = "1 Hz"', 1.0)]
 )
-@pytest.mark.parametrize("coordination", ["overhear", "shares"])
+@pytest.mark.parametrize("coordination", ["announce", "split"])
 def test_a_guarantee_wins_over_worth(make_talk, specs_of, guarantee, most, coordination):
     """The poor stream is sent as often as is guaranteed; nearly all else goes to the rich one, within the limit."""
     talk = make_talk(specs_of(guarantee), coordination=coordination, settle=0.0, floor=0.0)
@@ -123,8 +124,9 @@ def test_what_is_owed_is_what_cannot_wait(make_talk, specs_of):
     assert (longest(poor, 1.0), longest(poor, 59.0)) == (2.0, 1.0)
     assert list(owed(rich, [12.0, 50.0], 0.0)) == []
     times = [11.0 + k for k in range(1, 8)]
-    assert list(owed(poor, times, 0.0, last=11.0)) == [13.0, 15.0, 17.0]
-    assert list(owed(poor, times, 59.0, last=11.0)) == times
+    poor.sent = Sent(11.0, 11.0, 1000, 0.001)
+    assert list(owed(poor, times, 0.0)) == [13.0, 15.0, 17.0]
+    assert list(owed(poor, times, 59.0)) == times
     poor.sent = None
     assert list(owed(poor, times, 0.0)) == [12.0, 14.0, 16.0, 18.0]
 
@@ -137,7 +139,7 @@ def test_robots_of_a_team_are_lent_what_is_guaranteed(specs_of):
         {"r1": (), "r2": (), "r3": (), "op": ("robot/**",)},
         Medium(100_000.0),
         search=SearchSettings(search="best"),
-        settings=CoreSettings("", "", coordination="shares", allowance=0.5),
+        settings=CoreSettings("", "", coordination="split", allowance=0.5),
     )
     frames = sorted(
         (

@@ -41,7 +41,7 @@ def make(make_specs):
 
     def make(aggregation="sum", limit="", **rest):
         specs = make_specs(text=limit + SPEC.format(aggregation=aggregation))
-        rest = {"coordination": "overhear", "allowance": 0.0, "away": 100.0} | rest
+        rest = {"coordination": "announce", "allowance": 0.0, "away": 100.0} | rest
         talk = Away(Core(CoreSettings("r1", "z-r1", **rest), specs, 0.0))
         talk.specs = specs
         talk.arrive(0.0)

@@ -31,7 +31,7 @@ def make_said(make_talk, make_specs):
 
     def make(camera="", top="", **settings):
         text = top + ROUGH.replace('name = "camera"', f'name = "camera"\n{camera}')
-        talk = make_talk(make_specs(text=text), coordination="shares", settle=0.0, floor=0.0, **settings)
+        talk = make_talk(make_specs(text=text), coordination="split", settle=0.0, floor=0.0, **settings)
         talk.tell(ev.MatchingChanged(0.0, "robot/r1/camera", matching=True))
         return talk
 
@@ -42,9 +42,9 @@ def test_a_type_in_shadow_goes_whatever_is_decided_and_takes_of_what_is_left(mak
     """It is on the air, and what is enforced has to do with the rest."""
     talk = make_said('mode = "shadow"')
     sample, commands = talk.publish(0.1, size=4000)
-    before = talk.core.shares.used(0.11, 0)
+    before = talk.core.budget.used(0.11, 0)
     assert only(talk.answer(0.11, only(commands)[0], send=False)) == [Forward(sample)]
-    assert talk.core.shares.used(0.11, 0) > before
+    assert talk.core.budget.used(0.11, 0) > before
 
 
 def test_a_type_may_be_enforced_while_others_are_watched(make_said):
@@ -63,7 +63,7 @@ def test_what_is_not_planned_passes_at_once_and_is_counted(make_said, said, reas
     talk.tell(ev.SampleHanded(0.2, sample))
     assert talk.core.counts.by_reason == {reason: 1}
     assert list(talk.core.view.streams()) == []
-    assert talk.core.shares.used(0.2, 0) > 0.0
+    assert talk.core.budget.used(0.2, 0) > 0.0
 
 
 def test_a_type_that_is_planned_no_more_leaves_the_view(make_said, make_specs):

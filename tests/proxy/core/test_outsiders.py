@@ -6,6 +6,7 @@ from planner import SearchSettings
 from proxy.core import events as ev
 from proxy.core.codec import VERSION
 from proxy.core.commands import Notice
+from proxy.core.limits import fingerprint
 from proxy.core.outsiders import PATIENCE, SILENCE
 from proxy.core.settings import CoreSettings
 from proxy.core.wire import Digest, State, tag
@@ -14,21 +15,32 @@ from studies.simulation.team import Frame, Team
 from tests.proxy.core.talk import SPEC
 from utility_specs import load_specs
 
-ALIEN = (3 << 32) | 12345
-"""An epoch of other limits than ours."""
+ALIEN = 12345
+"""What tells other limits than ours."""
 
 
 @pytest.fixture
 def talk(make_talk):
-    """A robot that shares, and another one that has other specs and says so."""
-    talk = make_talk(coordination="shares", settle=0.0)
+    """A robot, and another one that takes part in the team."""
+    talk = make_talk()
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
-    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "otherspecs", (), ("robot/*/camera",), number=1)))
+    says(talk, 0.0)
     return talk
 
 
-def says(talk, now, epoch):
-    talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, epoch, 0, 0, state=1)))
+def says(talk, now):
+    talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, state=1)))
+
+
+def has(talk, now, limits, number=1):
+    """The other robot says what limits it has."""
+    state = State("op", "zz-op", "enforce", "otherspecs", (), ("robot/*/camera",), number=number, limits=limits)
+    talk.tell(ev.StateHeard(now, state))
+
+
+def apart(talk):
+    """Who takes no part."""
+    return set(talk.core.outsiders.found)
 
 
 def warnings(talk, now):
@@ -36,58 +48,40 @@ def warnings(talk, now):
 
 
 def test_who_has_other_limits_for_long_is_left_out_and_named(talk):
-    """Nobody waits for it any more; when it has ours it is shared with again."""
-    says(talk, 1.0, ALIEN)
-    assert talk.core.shares.stragglers == ["zz-op"]
+    """When it has ours it is one of the team again."""
+    has(talk, 1.0, ALIEN)
     talk.tell(ev.TimePassed(1.0 + PATIENCE))
     assert not warnings(talk, 1.0 + PATIENCE)
-    talk.tell(ev.TimePassed(1.1 + PATIENCE))
-    (warning,) = warnings(talk, 1.1 + PATIENCE)
+    talk.tell(ev.TimePassed(2.0 + PATIENCE))
+    (warning,) = warnings(talk, 2.0 + PATIENCE)
     assert warning.startswith("robot op has other limits (specs otherspecs, here ")
     assert [notice.text for notice in talk.all(Notice) if notice.level == "error"] == [warning]
-    assert talk.core.shares.members == {talk.core.shares.own}
-    talk.tell(ev.TimePassed(20.0))
-    assert talk.core.shares.confirmed(20.0)
-    says(talk, 21.0, 0)
-    assert not warnings(talk, 21.0)
-    assert talk.core.shares.members == {talk.core.shares.own, "zz-op"}
+    assert apart(talk) == {"zz-op"}
+    has(talk, 21.0, fingerprint(talk.core.view.specs), number=2)
+    says(talk, 21.1)
+    assert not warnings(talk, 21.1)
+    assert apart(talk) == set()
 
 
-def test_specs_that_change_on_one_robot_after_the_other_are_no_reason(talk):
+@pytest.mark.parametrize("goes", [True, False], ids=["it goes", "it gets ours"])
+def test_specs_that_change_on_one_robot_after_the_other_are_no_reason(talk, goes):
     """What it says meanwhile counts, and so does its going."""
-    says(talk, 1.0, ALIEN)
-    says(talk, 2.0, talk.core.shares.epoch)
+    has(talk, 1.0, ALIEN)
+    if goes:
+        talk.tell(ev.PeerGone(2.0, "op", "zz-op"))
+    else:
+        has(talk, 2.0, fingerprint(talk.core.view.specs), number=2)
     talk.tell(ev.TimePassed(3.0 + PATIENCE))
     assert not warnings(talk, 3.0 + PATIENCE)
-    says(talk, 11.0, ALIEN)
-    talk.tell(ev.PeerGone(12.0, "op", "zz-op"))
-    talk.tell(ev.TimePassed(13.0 + PATIENCE))
-    assert not warnings(talk, 13.0 + PATIENCE)
+    assert not [notice for notice in talk.all(Notice) if notice.level == "error"]
 
 
-@pytest.mark.parametrize("late", [1.0, PATIENCE + 1.0], ids=["in time", "named already"])
-def test_who_got_our_specs_has_no_other_limits_although_it_said_nothing_since(talk, late):
-    """Digests are rare; what a robot said of its epoch before it had our specs counts no more."""
-    says(talk, 1.0, ALIEN)
-    talk.tell(ev.TimePassed(1.0 + late))
-    ours = talk.core.view.specs.generation
-    talk.tell(ev.StateHeard(1.1 + late, State("op", "zz-op", "enforce", ours, (), ("robot/*/camera",), number=2)))
-    before = len(talk.all(Notice))
-    talk.tell(ev.TimePassed(2.0 + late + PATIENCE))
-    assert not warnings(talk, 2.0 + late + PATIENCE)
-    assert not [notice for notice in talk.all(Notice)[before:] if notice.level == "error"]
-
-
-def test_who_follows_somebody_that_we_do_not_know_is_waited_for(make_talk):
-    """With the same specs another epoch is no sign of other limits."""
-    talk = make_talk(coordination="shares", settle=0.0)
-    talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
-    generation = talk.core.view.specs.generation
-    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", generation, (), ("robot/*/camera",), number=1)))
-    says(talk, 1.0, ALIEN)
+def test_who_does_not_say_what_limits_it_has_has_ours(talk):
+    """Other specs alone, as of weights, are no other limits."""
+    has(talk, 1.0, 0)
     talk.tell(ev.TimePassed(30.0))
-    assert "zz-op" in talk.core.shares.members
     assert not warnings(talk, 30.0)
+    assert apart(talk) == set()
 
 
 def test_a_team_with_different_limits_still_sends(tmp_path):
@@ -102,7 +96,7 @@ def test_a_team_with_different_limits_still_sends(tmp_path):
         {"r1": (), "r2": (), "op": ("robot/*/camera",)},
         Medium(250_000.0),
         search=SearchSettings(search="best"),
-        settings=CoreSettings("", "", coordination="shares"),
+        settings=CoreSettings("", ""),
     )
     core = team.cores["op"]
     core.handle(ev.SpecsChanged(0.0, teams[1]))
@@ -122,7 +116,7 @@ GHOST = "0000000000ff"
 
 @pytest.mark.parametrize("wire", [0, VERSION + 2, VERSION - 2])
 def test_a_robot_that_is_not_understood_is_no_veto(tmp_path, wire):
-    """It would lead, but says nothing, or speaks another version: the others deliver, and their operators know."""
+    """It says nothing, or speaks another version: the others deliver, and their operators know."""
     path = tmp_path / "specs.toml"
     path.write_text(SPEC.format(limit="60 kB/s", window=0.5))
     team = Team(
@@ -130,7 +124,7 @@ def test_a_robot_that_is_not_understood_is_no_veto(tmp_path, wire):
         {"r1": (), "r2": (), "op": ("robot/*/camera",)},
         Medium(250_000.0),
         search=SearchSettings(search="best"),
-        settings=CoreSettings("", "", coordination="shares"),
+        settings=CoreSettings("", ""),
     )
     for core in team.cores.values():
         core.handle(ev.PeerAppeared(0.0, "ghost", GHOST))
@@ -153,47 +147,50 @@ def test_a_robot_that_is_not_understood_is_no_veto(tmp_path, wire):
 
 def test_who_says_something_in_the_end_takes_part(make_talk):
     """It was slow to start: from its first digest it is one of the team, and no plain node any more."""
-    talk = make_talk(coordination="shares", settle=0.0)
+    talk = make_talk()
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     talk.tell(ev.TimePassed(1.5 + PATIENCE))
-    assert talk.core.shares.members == {talk.core.shares.own}
+    assert apart(talk) == {"zz-op"}
     assert [notice.level for notice in talk.all(Notice) if "nothing is heard" in notice.text] == ["error"]
     talk.tell(ev.SampleHeard(7.0, "robot/op/camera", 1000, "zz-op", None, None))
     assert [stream.robot for stream in talk.core.view.streams()] == ["?zz-op"]
-    says(talk, 8.0, 0)
-    assert "zz-op" in talk.core.shares.members
+    says(talk, 8.0)
+    assert apart(talk) == set()
     assert not talk.core.status(8.0)["warnings"]
 
 
 def test_messages_of_another_version_in_the_name_of_one_that_is_understood_change_nothing(talk):
     """Nobody without TLS knows who speaks: a forger cannot exclude a robot."""
-    says(talk, 1.0, 0)
+    says(talk, 1.0)
     talk.tell(ev.VersionHeard(2.0, "zz-op", VERSION + 9))
     talk.tell(ev.TimePassed(4.0 + PATIENCE))
-    assert "zz-op" in talk.core.shares.members
+    assert apart(talk) == set()
     assert not talk.core.status(4.0 + PATIENCE)["warnings"]
 
 
-def test_who_speaks_to_another_robot_alone_takes_part(talk):
-    """A robot that follows tells all something every minute or two; that it is understood its state shows."""
+def test_whose_digests_are_rare_takes_part(make_talk):
+    """That it is understood its state shows."""
+    talk = make_talk()
+    talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
+    has(talk, 0.0, 0)
     talk.tell(ev.TimePassed(SILENCE - 1.0))
-    assert "zz-op" in talk.core.shares.members
+    assert apart(talk) == set()
     talk.tell(ev.TimePassed(SILENCE + 1.0))
-    assert "zz-op" not in talk.core.shares.members
+    assert apart(talk) == {"zz-op"}
 
 
 def test_who_hangs_after_it_was_understood_is_left_out_in_the_end(talk):
     """Its token stands, but it says nothing for much longer than a robot of the slowest team would."""
-    says(talk, 1.0, 0)
+    says(talk, 1.0)
     talk.tell(ev.TimePassed(SILENCE))
-    assert "zz-op" in talk.core.shares.members
+    assert apart(talk) == set()
     talk.tell(ev.TimePassed(SILENCE + 2.0))
-    assert "zz-op" not in talk.core.shares.members
+    assert apart(talk) == {"zz-op"}
 
 
 def test_status_tells_versions_and_other_versions_from_what_is_malformed(make_talk):
     """Of our own daemon and of the others, as far as they say."""
-    talk = make_talk(coordination="shares", version="1.2.3")
+    talk = make_talk(version="1.2.3")
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     talk.tell(ev.VersionHeard(0.0, "zz-op", VERSION + 1))
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "s", number=1, version="1.3.0")))

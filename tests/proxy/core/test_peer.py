@@ -24,7 +24,7 @@ def state(wall_offset, mode="enforce"):
 
 def hear_digest(peer, at):
     """It was sent at `at` on our clock, and echoes one that we sent then."""
-    peer.heard_digest(at + 0.01, Digest("r2", "z-r2", at - 100.0, 0, 0, 0))
+    peer.heard_digest(at + 0.01, Digest("r2", "z-r2", at - 100.0, 0, 0))
     peer.heard_echo(at + 0.01, Echo("z-r1", at, at - 100.0 + 0.01, 0, 0.0))
     peer.time_digest(at + 0.01, 150)
 
@@ -65,7 +65,7 @@ def test_before_the_first_echo_nothing_is_known():
     peer = Peer("r2", "z-r2", 0.0)
     peer.take_state(0.0, state(1000.0))
     for at in range(5):
-        peer.heard_digest(at + 0.01, Digest("r2", "z-r2", at - 100.0, 0, 0, 0))
+        peer.heard_digest(at + 0.01, Digest("r2", "z-r2", at - 100.0, 0, 0))
         peer.time_digest(at + 0.01, 150)
         hear(peer, at + 0.5, 0.1)
     assert peer.latency_in is peer.line_in is peer.line_out is None

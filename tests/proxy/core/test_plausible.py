@@ -12,7 +12,7 @@ from proxy.core.wire import Digest, State, StreamDigest
 def peer():
     """Robot r2, whose last digest was sent at 50 and came at 100."""
     made = Peer("r2", "z2", 0.0, name="r2")
-    made.digest, made.digest_received = Digest("r2", "z2", 50.0, 0, 10, 1000, state=3), 100.0
+    made.digest, made.digest_received = Digest("r2", "z2", 50.0, 10, 1000, state=3), 100.0
     return made
 
 
@@ -46,13 +46,13 @@ def news(generated=6, t_generated=50.5, t_forwarded=0.0):
 )
 def test_a_digest_must_fit_the_one_before(peer, stream, changes, wrong):
     """Its sender, its time, and all that it counts."""
-    digest = Digest(**{"robot": "r2", "tag": "z2", "sent": 51.0, "epoch": 0, "messages": 11, "bytes": 2000} | changes)
+    digest = Digest(**{"robot": "r2", "tag": "z2", "sent": 51.0, "messages": 11, "bytes": 2000} | changes)
     assert objection(101.0, peer, digest, lambda _: stream) == wrong
 
 
 def test_what_was_said_falsely_gives_way(peer):
     """After a time without any digest that fits, the next one counts, whatever its time is."""
-    digest = Digest("r2", "z2", 7.0, 0, 0, 0)
+    digest = Digest("r2", "z2", 7.0, 0, 0)
     assert objection(101.0, peer, digest, lambda _: None) == "digest:old"
     assert objection(100.1 + PATIENCE, peer, digest, lambda _: None) == ""
 

@@ -28,7 +28,7 @@ KEPT = {
     *("Stream.wanting", "Stream.wanting_at", "Stream._expected", "Stream._reach", "Interest._wanting"),
     *("Competition._" + kept for kept in ("revision", "streams", "row", "seen", "robots", "owner", "wanted")),
     *("Competition._" + kept for kept in ("cheapness", "last", "patience", "next")),
-    *("Gate._others_known", "Gate._others_sent", "Epochs._behind", "ClockOffset._offset"),
+    *("Budget._others_known", "Budget._others_sent", "ClockOffset._offset"),
     *("Loss._stale", "Loss._share", "LatencyFit._stale", "LatencyFit._line", "LatencyFit._classes"),
 }
 """What is worked out once and kept until something else is noted, so that nobody can tell when it was."""
@@ -85,7 +85,7 @@ class Driven:
         self.told += count
         news = (StreamDigest(1, self.told, self.told, self.now, self.now, 900, 1.0),) if self.told else ()
         echoes = (Echo("00000000", self.now - 0.02, self.now - 0.01, 0, 0.01, 1e-6),)
-        digest = Digest(PEERS[zid], zid[:8], self.now, count << 32, self.told, 900 * self.told, news, (), echoes)
+        digest = Digest(PEERS[zid], zid[:8], self.now, self.told, 900 * self.told, news, echoes)
         self.feed(ev.DigestHeard(self.now, digest))
 
     def feed(self, event):
@@ -99,37 +99,31 @@ class Driven:
 
 def queries(core, now):
     """Ask all that can be asked of a core and its parts: a name and a function each."""
-    view, shares, gate, capacity, telling = core.view, core.shares, core.gate, core.channel.capacity, core.telling
+    view, budget, gate, capacity, telling = core.view, core.budget, core.gate, core.channel.capacity, core.telling
     limits = range(len(gate.limits))
     use = tuple(0.1 * limit.limit for limit in gate.limits)
-    shared = use[: sum(limit.shared for limit in gate.limits)]
     yield "core", lambda: (core.status(now), core.wake_at(now))
     yield "view", lambda: (view.evicted, view.revision, view.tags(), view.longest_way, view.namesakes(), view.echoes())
-    yield "view of robots", lambda: (view.doubts(now), view.all_told_at(PEERS.values(), now), view.robot_of("feed"))
+    yield "view of robots", lambda: (view.all_told_at(PEERS.values(), now), view.robot_of("feed"))
     yield "view of streams", lambda: [(view.wanting(s), view.gaining(s), view.copies(s)) for s in view.streams()]
     yield "who competes", lambda: (view.competition.all(now), [view.competes(now, s) for s in view.own()])
     yield "what is overheard", lambda: (view.sent_since(now - 1.0), [view.overhears(s) for s in view.streams()])
     for peer in list(view.peers.values()):
         yield "peer", lambda p=peer: (p.number, p.latency_in, p.loss_in, p.loss_out, p.line_in, p.line_out)
-        yield "doubt", lambda p=peer: (view.doubt(now, p) if p.offset.known else 0.0, view.peer_called(p.robot))
+        yield "called", lambda p=peer: (view.peer_called(p.robot), p.offset.known and p.offset.uncertainty(now))
     for stream in list(view.streams()):
         schedule = stream.schedule
         yield "schedule", lambda s=schedule: (s.period, s.jitter, s.kind, s.rhythm, s.last, s.patience, s.prospect())
         yield "forecast", lambda s=schedule: (s.over(now), s.forecast(now, now + 5.0, 5), s.forecast(0.0, now, 9, now))
         yield "stream", lambda s=stream: (s.mean_interval, s.forecasts, s.expected(now) if s.last else None)
-    yield "who leads", lambda: (shares.epoch, shares.leader, shares.members, shares.leads, shares.stragglers)
-    yield "when it changes", lambda: (shares.due_at(now), shares.confirmed(now), shares.knows(7 << 32, ["eeeeeeee"]))
-    yield "shares", lambda: [(shares.held(now, k), shares.whole(k), shares.used(now, k)) for k in limits]
-    yield "what is free", lambda: [shares.free(now, k) for k in limits]
-    yield "what fits", lambda: (shares.fits(now, use), shares.lacking(now, use), shares.stays(now), shares.sent())
-    yield "what will fit", lambda: (shares.opens(now, shared, now + 1.0), shares.reserved(shared))
-    yield "what is lent", lambda: (shares.lent(now), shares.grants(now), shares.holds(now, now + 0.1, shared))
-    yield "gate", lambda: (gate.late, gate.sharing, gate.fits(now, use), gate.lacking(now, use), gate.limits)
-    yield "limits", lambda: (gate.problem_limits(now), [gate.mode_of(s) for s in view.own()])
+    yield "coordination", lambda: (core.coordination.splits, core.coordination.part(now), core.coordination.due_at(now))
+    yield "what we may use", lambda: [(budget.whole(now, k), budget.used(now, k)) for k in limits]
+    yield "what is free", lambda: (budget.free(now), budget.left(now), budget.others(now))
+    yield "what fits", lambda: (budget.fits(now, use), budget.lacking(now, use), budget.opens(now, use))
+    yield "limits", lambda: (budget.problem_limits(now), budget.alone, [gate.mode_of(s) for s in view.own()])
     yield "capacity", lambda: (capacity.waiting(now), capacity.due(now), capacity.factors, capacity.wake_at(now))
     yield "words", lambda: (capacity.speak(now), capacity.news(now), capacity.telling(now))
-    yield "telling", lambda: (telling.speaks_again(), telling.pacer.interval, telling.pacer.solvent)
-    yield "layout", lambda: (core.layout.due_at, core.layout.pending, core.layout.answered(3))
+    yield "telling", lambda: (telling.announcing(now), telling.state)
     yield "counts", lambda: (core.counts.conserved, core.counts.queued, core.outsiders.warnings())
 
 
@@ -165,7 +159,7 @@ def differences(before, after, path=""):
     return [] if before == after else [path]
 
 
-COORDINATION = pytest.mark.parametrize("coordination", ["shares", "overhear"])
+COORDINATION = pytest.mark.parametrize("coordination", ["announce", "split"])
 
 
 @COORDINATION
@@ -198,10 +192,10 @@ def test_a_core_that_is_queried_does_the_same_as_one_that_is_not(coordination, a
     assert whole(watched.core.status(watched.now)) == whole(alone.core.status(alone.now))
 
 
-def test_the_status_of_a_fresh_core_enters_no_epoch():
-    """Who asks how it is does not make a robot lead."""
-    for coordination in ("shares", "overhear"):
+def test_the_status_of_a_fresh_core_changes_no_coordination():
+    """Who asks how it is does not make a robot split."""
+    for coordination in ("announce", "split"):
         core = Core(CoreSettings("r1", "0000000001", coordination=coordination, settle=0.3), SPECS, 0.0)
         core.status(5.0)
         assert core.wake_at(5.0) >= 5.0
-        assert core.shares.epoch == 0
+        assert core.coordination.splits is (coordination == "split")

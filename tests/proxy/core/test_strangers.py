@@ -5,7 +5,7 @@ from proxy.core.wire import Digest
 
 
 def digest(tag, sent=1.0):
-    return Digest("r", tag, sent, 0, 0, 0)
+    return Digest("r", tag, sent, 0, 0)
 
 
 def test_what_a_stranger_said_is_kept_until_it_is_introduced():

@@ -28,7 +28,7 @@ def view(make_specs):
 
 
 def digest(sent, *streams, echoes=()):
-    return Digest("r2", "z-r2", sent, 0, 0, 0, streams, (), echoes)
+    return Digest("r2", "z-r2", sent, 0, 0, streams, echoes)
 
 
 def meet(view, **rest):
@@ -246,7 +246,7 @@ def test_a_robot_that_restarted_has_its_name_when_its_old_self_leaves(view):
     view.add_peer(2.0, "r2", "z-new")
     assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-z-ne"]
     view.heard_state(2.0, State("r2", "z-new", "enforce", "", (StreamState(7, CAMERA, "camera", 0.5),)))
-    view.heard_digest(2.0, Digest("r2", "z-new", 1.0, 0, 0, 0, (StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0),)))
+    view.heard_digest(2.0, Digest("r2", "z-new", 1.0, 0, 0, (StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0),)))
     view.gone("z-r2")
     assert [(stream.robot, stream.generated) for stream in view.streams()] == [("r2", 1)]
     assert view.namesakes() == []
@@ -293,7 +293,7 @@ def test_an_overheard_sample_counts_as_sent_and_leaves_its_number_to_the_digest(
 
     def news(now, generated, forwarded):
         told = StreamDigest(1, generated, forwarded, now - 0.01, now - 0.01, 100, 1.0)
-        view.heard_digest(now, Digest("r2", name, now - 0.01, 0, 0, 0, (told,)))
+        view.heard_digest(now, Digest("r2", name, now - 0.01, 0, 0, (told,)))
 
     news(1.0, 1, 1)
     news(2.0, 2, 2)
@@ -370,7 +370,7 @@ def test_robots_of_one_name_are_told_apart(view):
     assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-aaaa", "r2-bbbb", "r1-cccc"]
     assert [peer.name for peer in view.namesakes()] == ["r2", "r2", "r1"]
     for number, zid in enumerate(("aaaa1", "aaaa2", "bbbb1"), 1):
-        view.heard_digest(1.0, Digest("r2", zid, 1.0, 0, 0, 0, (StreamDigest(7, number, 0, 1.0, 0.0, 10, 1.0),)))
+        view.heard_digest(1.0, Digest("r2", zid, 1.0, 0, 0, (StreamDigest(7, number, 0, 1.0, 0.0, 10, 1.0),)))
     assert {s.robot: s.generated for s in view.streams()} == {"r2": 1, "r2-aaaa": 2, "r2-bbbb": 3}
     assert view.tags() == {"r1": "z-r1", "r2": "aaaa1", "r2-aaaa": "aaaa2", "r2-bbbb": "bbbb1", "r1-cccc": "cccc1"}
     assert view.wanting(view.known("r2", CAMERA)) == ("aaaa2", "bbbb1")

@@ -16,7 +16,7 @@ def meet(talk, wall_offset):
 
 def hear(talk, at):
     echoes = (Echo("z-r1", at - 0.02, at - 500.01, 0, 0.0),)
-    return talk.tell(ev.DigestHeard(at, Digest("r2", "z-r2", at - 500.01, 0, 0, 0, (), (), echoes)))
+    return talk.tell(ev.DigestHeard(at, Digest("r2", "z-r2", at - 500.01, 0, 0, (), echoes)))
 
 
 def state(talk, at, wall_offset):
@@ -89,7 +89,7 @@ def tells(talk, at, number, error, wall_offset=1500.0):
     """Robot r2 tells in a state how wrong its wall clock is, then sends a digest; return how well we know its clock."""
     told = State("r2", "z-r2", "enforce", "", wall_offset=wall_offset, number=number, clock_error=error)
     talk.tell(ev.StateHeard(at, told))
-    talk.tell(ev.DigestHeard(at + 0.5, Digest("r2", "z-r2", at - 499.51, 0, 0, 0, state=number)))
+    talk.tell(ev.DigestHeard(at + 0.5, Digest("r2", "z-r2", at - 499.51, 0, 0, state=number)))
     return round(talk.core.status(at + 0.5)["peers"][0]["clock_uncertainty"], 3)
 
 

@@ -55,7 +55,7 @@ def test_ways_of_others_are_what_their_receivers_tell(view):
     """Us, and whoever echoes them in its digests."""
     camera = view.stream(0.0, "r2", "robot/r2/camera")
     echoes = (Echo("z-r2", 0.0, 0.0, 0, 0.3, 1e-3), Echo("z-xx", 0.0, 0.0, 0, 0.9), Echo("z-r4", 0.0, 0.0, 0, 0.0))
-    view.heard_digest(1.0, Digest("r3", "z-r3", 1.0, 0, 0, 0, (), (), echoes))
+    view.heard_digest(1.0, Digest("r3", "z-r3", 1.0, 0, 0, (), echoes))
     for at in range(3):
         view.peers["z-r2"]._samples.observe(float(at), 100, 0.1)
     assert [way.latency for way in ways(view, camera, 100)] == pytest.approx([0.1, 0.4, 0.25])
@@ -158,10 +158,10 @@ def test_losses_with_other_specs_are_unknown(view):
     """A robot with other specs counts other samples."""
     peer = view.peers["z-r2"]
     lose(peer, 100, 50)
-    view.heard_digest(3.0, Digest("r2", "z-r2", 3.0, 0, 0, 0))
+    view.heard_digest(3.0, Digest("r2", "z-r2", 3.0, 0, 0))
     assert peer.loss_out == 0.5
     view.heard_state(3.0, State("r2", "z-r2", "enforce", "others"))
-    view.heard_digest(4.0, Digest("r2", "z-r2", 4.0, 0, 0, 0))
+    view.heard_digest(4.0, Digest("r2", "z-r2", 4.0, 0, 0))
     assert peer.loss_out is None
     lose(peer, 100, 50)
     view.restart_losses()
@@ -175,7 +175,7 @@ def test_digests_say_nothing_of_samples_that_are_broadcast(make_specs):
         meet(view, "r2", transport=transport)
         for at in range(5):
             echoes = (Echo("z-r1", at, at + 0.01, 0, 0.0),)
-            view.heard_digest(at + 0.01, Digest("r2", "z-r2", float(at), 0, 0, 0, (), (), echoes))
+            view.heard_digest(at + 0.01, Digest("r2", "z-r2", float(at), 0, 0, (), echoes))
         line = view.peers["z-r2"].latency_in
         assert line is None if found is None else line.fixed == pytest.approx(found, abs=1e-3)
         assert view.echoes()[0].latency == pytest.approx(found or 0.0, abs=1e-3)

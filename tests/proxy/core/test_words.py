@@ -16,7 +16,7 @@ def spoken(**told):
     """Words of robots, by name, all at once."""
     words = Words("us")
     for robot, capacity in told.items():
-        words.note(0.0, Digest(robot, robot, 0.0, 0, 0, 0, capacity=capacity))
+        words.note(0.0, Digest(robot, robot, 0.0, 0, 0, capacity=capacity))
     return words
 
 
@@ -43,10 +43,9 @@ def test_whatever_is_told_stays_between_floor_and_ceiling(told, ours):
 def test_who_follows_hears_the_leader_alone():
     """What it has in force, how much all use, and for a moment what drains."""
     words = spoken(a=(0.3,), op=(0.6, 0.4, 0.2))
-    words.follow(0.1, "op", lends=False)
+    words.follow(0.1, "op")
     assert words.follows
     assert not words.leads
-    assert not words.alone
     assert words.bound(0.1, 0, AIR, ("a",)) == 0.6
     assert words.used((AIR,)) == (0.4,)
     assert words.draining(0.1, 0, 1) == 0.2
@@ -55,20 +54,20 @@ def test_who_follows_hears_the_leader_alone():
     assert words.used((AIR, AIR, AIR)) is None
 
 
-@pytest.mark.parametrize("lends", [True, False])
-def test_the_word_of_who_lends_does_not_grow_old(lends):
-    """Nothing is sent but what it lends."""
-    words = spoken(a=(0.3,), op=(0.6, 0.4))
-    words.follow(2.0 * FRESH, "op", lends=lends)
-    assert words.follows is words.alone is lends
-    assert words.bound(2.0 * FRESH, 0, AIR, ()) == (0.6 if lends else 1.0)
+def test_a_leader_that_has_said_nothing_for_long_is_followed_no_more():
+    """Then all have a word."""
+    words = spoken(op=(0.6, 0.4))
+    words.note(2.0 * FRESH, Digest("a", "a", 2.0 * FRESH, capacity=(0.3,)))
+    words.follow(2.0 * FRESH, "op")
+    assert not words.follows
+    assert words.bound(2.0 * FRESH, 0, AIR, ()) == 0.3
 
 
 @pytest.mark.parametrize("leader", ["us", "unheard", ""])
 def test_nobody_follows_itself_nor_whom_it_has_not_heard(leader):
     """Then all have a word."""
     words = spoken(a=(0.3,))
-    words.follow(0.0, leader, lends=True)
+    words.follow(0.0, leader)
     assert not words.follows
     assert words.leads is (leader == "us")
     assert words.bound(0.0, 0, AIR, ()) == 0.3

@@ -12,7 +12,7 @@ from studies.workload import MIXED
 END = 5.0
 
 
-@pytest.fixture(scope="module", params=["overhear", "shares"])
+@pytest.fixture(scope="module", params=["announce", "split"])
 def flight(request):
     """Three robots under right clocks."""
     transport = "broadcast" if request.param == "overhear" else "unicast"

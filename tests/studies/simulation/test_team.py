@@ -94,7 +94,7 @@ def test_who_sees_red_sends_at_least_twice_as_often(specs):
     assert red >= 2 * others > 0
 
 
-@pytest.mark.parametrize("coordination", ["shares", "overhear"])
+@pytest.mark.parametrize("coordination", ["announce", "split"])
 @pytest.mark.parametrize("close", [1, 11])
 def test_a_stream_that_begins_with_samples_close_together_is_sent(specs, coordination, close):
     """Of a publisher that catches up once it is connected, and whose samples are worth most, most are sent."""
@@ -138,7 +138,7 @@ def test_a_robot_alone_uses_what_the_limit_gives(specs):
 @pytest.mark.full
 def test_in_overhear_robots_plan_for_the_union(specs):
     """Without shares the union may exceed, but digests keep the mean use below the limit."""
-    flight = team(specs, settings=CoreSettings("", "", coordination="overhear"))
+    flight = team(specs, settings=CoreSettings("", "", coordination="announce"))
     deliveries = flight.run(scene(), 14.0)
     sent = sum(d.frame.size for d in deliveries if 3.0 <= d.t_sent <= 13.0)
     assert 0.3 * 0.9 * RATE * 10.0 <= sent <= 1.05 * 0.9 * RATE * 10.0
@@ -146,7 +146,7 @@ def test_in_overhear_robots_plan_for_the_union(specs):
 
 def test_where_robots_broadcast_a_digest_follows_what_was_sent():
     """Most of the time at once, as far as the allowance goes: whoever lost the sample has it from there."""
-    how = Conditions(coordination="overhear", transport="broadcast", limit=2, seconds=10.0)
+    how = Conditions(coordination="announce", transport="broadcast", limit=2, seconds=10.0)
     flight = fly(draw(scenario("most"), 0, how), how, 0)
     digests = [(air.robot, air.t) for air in flight.on_air if air.digest]
     sends = [air for air in flight.on_air if air.frame is not None and 5.0 <= air.t < 19.0]
