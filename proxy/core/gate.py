@@ -14,6 +14,7 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, 
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
+from proxy.core.disputes import Standing
 from proxy.core.events import DecisionReady
 from proxy.core.fallback import TokenBuckets
 from proxy.core.fixed import rounded
@@ -236,7 +237,7 @@ class Gate:
         if pending.copy is not None:
             return self._decided_copy(now, pending, pending.copy, plan)
         use = self._use(now, pending.sample)
-        lacking = self.lacking(now, use) if plan.send else ()
+        lacking = self._lacking_besides(now, use) if plan.send else ()
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
         if reason != "forwarded":
@@ -316,6 +317,12 @@ class Gate:
             self.decisions.unneeded += bool(self.limits)
         elif self._foreseen(now, stream, sample, use):
             self.decisions.foreseen += 1
+        elif (standing := self._standing(now, stream, sample)) is Standing.UNDISPUTED:
+            self.decisions.unneeded += 1
+        elif standing is Standing.HOPELESS:
+            return [self._refuse(now, sample, "dropped:planner")]
+        elif lacking := self._lacking_besides(now, use):
+            return [self._refuse(now, sample, CONSTRAINT, lacking)]
         else:
             return [self._search(now, sample, ticket)]
         return [self._send(now, sample, use, "forwarded")]
@@ -381,6 +388,24 @@ class Gate:
         self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints), held, thinned, copy)
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
         return Decide(ticket, problem, ticket, min(budget, self._settings.iterations), now)
+
+    def _standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
+        """How a sample stands among all that competes with it."""
+        if self.sharing:
+            return Standing.CONTESTED
+        disputes = self._windows.disputes
+        disputes.renew(now, stream)
+        disputes.look(now, self.limits, alone=False)
+        return disputes.standing(stream, sample)
+
+    def _lacking_besides(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
+        """Return the constraints that leave no room now for a contested message: what is booked is left free."""
+        if self.sharing:
+            return self.lacking(now, use)
+        booked = self._windows.disputes.free(now)
+        if len(booked) != len(use):
+            return self.lacking(now, use)
+        return self.lacking(now, tuple([u + b if u > 0.0 else u for u, b in zip(use, booked, strict=True)]))
 
     def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""

@@ -14,7 +14,7 @@ import math
 from bisect import insort
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heapreplace
 from itertools import chain, islice
 from operator import attrgetter
@@ -23,6 +23,7 @@ from typing import NamedTuple
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.asks import LEAD, serves
+from proxy.core.disputes import Disputes
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, Promise, Promises, use_of
@@ -30,6 +31,14 @@ from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
 from proxy.core.ways import Audience
 
+MOST_AHEAD = 512
+"""Of one stream so many messages are forecast at most."""
+LEAST_LEFT = 0.1
+"""So much of a limit is left at least to what is contested."""
+WINDOWS = 4.0
+"""The window reaches so many of the longest constraint window..."""
+SENDS = 2.0
+"""... and so many expected sends of every contested stream."""
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
 MOST_FACTS = 16
@@ -118,6 +127,8 @@ class WindowBuilder:
     def __init__(self, view: SharedView, started: float) -> None:
         self._view = view
         self._started = started
+        self.disputes = Disputes(view)
+        """What is to decide, and what is load."""
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
         """Return the problem of deciding `current` while others of our own samples are `waiting`."""
@@ -130,8 +141,22 @@ class WindowBuilder:
 
         Half of the places are for samples that wait, those worth most, the rest for forecasts.
         """
+        limits = self._contested(now, limits)
         candidates, opened, demanded, full = self._opened(now, current, list(waiting), limits, most)
         return self._problem(now, candidates, opened, demanded, limits)[0], full
+
+    def _contested(self, now: float, limits: Limits) -> Limits:
+        """Return what is left of the limits to what is contested: without what is booked, and without its traffic."""
+        if limits.held or limits.promised is not None:
+            return limits
+        self.disputes.look(now, limits.union, alone=False)
+        reserve = self.disputes.reserve(now)
+        union = tuple(
+            replace(c, limit=max(c.limit - booked, LEAST_LEFT * c.limit))
+            for c, booked in zip(limits.union, reserve, strict=True)
+        )
+        sent, others = (tuple(self.disputes.unbooked(now, sends)) for sends in (limits.sent, limits.others))
+        return replace(limits, union=union, sent=sent, others=others)
 
     def ahead(self, now: float, waiting: Iterable[Waiting], limits: Limits) -> Outlook:
         """Return what others are expected to generate. The current message of the problem is just the first."""
@@ -206,7 +231,8 @@ class WindowBuilder:
     def _candidates(self, now: float, deciding: str, limits: Limits, most: int) -> list[_Candidate]:
         """Streams that compete, by robot and key, at most so many; that of the current message always does."""
         view, own = self._view, self._view.settings.robot
-        competing = view.competition.chosen(now, most, limits.promised or {}, own if limits.held else None)
+        besides = self.disputes.settled_places if not limits.held and limits.promised is None else frozenset()
+        competing = view.competition.chosen(now, most, limits.promised or {}, own if limits.held else None, besides)
         current = view.known(own, deciding)
         if current is not None and not any(s is current for s in competing):
             insort(competing, current, key=lambda s: (s.robot, s.key))
@@ -234,23 +260,15 @@ class WindowBuilder:
         """
         settings = self._view.settings
         longest = max(c.window for c in limits.union)
-        since = [self._since(now, c, limits, longest) for c in candidates]
-        until, most = now + settings.horizon_time, 1 - (-settings.horizon // max(1, len(candidates)))
-
-        def end() -> float:
-            ordered = sorted([t for c in candidates for t in c.times])
-            full = ordered[settings.horizon - 1] if len(ordered) >= settings.horizon else until
-            return max([full, now + 2.0 * longest, *[c.times[0] for c in candidates if c.times]])
-
-        for c, after in zip(candidates, since, strict=True):
-            c.times = c.stream.schedule.forecast(after, until, most, now)
-        latest = min(until, end() + LEAST_LIFE)  # few times of each stream tell that it ends no later
-        for c, after in zip(candidates, since, strict=True):
-            if len(c.times) == most < settings.horizon and c.times[-1] < latest:
-                c.times = c.stream.schedule.forecast(after, latest, settings.horizon, now)
-            else:
-                c.times = [t for t in c.times if t <= latest] or c.times[:1]
-        return end()
+        until, least = now + settings.horizon_time, now + WINDOWS * longest
+        apart = [self.disputes.weighed(c.stream).apart for c in candidates]
+        end = min(until, max([least, *[now + SENDS * each for each in apart if each < math.inf]]))
+        for c in candidates:
+            after = self._since(now, c, limits, longest)
+            c.times = c.stream.schedule.forecast(after, end, MOST_AHEAD, now)
+            if not c.times:
+                c.times = c.stream.schedule.forecast(after, until, 1, now)
+        return max([end, *[c.times[0] for c in candidates if c.times]])
 
     def _since(self, now: float, c: _Candidate, limits: Limits, longest: float) -> float:
         """Return when the first message of a stream was or will be generated whose fate is open."""

@@ -1,0 +1,322 @@
+"""What is disputed: of which streams each sample is worth its price, of which none is, and what is left to decide.
+
+Each limit has a price at which all streams together use it up (`planner/steady.py`). A stream is *undisputed* when even
+the last of its samples earns far more than it costs: its samples go without a search, and what they use is booked as
+load, so that the tree decides on the rest of the limit. It is *hopeless* when even the first earns far less: its
+samples are dropped without a search. All others are *contested*. Where all fits nothing is contested.
+
+What is booked is the *reserve*: what undisputed streams use in a window with hardly an exception. Counts and sizes are
+taken as distributions: the reserve is their mean and so many standard deviations.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+
+from planner import Aggregation
+from planner.received import integrals
+from planner.steady import INTERVALS, Steady, clearing_prices
+from planner.utility import Floats
+from planner.utility.base import told_apart
+from proxy.core.inbox import Waiting
+from proxy.core.limits import Limit, use_of
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+
+MANY_TIMES = 2.0
+"""A stream is undisputed whose last sample a second earns so many times its price..."""
+SMALL_PART = 0.3
+"""... and hopeless when its first earns no more than this part of it."""
+STAY = 1.25
+"""What a stream was it stays until it is beyond the bound by this factor."""
+DEVIATIONS = 3.0
+"""The reserve is so many standard deviations above the mean..."""
+LEAST_SPREAD = 0.25
+"""... and the count of a periodic stream in a window varies at least so much (variance): by one or none."""
+MOST_BOOKED = 0.9
+"""No more than this part of a limit is booked."""
+PACE = 0.25
+"""Prices are worked out anew this often [s]..."""
+EACH = 1e-3
+"""... where many streams compete only after so long for each of them [s]."""
+KNOWN = 8
+"""Of a stream that generated fewer samples nobody can say how often it does."""
+
+Place = tuple[str, str]
+"""The robot and key of a stream."""
+Amounts = tuple[float, ...]
+
+
+class Standing(Enum):
+    """How a stream stands in the competition."""
+
+    UNDISPUTED = "undisputed"
+    CONTESTED = "contested"
+    HOPELESS = "hopeless"
+
+
+@dataclass(frozen=True, slots=True)
+class Weighed:
+    """A stream as it was weighed last: when its sample was worth `scale`.
+
+    `last` is what its last sample a second earns, `first` its first, both in prices; `apart` is how far apart its sends
+    are expected [s].
+    """
+
+    standing: Standing
+    last: float
+    first: float
+    apart: float
+    scale: float
+
+
+class _Row(NamedTuple):
+    """What is known of a stream: of `use` the mean and the deviation, by limit."""
+
+    stream: Stream
+    interval: float
+    age: float
+    scale: float
+    use: Amounts
+    deviation: Amounts
+
+
+UNKNOWN = Weighed(Standing.CONTESTED, 1.0, 1.0, 0.0, 0.0)
+
+
+class Disputes:
+    """How the streams of a view stand; weighed anew now and then, as limits and streams change."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self._looked = -math.inf
+        self._for: tuple[Sequence[Limit], bool] = (), False
+        self._weighed: dict[Place, Weighed] = {}
+        self.settled_places: frozenset[Place] = frozenset()
+        """The streams that are no part of any decision, as they are undisputed or hopeless."""
+        self._undisputed: tuple[Stream, ...] = ()
+        self._reserve: Amounts = ()
+
+    def look(self, now: float, limits: Sequence[Limit], *, alone: bool) -> None:
+        """Weigh all streams that compete for these limits, ours `alone` or those of all, when it is time to."""
+        pace = max(PACE, EACH * len(self._weighed))
+        if now < self._looked + pace and self._for == (limits, alone):
+            return
+        self._looked, self._for = now, (limits, alone)
+        view = self._view
+        competing = view.competition.all(now)
+        if alone:
+            competing = [stream for stream in competing if stream.robot == view.settings.robot]
+        rows = [self._row(now, stream, limits) for stream in competing]
+        self._weigh(rows, limits)
+
+    def renew(self, now: float, stream: Stream) -> None:
+        """A stream generated a sample: one that was not weighed yet is news."""
+        if (stream.robot, stream.key) not in self._weighed and now >= self._looked + EACH * len(self._weighed):
+            self._looked = -math.inf
+
+    def weighed(self, stream: Stream) -> Weighed:
+        """Return how a stream stands."""
+        return self._weighed.get((stream.robot, stream.key), UNKNOWN)
+
+    def standing(self, stream: Stream, sample: Waiting) -> Standing:
+        """Return how a sample stands: as its stream does, unless it is worth more or less than that one's last."""
+        known = self.weighed(stream)
+        if known.scale == sample.scale:
+            return known.standing
+        if known.scale <= 0.0:
+            return Standing.CONTESTED
+        factor = sample.scale / known.scale
+        return _standing(factor * known.last, factor * known.first, known.standing)
+
+    def reserve(self, now: float) -> Amounts:
+        """Return what is booked of each limit: at least what undisputed streams used in the last window."""
+        booked = self.booked(now)
+        return tuple([
+            min(max(amount, used), max(amount, MOST_BOOKED * limit.limit))
+            for amount, used, limit in zip(self._reserve, booked, self._for[0], strict=True)
+        ])
+
+    def free(self, now: float) -> Amounts:
+        """Return what undisputed streams have not used yet of what is booked for them."""
+        booked = self.booked(now)
+        return tuple([max(0.0, amount - used) for amount, used in zip(self._reserve, booked, strict=True)])
+
+    def booked(self, now: float) -> Amounts:
+        """Return what undisputed streams used of each limit in the window that ends now."""
+        limits = self._for[0]
+        used = [0.0] * len(limits)
+        for t, use in self.sends(now):
+            for k, limit in enumerate(limits):
+                if t >= now - limit.window:
+                    used[k] += use[k]
+        return tuple(used)
+
+    def sends(self, now: float) -> list[tuple[float, Amounts]]:
+        """Return the sends of undisputed streams within the longest window."""
+        limits, own = tuple(self._for[0]), self._view.settings.robot
+        since = now - max((limit.window for limit in limits), default=0.0)
+        found: list[tuple[float, Amounts]] = []
+        for stream in self._undisputed:
+            if stream.sent is None or stream.sent.t_sent < since:
+                continue
+            copies = self._view.copies(stream)
+            for sent in reversed(stream.recent):
+                if sent.t_sent < since:
+                    break
+                found.append((sent.t_sent, use_of(sent.size, copies, limits, own=stream.robot == own)))
+        return found
+
+    def unbooked(self, now: float, sends: Sequence[tuple[float, Amounts]]) -> list[tuple[float, Amounts]]:
+        """Return those of all sends that are not of undisputed streams."""
+        booked = Counter(self.sends(now))
+        left = []
+        for send in sends:
+            if booked.get(send, 0) > 0:
+                booked[send] -= 1
+            else:
+                left.append(send)
+        return left
+
+    def _row(self, now: float, stream: Stream, limits: Sequence[Limit]) -> _Row:
+        view, own = self._view, stream.robot == self._view.settings.robot
+        audience, copies = view.audiences.of(now, stream), view.copies(stream)
+        size, deviation = stream.mean_size, stream.size_deviation
+        use = use_of(size, copies, tuple(limits), own=own)
+        more = use_of(size + deviation, copies, tuple(limits), own=own)
+        interval = _interval(now, stream, min((c.window for c in limits), default=1.0))
+        scale = stream.newest.scale * audience.share
+        return _Row(stream, interval, audience.mean, scale, use, tuple([m - u for m, u in zip(more, use, strict=True)]))
+
+    def _weigh(self, rows: Sequence[_Row], limits: Sequence[Limit]) -> None:
+        if not rows or not limits:
+            self._weighed, self._undisputed, self._reserve = {}, (), (0.0,) * len(limits)
+            self.settled_places = frozenset()
+            return
+        steady = _steady(rows)
+        price = clearing_prices(steady, np.array([c.limit / c.window for c in limits]))
+        marginal, _ = steady.marginal()
+        cost = np.maximum(steady.use @ price, 1e-300)
+        last, first = marginal[:, 0] / cost, marginal[:, -1] / cost
+        net = steady.value - steady.rate * (steady.use @ price)[:, None]
+        best = net.argmax(axis=1)
+        pays = net.max(axis=1) > 0.0
+        apart = np.where(pays, 1.0 / steady.rate[np.arange(len(rows)), best], math.inf)
+        before = self._weighed
+        weighed = {}
+        for at, row in enumerate(rows):
+            stream = row.stream
+            place = stream.robot, stream.key
+            known = before.get(place, UNKNOWN)
+            standing = _standing(float(last[at]), float(first[at]), known.standing)
+            if not isinstance(stream.information_type.aggregation, Aggregation):
+                standing = Standing.CONTESTED
+            if standing is Standing.HOPELESS and stream.information_type.guarantee.rate > 0.0:
+                standing = Standing.CONTESTED
+            weighed[place] = Weighed(standing, float(last[at]), float(first[at]), float(apart[at]), stream.newest.scale)
+        self._weighed = weighed
+        share = (steady.use / np.array([c.limit for c in limits])).max(axis=1)
+        self._book(rows, marginal[:, 0] / np.maximum(share, 1e-12), limits)
+
+    def _book(self, rows: Sequence[_Row], earning: Floats, limits: Sequence[Limit]) -> None:
+        """Book what undisputed streams use, those that earn most first; what does not fit stays contested."""
+        room = _Room(limits)
+        contested = [row for row in rows if self.weighed(row.stream).standing is Standing.CONTESTED]
+        if not contested:
+            kept = (0.0,) * len(limits)
+        else:
+            kept = tuple(
+                max((row.use[k] for row in contested if row.use[k] <= limit.limit), default=0.0)
+                for k, limit in enumerate(limits)
+            )
+        undisputed = []
+        for at in np.argsort(-earning, kind="stable").tolist():
+            row = rows[at]
+            place = row.stream.robot, row.stream.key
+            if self._weighed[place].standing is not Standing.UNDISPUTED:
+                continue
+            if room.book(row, kept):
+                undisputed.append(row.stream)
+            else:
+                known = self._weighed[place]
+                self._weighed[place] = Weighed(Standing.CONTESTED, known.last, known.first, known.apart, known.scale)
+        self._undisputed, self._reserve = tuple(undisputed), room.reserve
+        contested = Standing.CONTESTED
+        self.settled_places = frozenset(place for place, w in self._weighed.items() if w.standing is not contested)
+
+
+class _Room:
+    """What is booked of each limit so far: means and variances of what is used in a window."""
+
+    def __init__(self, limits: Sequence[Limit]) -> None:
+        self._limits = limits
+        self._mean = [0.0] * len(limits)
+        self._variance = [0.0] * len(limits)
+
+    @property
+    def reserve(self) -> Amounts:
+        """What is booked."""
+        return tuple([m + DEVIATIONS * math.sqrt(v) for m, v in zip(self._mean, self._variance, strict=True)])
+
+    def book(self, row: _Row, kept: Amounts) -> bool:
+        """Book a stream, if that leaves what is to be kept of each limit; return whether it does."""
+        mean, variance = list(self._mean), list(self._variance)
+        for k, limit in enumerate(self._limits):
+            count = limit.window / row.interval
+            mean[k] += count * row.use[k]
+            variance[k] += _spread(row.stream, count) * row.use[k] ** 2 + count * row.deviation[k] ** 2
+            booked = mean[k] + DEVIATIONS * math.sqrt(variance[k])
+            if booked > min(MOST_BOOKED * limit.limit, limit.limit - kept[k]):
+                return False
+        self._mean, self._variance = mean, variance
+        return True
+
+
+def _spread(stream: Stream, count: float) -> float:
+    """Return the variance of how many samples a stream generates in a window, `count` in the mean."""
+    kind = stream.schedule.kind
+    if kind.startswith("periodic"):
+        part = count - math.floor(count)
+        return max(part * (1.0 - part), LEAST_SPREAD)
+    return count + count * count if kind.startswith("bursts") else count
+
+
+def _interval(now: float, stream: Stream, window: float) -> float:
+    """Return the mean time between samples [s]; a new stream generates no more than as many again as so far."""
+    period = max(stream.schedule.period, 1e-3)
+    if stream.generated >= KNOWN and now - stream.began >= window:
+        return period
+    return max(period, window / (2.0 * max(stream.generated, 1)))
+
+
+def _standing(last: float, first: float, before: Standing) -> Standing:
+    """Return how a stream stands whose last and first sample earn so many times their price."""
+    if last >= (MANY_TIMES / STAY if before is Standing.UNDISPUTED else MANY_TIMES):
+        return Standing.UNDISPUTED
+    if first <= (SMALL_PART * STAY if before is Standing.HOPELESS else SMALL_PART):
+        return Standing.HOPELESS
+    return Standing.CONTESTED
+
+
+def _steady(rows: Sequence[_Row]) -> Steady:
+    """Return what each stream earns by the interval between its sends."""
+    kinds = [row.stream.information_type for row in rows]
+    utilities, which = told_apart([k.utility_of(row.stream.newest.features) for k, row in zip(kinds, rows, strict=True)])
+    age = np.array([row.age for row in rows])[:, None]
+    scale = np.array([row.scale for row in rows])[:, None]
+    apart = np.array([row.interval for row in rows])[:, None] * INTERVALS
+    area = _areas(utilities, which, age, age + apart) * scale
+    for at, kind in enumerate(kinds):
+        if kind.aggregation in (Aggregation.SUM, Aggregation.ONCE):
+            area[at] = area[at, -1]
+    return Steady(np.arange(len(rows)), area / apart, 1.0 / apart, np.array([row.use for row in rows]))
+
+
+def _areas(utilities, which, begin: Floats, end: Floats) -> Floats:
+    rows = np.repeat(which, end.shape[1])
+    return integrals(utilities, rows, np.broadcast_to(begin, end.shape).ravel(), end.ravel()).reshape(end.shape)
