@@ -34,6 +34,9 @@ SMALL_PART = 0.3
 """... and hopeless when its first earns no more than this part of it."""
 STAY = 1.25
 """What a stream was it stays until it is beyond the bound by this factor."""
+SMALL = 0.05
+"""... and a stream is undisputed only if none of its samples takes more than this part of a limit: of larger ones the
+reserve would keep room for whole samples that seldom come, while the tree knows when they do."""
 DEVIATIONS = 3.0
 """The reserve is so many standard deviations above the mean..."""
 LEAST_SPREAD = 0.25
@@ -47,6 +50,7 @@ EACH = 1e-3
 KNOWN = 8
 """Of a stream that generated fewer samples nobody can say how often it does."""
 
+SAME = 0.1
 Place = tuple[str, str]
 """The robot and key of a stream."""
 Amounts = tuple[float, ...]
@@ -56,6 +60,7 @@ class Standing(Enum):
     """How a stream stands in the competition."""
 
     UNDISPUTED = "undisputed"
+    PRICED = "priced"
     CONTESTED = "contested"
     HOPELESS = "hopeless"
 
@@ -73,6 +78,7 @@ class Weighed:
     first: float
     apart: float
     scale: float
+    interval: float
 
 
 class _Row(NamedTuple):
@@ -86,7 +92,7 @@ class _Row(NamedTuple):
     deviation: Amounts
 
 
-UNKNOWN = Weighed(Standing.CONTESTED, 1.0, 1.0, 0.0, 0.0)
+UNKNOWN = Weighed(Standing.CONTESTED, 1.0, 1.0, 0.0, 0.0, 0.0)
 
 
 class Disputes:
@@ -127,12 +133,12 @@ class Disputes:
     def standing(self, stream: Stream, sample: Waiting) -> Standing:
         """Return how a sample stands: as its stream does, unless it is worth more or less than that one's last."""
         known = self.weighed(stream)
-        if known.scale == sample.scale:
-            return known.standing
-        if known.scale <= 0.0:
+        if known.standing is Standing.CONTESTED or abs(known.scale - sample.scale) > SAME * known.scale:
             return Standing.CONTESTED
-        factor = sample.scale / known.scale
-        return _standing(factor * known.last, factor * known.first, known.standing)
+        if known.standing is not Standing.PRICED:
+            return known.standing
+        due = stream.sent is None or sample.t_gen - stream.sent.t_gen >= known.apart - 0.5 * known.interval
+        return Standing.UNDISPUTED if due else Standing.HOPELESS
 
     def reserve(self, now: float) -> Amounts:
         """Return what is booked of each limit: at least what undisputed streams used in the last window."""
@@ -208,73 +214,58 @@ class Disputes:
         pays = net.max(axis=1) > 0.0
         apart = np.where(pays, 1.0 / steady.rate[np.arange(len(rows)), best], math.inf)
         before = self._weighed
+        small = [_small(row, limits) for row in rows]
+        fits = _reserve(rows, [row.interval for row in rows], limits)
+        all_fits = all(booked <= limit.limit for booked, limit in zip(fits, limits, strict=True))
         weighed = {}
         for at, row in enumerate(rows):
             stream = row.stream
             place = stream.robot, stream.key
             known = before.get(place, UNKNOWN)
-            standing = _standing(float(last[at]), float(first[at]), known.standing)
-            if not isinstance(stream.information_type.aggregation, Aggregation):
-                standing = Standing.CONTESTED
-            if standing is Standing.HOPELESS and stream.information_type.guarantee.rate > 0.0:
-                standing = Standing.CONTESTED
-            weighed[place] = Weighed(standing, float(last[at]), float(first[at]), float(apart[at]), stream.newest.scale)
+            one, all_, pause = float(first[at]), float(last[at]), float(apart[at])
+            kind = stream.information_type
+            standing = Standing.CONTESTED
+            if all_fits:
+                standing = Standing.UNDISPUTED
+            elif not isinstance(kind.aggregation, Aggregation):
+                pass
+            elif small[at] and all_ >= (1.0 / STAY if known.standing is Standing.UNDISPUTED else 1.0):
+                standing = Standing.UNDISPUTED
+            elif kind.guarantee.rate > 0.0:
+                pass
+            elif one <= SMALL_PART * (STAY if known.standing is Standing.HOPELESS else 1.0):
+                standing = Standing.HOPELESS
+            elif small[at] and kind.markovian and stream.generated >= KNOWN:
+                standing = Standing.PRICED
+            weighed[place] = Weighed(standing, all_, one, pause, stream.newest.scale, row.interval)
         self._weighed = weighed
-        share = (steady.use / np.array([c.limit for c in limits])).max(axis=1)
-        self._book(rows, marginal[:, 0] / np.maximum(share, 1e-12), limits)
-
-    def _book(self, rows: Sequence[_Row], earning: Floats, limits: Sequence[Limit]) -> None:
-        """Book what undisputed streams use, those that earn most first; what does not fit stays contested."""
-        room = _Room(limits)
-        contested = [row for row in rows if self.weighed(row.stream).standing is Standing.CONTESTED]
-        if not contested:
-            kept = (0.0,) * len(limits)
-        else:
-            kept = tuple(
-                max((row.use[k] for row in contested if row.use[k] <= limit.limit), default=0.0)
-                for k, limit in enumerate(limits)
-            )
-        undisputed = []
-        for at in np.argsort(-earning, kind="stable").tolist():
-            row = rows[at]
-            place = row.stream.robot, row.stream.key
-            if self._weighed[place].standing is not Standing.UNDISPUTED:
-                continue
-            if room.book(row, kept):
-                undisputed.append(row.stream)
-            else:
-                known = self._weighed[place]
-                self._weighed[place] = Weighed(Standing.CONTESTED, known.last, known.first, known.apart, known.scale)
-        self._undisputed, self._reserve = tuple(undisputed), room.reserve
-        contested = Standing.CONTESTED
-        self.settled_places = frozenset(place for place, w in self._weighed.items() if w.standing is not contested)
+        standing = [self.weighed(row.stream).standing for row in rows]
+        load = [at for at, each in enumerate(standing) if each in (Standing.UNDISPUTED, Standing.PRICED)]
+        self._undisputed = tuple(rows[at].stream for at in load)
+        pauses = [rows[at].interval if standing[at] is Standing.UNDISPUTED else float(apart[at]) for at in load]
+        reserve = _reserve([rows[at] for at in load], pauses, limits)
+        contested = [row for row, each in zip(rows, standing, strict=True) if each is Standing.CONTESTED]
+        kept = [max((r.use[k] for r in contested if r.use[k] <= c.limit), default=0.0) for k, c in enumerate(limits)]
+        self._reserve = tuple([
+            min(booked, MOST_BOOKED * c.limit, c.limit - keep) for booked, c, keep in zip(reserve, limits, kept, strict=True)
+        ])
+        self.settled_places = frozenset(place for place, w in weighed.items() if w.standing is not Standing.CONTESTED)
 
 
-class _Room:
-    """What is booked of each limit so far: means and variances of what is used in a window."""
+def _small(row: _Row, limits: Sequence[Limit]) -> bool:
+    return all(u + d <= SMALL * c.limit for u, d, c in zip(row.use, row.deviation, limits, strict=True))
 
-    def __init__(self, limits: Sequence[Limit]) -> None:
-        self._limits = limits
-        self._mean = [0.0] * len(limits)
-        self._variance = [0.0] * len(limits)
 
-    @property
-    def reserve(self) -> Amounts:
-        """What is booked."""
-        return tuple([m + DEVIATIONS * math.sqrt(v) for m, v in zip(self._mean, self._variance, strict=True)])
-
-    def book(self, row: _Row, kept: Amounts) -> bool:
-        """Book a stream, if that leaves what is to be kept of each limit; return whether it does."""
-        mean, variance = list(self._mean), list(self._variance)
-        for k, limit in enumerate(self._limits):
-            count = limit.window / row.interval
-            mean[k] += count * row.use[k]
-            variance[k] += _spread(row.stream, count) * row.use[k] ** 2 + count * row.deviation[k] ** 2
-            booked = mean[k] + DEVIATIONS * math.sqrt(variance[k])
-            if booked > min(MOST_BOOKED * limit.limit, limit.limit - kept[k]):
-                return False
-        self._mean, self._variance = mean, variance
-        return True
+def _reserve(rows: Sequence[_Row], apart: Sequence[float], limits: Sequence[Limit]) -> Amounts:
+    booked = []
+    for k, limit in enumerate(limits):
+        mean = variance = 0.0
+        for row, interval in zip(rows, apart, strict=True):
+            count = limit.window / interval
+            mean += count * row.use[k]
+            variance += _spread(row.stream, count) * row.use[k] ** 2 + count * row.deviation[k] ** 2
+        booked.append(mean + DEVIATIONS * math.sqrt(variance))
+    return tuple(booked)
 
 
 def _spread(stream: Stream, count: float) -> float:
@@ -292,15 +283,6 @@ def _interval(now: float, stream: Stream, window: float) -> float:
     if stream.generated >= KNOWN and now - stream.began >= window:
         return period
     return max(period, window / (2.0 * max(stream.generated, 1)))
-
-
-def _standing(last: float, first: float, before: Standing) -> Standing:
-    """Return how a stream stands whose last and first sample earn so many times their price."""
-    if last >= (MANY_TIMES / STAY if before is Standing.UNDISPUTED else MANY_TIMES):
-        return Standing.UNDISPUTED
-    if first <= (SMALL_PART * STAY if before is Standing.HOPELESS else SMALL_PART):
-        return Standing.HOPELESS
-    return Standing.CONTESTED
 
 
 def _steady(rows: Sequence[_Row]) -> Steady:

@@ -18,6 +18,9 @@ SCALE = "scale"
 """Stands for the scale where features are not known."""
 NEW_SIZE = 0.1
 """What the size of a new sample counts in the mean and the variance of sizes."""
+SMALLER = 0.3
+"""Where sizes vary, those sent are smaller than the mean by about so many standard deviations: with five robots of 1 to
+40 kB plans reached 94.2 % of the bound, with the mean 93.3, with the last size 93.1."""
 LEADS = (1, 4)
 """Features that change with time are forecast for so many periods ahead: for the next sample, and for all others."""
 
@@ -122,6 +125,13 @@ class Stream:
             self._outlook.note(last.t_gen, last.features or {SCALE: last.scale})
             self._steady = self._outlook.steady
             self._expected.clear()
+
+    @property
+    def likely_size(self) -> int:
+        """The size that a sample to come is planned with [B]: somewhat less than the mean, for smaller ones are sent."""
+        if self.size_variance == 0.0:
+            return self.newest.size
+        return round(max(self.mean_size - SMALLER * self.size_deviation, 0.5 * self.mean_size))
 
     def _note_size(self, size: int) -> None:
         """Take a size into the mean and the variance, by exponential weights."""

@@ -37,7 +37,7 @@ LEAST_LEFT = 0.1
 """So much of a limit is left at least to what is contested."""
 WINDOWS = 4.0
 """The window reaches so many of the longest constraint window..."""
-SENDS = 2.0
+SENDS = 0.0
 """... and so many expected sends of every contested stream."""
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
@@ -309,9 +309,11 @@ class WindowBuilder:
         ]
         messages += [(_fact(m.of, _sent(m, now), 0.0, nothing), None) for m in demanded]
         t_sent, uses, lends = -math.inf, _Uses(limits), limits.promised is not None
+        t_rcv = dict.fromkeys(range(len(candidates)), -math.inf)
         for m in opened:
             t_sent = max(t_sent, m.t_gen, now) if lends or m.of.own else max(t_sent, m.t_gen)
-            messages.append((_message(m, t_sent, uses.of(m)), m))
+            t_rcv[m.of.place] = max(t_rcv[m.of.place], t_sent + m.of.audience.latency_of(m.size))
+            messages.append((_message(m, t_sent, t_rcv[m.of.place], uses.of(m)), m))
         robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
         messages.sort(key=_order)
         places = {place: m for place, (_, m) in enumerate(messages) if m is not None}
@@ -369,9 +371,9 @@ def _traffic(now: float, demanded: list[_Open], limits: Limits, uses: _Uses) -> 
     return tuple(sorted(traffic, key=_SENT))
 
 
-def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
+def _message(m: _Open, t_sent: float, t_rcv: float, use: tuple[float, ...]) -> Message:
     utility = m.of.stream.information_type.utility_of(m.features)
-    return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.audience.latency_of(m.size), utility, m.scale, use)
+    return Message(m.of.place, m.t_gen, t_sent, t_rcv, utility, m.scale, use)
 
 
 def _open(waiting: Waiting, c: _Candidate, *, current: bool = False) -> _Open:
@@ -380,7 +382,7 @@ def _open(waiting: Waiting, c: _Candidate, *, current: bool = False) -> _Open:
 
 def _expect(c: _Candidate, t_gen: float) -> _Open:
     like = c.stream.expected(t_gen)
-    return _Open(t_gen, c, like.size, like.scale, like.features)
+    return _Open(t_gen, c, c.stream.likely_size, like.scale, like.features)
 
 
 def _sent(m: _Open, now: float) -> Sent:
