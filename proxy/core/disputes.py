@@ -50,6 +50,7 @@ EACH = 1e-3
 KNOWN = 8
 """Of a stream that generated fewer samples nobody can say how often it does."""
 
+PATIENT_PART = 0.5
 SAME = 0.1
 Place = tuple[str, str]
 """The robot and key of a stream."""
@@ -139,6 +140,12 @@ class Disputes:
             return known.standing
         due = stream.sent is None or sample.t_gen - stream.sent.t_gen >= known.apart - 0.5 * known.interval
         return Standing.UNDISPUTED if due else Standing.HOPELESS
+
+    def patience(self, stream: Stream) -> float:
+        """Return how long a sample waits for room: not until the next one of a Markovian stream is near [s]."""
+        if stream.information_type.markovian:
+            return PATIENT_PART * stream.schedule.period
+        return max((limit.window for limit in self._for[0]), default=0.0)
 
     def reserve(self, now: float) -> Amounts:
         """Return what is booked of each limit: at least what undisputed streams used in the last window."""

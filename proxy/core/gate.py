@@ -25,6 +25,7 @@ from proxy.core.latency import middle
 from proxy.core.lateness import Lateness
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
+from proxy.core.room import opens
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.span import Span
@@ -556,6 +557,8 @@ class Gate:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
         if self._deletions.holds(sample):
             return True
+        if self.limits and not self.sharing:
+            return self._waits_for_room(now, sample)
         if not self.sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
             return False
         use = self._use(now, sample)
@@ -567,6 +570,29 @@ class Gate:
             if opens is None or opens <= now:
                 return False
         self.wakes_at = min(self.wakes_at, opens)
+        return True
+
+    def _waits_for_room(self, now: float, sample: Waiting) -> bool:
+        """Whether a sample is worth waiting for the room that opens soon."""
+        stream = self._own(now, sample)
+        if stream is None or self.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
+            return False
+        patience = self._windows.disputes.patience(stream)
+        if now >= sample.t_gen + patience:
+            return False
+        needed = self._use(now, sample)
+        standing = self._standing(now, stream, sample)
+        if standing is Standing.HOPELESS:
+            return False
+        if standing is Standing.CONTESTED:
+            booked = self._windows.disputes.free(now)
+            needed = tuple([u + b if u > 0.0 else u for u, b in zip(needed, booked, strict=True)])
+        if not self.lacking(now, needed):
+            return False
+        room = opens(self.limits, [*self._shares.sent(), *self._others(now)], needed)
+        if room <= now or room > sample.t_gen + patience:
+            return False
+        self.wakes_at = min(self.wakes_at, room)
         return True
 
     def _patient_until(self, now: float, sample: Waiting, use: tuple[float, ...]) -> float:
