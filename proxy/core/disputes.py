@@ -50,7 +50,8 @@ EACH = 1e-3
 KNOWN = 8
 """Of a stream that generated fewer samples nobody can say how often it does."""
 
-PATIENT_PART = 0.5
+PATIENT_PART = 0.75
+LATE = 0.1
 SAME = 0.1
 Place = tuple[str, str]
 """The robot and key of a stream."""
@@ -108,6 +109,7 @@ class Disputes:
         """The streams that are no part of any decision, as they are undisputed or hopeless."""
         self._undisputed: tuple[Stream, ...] = ()
         self._reserve: Amounts = ()
+        self.late = 0.0
 
     def look(self, now: float, limits: Sequence[Limit], *, alone: bool) -> None:
         """Weigh all streams that compete for these limits, ours `alone` or those of all, when it is time to."""
@@ -257,6 +259,8 @@ class Disputes:
             min(booked, MOST_BOOKED * c.limit, c.limit - keep) for booked, c, keep in zip(reserve, limits, kept, strict=True)
         ])
         self.settled_places = frozenset(place for place, w in weighed.items() if w.standing is not Standing.CONTESTED)
+        periods = [row.interval for row in contested if row.stream.information_type.markovian]
+        self.late = LATE * min(periods, default=0.0)
 
 
 def _small(row: _Row, limits: Sequence[Limit]) -> bool:

@@ -150,9 +150,9 @@ class WindowBuilder:
         if limits.held or limits.promised is not None:
             return limits
         self.disputes.look(now, limits.union, alone=False)
-        reserve = self.disputes.reserve(now)
+        reserve, late = self.disputes.reserve(now), self.disputes.late
         union = tuple(
-            replace(c, limit=max(c.limit - booked, LEAST_LEFT * c.limit))
+            replace(c, limit=max(c.limit - booked, LEAST_LEFT * c.limit), window=c.window - min(late, 0.05 * c.window))
             for c, booked in zip(limits.union, reserve, strict=True)
         )
         sent, others = (tuple(self.disputes.unbooked(now, sends)) for sends in (limits.sent, limits.others))
