@@ -589,7 +589,7 @@ class Gate:
             needed = tuple([u + b if u > 0.0 else u for u, b in zip(needed, booked, strict=True)])
         if not self.lacking(now, needed):
             return False
-        room = opens(self.limits, [*self._shares.sent(), *self._others(now)], needed)
+        room = opens(self.limits, self._shares.sent(), self._others(now), needed)
         if room <= now or room > sample.t_gen + patience:
             return False
         self.wakes_at = min(self.wakes_at, room)
