@@ -21,6 +21,8 @@ from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, State, tag
 
+PARTS_DEBT, PARTS_PACE = 2.0, 0.05
+"""... and so much on news of parts, which are told this far apart at least [s]."""
 DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]."""
 IDLE = 1.0
@@ -52,6 +54,8 @@ class Telling:
         self.pacer = DigestPacer(now)
         self.asking = Asking(now)
         self.urgent = False
+        self.parts_changed = False
+        """Whether what we tell of parts is news."""
         self.untold = 0
         """Streams, subscriptions and origins that did not fit into our state."""
         self.state = State(view.settings.robot, view.settings.zid, "", "")
@@ -154,9 +158,11 @@ class Telling:
         copies = self._digest_copies()
         if self._sent_much():
             return self.pacer.due_ahead(now, DEBT)
+        if self.parts_changed:
+            return max(self.pacer.due_ahead(now, PARTS_DEBT), self._told_at + PARTS_PACE)
         if self.urgent:
             return self.pacer.due_ahead(now, 0.0)
-        news = self._news or self._view.messages != self._told_messages or self._channel.capacity.speak(now)
+        news = self._news or not self._coordination.settled or self._view.messages != self._told_messages or self._channel.capacity.speak(now)
         return self.pacer.due(now, news=news, copies=copies)
 
     def announcing(self, now: float) -> float:
@@ -205,9 +211,11 @@ class Telling:
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
             splits=self._coordination.finds_due,
+            split=self._coordination.telling(now),
         )
         self._channel.capacity.told(digest)
-        self.urgent = False
+        self._coordination.told(digest)
+        self.urgent = self.parts_changed = False
         return self._send(now, digest, copies)
 
     def _announce(self, now: float, copies: int) -> Command:

@@ -70,6 +70,11 @@ class Split:
         return (self._steady.least(now) + self._ledger.struck(now, limit)) / UNIT
 
     @property
+    def agreed(self) -> bool:
+        """Whether we have agreed on any table."""
+        return not self._newcomer
+
+    @property
     def waits_for_turn(self) -> bool:
         """Whether we share slots of which none is ours now."""
         turns = self._standings[0].turns
