@@ -181,7 +181,7 @@ def _split_fields(digest: Digest) -> list[Any]:
         return [1] if digest.splits else []
     unused = int(told.unused * ticks(1.0))
     fields = [int(digest.splits), told.version, told.table, told.agreed, unused]
-    bid = [] if told.bid is None else [packed(told.bid)]
+    bid: list[bytes | None] = [] if told.bid is None else [packed(told.bid)]
     return [*fields, *(bid or [None] * bool(told.turns)), *told.turns]
 
 

@@ -153,9 +153,7 @@ class Coordination:
             return self._due if self._view.peers else math.inf
         return min(self._due, self._split.due_at(now))
 
-    def _judge(
-        self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]
-    ) -> None:
+    def _judge(self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]) -> None:
         window, still = shortest_window(limits), STILL if self.finds_due else 1.0
         sending = {stream.robot for stream in self._view.competition.all(now)}
         self.rivals = len(sending) > 1 or len(self._view.peers) > FEW

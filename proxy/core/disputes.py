@@ -152,10 +152,12 @@ class Disputes:
     def reserve(self, now: float) -> Amounts:
         """Return what is booked of each limit: at least what undisputed streams used in the last window."""
         booked = self.booked(now)
-        return tuple([
-            min(max(amount, used), max(amount, MOST_BOOKED * limit.limit))
-            for amount, used, limit in zip(self._reserve, booked, self._for[0], strict=True)
-        ])
+        return tuple(
+            [
+                min(max(amount, used), max(amount, MOST_BOOKED * limit.limit))
+                for amount, used, limit in zip(self._reserve, booked, self._for[0], strict=True)
+            ]
+        )
 
     def free(self, now: float) -> Amounts:
         """Return what undisputed streams have not used yet of what is booked for them."""
@@ -255,9 +257,12 @@ class Disputes:
         reserve = _reserve([rows[at] for at in load], pauses, limits)
         contested = [row for row, each in zip(rows, standing, strict=True) if each is Standing.CONTESTED]
         kept = [max((r.use[k] for r in contested if r.use[k] <= c.limit), default=0.0) for k, c in enumerate(limits)]
-        self._reserve = tuple([
-            min(booked, MOST_BOOKED * c.limit, c.limit - keep) for booked, c, keep in zip(reserve, limits, kept, strict=True)
-        ])
+        self._reserve = tuple(
+            [
+                min(booked, MOST_BOOKED * c.limit, c.limit - keep)
+                for booked, c, keep in zip(reserve, limits, kept, strict=True)
+            ]
+        )
         self.settled_places = frozenset(place for place, w in weighed.items() if w.standing is not Standing.CONTESTED)
         periods = [row.interval for row in contested if row.stream.information_type.markovian]
         self.late = LATE * min(periods, default=0.0)
@@ -299,7 +304,9 @@ def _interval(now: float, stream: Stream, window: float) -> float:
 def _steady(rows: Sequence[_Row]) -> Steady:
     """Return what each stream earns by the interval between its sends."""
     kinds = [row.stream.information_type for row in rows]
-    utilities, which = told_apart([k.utility_of(row.stream.newest.features) for k, row in zip(kinds, rows, strict=True)])
+    utilities, which = told_apart(
+        [k.utility_of(row.stream.newest.features) for k, row in zip(kinds, rows, strict=True)]
+    )
     age = np.array([row.age for row in rows])[:, None]
     scale = np.array([row.scale for row in rows])[:, None]
     apart = np.array([row.interval for row in rows])[:, None] * INTERVALS

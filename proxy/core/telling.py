@@ -162,7 +162,12 @@ class Telling:
             return max(self.pacer.due_ahead(now, PARTS_DEBT), self._told_at + PARTS_PACE)
         if self.urgent:
             return self.pacer.due_ahead(now, 0.0)
-        news = self._news or not self._coordination.settled or self._view.messages != self._told_messages or self._channel.capacity.speak(now)
+        news = (
+            self._news
+            or not self._coordination.settled
+            or self._view.messages != self._told_messages
+            or self._channel.capacity.speak(now)
+        )
         return self.pacer.due(now, news=news, copies=copies)
 
     def announcing(self, now: float) -> float:
