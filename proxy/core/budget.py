@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from proxy.core.coordination import Coordination
-from proxy.core.limits import Limit, Limits, use_of
+from proxy.core.limits import Limit, Limits, changes_plans, use_of
 from proxy.core.room import opens
 from proxy.core.view import SharedView
 
@@ -89,6 +89,8 @@ class Budget:
     def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
         """Name the constraints that leave no room for a message with this use now."""
         others = self.others(now)
+        if now < self._coordination.mute_until and changes_plans(use, self.limits):
+            return tuple(limit.name for limit in self.limits if limit.shared)
         return tuple(
             limit.name
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))

@@ -27,6 +27,8 @@ AFFORDABLE = 0.8
 """... and announcements cost too much where they take this part of the allowance;"""
 STILL = 0.8
 """and both still when it is a little less: so many times that."""
+LASTING = 2.0
+"""The team changes over when one of both has been so for so long [s]."""
 FEW = 16
 """Of more robots than these some have something to send, though nobody may have heard of it yet."""
 ALL = 0.95
@@ -54,8 +56,11 @@ class Coordination:
         self._told: Told | None = None
         self.finds_due = self._always
         """Whether we find that the team has to split."""
+        self._due_since = math.inf
         self.rivals = False
         """Whether several robots have something to send."""
+        self.mute_until = now
+        """When the allowance has room for announcements [s]."""
 
     @property
     def splits(self) -> bool:
@@ -69,7 +74,7 @@ class Coordination:
         """
         if not self.splits or self._split is None:
             return 1.0 - self._settings.margin if self.rivals else 1.0
-        if self._always or self._agreed or self._split.agreed:
+        if self._always or self._split.agreed:
             return self._split.part(now, k)
         return (1.0 - self._settings.floor) / (len(self._members) + 1)
 
@@ -161,7 +166,9 @@ class Coordination:
             self.finds_due = self._always
         else:
             late = max(self._longest_way(), waiting) >= still * LATE * window
-            self.finds_due = self._always or late or announcing(now) > still * AFFORDABLE
+            dear = announcing(now) > still * AFFORDABLE
+            self._due_since = min(self._due_since, now) if late or dear else math.inf
+            self.finds_due = self._always or now >= self._due_since + (0.0 if len(self._view.peers) > FEW else LASTING)
 
     def _news(self, now: float) -> bool:
         """Whether what a digest would say of parts is not what the last one said."""

@@ -391,6 +391,7 @@ class Core:
             commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
         looked = self.coordination.look(now, self.budget.limits, self.channel.waiting, self.telling.announcing)
         self.telling.parts_changed |= looked
+        self.coordination.mute_until = self.telling.announces_at(now)
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
@@ -445,7 +446,6 @@ class Core:
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)
         self.coordination.set_members(now, self.view.peers.keys() - self.outsiders.found)
-        self.telling.urgent = True
 
     def _adopt_limits(self, now: float) -> None:
         robots = len(self.view.peers) + 1

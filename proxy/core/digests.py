@@ -30,9 +30,11 @@ MOST_STREAMS = 32
 """News of at most this many streams in one digest."""
 MOST_ECHOES = 8
 """Peers echoed in one digest."""
-ORDINARY = 0.4
+ORDINARY = 0.2
 """This part of the allowance is for all but announcements."""
-FULL = 2.0
+STATES = 0.5
+"""... and this part may go to states, questions and answers, while there are any."""
+FULL = 0.25
 """The allowance of so long may be left for later [s]."""
 ECHO = 23
 """What an echo takes [B]..."""
@@ -76,6 +78,7 @@ class DigestPacer:
 
     def set_rate(self, rate: float, robots: int) -> None:
         """The allowance of so many robots is now `rate` [B/s], all copies together."""
+        self._tokens += max(0, robots - self._robots) * self._size
         self._rate, self._robots = rate, robots
 
     def unknown(self, streams: list[Stream]) -> bool:
@@ -94,7 +97,7 @@ class DigestPacer:
         """
         cost = self._size * copies
         self._fill(now)
-        affordable = now + max(0.0, cost - self._tokens) / (self._rate_of_own * (0.5 if self._debt > 0.0 else 1.0))
+        affordable = now + max(0.0, cost - self._tokens) / self._rate_of_own
         # Where all have waited for the allowance, they do not go on at the same moment.
         room = now + max(0.0, cost * (1.0 + self._turn) - self._common) / self._rate
         due = max(affordable, room)
@@ -113,7 +116,7 @@ class DigestPacer:
     def state_due(self, now: float) -> float:
         """When the next state may be published, in our clock [s]."""
         self._fill(now)
-        return now + max(0.0, self._debt) / (self._rate_of_own / 2.0)
+        return now + max(0.0, self._debt) / self._rate_of_states
 
     def sent(self, now: float, size: int, copies: int, *, announces: bool = False) -> None:
         """A digest of so many bytes went out in so many copies; `announces`: only what was sent."""
@@ -214,19 +217,22 @@ class DigestPacer:
         return float("inf") if told is None else abs(digest.scale - told[1].scale) + digest.scale
 
     def _fill(self, now: float) -> None:
-        """What came in since then; as much of our part as is owed, up to a half, is paid."""
+        """What came in since then."""
         if now <= self._updated:
             return
         elapsed, self._updated = now - self._updated, now
-        self._common = min(self._common + elapsed * self._rate, FULL * self._rate)
+        full = max(FULL * self._rate, 2.0 * self._size * self._robots)
+        self._common = min(self._common + elapsed * self._rate, full)
         came = elapsed * self._rate_of_own
         most = max(3.0 * self._size * self._robots, self._rate_of_own)
         self._echoing = min(most, self._echoing + ECHOING * came)
-        paid = min(max(0.0, self._debt), came / 2.0)
-        room = max(0.0, most - self._tokens)
-        self._tokens += min(room, came - paid)
-        # What the digests do not need is saved.
-        self._debt = max(self._debt - paid - max(0.0, came - paid - room), -SAVED * self._rate_of_own)
+        self._tokens = min(most, self._tokens + came)
+        self._debt = max(self._debt - elapsed * self._rate_of_states, -SAVED * self._rate_of_states)
+
+    @property
+    def _rate_of_states(self) -> float:
+        """Our part of what is for states, questions and answers [B/s]."""
+        return STATES * self._rate / self._robots
 
     @property
     def _rate_of_own(self) -> float:

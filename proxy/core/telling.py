@@ -186,6 +186,12 @@ class Telling:
         most = max(min([1.0, *fits]) * rate, LEAST_SENDS / shortest_window(limits))
         return most * (ANNOUNCEMENT + OVERHEAD) * self._digest_copies() / self.pacer.rate
 
+    def announces_at(self, now: float) -> float:
+        """When what is sent now could be announced [s]."""
+        if self._coordination.splits or not self._coordination.rivals or is_broadcast(self._view.settings.transport):
+            return now
+        return self.pacer.due_ahead(now, DEBT)
+
     def _sent_much(self) -> bool:
         """Whether we sent something since the last digest that changes what others plan."""
         if self._coordination.splits or not self._coordination.rivals or self._view.messages == self._told_messages:
