@@ -6,6 +6,7 @@ what is asked of a stream is kept in arrays, and worked out anew only where some
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,10 +31,17 @@ class Competition:
         self._revision = -1
         self._set_rows([])
 
-    def chosen(self, now: float, most: int, promised: Promises, robot: str | None = None) -> list[Stream]:
+    def chosen(
+        self,
+        now: float,
+        most: int,
+        promised: Promises,
+        robot: str | None = None,
+        besides: Container[tuple[str, str]] = (),
+    ) -> list[Stream]:
         """Return those streams that compete for which a window of `most` messages has places, by robot and key.
 
-        With a `robot` only its streams compete.
+        With a `robot` only its streams compete, and those `besides` do not.
 
         Half of the places are for those worth most per byte on the air, half for those that generate next what is not
         `promised` yet. Both are only estimated: a look at each stream has to do.
@@ -41,6 +49,8 @@ class Competition:
         rows = self._rows(now)
         if robot is not None:
             rows = rows[[self._robots[owner] == robot for owner in self._owner[rows].tolist()]] if len(rows) else rows
+        if besides:
+            rows = rows[[(s.robot, s.key) not in besides for s in (self._streams[row] for row in rows.tolist())]]
         if len(rows) > most:
             due = self._due(now, promised)[rows]
             order = np.lexsort((due, self._cheapness[rows]))

@@ -24,6 +24,8 @@ from proxy.core.latency import middle
 from proxy.core.lateness import Lateness
 from proxy.core.limits import Limit, Limits, Promises, use_of
 from proxy.core.mode import Mode, in_force
+from proxy.core.prices import Standing
+from proxy.core.room import opens
 from proxy.core.settings import CoreSettings
 from proxy.core.shares import Shares
 from proxy.core.span import Span
@@ -236,7 +238,7 @@ class Gate:
         if pending.copy is not None:
             return self._decided_copy(now, pending, pending.copy, plan)
         use = self._use(now, pending.sample)
-        lacking = self.lacking(now, use) if plan.send else ()
+        lacking = self.lacking(now, self._besides(now, use)) if plan.send else ()
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
         if reason != "forwarded":
@@ -317,8 +319,21 @@ class Gate:
         elif self._foreseen(now, stream, sample, use):
             self.decisions.foreseen += 1
         else:
-            return [self._search(now, sample, ticket)]
+            return [self._weigh(now, stream, sample, use, ticket)]
         return [self._send(now, sample, use, "forwarded")]
+
+    def _weigh(self, now: float, stream: Stream, sample: Waiting, use: tuple[float, ...], ticket: int) -> Command:
+        """Decide by what room costs, or where that is disputed by a search."""
+        standing = self._standing(now, stream, sample)
+        if standing is Standing.UNDISPUTED:
+            self.decisions.undisputed += 1
+            return self._send(now, sample, use, "forwarded")
+        if standing is Standing.HOPELESS:
+            self.decisions.hopeless += 1
+            return self._refuse(now, sample, "dropped:planner")
+        if lacking := self.lacking(now, self._besides(now, use)):
+            return self._refuse(now, sample, CONSTRAINT, lacking)
+        return self._search(now, sample, ticket)
 
     def _take_up_copy(self, now: float, copy: Copy, ticket: int) -> list[Command]:
         """Send a copy, or have it decided; while there is no room for it, it waits for as long as it is worth it."""
@@ -381,6 +396,17 @@ class Gate:
         self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints), held, thinned, copy)
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
         return Decide(ticket, problem, ticket, min(budget, self._settings.iterations), now)
+
+    def _standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
+        """How a sample stands among all that competes with it."""
+        if self.sharing:
+            return Standing.CONTESTED
+        self._windows.disputes.look(now, self.limits, alone=False)
+        return self._windows.disputes.standing(now, stream, sample)
+
+    def _besides(self, now: float, use: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the room that a contested message needs: its use, and what is kept for what is undisputed."""
+        return use if self.sharing else self._windows.disputes.besides(now, use)
 
     def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""
@@ -531,6 +557,8 @@ class Gate:
         """Whether a sample is not taken up yet: something goes before it, or what it takes is lent to us soon."""
         if self._deletions.holds(sample):
             return True
+        if self.limits and not self.sharing:
+            return self._waits_for_room(now, sample)
         if not self.sharing or not self.limits or self.mode_of(self._own(now, sample)) is Mode.SHADOW:
             return False
         use = self._use(now, sample)
@@ -542,6 +570,24 @@ class Gate:
             if opens is None or opens <= now:
                 return False
         self.wakes_at = min(self.wakes_at, opens)
+        return True
+
+    def _waits_for_room(self, now: float, sample: Waiting) -> bool:
+        """Whether a sample waits, as what we sent leaves room for it soon."""
+        stream, disputes = self._own(now, sample), self._windows.disputes
+        if stream is None or self.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
+            return False
+        standing = self._standing(now, stream, sample)
+        until = sample.t_gen + disputes.patience(stream)
+        if standing is Standing.HOPELESS or now >= until:
+            return False
+        needed = self._use(now, sample)
+        if standing is Standing.CONTESTED:
+            needed = disputes.besides(now, needed)
+        room = opens(self.limits, self._shares.sent(), self._others(now), needed)
+        if not now < room <= until:
+            return False
+        self.wakes_at = min(self.wakes_at, room)
         return True
 
     def _patient_until(self, now: float, sample: Waiting, use: tuple[float, ...]) -> float:

@@ -1,0 +1,196 @@
+"""What is disputed: which streams the tree decides on, and what the others are booked for.
+
+How streams stand is weighed a few times a second (`prices.py`). What undisputed and priced streams use in a window is
+booked as load, the *reserve*: contested messages compete for the rest of each limit, so that small samples always find
+room, and the tree holds contested messages alone. Where nothing is contested nothing is reserved. A contested message
+that finds no room waits while what we sent ourselves leaves the window (`room.py`), and plans know it: their windows
+are shorter by as much as samples may be late.
+
+With a camera of 26 kB beside odometry, telemetry, a log and alarms one decider filled 82 % of 1 Mbit/s for one robot
+and 90 % for four, where trees of 60 messages of all streams filled 68 and 11 %.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+
+from proxy.core.inbox import Waiting
+from proxy.core.limits import Limit, use_of
+from proxy.core.prices import UNKNOWN, Amounts, Row, Standing, Weighed, interval_of, reserve, weigh
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+
+MOST_BOOKED = 0.9
+"""No more than this part of a limit is booked, nor what the largest contested message needs."""
+PATIENCE = 0.75
+"""A sample waits for room for this part of its stream's period: with random sizes and times 95.5 % of the bound instead
+of 94.2; where each sample counts for the longest window."""
+LATE = 0.1
+"""A contested sample may be late by this part of the shortest period: a camera that sends every fifth frame needs
+windows that are a little shorter than five periods (82 % of the limit instead of 73)..."""
+MOST_LATE = 0.05
+"""... but not by more than this part of a window, nor where others compete, for what they wait for is not known."""
+ALIKE = 0.1
+"""A sample whose worth differs by more than this part from what was weighed is decided on its own."""
+PACE = 0.25
+"""Streams are weighed anew this often [s]..."""
+EACH = 1e-3
+"""... where many streams compete only after so long for each of them [s]."""
+
+Place = tuple[str, str]
+"""The robot and key of a stream."""
+Send = tuple[float, Amounts]
+"""When something was sent, and what it used of each limit."""
+
+
+class Disputes:
+    """How the streams of a view stand."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self._looked = -math.inf
+        self._for: tuple[tuple[Limit, ...], bool] = (), False
+        self._weighed: dict[Place, Weighed] = {}
+        self._load: tuple[tuple[Stream, int], ...] = ()
+        """The streams that are booked, and in how many copies their samples go."""
+        self._reserve: Amounts = ()
+        self._known: tuple[float, ...] = ()
+        self._known_sends: list[Send] = []
+        """The sends of what is booked, as they are after so many sends noted at that time: one event asks often."""
+        self.settled: frozenset[Place] = frozenset()
+        """The streams that are no part of any decision."""
+        self.late = 0.0
+        """How much later than it was generated a contested sample may be sent [s]."""
+
+    def look(self, now: float, limits: tuple[Limit, ...], *, alone: bool) -> None:
+        """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to."""
+        if now < self._looked + max(PACE, EACH * len(self._weighed)) and self._for == (limits, alone):
+            return
+        self._looked, self._for = now, (limits, alone)
+        view = self._view
+        competing = [s for s in view.competition.all(now) if not alone or s.robot == view.settings.robot]
+        rows = [self._row(now, stream) for stream in competing] if limits else []
+        places = [(row.stream.robot, row.stream.key) for row in rows]
+        weighed = weigh(rows, limits, [self._weighed.get(place, UNKNOWN) for place in places]) if rows else []
+        self._weighed = dict(zip(places, weighed, strict=True))
+        self._book(list(zip(rows, weighed, strict=True)))
+
+    def weighed(self, stream: Stream) -> Weighed:
+        """Return how a stream stands."""
+        return self._weighed.get((stream.robot, stream.key), UNKNOWN)
+
+    def standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
+        """Return how a sample of ours stands: undisputed, contested or hopeless."""
+        place = stream.robot, stream.key
+        if place not in self._weighed and now >= self._looked + EACH * len(self._weighed):
+            self._looked = -math.inf  # a new stream is news
+            self.look(now, self._for[0], alone=self._for[1])
+        known = self.weighed(stream)
+        if abs(known.scale - sample.scale) > ALIKE * known.scale:
+            return Standing.CONTESTED
+        if known.standing is not Standing.PRICED:
+            return known.standing
+        due = stream.sent is None or sample.t_gen - stream.sent.t_gen >= known.apart - 0.5 * known.interval
+        return Standing.UNDISPUTED if due else Standing.HOPELESS
+
+    def patience(self, stream: Stream) -> float:
+        """Return how long a sample waits for room [s]."""
+        if stream.information_type.markovian:
+            return PATIENCE * stream.schedule.period
+        return max((limit.window for limit in self._for[0]), default=0.0)
+
+    def left(self, now: float) -> tuple[Amounts, Amounts]:
+        """Return what of each limit is left to contested messages, and how long its window is to them [s]."""
+        booked, limits = self._used(now), self._for[0]
+        limit = [
+            c.limit - min(max(amount, used), max(amount, MOST_BOOKED * c.limit))
+            for c, amount, used in zip(limits, self._reserve, booked, strict=True)
+        ]
+        return tuple(limit), tuple([c.window - min(self.late, MOST_LATE * c.window) for c in limits])
+
+    def besides(self, now: float, use: Amounts) -> Amounts:
+        """Return the use of a contested message, and beside it what was booked and is not used yet."""
+        if len(use) != len(self._reserve):
+            return use
+        free = [max(0.0, amount - used) for amount, used in zip(self._reserve, self._used(now), strict=True)]
+        return tuple([u + f if u > 0.0 else u for u, f in zip(use, free, strict=True)])
+
+    def unbooked(self, now: float, sends: Sequence[Send]) -> tuple[Send, ...]:
+        """Return those of all sends within the longest window that were not booked."""
+        booked, left, since = Counter(self._sends(now)), [], self._since(now)
+        for send in sends:
+            if send[0] < since:
+                continue
+            if booked.get(send, 0) > 0:
+                booked[send] -= 1
+            else:
+                left.append(send)
+        return tuple(left)
+
+    def _row(self, now: float, stream: Stream) -> Row:
+        """What there is to know of a stream."""
+        view, limits = self._view, self._for[0]
+        own, copies, audience = self._own(stream), view.copies(stream), view.audiences.of(now, stream)
+        size = round(stream.mean_size)
+        use = use_of(size, copies, limits, own=own)
+        more = use_of(size + round(stream.size_deviation), copies, limits, own=own)
+        return Row(
+            stream,
+            interval_of(now, stream, min(c.window for c in limits)),
+            audience.mean if audience.share > 0.0 else audience.latency,
+            stream.newest.scale * audience.share,
+            use,
+            tuple([m - u for m, u in zip(more, use, strict=True)]),
+        )
+
+    def _book(self, rows: Sequence[tuple[Row, Weighed]]) -> None:
+        """Book what is no decision."""
+        limits = self._for[0]
+        contested = [row for row, w in rows if w.standing is Standing.CONTESTED]
+        load = [(row, w) for row, w in rows if w.standing in (Standing.UNDISPUTED, Standing.PRICED)]
+        self._load = tuple([(row.stream, self._view.copies(row.stream)) for row, _ in load])
+        self._known = ()
+        apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
+        booked = reserve([row for row, _ in load], apart, limits)
+        kept = [max((r.use[k] for r in contested if r.use[k] <= c.limit), default=0.0) for k, c in enumerate(limits)]
+        self._reserve = tuple(
+            [
+                min(amount, MOST_BOOKED * c.limit, c.limit - keep)
+                for amount, c, keep in zip(booked, limits, kept, strict=True)
+            ]
+        )
+        self.settled = frozenset(place for place, w in self._weighed.items() if w.standing is not Standing.CONTESTED)
+        periods = [row.interval for row in contested if row.stream.information_type.markovian]
+        ours = all(self._own(row.stream) for row in contested)
+        self.late = LATE * min(periods, default=0.0) if ours else 0.0
+
+    def _used(self, now: float) -> Amounts:
+        """Return what was sent of what is booked in the windows that end now."""
+        sends = self._sends(now)
+        return tuple([sum(use[k] for t, use in sends if t >= now - c.window) for k, c in enumerate(self._for[0])])
+
+    def _sends(self, now: float) -> list[Send]:
+        """Return the sends of streams that are booked, within the longest window."""
+        known = now, self._view.sends_noted, self._view.messages
+        if self._known != known:
+            self._known, self._known_sends = known, self._look_for_sends(now)
+        return self._known_sends
+
+    def _look_for_sends(self, now: float) -> list[Send]:
+        limits, found, since = self._for[0], list[Send](), self._since(now)
+        for stream, copies in self._load:
+            if stream.sent is None or stream.sent.t_sent < since:
+                continue
+            own = self._own(stream)
+            for sent in reversed(stream.recent):
+                if sent.t_sent < since:
+                    break
+                found.append((sent.t_sent, use_of(sent.size, copies, limits, own=own)))
+        return found
+
+    def _since(self, now: float) -> float:
+        """Return when the longest window begins that ends now [s]."""
+        return now - max((limit.window for limit in self._for[0]), default=0.0)
+
+    def _own(self, stream: Stream) -> bool:
+        return stream.robot == self._view.settings.robot
