@@ -30,6 +30,11 @@ class Steady:
     rate: Floats
     use: Floats
 
+    @property
+    def apart(self) -> Floats:
+        """The intervals [s]."""
+        return 1.0 / self.rate
+
     def use_of(self, streams: int) -> Floats:
         """Return what a message uses, for all `streams`, those that do not go on included."""
         use = np.zeros((streams, self.use.shape[1]))

@@ -153,7 +153,7 @@ class PlannerConfig(Section):
     deadline: float = Field(
         default=0.02, gt=0.0, le=10.0, description="a decision takes at most this long from its event on [s]"
     )
-    horizon: int = Field(default=60, ge=1, le=10_000, description="how far a decision looks ahead [messages]")
+    horizon: int = Field(default=120, ge=1, le=10_000, description="contested messages that a decision looks at")
     backlog: int = Field(
         default=32, ge=1, le=256, description="samples of a stream that may wait where more than the newest counts"
     )

@@ -73,17 +73,23 @@ def _denied(denied: Mapping[str, Status]) -> str:
     return _section(("DENIED", *(name.upper() for name in names)), "lrrrrrr", rows)
 
 
+WITHOUT_SEARCH = {
+    "unneeded": "{} more samples went while there was room for all",
+    "undisputed": "{} more samples went as they earn what room costs",
+    "hopeless": "{} were dropped as they do not earn what room costs",
+    "would_drop": "{} would be dropped in enforce",
+}
+"""What is said of samples on which no search decided alone."""
+
+
 def _decisions(decisions: Status) -> str:
     """What the searches came to, and why the last one decided so; nothing when there was none."""
-    made, dropped, unneeded = (decisions.get(name, 0) for name in ("made", "would_drop", "unneeded"))
-    if not (made or unneeded or decisions.get("late")):
+    made = decisions.get("made", 0)
+    without = [("", text.format(decisions[name])) for name, text in WITHOUT_SEARCH.items() if decisions.get(name)]
+    if not (made or without or decisions.get("late")):
         return ""
     each = f", {decisions.get('iterations', 0) / made:.0f} iterations each" if made else ""
-    rows = [("decided", f"{made} times{each}")]
-    if unneeded:
-        rows.append(("", f"{unneeded} more samples went while there was room for all"))
-    if dropped:
-        rows.append(("", f"{dropped} would be dropped in enforce"))
+    rows = [("decided", f"{made} times{each}"), *without]
     if decisions.get("seconds"):
         longest = duration(decisions.get("longest"))
         rows.append(("time", f"{duration(decisions['seconds'] / made)} each, the longest {longest}"))

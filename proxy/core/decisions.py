@@ -51,10 +51,12 @@ class Decisions:
     """Statistics of all decisions since the start.
 
     `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
-    ones, whose gap is known [utility·s]. `unneeded` are samples that were sent while there was room for all,
-    `owed` those that a guarantee demanded, `unkept` those of them for which the limits left no room. `late` are samples that were sent if they fitted, for there was no answer in time. Of
-    windows that were `thinned` to come in time `kept` counts the messages to decide, `full` those there would be else.
-    `binding` counts by constraint the dropped samples that it was in the way of.
+    ones, whose gap is known [utility·s]. `unneeded` are samples that were sent while there was room for all.
+    `undisputed` ones were sent and `hopeless` ones dropped by what
+    room costs. A guarantee demanded the `owed` ones; for the `unkept` of them the limits left no room. `late` are
+    samples that were sent if they fitted, for there was no answer in time. Of windows that were `thinned` to come in
+    time `kept` counts the messages to decide, `full` those there would be else. `binding` counts by constraint the
+    dropped samples that it was in the way of.
     """
 
     def __init__(self) -> None:
@@ -62,6 +64,8 @@ class Decisions:
         self.iterations = 0
         self.would_drop = 0
         self.unneeded = 0
+        self.undisputed = 0
+        self.hopeless = 0
         self.owed = 0
         self.unkept = 0
         self.late = 0
@@ -109,6 +113,8 @@ class Decisions:
             "iterations": self.iterations,
             "would_drop": self.would_drop,
             "unneeded": self.unneeded,
+            "undisputed": self.undisputed,
+            "hopeless": self.hopeless,
             "owed": self.owed,
             "unkept": self.unkept,
             "late": self.late,

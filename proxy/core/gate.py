@@ -13,7 +13,6 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, 
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
-from proxy.core.disputes import Standing
 from proxy.core.events import DecisionReady
 from proxy.core.fallback import TokenBuckets
 from proxy.core.fixed import rounded
@@ -22,6 +21,7 @@ from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.kept import NO_SPEC, ONCE, Copy, Kept
 from proxy.core.limits import Limit, use_of
 from proxy.core.mode import Mode, in_force
+from proxy.core.prices import Standing
 from proxy.core.settings import CoreSettings
 from proxy.core.span import Span
 from proxy.core.stream import Sent, Stream
@@ -204,7 +204,7 @@ class Gate:
         if pending.copy is not None:
             return self._decided_copy(now, pending, pending.copy, plan)
         use = self._use(now, pending.sample)
-        lacking = self._lacking_besides(now, use) if plan.send else ()
+        lacking = self._budget.lacking(now, self._besides(now, use)) if plan.send else ()
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
         if reason != "forwarded":
@@ -247,15 +247,22 @@ class Gate:
             self.decisions.owed += 1
         elif ticket is None or self._roomy(now, stream):
             self.decisions.unneeded += bool(self.limits)
-        elif (standing := self._standing(now, stream, sample)) is Standing.UNDISPUTED:
-            self.decisions.unneeded += 1
-        elif standing is Standing.HOPELESS:
-            return [self._refuse(now, sample, "dropped:planner")]
-        elif lacking := self._lacking_besides(now, use):
-            return [self._refuse(now, sample, CONSTRAINT, lacking)]
         else:
-            return [self._search(now, sample, ticket)]
+            return [self._weigh(now, stream, sample, use, ticket)]
         return [self._send(now, sample, use, "forwarded")]
+
+    def _weigh(self, now: float, stream: Stream, sample: Waiting, use: tuple[float, ...], ticket: int) -> Command:
+        """Decide by what room costs, or where that is disputed by a search."""
+        standing = self._standing(now, stream, sample)
+        if standing is Standing.UNDISPUTED:
+            self.decisions.undisputed += 1
+            return self._send(now, sample, use, "forwarded")
+        if standing is Standing.HOPELESS:
+            self.decisions.hopeless += 1
+            return self._refuse(now, sample, "dropped:planner")
+        if lacking := self._budget.lacking(now, self._besides(now, use)):
+            return self._refuse(now, sample, CONSTRAINT, lacking)
+        return self._search(now, sample, ticket)
 
     def _take_up_copy(self, now: float, copy: Copy, ticket: int) -> list[Command]:
         """Send a copy, or have it decided; while there is no room for it, it waits for as long as it is worth it."""
@@ -321,20 +328,12 @@ class Gate:
 
     def _standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """How a sample stands among all that competes with it."""
-        disputes = self._windows.disputes
-        disputes.renew(now, stream)
-        disputes.look(now, self._budget.usable(now), alone=self._budget.alone)
-        return disputes.standing(stream, sample)
+        self._windows.disputes.look(now, self._budget.usable(now), alone=self._budget.alone)
+        return self._windows.disputes.standing(now, stream, sample)
 
-    def _lacking_besides(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
-        """Return the constraints that leave no room now for a contested message: what is booked is left free."""
-        return self._budget.lacking(now, self._beside_booked(now, use))
-
-    def _beside_booked(self, now: float, use: tuple[float, ...]) -> tuple[float, ...]:
-        booked = self._windows.disputes.free(now)
-        if len(booked) != len(use):
-            return use
-        return tuple([u + b if u > 0.0 else u for u, b in zip(use, booked, strict=True)])
+    def _besides(self, now: float, use: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the room that a contested message needs: its use, and what is kept for what is undisputed."""
+        return self._windows.disputes.besides(now, use)
 
     def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""
@@ -454,23 +453,19 @@ class Gate:
         return bool(self.limits) and self._waits_for_room(now, sample)
 
     def _waits_for_room(self, now: float, sample: Waiting) -> bool:
-        """Whether a sample is worth waiting for the room that opens soon."""
-        stream = self._own(now, sample)
+        """Whether a sample waits, as what we sent leaves room for it soon."""
+        stream, disputes = self._own(now, sample), self._windows.disputes
         if stream is None or self.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
             return False
-        patience = self._windows.disputes.patience(stream)
-        if now >= sample.t_gen + patience:
+        standing = self._standing(now, stream, sample)
+        until = sample.t_gen + disputes.patience(stream)
+        if standing is Standing.HOPELESS or now >= until:
             return False
         needed = self._use(now, sample)
-        standing = self._standing(now, stream, sample)
-        if standing is Standing.HOPELESS:
-            return False
         if standing is Standing.CONTESTED:
-            needed = self._beside_booked(now, needed)
-        if self._budget.fits(now, needed):
-            return False
+            needed = disputes.besides(now, needed)
         room = self._budget.opens(now, needed)
-        if room <= now or room > sample.t_gen + patience:
+        if not now < room <= until:
             return False
         self.wakes_at = min(self.wakes_at, room)
         return True

@@ -1,13 +1,15 @@
 """The planning window: which messages a decision looks at, and what they would use.
 
-It ends at the earlier of `horizon` messages and `horizon_time`, but not before now + 2·max(T) and not before one
-forecast message of every stream; if that is too many, low-value streams are thinned, not time. Where more streams
-compete than a window has messages, some have none in it: half of the places are for the streams worth most per byte on
-the air, half for those that generate next, so that what is imminent competes with what is valuable. Only streams that
-somebody wants compete, and where each robot has its part of the limits only our own, because then no other stream can
-gain by what we leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
-or the last few where the stream does not go by the most recent one. Everything sent within a constraint window is
-traffic, for what it uses. What guarantees demand of the future is a fact and traffic like that.
+It holds contested messages alone (`disputes.py`); the others are booked, and the limits of the problem lower by as
+much. It reaches `WINDOWS` of the longest constraint window, at most `horizon_time`, and at least to one forecast
+message of every stream; a slower stream is weighed by its rate. If these are more than `horizon` messages, low-value
+streams are thinned, not time. Where more streams compete than a window has messages, some have none in it: half of
+the places are for the streams worth most per byte on the air, half for those that generate next, so that what is
+imminent competes with what is valuable. Only streams that somebody wants compete, and where each robot has its part only
+our own, because then no other stream can gain by what we leave. Sent messages are facts. Those that say what others of
+their stream are still worth are messages: the last one, or the last few where the stream does not go by the most
+recent one. What else was sent within a constraint window is traffic, for what it uses. What guarantees demand of the
+future is a fact and traffic like that.
 """
 
 import math
@@ -35,9 +37,8 @@ MOST_AHEAD = 512
 LEAST_LEFT = 0.1
 """So much of a limit is left at least to what is contested."""
 WINDOWS = 4.0
-"""The window reaches so many of the longest constraint window..."""
-SENDS = 0.0
-"""... and so many expected sends of every contested stream."""
+"""The window reaches so many of the longest constraint window: with random sizes and times 93.5 % of the bound, and
+92.3 where it reached two expected sends of every stream besides."""
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
 MOST_FACTS = 16
@@ -121,14 +122,14 @@ class WindowBuilder:
         return self._problem(now, candidates, opened, demanded, limits), full
 
     def _contested(self, now: float, limits: Limits) -> Limits:
-        """Return what is left of the limits to what is contested: without what is booked, and without its traffic."""
-        self.disputes.look(now, limits.union, alone=limits.alone)
-        reserve, late = self.disputes.reserve(now), self.disputes.late
+        """Return what is left of the limits to what is contested, without the sends that are booked."""
+        disputes = self.disputes
+        disputes.look(now, limits.union, alone=limits.alone)
         union = tuple(
-            replace(c, limit=max(c.limit - booked, LEAST_LEFT * c.limit), window=c.window - min(late, 0.05 * c.window))
-            for c, booked in zip(limits.union, reserve, strict=True)
+            replace(c, limit=max(left, LEAST_LEFT * c.limit), window=window)
+            for c, left, window in zip(limits.union, *disputes.left(now), strict=True)
         )
-        sent, others = (tuple(self.disputes.unbooked(now, sends)) for sends in (limits.sent, limits.others))
+        sent, others = (disputes.unbooked(now, sends) for sends in (limits.sent, limits.others))
         return replace(limits, union=union, sent=sent, others=others)
 
     def _opened(
@@ -165,7 +166,7 @@ class WindowBuilder:
     def _candidates(self, now: float, deciding: str, limits: Limits, most: int) -> list[_Candidate]:
         """Streams that compete, by robot and key, at most so many; that of the current message always does."""
         view, own = self._view, self._view.settings.robot
-        competing = view.competition.chosen(now, most, own if limits.alone else None, self.disputes.settled_places)
+        competing = view.competition.chosen(now, most, own if limits.alone else None, self.disputes.settled)
         current = view.known(own, deciding)
         if current is not None and not any(s is current for s in competing):
             insort(competing, current, key=lambda s: (s.robot, s.key))
@@ -193,9 +194,8 @@ class WindowBuilder:
         """
         settings = self._view.settings
         longest = max(c.window for c in limits.union)
-        until, least = now + settings.horizon_time, now + WINDOWS * longest
-        apart = [self.disputes.weighed(c.stream).apart for c in candidates]
-        end = min(until, max([least, *[now + SENDS * each for each in apart if each < math.inf]]))
+        until = now + settings.horizon_time
+        end = min(until, now + WINDOWS * longest)
         for c in candidates:
             after = self._since(now, c, limits, longest)
             c.times = c.stream.schedule.forecast(after, end, MOST_AHEAD, now)

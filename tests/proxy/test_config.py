@@ -40,7 +40,7 @@ def test_defaults_are_those_of_the_manual():
         "planner": {
             "iterations": 300,
             "deadline": 0.02,
-            "horizon": 60,
+            "horizon": 120,
             "backlog": 32,
             "search": "best",
             "engine": "native",

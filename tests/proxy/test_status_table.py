@@ -160,9 +160,11 @@ def test_decisions_are_told_as_far_as_anything_is_known_of_them():
     assert table({"decisions": {"made": 1, "iterations": 3}}).splitlines()[4:] == [
         "decided  1 times, 3 iterations each"
     ]
-    assert table({"decisions": {"made": 0, "unneeded": 7}}).splitlines()[4:] == [
+    assert table({"decisions": {"made": 0, "unneeded": 7, "undisputed": 5, "hopeless": 2}}).splitlines()[4:] == [
         "decided  0 times",
         "         7 more samples went while there was room for all",
+        "         5 more samples went as they earn what room costs",
+        "         2 were dropped as they do not earn what room costs",
     ]
 
 

@@ -22,7 +22,7 @@ from proxy.core.window import MOST_OF_BEST, MOST_OF_OWN, OVERHEARD, WindowBuilde
 from proxy.core.wire import Echo, State
 from utility_specs import ConstraintSpec, Specs
 
-LIMIT = Limit("throughput", 1.0, 10_000.0, Throughput(10_000.0, 1.0))
+LIMIT = Limit("throughput", 1.0, 4_000.0, Throughput(4_000.0, 1.0))
 
 BY_RED = """
 [[information_type]]
@@ -178,7 +178,7 @@ def aggregated(make_specs, aggregation, **settings):
     view = make_view(make_specs(text=BY_RED + f"aggregation = {aggregation}\n"), **settings)
     view.add_peer(0.0, "r2", "z-r2")
     view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (), ("robot/**",)))
-    return view, add_stream(view, "r1")
+    return view, add_stream(view, "r1", period=0.1)
 
 
 @pytest.mark.parametrize(
@@ -214,7 +214,7 @@ def test_all_waiting_samples_of_a_stream_are_decided_together(make_specs, aggreg
     assert past == [1.0, *(float(i) for i in range(1, 30))]
     assert problem.messages[problem.current].t_gen == 9.0
     coming = sum(m.t_gen > 10.0 for m in problem.messages)
-    assert coming == 100 if aggregation != '"best"' else MOST_OF_BEST // 2 < coming <= MOST_OF_BEST
+    assert coming == 40 if aggregation != '"best"' else MOST_OF_BEST // 2 < coming <= MOST_OF_BEST
 
 
 def test_of_a_model_of_the_operators_few_messages_are_weighed(make_specs):
@@ -348,7 +348,7 @@ def test_samples_that_wait_are_decided_with_it(crowd):
 
 
 def test_streams_of_low_value_are_thinned_not_time(make_specs):
-    """The window reaches two constraint windows ahead whatever the horizon; the best stream stays whole."""
+    """The window reaches four constraint windows ahead whatever the horizon; the best stream stays whole."""
     view = make_view(make_specs(), horizon=20)
     view.set_interest(("robot/**",))
     add_stream(view, "r1", period=0.1, scale=1.0)
@@ -356,7 +356,7 @@ def test_streams_of_low_value_are_thinned_not_time(make_specs):
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
     times = [[m.t_gen for m in problem.messages if m.stream == stream] for stream in (0, 1)]
     assert len(times[0]) + len(times[1]) <= 21
-    assert times[1][-1] >= 11.8
+    assert times[1][-1] >= 13.6
     assert len(times[1]) > len(times[0])
 
 
@@ -485,9 +485,9 @@ def test_others_random_samples_are_expected_from_now_on(make_specs):
     view = make_view(make_specs(text=spec))
     view.set_interest(("robot/**",))
     for robot in ("r1", "r2"):
-        add_stream(view, robot)
+        add_stream(view, robot, size=3000)
     problem = WindowBuilder(view, 0.0).build(12.5, sample(12.5), (), union())
-    assert [m.t_gen for m in problem.messages if m.stream == 1][:2] == [15.5, 18.5]
+    assert [m.t_gen for m in problem.messages if m.stream == 1] == [15.5]
 
 
 @hypothesis_settings(deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -79,7 +79,11 @@ class Flight:
         due = [letter for letter in self.mail if letter[0] <= self.now]
         self.mail = [letter for letter in self.mail if letter[0] > self.now]
         for _, number, to, by, told in due:
-            if to in self.splits and self.groups.get(to) == self.groups.get(by) and number > self.heard.get((to, by), 0):
+            if (
+                to in self.splits
+                and self.groups.get(to) == self.groups.get(by)
+                and number > self.heard.get((to, by), 0)
+            ):
                 self.heard[to, by] = number
                 self.splits[to].heard(self.clock(to), by, told)
 
