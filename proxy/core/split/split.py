@@ -57,7 +57,7 @@ class Split:
         self._asked = False
         self._last: dict[str, tuple[int, int]] = {}
         self._known_by: set[str] = set()
-        self._newcomer, self._met = True, False
+        self._newcomer = True
         self._formed = self._agreed_at = now
         self._round = self._news = 0.0
         self._folded = UNIT
@@ -119,7 +119,7 @@ class Split:
         lost, gained = self._members - members, members - self._members
         if not lost and not gained:
             return
-        self._members, self._met = members, True
+        self._members = members
         if lost:
             version, bid = self._bids[self.own]
             self._set_own((version + 1, bid))
@@ -151,8 +151,6 @@ class Split:
         self._news = news
         if self._newcomer and len(self._members) == 1 and now >= self._settled_at:
             self._renew(now)
-            if not self._met:
-                self._steady = Steady(now, self._entitled(), self._window)
         if self._newcomer:
             return False
         over = [turn for turn in self._standings[0].held if self._is_over(now, turn)]

@@ -50,6 +50,7 @@ class Flight:
             self.notices.append((self.now + self.rng.uniform(0.0, most or least), name))
 
     def leave(self, name):
+        self.sends = [(t, use, by, self.groups.get(by, group)) for t, use, by, group in self.sends]
         del self.splits[name], self.groups[name]
         self.notice_in(self.rng.choice([0.3, 2.0]))
 
@@ -57,6 +58,7 @@ class Flight:
         """Teams part or meet: group by name."""
         if any(self.groups[a] != self.groups[b] and groups[a] == groups[b] for a in self.splits for b in self.splits):
             self.met = self.now + self.noticed + WINDOW
+        self.sends = [send for send in self.sends if send[2] in self.splits]
         self.groups |= groups
         self.notice_in(self.noticed)
 
