@@ -1,5 +1,6 @@
 """What we sent in the last windows, and which of it counts against our part."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,6 +24,8 @@ class Ledger:
         self._windows = tuple(windows)
         self._kept: list[_Send] = []
         self._struck: list[_Send] = []
+        self.last_struck = -math.inf
+        """When the youngest of what was struck off was sent [s]."""
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """We sent something that uses so much of each limit [units]."""
@@ -44,12 +47,9 @@ class Ledger:
         ends = (send.time + window for send in self._struck for window in self._windows)
         return min((end for end in ends if end > now), default=float("inf"))
 
-    def strike(self, now: float, left: float, given_up: float) -> float | None:
-        """Strike off what does not fit in what is `left`, up to what is given up: large ones first [units].
-
-        Return when the last of it was sent [s]; None where all fits.
-        """
-        room, last = [given_up] * len(self._windows), None
+    def strike(self, now: float, left: float, given_up: float) -> None:
+        """Strike off what does not fit in what is `left`, up to what is given up: large ones first [units]."""
+        room = [given_up] * len(self._windows)
         for send in sorted(self._kept, key=lambda send: (-max(send.uses), send.time)):
             if all(self.kept(now, limit) <= left for limit in range(len(room))):
                 break
@@ -59,9 +59,8 @@ class Ledger:
                 room = [free - use for free, use in zip(room, struck.uses, strict=True)]
                 send.uses = [(1.0 - part) * use for use in send.uses]
                 self._struck.append(struck)
-                last = max(last or send.time, send.time)
+                self.last_struck = max(self.last_struck, send.time)
         self._kept = [send for send in self._kept if any(send.uses)]
-        return last
 
     def _within(self, sends: list[_Send], now: float, limit: int) -> float:
         since = now - self._windows[limit]

@@ -220,12 +220,13 @@ class Split:
             return self._floor // NEWCOMERS
         return min([self._folded, *(standing.total for standing in self._standings)])
 
-    def _entitle(self, now: float, unused: float = 0.0) -> float | None:
-        """Our part changes with what we are entitled to; return when we last used what we give up [s]."""
+    def _entitle(self, now: float, unused: float = 0.0) -> None:
+        """Our part changes with what we are entitled to; what it rises by has been unused for so long [s]."""
         before = self._steady.least(now)
         self._steady.lift(now, self._entitled(), min(unused, now - self._agreed_at))
         least = self._steady.least(now)
-        return self._ledger.strike(now, least, before - least) if least < before else None
+        if least < before:
+            self._ledger.strike(now, least, before - least)
 
     def _hear_turns(self, now: float, peer: str, told: Told, standing: Standing) -> None:
         for turn, number in zip(standing.turns, told.turns, strict=False):
@@ -246,5 +247,5 @@ class Split:
 
     def _pass_on(self, now: float, turn: Turn) -> None:
         turn.number, turn.teller = turn.number + 1, self.own
-        used = self._entitle(now)
-        turn.used = turn.used if used is None else max(turn.used, used)
+        self._entitle(now)
+        turn.used = max(turn.used, self._ledger.last_struck)

@@ -21,7 +21,7 @@ class Flight:
 
     noticed = 0.3
 
-    def __init__(self, seed, robots, loss=0.0, delay=0.2, pace=0.05, floor=FLOOR, bids=random_bid, rest=0.05):
+    def __init__(self, seed, robots, *, loss=0.0, delay=0.2, pace=0.05, floor=FLOOR, bids=random_bid, rest=0.05):
         self.rng, self.loss, self.delay, self.pace, self.floor = random.Random(seed), loss, delay, pace, floor
         self.bids, self.rest = bids, rest
         self.now, self.splits, self.groups, self.clocks, self.demand = 100.0, {}, {}, {}, {}
@@ -81,7 +81,8 @@ class Flight:
         due = [letter for letter in self.mail if letter[0] <= self.now]
         self.mail = [letter for letter in self.mail if letter[0] > self.now]
         for _, number, to, by, told in due:
-            if to in self.splits and self.groups.get(to) == self.groups.get(by) and number > self.heard.get((to, by), 0):
+            together = to in self.splits and self.groups[to] == self.groups.get(by)
+            if together and number > self.heard.get((to, by), 0):
                 self.heard[to, by] = number
                 self.splits[to].heard(self.clock(to), by, told)
 
