@@ -48,19 +48,31 @@ class Ledger:
         return min((end for end in ends if end > now), default=float("inf"))
 
     def strike(self, now: float, left: float, given_up: float) -> None:
-        """Strike off what does not fit in what is `left`, up to what is given up: large ones first [units]."""
-        room = [given_up] * len(self._windows)
-        for send in sorted(self._kept, key=lambda send: (-max(send.uses), send.time)):
-            if all(self.kept(now, limit) <= left for limit in range(len(room))):
-                break
-            part = min([1.0, *(free / use for free, use in zip(room, send.uses, strict=True) if use > 0.0)])
-            if part > 0.0 and send.time > now - max(self._windows):
-                struck = _Send(send.time, [part * use for use in send.uses])
-                room = [free - use for free, use in zip(room, struck.uses, strict=True)]
-                send.uses = [(1.0 - part) * use for use in send.uses]
-                self._struck.append(struck)
-                self.last_struck = max(self.last_struck, send.time)
+        """Strike off what does not fit in what is `left`, up to what is given up [units]."""
+        for send, part in self._excess(now, left, given_up):
+            self._struck.append(_Send(send.time, [part * use for use in send.uses]))
+            send.uses = [(1.0 - part) * use for use in send.uses]
+            self.last_struck = max(self.last_struck, send.time)
         self._kept = [send for send in self._kept if any(send.uses)]
+
+    def last_use(self, now: float, left: float, room: float) -> float:
+        """Return when some room was last used, beside which so much is `left` [s]; negative infinity: not lately."""
+        return max([self.last_struck, *(send.time for send, _ in self._excess(now, left, room))])
+
+    def _excess(self, now: float, left: float, room: float) -> list[tuple[_Send, float]]:
+        """What does not fit in what is left, and which part of each: large ones first, so that few are."""
+        limits = range(len(self._windows))
+        rooms, kept = [room] * len(limits), [self.kept(now, limit) for limit in limits]
+        excess = []
+        for send in sorted(self._kept, key=lambda send: (-max(send.uses), send.time)):
+            part = min([1.0, *(free / use for free, use in zip(rooms, send.uses, strict=True) if use > 0.0)])
+            if all(amount <= left for amount in kept):
+                break
+            if part > 0.0 and send.time > now - max(self._windows):
+                rooms = [free - part * use for free, use in zip(rooms, send.uses, strict=True)]
+                kept = [amount - part * use for amount, use in zip(kept, send.uses, strict=True)]
+                excess.append((send, part))
+        return excess
 
     def _within(self, sends: list[_Send], now: float, limit: int) -> float:
         since = now - self._windows[limit]

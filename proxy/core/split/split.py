@@ -246,6 +246,7 @@ class Split:
         return now >= ends or (spent and now >= ends - self._window)
 
     def _pass_on(self, now: float, turn: Turn) -> None:
-        turn.number, turn.teller = turn.number + 1, self.own
+        left = self._steady.least(now) - turn.slot.size
+        turn.used = max(turn.used, self._ledger.last_use(now, left, turn.slot.size))
+        turn.number += 1
         self._entitle(now)
-        turn.used = max(turn.used, self._ledger.last_struck)
