@@ -55,10 +55,6 @@ class Ledger:
             self.last_struck = max(self.last_struck, send.time)
         self._kept = [send for send in self._kept if any(send.uses)]
 
-    def last_use(self, now: float, left: float, room: float) -> float:
-        """Return when some room was last used, beside which so much is `left` [s]; negative infinity: not lately."""
-        return max([self.last_struck, *(send.time for send, _ in self._excess(now, left, room))])
-
     def _excess(self, now: float, left: float, room: float) -> list[tuple[_Send, float]]:
         """What does not fit in what is left, and which part of each: large ones first, so that few are."""
         limits = range(len(self._windows))

@@ -224,8 +224,11 @@ class Split:
         """Our part changes with what we are entitled to; what it rises by has been unused for so long [s]."""
         before = self._steady.least(now)
         self._steady.lift(now, self._entitled(), min(unused, now - self._agreed_at))
-        least = self._steady.least(now)
-        if least < before:
+        self._strike(now, before)
+
+    def _strike(self, now: float, before: int) -> None:
+        """Our part was so much before."""
+        if (least := self._steady.least(now)) < before:
             self._ledger.strike(now, least, before - least)
 
     def _hear_turns(self, now: float, peer: str, told: Told, standing: Standing) -> None:
@@ -246,7 +249,10 @@ class Split:
         return now >= ends or (spent and now >= ends - self._window)
 
     def _pass_on(self, now: float, turn: Turn) -> None:
-        left = self._steady.least(now) - turn.slot.size
-        turn.used = max(turn.used, self._ledger.last_use(now, left, turn.slot.size))
+        """It is the next one's turn: what we sent and has no room beside this slot was sent in it."""
+        before = self._steady.least(now)
         turn.number += 1
-        self._entitle(now)
+        own = min([self._folded, *(standing.allocation.parts[self.own] for standing in self._standings)])
+        self._steady.give_up(now, self._entitled(), turn.slot.size, own)
+        self._strike(now, before)
+        turn.used = max(turn.used, self._ledger.last_struck)
