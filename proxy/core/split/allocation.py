@@ -14,6 +14,9 @@ PIECES = 16
 MOST_UNEQUAL = 4
 """A turn is at most so many times as long as another one of its slot, so that nobody waits for long."""
 
+WHOLE = UNIT // 2
+"""A message larger than the limit needs a slot of at least this, and gets what is left, too."""
+
 Table = Mapping[str, Bid | None]
 """What each robot asks for, by tag; None: not known yet."""
 
@@ -80,8 +83,10 @@ class _Open:
     size: int
     pieces: dict[str, int]
     left: int = PIECES
+    whole: bool = False
 
-    def take(self, tag: str) -> None:
+    def take(self, tag: str, amount: int) -> None:
+        self.whole |= amount == UNIT
         self.pieces[tag] = self.pieces.get(tag, 0) + 1
         self.left -= 1
 
@@ -130,11 +135,12 @@ class _Filling:
         for waiting, tag in zip(range(len(wanted), 0, -1), sorted(wanted, key=lambda t: (wanted[t], t)), strict=True):
             self._give(tag, min(wanted[tag], self._left // waiting))
 
-    def _place(self, tag: str, size: int) -> None:
+    def _place(self, tag: str, amount: int) -> None:
         """Give a robot a piece of a slot for a message of this size, if there is one."""
+        size = WHOLE if amount == UNIT else amount
         slot = self._own(tag, size) or self._new(size) or self._shared(size)
         if slot is not None:
-            slot.take(tag)
+            slot.take(tag, amount)
 
     def _own(self, tag: str, size: int) -> _Open | None:
         return next((slot for slot in self._slots if slot.left and tag in slot.pieces and slot.size >= size), None)
@@ -158,6 +164,8 @@ class _Filling:
 
     def allocation(self, seed: int) -> Allocation:
         """Return what each has; what is left goes to all who bid, alike."""
+        for slot in [slot for slot in self._slots if slot.whole][:1]:
+            slot.size, self._left = slot.size + self._left, 0
         for slot in self._slots:
             if len(slot.pieces) == 1:
                 self._parts[next(iter(slot.pieces))] += slot.size

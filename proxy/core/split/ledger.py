@@ -34,6 +34,11 @@ class Ledger:
         self._struck = [send for send in self._struck if send.time > longest]
         self._kept.append(_Send(now, list(uses)))
 
+    @property
+    def last(self) -> float:
+        """When we sent last [s]; in the future where a message has more than one window for itself."""
+        return max((send.time for send in self._kept), default=-math.inf)
+
     def kept(self, now: float, limit: int) -> float:
         """Return what counts against our part of a limit [units]."""
         return self._within(self._kept, now, limit)

@@ -69,6 +69,10 @@ class Split:
         """Return what our sends within the window of a limit may use together, as a part of it."""
         return (self._steady.least(now) + self._ledger.struck(now, limit)) / UNIT
 
+    def free(self, now: float, limit: int = 0) -> float:
+        """Return what is left of our part of a limit now."""
+        return max(0.0, self._steady.least(now) - self._ledger.kept(now, limit)) / UNIT
+
     @property
     def waits_for_turn(self) -> bool:
         """Whether we share slots of which none is ours now."""
@@ -142,8 +146,12 @@ class Split:
         self._renew(now)
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
-        """We sent a message that uses such parts of the shared limits."""
-        self._ledger.sent(now, [use * UNIT for use in uses])
+        """We sent a message that uses such parts of the shared limits.
+
+        One that is larger than our part has the windows until all of it would have fitted for itself.
+        """
+        times = max([1.0, *(use / max(self.part(now, limit), 1 / UNIT) for limit, use in enumerate(uses))])
+        self._ledger.sent(now + (times - 1.0) * self._window, [use * UNIT / times for use in uses])
         self.look(now, self._news)
 
     def look(self, now: float, news: float) -> bool:
@@ -244,6 +252,8 @@ class Split:
 
     def _is_over(self, now: float, turn: Turn) -> bool:
         """Whether we pass a slot on: at the end of our turn, or once its last window has been used."""
+        if self._ledger.last > now:
+            return False
         ends = self._turn_ends(turn)
         spent = self._ledger.kept(now, 0) > self._steady.least(now) - turn.slot.size / 2
         return now >= ends or (spent and now >= ends - self._window)
