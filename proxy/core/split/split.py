@@ -114,7 +114,8 @@ class Split:
             return False
         self._asked = True
         self._set_own((version + 1, bid))
-        self._renew(now)
+        self._form(now)
+        self._settle(now)
         return True
 
     def set_members(self, now: float, tags: Collection[str]) -> None:
@@ -131,7 +132,8 @@ class Split:
         self._last = {tag: told for tag, told in self._last.items() if tag in members}
         if gained and not self._newcomer:
             self._reserve_for(gained)
-        self._renew(now)
+        self._form(now)
+        self._settle(now)
 
     def heard(self, now: float, peer: str, told: Told) -> None:
         """A digest of another robot came, newer than all before."""
@@ -139,11 +141,12 @@ class Split:
             self._bids.pop(peer, None)
             self._bids[peer] = told.version, told.bid
             self._forget_some()
+            self._form(now)
         self._last[peer] = told.table, told.agreed
         for standing in self._standings:
             if standing.name == told.agreed:
                 self._hear_turns(now, peer, told, standing)
-        self._renew(now)
+        self._settle(now)
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """We sent a message that uses such parts of the shared limits.
@@ -158,7 +161,7 @@ class Split:
         """Time passed; news take so long to others [s]. Return whether we passed a slot on."""
         self._news = news
         if self._newcomer and len(self._members) == 1 and now >= self._settled_at:
-            self._renew(now)
+            self._settle(now)
         if self._newcomer:
             return False
         over = [turn for turn in self._standings[0].held if self._is_over(now, turn)]
@@ -185,16 +188,18 @@ class Split:
         table = agreed | {tag: None for tag in gained if tag not in agreed}
         self._standings.append(self._standing(table))
 
-    def _renew(self, now: float) -> None:
-        """Form our newest table, and look what has been agreed on."""
+    def _form(self, now: float) -> None:
+        """Form our newest table."""
         newest = self._standing({tag: self._bids.get(tag) for tag in self._members})
         if newest.name != self._standings[-1].name:
             self._standings.append(newest)
             self._formed = now
-        for standing in self._standings:
-            standing.told |= {tag for tag, names in self._last.items() if standing.name in names}
+
+    def _settle(self, now: float) -> None:
+        """Look what has been agreed on, and what is ours by that."""
         version = self._bids[self.own][0]
         for standing in self._standings:
+            standing.told |= {tag for tag, names in self._last.items() if standing.name in names}
             if (standing.table[self.own] or (-1,))[0] == version:
                 self._known_by |= standing.told & self._members
         self._agree(now)
