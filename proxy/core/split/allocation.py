@@ -9,6 +9,13 @@ from proxy.core.split.bid import QUARTERS, UNIT, Bid, Segment
 
 LEAST = 8
 """Every robot gets what it asks for up to an equal part by this, before values count: so nobody is silent."""
+PIECES = 16
+"""A slot is shared in time by so many pieces: so many robots can ask for it alike."""
+MOST_UNEQUAL = 4
+"""A turn is at most so many times as long as another one of its slot, so that nobody waits for long."""
+
+WHOLE = UNIT // 2
+"""A message larger than the limit needs a slot of at least this, and gets what is left, too."""
 
 Table = Mapping[str, Bid | None]
 """What each robot asks for, by tag; None: not known yet."""
@@ -42,7 +49,7 @@ def allocate(table: Table, members: int, floor: int, seed: int = 0) -> Allocatio
 
     Units go to segments by falling value density, as an auction by marginal utility would sell them: where values
     fall with amounts, this fills a limit best (water-filling). Segments of equal value share evenly. A message is
-    served whole: it gets quarters of a slot of its robot's, of a new one, or of one that others use, too. What nobody
+    served whole: it gets pieces of a slot of its robot's, of a new one, or of one that others use, too. What nobody
     asks for goes to all alike.
 
     `members` counts those of whom an unknown one gets an equal part. `floor` [units] is given to nobody. `seed` says
@@ -71,14 +78,17 @@ def _falling(entry: tuple[str, Segment]) -> tuple[int, int, str]:
 
 @dataclass(slots=True)
 class _Open:
-    """A slot that is being filled: quarters by robot."""
+    """A slot that is being filled: pieces by robot."""
 
     size: int
-    quarters: dict[str, int]
+    pieces: dict[str, int]
+    left: int = PIECES
+    whole: bool = False
 
-    @property
-    def left(self) -> int:
-        return QUARTERS - sum(self.quarters.values())
+    def take(self, tag: str, amount: int) -> None:
+        self.whole |= amount == UNIT
+        self.pieces[tag] = self.pieces.get(tag, 0) + 1
+        self.left -= 1
 
 
 class _Filling:
@@ -102,16 +112,16 @@ class _Filling:
         self._left -= amount
 
     def serve(self, segments: list[tuple[str, Segment]]) -> None:
-        """Serve segments of one level: divisible ones evenly, then messages, a quarter each and again."""
+        """Serve segments of one level: divisible ones evenly, then messages, a piece each and again."""
         wanted = {tag: 0 for tag, segment in segments if not segment.quarters}
         for tag, segment in segments:
             if not segment.quarters:
                 wanted[tag] += segment.amount
         self._evenly({tag: self._beyond_advance(tag, amount) for tag, amount in wanted.items()})
         messages = [(tag, segment) for tag, segment in segments if segment.quarters]
-        for quarter in range(QUARTERS):
+        for piece in range(PIECES):
             for tag, segment in messages:
-                if segment.quarters > quarter:
+                if segment.quarters * PIECES > piece * QUARTERS:
                     self._place(tag, segment.amount)
 
     def _beyond_advance(self, tag: str, amount: int) -> int:
@@ -125,39 +135,48 @@ class _Filling:
         for waiting, tag in zip(range(len(wanted), 0, -1), sorted(wanted, key=lambda t: (wanted[t], t)), strict=True):
             self._give(tag, min(wanted[tag], self._left // waiting))
 
-    def _place(self, tag: str, size: int) -> None:
-        """Give a robot a quarter of a slot for a message of this size, if there is one."""
-        own = [slot for slot in self._slots if slot.left and tag in slot.quarters and slot.size >= size]
-        if own:
-            own[0].quarters[tag] += 1
-        elif size <= self._left:
-            self._slots.append(_Open(size, {tag: 1}))
-            self._left -= size
-        else:
-            self._share(tag, size)
+    def _place(self, tag: str, amount: int) -> None:
+        """Give a robot a piece of a slot for a message of this size, if there is one."""
+        size = WHOLE if amount == UNIT else amount
+        slot = self._own(tag, size) or self._new(size) or self._shared(size)
+        if slot is not None:
+            slot.take(tag, amount)
 
-    def _share(self, tag: str, size: int) -> None:
-        """Join those who use a slot, that which must grow least; of these, that with most quarters left."""
+    def _own(self, tag: str, size: int) -> _Open | None:
+        return next((slot for slot in self._slots if slot.left and tag in slot.pieces and slot.size >= size), None)
+
+    def _new(self, size: int) -> _Open | None:
+        if size > self._left:
+            return None
+        self._left -= size
+        self._slots.append(_Open(size, {}))
+        return self._slots[-1]
+
+    def _shared(self, size: int) -> _Open | None:
+        """Return the slot that must grow least; of these, that with most pieces left."""
         slots = [slot for slot in self._slots if slot.left and size - slot.size <= self._left]
-        if slots:
-            slot = min(slots, key=lambda slot: (max(0, size - slot.size), -slot.left))
-            self._left -= max(0, size - slot.size)
-            slot.size = max(slot.size, size)
-            slot.quarters[tag] = slot.quarters.get(tag, 0) + 1
+        if not slots:
+            return None
+        slot = min(slots, key=lambda slot: (max(0, size - slot.size), -slot.left))
+        self._left -= max(0, size - slot.size)
+        slot.size = max(slot.size, size)
+        return slot
 
     def allocation(self, seed: int) -> Allocation:
         """Return what each has; what is left goes to all who bid, alike."""
+        for slot in [slot for slot in self._slots if slot.whole][:1]:
+            slot.size, self._left = slot.size + self._left, 0
         for slot in self._slots:
-            if len(slot.quarters) == 1:
-                self._parts[next(iter(slot.quarters))] += slot.size
+            if len(slot.pieces) == 1:
+                self._parts[next(iter(slot.pieces))] += slot.size
         for tag in self._known:
             self._parts[tag] += self._left // len(self._known)
-        shared = (slot for slot in self._slots if len(slot.quarters) > 1)
-        return Allocation(self._parts, tuple(Slot(slot.size, _ring(slot.quarters, seed)) for slot in shared))
+        shared = (slot for slot in self._slots if len(slot.pieces) > 1)
+        return Allocation(self._parts, tuple(Slot(slot.size, _ring(slot.pieces, seed)) for slot in shared))
 
 
-def _ring(quarters: dict[str, int], seed: int) -> tuple[tuple[str, int], ...]:
-    turns = sorted(quarters.items())
-    first = seed % len(turns)
-    even = len(set(quarters.values())) == 1
-    return tuple((tag, 1 if even else share) for tag, share in turns[first:] + turns[:first])
+def _ring(pieces: dict[str, int], seed: int) -> tuple[tuple[str, int], ...]:
+    """Return who comes after whom, and how long each turn is in relation to the shortest one."""
+    least, first = min(pieces.values()), seed % len(pieces)
+    turns = [(tag, min(MOST_UNEQUAL, (2 * share + least) // (2 * least))) for tag, share in sorted(pieces.items())]
+    return tuple(turns[first:] + turns[:first])

@@ -9,8 +9,12 @@ from proxy.core.split.bid import MOST_SEGMENTS, UNIT, Bid, Segment, level_of
 
 SMALL = 0.05
 """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
+MOST_DIVISIBLE = 3
+"""Segments of small messages."""
 RATES = (0.25, 0.5, 1.0, 2.0, 3.0)
 """Rates at which large messages are asked for, in uses of a slot per window."""
+SPARE = 16
+"""Levels by which room for one message more than the mean is worth less: it is used about once in sixteen windows."""
 PACKED = 0.85
 """What of a slot is used by messages that vary in size: a smaller one than the slot leaves some room."""
 
@@ -32,22 +36,22 @@ def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
     small = min(SMALL, 0.5 / max(1, robots))
     segments: list[Segment] = []
     divisible: list[tuple[float, float]] = []
+    spare = 0.0
     for demand in demands:
         if demand.rate <= 0.0 or demand.mean <= 0.0:
             continue
         if demand.large <= small:
-            divisible.append(_room(demand, window))
-        elif demand.large <= 1.0:
+            amount = UNIT * demand.mean * demand.rate * window
+            divisible.append((amount, demand.value(demand.rate) / amount))
+            spare = max(spare, UNIT * demand.large)
+        else:
             segments += _large(demand, window)
-    segments += _joined(divisible, MOST_SEGMENTS // 2)
+    joined = _joined(divisible, MOST_DIVISIBLE)
+    segments += joined
+    if joined:
+        segments.append(Segment(min(UNIT, math.ceil(spare)), max(0, joined[0].level - SPARE)))
     segments = sorted(segments, key=lambda s: (-s.level, s.quarters, s.amount))
     return tuple(segments[:MOST_SEGMENTS])
-
-
-def _room(demand: Demand, window: float) -> tuple[float, float]:
-    """What a stream of small messages needs in a window [units], one message beyond the mean, and its value density."""
-    amount = UNIT * (demand.mean * demand.rate * window + demand.large)
-    return amount, demand.value(demand.rate) / amount
 
 
 def _joined(rooms: Sequence[tuple[float, float]], most: int) -> list[Segment]:
@@ -63,8 +67,8 @@ def _joined(rooms: Sequence[tuple[float, float]], most: int) -> list[Segment]:
 
 def _large(demand: Demand, window: float) -> list[Segment]:
     """Ask for slots: the first message of several windows is worth most, the second one of a window less."""
-    size = min(UNIT, math.ceil(UNIT * demand.large))
-    together = max(1.0, PACKED * demand.large / demand.mean)
+    size = math.ceil(UNIT * min(1.0, demand.large))
+    together = min(1.0, 1.0 / demand.large) * max(1.0, PACKED * demand.large / demand.mean)
     segments, before, value = [], 0.0, 0.0
     for uses in RATES:
         if before * together >= demand.rate * window:

@@ -1,5 +1,6 @@
 """What we sent in the last windows, and which of it counts against our part."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,6 +24,8 @@ class Ledger:
         self._windows = tuple(windows)
         self._kept: list[_Send] = []
         self._struck: list[_Send] = []
+        self.last_struck = -math.inf
+        """When the youngest of what was struck off was sent [s]."""
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """We sent something that uses so much of each limit [units]."""
@@ -30,6 +33,11 @@ class Ledger:
         self._kept = [send for send in self._kept if send.time > longest]
         self._struck = [send for send in self._struck if send.time > longest]
         self._kept.append(_Send(now, list(uses)))
+
+    @property
+    def last(self) -> float:
+        """When we sent last [s]; in the future where a message has more than one window for itself."""
+        return max((send.time for send in self._kept), default=-math.inf)
 
     def kept(self, now: float, limit: int) -> float:
         """Return what counts against our part of a limit [units]."""
@@ -44,24 +52,28 @@ class Ledger:
         ends = (send.time + window for send in self._struck for window in self._windows)
         return min((end for end in ends if end > now), default=float("inf"))
 
-    def strike(self, now: float, left: float, given_up: float) -> float | None:
-        """Strike off what does not fit in what is `left`, up to what is given up: large ones first [units].
-
-        Return when the last of it was sent [s]; None where all fits.
-        """
-        room, last = [given_up] * len(self._windows), None
-        for send in sorted(self._kept, key=lambda send: (-max(send.uses), send.time)):
-            if all(self.kept(now, limit) <= left for limit in range(len(room))):
-                break
-            part = min([1.0, *(free / use for free, use in zip(room, send.uses, strict=True) if use > 0.0)])
-            if part > 0.0 and send.time > now - max(self._windows):
-                struck = _Send(send.time, [part * use for use in send.uses])
-                room = [free - use for free, use in zip(room, struck.uses, strict=True)]
-                send.uses = [(1.0 - part) * use for use in send.uses]
-                self._struck.append(struck)
-                last = max(last or send.time, send.time)
+    def strike(self, now: float, left: float, given_up: float) -> None:
+        """Strike off what does not fit in what is `left`, up to what is given up [units]."""
+        for send, part in self._excess(now, left, given_up):
+            self._struck.append(_Send(send.time, [part * use for use in send.uses]))
+            send.uses = [(1.0 - part) * use for use in send.uses]
+            self.last_struck = max(self.last_struck, send.time)
         self._kept = [send for send in self._kept if any(send.uses)]
-        return last
+
+    def _excess(self, now: float, left: float, room: float) -> list[tuple[_Send, float]]:
+        """What does not fit in what is left, and which part of each: large ones first, so that few are."""
+        limits = range(len(self._windows))
+        rooms, kept = [room] * len(limits), [self.kept(now, limit) for limit in limits]
+        excess = []
+        for send in sorted(self._kept, key=lambda send: (-max(send.uses), send.time)):
+            part = min([1.0, *(free / use for free, use in zip(rooms, send.uses, strict=True) if use > 0.0)])
+            if all(amount <= left for amount in kept):
+                break
+            if part > 0.0 and send.time > now - max(self._windows):
+                rooms = [free - part * use for free, use in zip(rooms, send.uses, strict=True)]
+                kept = [amount - part * use for amount, use in zip(kept, send.uses, strict=True)]
+                excess.append((send, part))
+        return excess
 
     def _within(self, sends: list[_Send], now: float, limit: int) -> float:
         since = now - self._windows[limit]

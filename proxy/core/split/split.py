@@ -57,7 +57,7 @@ class Split:
         self._asked = False
         self._last: dict[str, tuple[int, int]] = {}
         self._known_by: set[str] = set()
-        self._newcomer, self._met = True, False
+        self._newcomer = True
         self._formed = self._agreed_at = now
         self._round = self._news = 0.0
         self._folded = UNIT
@@ -68,6 +68,10 @@ class Split:
     def part(self, now: float, limit: int = 0) -> float:
         """Return what our sends within the window of a limit may use together, as a part of it."""
         return (self._steady.least(now) + self._ledger.struck(now, limit)) / UNIT
+
+    def free(self, now: float, limit: int = 0) -> float:
+        """Return what is left of our part of a limit now."""
+        return max(0.0, self._steady.least(now) - self._ledger.kept(now, limit)) / UNIT
 
     @property
     def agreed(self) -> bool:
@@ -115,7 +119,8 @@ class Split:
             return False
         self._asked = True
         self._set_own((version + 1, bid))
-        self._renew(now)
+        self._form(now)
+        self._settle(now)
         return True
 
     def set_members(self, now: float, tags: Collection[str]) -> None:
@@ -124,7 +129,7 @@ class Split:
         lost, gained = self._members - members, members - self._members
         if not lost and not gained:
             return
-        self._members, self._met = members, True
+        self._members = members
         if lost:
             version, bid = self._bids[self.own]
             self._set_own((version + 1, bid))
@@ -132,7 +137,8 @@ class Split:
         self._last = {tag: told for tag, told in self._last.items() if tag in members}
         if gained and not self._newcomer:
             self._reserve_for(gained)
-        self._renew(now)
+        self._form(now)
+        self._settle(now)
 
     def heard(self, now: float, peer: str, told: Told) -> None:
         """A digest of another robot came, newer than all before."""
@@ -140,24 +146,27 @@ class Split:
             self._bids.pop(peer, None)
             self._bids[peer] = told.version, told.bid
             self._forget_some()
+            self._form(now)
         self._last[peer] = told.table, told.agreed
         for standing in self._standings:
             if standing.name == told.agreed:
                 self._hear_turns(now, peer, told, standing)
-        self._renew(now)
+        self._settle(now)
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
-        """We sent a message that uses such parts of the shared limits."""
-        self._ledger.sent(now, [use * UNIT for use in uses])
+        """We sent a message that uses such parts of the shared limits.
+
+        One that is larger than our part has the windows until all of it would have fitted for itself.
+        """
+        times = max([1.0, *(use / max(self.part(now, limit), 1 / UNIT) for limit, use in enumerate(uses))])
+        self._ledger.sent(now + (times - 1.0) * self._window, [use * UNIT / times for use in uses])
         self.look(now, self._news)
 
     def look(self, now: float, news: float) -> bool:
         """Time passed; news take so long to others [s]. Return whether we passed a slot on."""
         self._news = news
         if self._newcomer and len(self._members) == 1 and now >= self._settled_at:
-            self._renew(now)
-            if not self._met:
-                self._steady = Steady(now, self._entitled(), self._window)
+            self._settle(now)
         if self._newcomer:
             return False
         over = [turn for turn in self._standings[0].held if self._is_over(now, turn)]
@@ -184,16 +193,18 @@ class Split:
         table = agreed | {tag: None for tag in gained if tag not in agreed}
         self._standings.append(self._standing(table))
 
-    def _renew(self, now: float) -> None:
-        """Form our newest table, and look what has been agreed on."""
+    def _form(self, now: float) -> None:
+        """Form our newest table."""
         newest = self._standing({tag: self._bids.get(tag) for tag in self._members})
         if newest.name != self._standings[-1].name:
             self._standings.append(newest)
             self._formed = now
-        for standing in self._standings:
-            standing.told |= {tag for tag, names in self._last.items() if standing.name in names}
+
+    def _settle(self, now: float) -> None:
+        """Look what has been agreed on, and what is ours by that."""
         version = self._bids[self.own][0]
         for standing in self._standings:
+            standing.told |= {tag for tag, names in self._last.items() if standing.name in names}
             if (standing.table[self.own] or (-1,))[0] == version:
                 self._known_by |= standing.told & self._members
         self._agree(now)
@@ -227,12 +238,16 @@ class Split:
             return self._floor // NEWCOMERS
         return min([self._folded, *(standing.total for standing in self._standings)])
 
-    def _entitle(self, now: float, unused: float = 0.0) -> float | None:
-        """Our part changes with what we are entitled to; return when we last used what we give up [s]."""
+    def _entitle(self, now: float, unused: float = 0.0) -> None:
+        """Our part changes with what we are entitled to; what it rises by has been unused for so long [s]."""
         before = self._steady.least(now)
         self._steady.lift(now, self._entitled(), min(unused, now - self._agreed_at))
-        least = self._steady.least(now)
-        return self._ledger.strike(now, least, before - least) if least < before else None
+        self._strike(now, before)
+
+    def _strike(self, now: float, before: int) -> None:
+        """Our part was so much before."""
+        if (least := self._steady.least(now)) < before:
+            self._ledger.strike(now, least, before - least)
 
     def _hear_turns(self, now: float, peer: str, told: Told, standing: Standing) -> None:
         for turn, number in zip(standing.turns, told.turns, strict=False):
@@ -247,11 +262,17 @@ class Split:
 
     def _is_over(self, now: float, turn: Turn) -> bool:
         """Whether we pass a slot on: at the end of our turn, or once its last window has been used."""
+        if self._ledger.last > now:
+            return False
         ends = self._turn_ends(turn)
         spent = self._ledger.kept(now, 0) > self._steady.least(now) - turn.slot.size / 2
         return now >= ends or (spent and now >= ends - self._window)
 
     def _pass_on(self, now: float, turn: Turn) -> None:
-        turn.number, turn.teller = turn.number + 1, self.own
-        used = self._entitle(now)
-        turn.used = turn.used if used is None else max(turn.used, used)
+        """It is the next one's turn: what we sent and has no room beside this slot was sent in it."""
+        before = self._steady.least(now)
+        turn.number += 1
+        own = min([self._folded, *(standing.allocation.parts[self.own] for standing in self._standings)])
+        self._steady.give_up(now, self._entitled(), turn.slot.size, own)
+        self._strike(now, before)
+        turn.used = max(turn.used, self._ledger.last_struck)

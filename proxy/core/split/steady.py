@@ -36,6 +36,14 @@ class Steady:
         since = max(self.changed, now - unused) if value > self.value else now
         self.set(min(now, since), value)
 
+    def give_up(self, now: float, value: int, room: int, least: int) -> None:
+        """It is `value` from now on, and counts as if some room had never been part of it: `least` always was ours.
+
+        Other room that came meanwhile may not be ours throughout the window, and does not stand in for this one.
+        """
+        self._values = [(start, min(had, max(had - room, least))) for start, had in self._values]
+        self.set(now, value)
+
     def least(self, now: float) -> int:
         """Return the least that it was in the window until `now`."""
         return min(value for (value, end) in self._spans() if end > now - self.window)

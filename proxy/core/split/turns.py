@@ -11,8 +11,11 @@ from dataclasses import dataclass
 
 from proxy.core.split.allocation import Slot
 
-TURN = 10.0
-"""A turn lasts at least so many times what news take: then passing slots on costs at most a tenth of them."""
+TURN = 15.0
+"""A turn lasts at least so many times what news take: then passing slots on costs about a fifteenth of them."""
+
+ROUND = 40.0
+"""Where news take long, turns are so short that everyone's comes this often [s], if they are to last one window."""
 
 
 @dataclass(slots=True)
@@ -23,8 +26,6 @@ class Turn:
     number: int = 0
     used: float = -math.inf
     """When the slot may last have been used, by us or by others [s]."""
-    teller: str = ""
-    """Who told the number."""
 
     @property
     def holder(self) -> str:
@@ -43,11 +44,17 @@ class Turn:
         """Take over a greater number; `unused`: for how long, says the one that passed the slot on [s]."""
         if number <= self.number:
             return False
-        self.number, self.teller = number, teller
+        self.number = number
         self.used = now - unused if teller == self.giver else now
         return True
 
     def ends(self, window: float, news: float) -> float:
         """Return when the holder's turn ends [s]: some windows after it began, more where `news` take long [s]."""
-        windows = max(1, math.ceil(TURN * news / window - 1e-9))
-        return self.used + window + self._at(self.number)[1] * windows * window
+        return self.used + window + self._at(self.number)[1] * self._windows(window, news) * window
+
+    def _windows(self, window: float, news: float) -> int:
+        """How many windows the shortest turn lasts."""
+        enough = math.ceil(TURN * news / window - 1e-9)
+        shares = sum(share for _, share in self.slot.ring)
+        most = (ROUND - len(self.slot.ring) * (news + window)) / (shares * window)
+        return max(1, min(enough, math.floor(most)))
