@@ -5,6 +5,7 @@ from functools import partial
 from planner import SearchSettings
 from proxy import clock
 from proxy.core.commands import Decide
+from proxy.core.events import DecisionLate, DecisionReady, Event
 from proxy.loop import Loop
 from proxy.worker import Worker
 
@@ -15,8 +16,10 @@ class Planning:
     def __init__(self, settings: SearchSettings, deadline: float, loop: Loop) -> None:
         self._deadline = deadline
         self._loop = loop
-        self._samples = Worker(settings, deadline, loop.post)
+        self._samples = Worker(settings, deadline, lambda answer: loop.post(partial(self._ready, answer)))
         self._ahead = Worker(settings, deadline, loop.post)
+        self._told = -1
+        """The ticket of the last decision of which the core knows the answer, or that there is none in time."""
 
     def start(self) -> None:
         """Start answering."""
@@ -39,7 +42,19 @@ class Planning:
             return
         overdue = self._samples.busy(clock.monotonic())
         self._samples.submit(command)
-        self._loop.at(command.asked + (0.0 if overdue else self._deadline), partial(self._samples.due, command.ticket))
+        self._loop.at(command.asked + (0.0 if overdue else self._deadline), partial(self._due, command.ticket))
+
+    def _ready(self, answer: DecisionReady) -> Event | None:
+        """Pass an answer on; after the deadline nobody waits for it. On the loop's thread."""
+        return self._tell(answer) if answer.ticket > self._told else None
+
+    def _due(self, ticket: int) -> Event | None:
+        """It is time for the answer: let the core know of it, or that there is none, unless it does already."""
+        return self._tell(self._samples.due(ticket)) if ticket > self._told else None
+
+    def _tell(self, event: DecisionReady | DecisionLate) -> Event:
+        self._told = event.ticket
+        return event
 
     def stuck(self, now: float) -> bool:
         """Whether a search does not come to its end."""

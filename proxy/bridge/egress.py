@@ -1,9 +1,10 @@
 """Publishes on the mesh. A mesh that stalls holds up nothing else.
 
 What passes without a decision is published at once, by whoever brings it, while all links surely take it. All else
-waits for a thread that may be held up. What was forwarded by a decision is paced to the limit of the channel, so that
-the queues behind us stay empty (`paced.py`). What passes goes as fast as it can and pushes the next decided sample back
-by what it used, up to a floor: decided samples are never starved.
+waits for a thread that may be held up. What was forwarded by a decision is paced to the limit of the channel while
+links are busy, so that the queues behind us stay empty (`paced.py`); as soon as they are the next one goes, for what
+leaves later than it was decided is in another window than all believe. What passes goes as fast as it can and pushes
+the next decided sample back by what it used, up to a floor: decided samples are never starved.
 """
 
 import logging
@@ -35,6 +36,9 @@ BEHIND = 32
 MOVING = 0.05
 """Full links move when a sample was sent so recently [s], for each 64 kB of the one in hand: who publishes faster is
 slowed down then, not dropped."""
+LOOK = 0.005
+"""Time between two looks whether links are idle, while something waits for its pace [s]; Zenoh's thread has this long
+to write the sample before."""
 SAID = 60.0
 """That samples may have been lost on a slow link is said this often [s]."""
 _PUSHED_BACK = 0.05
@@ -197,10 +201,15 @@ class Egress:
 
     def _pause(self) -> float | None:
         """How long nothing can be sent [s]; None: until something comes."""
-        due = self._decided.due()
-        if self._passing or (due is not None and due <= (now := clock.monotonic())):
+        if self._passing:
             return 0.0
-        return None if due is None else max(due - now, 1e-4)
+        due, now = self._decided.due(), clock.monotonic()
+        if due is None:
+            return None
+        if due > now and now >= self._sent_at + LOOK and self.headroom.idle:
+            self._decided.catch_up(now)
+            return 0.0
+        return max(min(due - now, LOOK), 0.0)
 
     def _send_decided(self, number: int, held: Held) -> None:
         self._leave(held)

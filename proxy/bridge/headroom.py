@@ -6,13 +6,14 @@ socket of each link; while that is little, a publication returns at once, whatev
 
 import ctypes
 import fcntl
+import math
 import socket
 import struct
 import sys
 import termios
 import threading
 
-from proxy.bridge.air import Air
+from proxy.bridge.air import Air, Broadcast
 from proxy.bridge.sockets import Sockets, libc, tcp_info
 
 _Memory = ctypes.c_uint32 * 9
@@ -36,6 +37,8 @@ USABLE = 0.5
 """Part of a send buffer that is filled without asking again."""
 LITTLE = 16384
 """With less room than this a link counts as slow [B]."""
+IDLE = 4096
+"""A link with no more than this in its socket is idle: something small may always be on its way [B]."""
 EACH = 2048
 """What a small sample may take of a send buffer beside its bytes, in the worst case [B]."""
 
@@ -45,6 +48,7 @@ class Headroom:
 
     def __init__(self, session: Air) -> None:
         self._found = Sockets(session)
+        self._broadcasts = isinstance(session, Broadcast)
         self._lock = threading.Lock()
         self._sockets: tuple[int, ...] = ()
         self._ends: tuple[tuple[str, int], ...] = ()
@@ -89,6 +93,14 @@ class Headroom:
         """Whether no link has little room, as far as all of them can be seen."""
         return not self._unknown and not self.slow()[0]
 
+    @property
+    def idle(self) -> bool:
+        """Whether no link holds anything to speak of: what was published has left.
+
+        Of what is broadcast nobody knows, for nobody acknowledges it.
+        """
+        return not (self._unknown or self._broadcasts) and all(_buffer(number)[1] <= IDLE for number in self._sockets)
+
     def refresh(self) -> None:
         """Take note of links that came and went."""
         if not self._found.refresh():
@@ -108,10 +120,16 @@ class Headroom:
 
 def _room(number: int) -> float:
     """Return what may be written into a socket without asking again [B]; nothing when it is gone."""
+    size, held = _buffer(number)
+    return USABLE * size - held
+
+
+def _buffer(number: int) -> tuple[int, float]:
+    """Return the size of a send buffer, and what it holds [B]; more than that when it is gone."""
     info = _Memory()
     if libc.getsockopt(number, socket.SOL_SOCKET, _MEMINFO, info, ctypes.byref(ctypes.c_uint32(_MEMORY_SIZE))) != 0:
-        return 0.0
-    return USABLE * info[_SNDBUF] - max(info[_QUEUED], info[_ALLOCATED])
+        return 0, math.inf
+    return info[_SNDBUF], max(info[_QUEUED], info[_ALLOCATED])
 
 
 def _written(number: int) -> int | None:

@@ -65,6 +65,11 @@ class Paced:
         if self._is_small(air):
             self._small_free_at = max(self._small_free_at, now) + air / self.rate
 
+    def catch_up(self, now: float) -> None:
+        """All that went has left: nobody need wait for it."""
+        self._free_at = min(self._free_at, now)
+        self._small_free_at = min(self._small_free_at, now)
+
     def push_back(self, now: float, air: int, most: float) -> None:
         """Something else went: what is decided waits for it, too, but no longer than `most` [s]."""
         if self.rate is not None:

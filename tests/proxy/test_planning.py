@@ -81,6 +81,19 @@ def test_decisions_in_time_are_the_planners(drive):
     assert (driven.decisions()["made"], driven.decisions()["late"]) == (3, 0)
 
 
+def test_the_core_hears_of_each_decision_once(drive, monkeypatch):
+    """When its deadline comes the core need not hear again of an answer that it has."""
+    driven = drive('"sum"', 0.5)
+    handled, handle = [], driven.loop.handle
+    monkeypatch.setattr(driven.loop, "handle", lambda event: handled.append(event) or handle(event))
+    for _ in range(3):
+        driven.publish()
+    wait_until(lambda: len(driven.done) == 3, what="three decisions")
+    wait_until(lambda: not driven.loop._timed, what="the end of their deadlines")
+    answers = [event.ticket for event in handled if isinstance(event, ev.DecisionReady | ev.DecisionLate)]
+    assert len(answers) == len(set(answers)) == 3
+
+
 def test_a_search_that_does_not_end_holds_nothing_up(drive):
     """Samples behind it are decided by the static rule, and what it says in the end is ignored."""
     driven = drive(SLOW, 0.05)

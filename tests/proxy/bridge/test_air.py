@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from proxy.bridge import air as air_module
 from proxy.bridge import keys
 from proxy.bridge.air import PREFIX, Broadcast, broadcast_options, pattern
+from proxy.bridge.headroom import Headroom
 from proxy.bridge.sessions import zenoh_session
 from proxy.core.events import SampleHeard
 from proxy.errors import SessionError
@@ -56,6 +57,14 @@ def test_digests_are_heard_where_somebody_attends_to_them(stack, group):
     made._reopen()
     told.clear()
     wait_until(say, what="a digest after the session was opened anew")
+
+
+def test_nobody_knows_when_what_was_broadcast_has_left(stack, group):
+    """So what is decided keeps its pace: of frames in a burst a radio that is full loses some, without a word."""
+    made, _ = opened(stack, group)
+    headroom = Headroom(made)
+    assert headroom.clear
+    assert not headroom.idle
 
 
 def opened(stack, group, *, others=False):

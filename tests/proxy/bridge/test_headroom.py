@@ -65,6 +65,7 @@ def test_a_link_takes_a_part_of_its_buffer(stack, mesh):
     assert not headroom.takes(1_000_000)
     assert headroom.slow() == (0, 1)
     assert headroom.clear
+    wait_until(lambda: headroom.idle, what="the end of what links say first")
     assert headroom.alone
     closing(stack, plain_session("peer", connect=(mesh[1],)))
     wait_until(lambda: linked(headroom, 2), what="the other link")
@@ -86,7 +87,7 @@ def test_a_peer_that_stops_reading_is_noticed_before_anybody_waits(mesh, listene
     def full():
         while headroom.takes(1000):
             publisher.put(b"x" * 1000)
-        return headroom.slow() == (1, 1)
+        return headroom.slow() == (1, 1) and not headroom.idle
 
     wait_until(full, what="an end of the headroom")
     os.kill(listener.pid, signal.SIGCONT)

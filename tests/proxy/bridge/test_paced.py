@@ -40,6 +40,14 @@ def test_without_a_pace_all_go_at_once_in_order():
     assert sent(paced) == [(0.0, 0), (0.0, 1), (0.0, 2)]
 
 
+def test_nobody_waits_for_what_has_left():
+    """Neither small samples nor large ones; what goes next has its time again."""
+    paced = lane((0, 50_000), (1, 1000), (2, 50_000), (3, 1000))
+    assert sent(paced, until=0.0) == [(0.0, 1)]
+    paced.catch_up(0.001)
+    assert sent(paced, 0.001) == [(0.001, 3), (0.011, 0), (0.511, 2)]
+
+
 def test_what_passes_pushes_the_next_large_sample_back():
     """By what it takes, and no longer than is said; nothing small."""
     paced = Paced(RATE)
