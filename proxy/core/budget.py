@@ -86,7 +86,7 @@ class Budget:
     def opens(self, now: float, use: tuple[float, ...]) -> float:
         """When a message with this use may be sent, if nothing else is sent meanwhile [s]; infinite when never."""
         times = {t + limit.window for t, _ in (*self._sent, *self.others(now)) for limit in self.limits}
-        return next((t for t in sorted(times) if t > now and self.fits(t + LEAST, use)), math.inf)
+        return next((t + LEAST for t in sorted(times) if t + LEAST > now and self.fits(t + LEAST, use)), math.inf)
 
     def use(self, now: float, use: tuple[float, ...]) -> None:
         """A message with this use is sent now."""

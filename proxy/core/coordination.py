@@ -36,6 +36,7 @@ class Coordination:
         self._own = tag(settings.zid)
         self._view = view
         self._due = now
+        self._members: frozenset[str] = frozenset()
         self._splitting: set[str] = set()
         """Tags of the others that say that the team has to split."""
         self.finds_due = False
@@ -56,15 +57,16 @@ class Coordination:
         return not self.splits
 
     def heard(self, digest: Digest) -> None:
-        """A digest of another robot came."""
-        if digest.splits:
+        """A digest of another robot came; announcements do not tell."""
+        if digest.splits and digest.tag in self._members:
             self._splitting.add(digest.tag)
-        else:
+        elif not digest.brief:
             self._splitting.discard(digest.tag)
 
     def set_members(self, now: float, members: Collection[str]) -> None:
         """These robots take part, and we."""
-        self._splitting &= set(members)
+        self._members = frozenset(members)
+        self._splitting &= self._members
 
     def look(self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]) -> bool:
         """Look whether the team has to split; return whether that is news.
