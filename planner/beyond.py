@@ -34,16 +34,11 @@ from planner.columns import Columns
 from planner.errors import ProblemError
 from planner.problem import Aggregation, AggregationModel, Problem
 from planner.received import integrals
+from planner.steady import INTERVALS, Steady, clearing_prices
 from planner.utility import Floats, Ints
-
-INTERVALS = np.array([1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 50, 100, 300], dtype=np.float64)
-"""The intervals between sends that are tried for a stream, in its mean intervals between messages."""
 
 SHORTEST = 1e-6
 """The least mean interval between messages [s]: some may carry the same time."""
-
-SWEEPS = 3
-"""How often the prices of several constraints are fitted to each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,25 +63,6 @@ class Beyond:
         return np.asarray(self.charges.sum(axis=1))
 
 
-@dataclass(frozen=True, slots=True)
-class _Steady:
-    """The streams that go on, and what each earns and uses by the interval between its sends.
-
-    `value[i, j]` and `rate[i, j]`: utility per second and sends per second at interval j; `use[i, k]` per send.
-    """
-
-    stream: Ints
-    value: Floats
-    rate: Floats
-    use: Floats
-
-    def use_of(self, streams: int) -> Floats:
-        """Return what a message uses, for all `streams`, those that do not go on included."""
-        use = np.zeros((streams, self.use.shape[1]))
-        use[self.stream] = self.use
-        return use
-
-
 def look_beyond(problem: Problem) -> Beyond:
     """Weigh what the messages of a valid problem leave behind: nothing when the mission ends with the window.
 
@@ -101,7 +77,7 @@ def look_beyond(problem: Problem) -> Beyond:
         interval = _intervals(problem, columns)
         steady = _steady(problem, columns, interval)
         after = _after(problem, columns, interval)
-        price = _prices(problem, steady)
+        price = clearing_prices(steady, np.array([c.limit / c.window for c in problem.constraints]))
         net = steady.value - steady.rate * (steady.use @ price)[:, None]
         rent = np.zeros(streams)
         rent[steady.stream] = np.maximum(net.max(axis=1), 0.0)
@@ -123,7 +99,7 @@ def _over_receivers(columns: Columns) -> Columns:
     return columns._replace(times=times, scale=columns.scale * total[of])
 
 
-def _steady(problem: Problem, columns: Columns, interval: Floats) -> _Steady:
+def _steady(problem: Problem, columns: Columns, interval: Floats) -> Steady:
     """Take the means over each stream's open messages."""
     opened = columns.opened
     of = columns.stream[opened]
@@ -141,7 +117,7 @@ def _steady(problem: Problem, columns: Columns, interval: Floats) -> _Steady:
     mean = _means(of, len(interval))
     stream = np.flatnonzero(mean.any(axis=1))
     apart = apart[stream]
-    return _Steady(stream, (mean @ area)[stream] / apart, 1.0 / apart, (mean @ columns.use[opened])[stream])
+    return Steady(stream, (mean @ area)[stream] / apart, 1.0 / apart, (mean @ columns.use[opened])[stream])
 
 
 def _means(of: Ints, streams: int) -> Floats:
@@ -172,35 +148,6 @@ def _areas(problem: Problem, which: Ints, begin: Floats, end: Floats) -> Floats:
     columns = problem.columns
     begin, rows = np.broadcast_to(begin, end.shape).ravel(), np.repeat(columns.utility[which], end.shape[1])
     return integrals(columns.utilities, rows, begin, end.ravel()).reshape(end.shape)
-
-
-def _prices(problem: Problem, steady: _Steady) -> Floats:
-    """Find the price of each constraint at which the streams use it up and no more.
-
-    Sending more often earns less and less: going from one interval to the next shorter one buys `more` sends per
-    second at `marginal` each. The channel is given away in the order of what is paid.
-    """
-    rate = np.concatenate((steady.rate, np.zeros((len(steady.rate), 1))), axis=1)
-    value = np.concatenate((steady.value, np.zeros((len(steady.rate), 1))), axis=1)
-    more = rate[:, :-1] - rate[:, 1:]
-    marginal = np.maximum.accumulate((value[:, :-1] - value[:, 1:]) / more, axis=1)
-    price = np.zeros(len(problem.constraints))
-    for _ in range(SWEEPS if len(price) > 1 else 1):
-        for k, constraint in enumerate(problem.constraints):
-            price[k] = 0.0  # so that the others alone are charged
-            users = steady.use[:, k] > 0
-            paid = (marginal - (steady.use @ price)[:, None])[users] / steady.use[users, k, None]
-            wanted = (more * steady.use[:, k, None])[users]
-            price[k] = _clearing(paid.ravel(), wanted.ravel(), constraint.limit / constraint.window)
-    return price
-
-
-def _clearing(paid: Floats, wanted: Floats, offered: float) -> float:
-    """Return the price at which of what is wanted no more than what is offered is bought; 0 when all fits."""
-    order = np.argsort(-paid, kind="stable")
-    bought = np.cumsum(wanted[order])
-    last = int(np.searchsorted(bought, offered, side="right"))
-    return max(float(paid[order[last]]), 0.0) if last < len(order) else 0.0
 
 
 def _after(problem: Problem, columns: Columns, interval: Floats) -> tuple[float, Floats]:
@@ -246,7 +193,7 @@ def _extend(problem: Problem, columns: Columns, worth: Floats, price: Floats, in
                 worth[own] -= max(float(whole.mean() - price[stream]), 0.0)
 
 
-def _until(problem: Problem, steady: _Steady, net: Floats, interval: Floats, after: tuple[float, Floats]) -> Floats:
+def _until(problem: Problem, steady: Steady, net: Floats, interval: Floats, after: tuple[float, Floats]) -> Floats:
     """Return when what was received of each stream will have been replaced, at t_end or later [s].
 
     In the middle of the interval at which sending pays best, but not before its next message.

@@ -195,7 +195,7 @@ class Bridge:
 
     def _pace_egress(self) -> None:
         rate = _pace(self._specs, self._ingress.mode)
-        self._egress.rate = None if rate is None else min(rate, self._most)
+        self._egress.pace(None if rate is None else min(rate, self._most))
 
     def flush(self) -> None:
         """Report what passed without a decision up to now."""

@@ -1,9 +1,9 @@
 """Publishes on the mesh. A mesh that stalls holds up nothing else.
 
 What passes without a decision is published at once, by whoever brings it, while all links surely take it. All else
-waits for a thread that may be held up: two lanes. What was forwarded by a decision is paced to the limit of the
-channel, so that the queues behind us stay empty. What passes goes as fast as it can and pushes the next decided sample
-back by what it used, up to a floor: decided samples are never starved.
+waits for a thread that may be held up. What was forwarded by a decision is paced to the limit of the channel, so that
+the queues behind us stay empty (`paced.py`). What passes goes as fast as it can and pushes the next decided sample back
+by what it used, up to a floor: decided samples are never starved.
 """
 
 import logging
@@ -11,7 +11,6 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import Any
 
 import zenoh
 
@@ -20,6 +19,7 @@ from proxy.bridge import keys
 from proxy.bridge.air import Air
 from proxy.bridge.demand import Demand
 from proxy.bridge.headroom import Headroom
+from proxy.bridge.paced import Paced
 from proxy.bridge.passed import EGRESS, FULL, Passed
 from proxy.bridge.patience import Patience
 from proxy.bridge.room import CATCH_UP, Rooms
@@ -59,7 +59,6 @@ class Egress:
         *,
         rooms: Rooms,
     ) -> None:
-        self.rate = rate
         self._rooms = rooms
         self.headroom = Headroom(air)
         self._patience = Patience(self.headroom)
@@ -67,11 +66,10 @@ class Egress:
         self._demand = demand
         self._passed = passed
         self._post = post
-        self._decided: deque[tuple[int, Held]] = deque()
+        self._decided = Paced(rate)
         self._passing: deque[tuple[str, Held]] = deque()
         self._in_hand = 0
         """Size of the sample that the thread sends, or sent last [B]."""
-        self._free_at = 0.0
         self._open = True
         self._sent_at = 0.0
         self._awaited = 0
@@ -102,7 +100,7 @@ class Egress:
 
     def forward(self, number: int, held: Held) -> None:
         """Send a decided sample as soon as the pace allows. It has its place since it came in."""
-        if not self._enqueue(self._decided, (number, held)):
+        if not self._enqueue(lambda: self._decided.put(number, held, self._on_air(held))):
             self._leave(held)
             self._answer(clock.monotonic(), number, held, sent=False)
 
@@ -117,9 +115,15 @@ class Egress:
             self._let_catch_up(held)
         if not room.enter(held.size):
             self._passed.add(FULL, 0)
-        elif not self._enqueue(self._passing, (reason, held)):
+        elif not self._enqueue(lambda: self._passing.append((reason, held))):
             room.leave(held.size)
             self._passed.add(EGRESS, 0)
+
+    def pace(self, rate: float | None) -> None:
+        """Send what was decided no faster than this [B/s] from now on; None: as fast as it goes."""
+        with self._wake:
+            self._decided.rate = rate
+            self._wake.notify()
 
     @property
     def waiting(self) -> dict[str, int]:
@@ -149,11 +153,11 @@ class Egress:
                 CATCH_UP * (1 + held.size // 65536),
             )
 
-    def _enqueue(self, lane: deque[tuple[Any, Held]], item: tuple[Any, Held]) -> bool:
+    def _enqueue(self, put: Callable[[], None]) -> bool:
         with self._wake:
             if not self._open:
                 return False
-            lane.append(item)
+            put()
             if not self._busy:
                 self._wake.notify()
             return True
@@ -168,7 +172,7 @@ class Egress:
                 if not self._open:
                     return
                 # Decided samples first when their time has come: they are paced and starve nobody.
-                decided = self._decided.popleft() if self._ripe() else None
+                decided = self._decided.take(clock.monotonic())
                 self._busy = decided is None
             if decided is None:
                 self._send_waiting()
@@ -177,7 +181,7 @@ class Egress:
 
     def _send_waiting(self) -> None:
         """Send what passes, until nothing waits or a decided sample comes first."""
-        while self._open and self._passing and not (self._decided and self._ripe()):
+        while self._open and self._passing and not self._ripe():
             reason, held = self._passing.popleft()
             self._rooms.passing.leave(held.size)
             self._send_passing(reason, held, droppable=self._take(held))
@@ -188,22 +192,28 @@ class Egress:
                     self._caught_up.notify_all()
 
     def _ripe(self) -> bool:
-        return bool(self._decided) and (self.rate is None or clock.monotonic() >= self._free_at)
+        due = self._decided.due()
+        return due is not None and due <= clock.monotonic()
 
     def _pause(self) -> float | None:
         """How long nothing can be sent [s]; None: until something comes."""
-        if self._passing or self._ripe():
+        due = self._decided.due()
+        if self._passing or (due is not None and due <= (now := clock.monotonic())):
             return 0.0
-        return max(self._free_at - clock.monotonic(), 1e-4) if self._decided else None
+        return None if due is None else max(due - now, 1e-4)
 
     def _send_decided(self, number: int, held: Held) -> None:
         self._leave(held)
         sent = self._send(held, droppable=self._take(held))
         now = self._sent_at = clock.monotonic()
-        if sent and self.rate is not None:
-            air = held.size * (1 if held.to else self._demand.copies(held.key))
-            self._free_at = max(self._free_at, now) + air / self.rate
+        if sent:
+            with self._wake:
+                self._decided.sent(now, self._on_air(held))
         self._answer(now, number, held, sent=sent)
+
+    def _on_air(self, held: Held) -> int:
+        """What a sample puts on the air, copies counted [B]."""
+        return held.size * (1 if held.to else self._demand.copies(held.key))
 
     def _leave(self, held: Held) -> None:
         """A decided sample waits no more. A copy has no place among them: the core bounds what is kept."""
@@ -217,15 +227,14 @@ class Egress:
             self._post(SampleHanded(now, number) if sent else SampleRefused(now, number))
 
     def _send_passing(self, reason: str, held: Held, *, droppable: bool = False) -> None:
-        air = held.size * self._demand.copies(held.key)
+        air = self._on_air(held)
         if not self._send(held, droppable=droppable):
             self._passed.add(EGRESS, 0)
             return
         self._passed.add(reason, air)
-        if self.rate is not None:
-            now = clock.monotonic()
-            pushed = max(self._free_at, now) + air / self.rate
-            self._free_at = max(self._free_at, min(pushed, now + _PUSHED_BACK))
+        if self._decided.rate is not None:
+            with self._wake:
+                self._decided.push_back(clock.monotonic(), air, _PUSHED_BACK)
 
     def _take(self, held: Held) -> bool:
         """Take a sample out of what waits; whether it may be dropped on links that have no room for it."""

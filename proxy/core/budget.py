@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from proxy.core.coordination import Coordination
 from proxy.core.limits import Limit, Limits, use_of
+from proxy.core.room import opens
 from proxy.core.view import SharedView
 
 LEAST = 1e-6
@@ -32,6 +33,8 @@ class Budget:
         self.limits: tuple[Limit, ...] = ()
         """The constraints in force for all robots together, adaptive ones as the channel bears them."""
         self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
+        self._usable_for: tuple[tuple[Limit, ...], tuple[float, ...]] = (), ()
+        self._usable: tuple[Limit, ...] = ()
         self._others_known: tuple[float, int, tuple[Limit, ...], bool] = (-math.inf, 0, (), False)
         """When, after how many notes, under which limits and in which coordination others had sent `_others_sent`."""
         self._others_sent: Sends = ()
@@ -54,7 +57,16 @@ class Budget:
     def whole(self, now: float, k: int) -> float:
         """What may be used within the window that ends now, by us in `split`, else by all [units of the constraint]."""
         limit = self.limits[k]
-        return max(LEAST, limit.limit * self._coordination.part(now)) if limit.shared else limit.limit
+        return max(LEAST, limit.limit * self._coordination.part(now, k)) if limit.shared else limit.limit
+
+    def usable(self, now: float) -> tuple[Limit, ...]:
+        """The constraints as they bind us now."""
+        wholes = tuple(self.whole(now, k) for k in range(len(self.limits)))
+        known = self.limits, wholes
+        if known != self._usable_for:
+            self._usable_for = known
+            self._usable = tuple(replace(c, limit=whole) for c, whole in zip(self.limits, wholes, strict=True))
+        return self._usable
 
     def used(self, now: float, k: int) -> float:
         """What our own sends of the window that ends now use."""
@@ -84,13 +96,14 @@ class Budget:
         )
 
     def opens(self, now: float, use: tuple[float, ...]) -> float:
-        """When a message with this use may be sent, if nothing else is sent meanwhile [s]; infinite when never."""
-        times = {t + limit.window for t, _ in (*self._sent, *self.others(now)) for limit in self.limits}
-        return next((t + LEAST for t in sorted(times) if t + LEAST > now and self.fits(t + LEAST, use)), math.inf)
+        """When the room opens that our own earlier sends leave for a message [s]; −∞ where there is room, else ∞."""
+        return opens(self.usable(now), self._sent, self.others(now), use)
 
     def use(self, now: float, use: tuple[float, ...]) -> None:
         """A message with this use is sent now."""
         self._sent.append((now, use))
+        shared = [(amount, limit) for amount, limit in zip(use, self.limits, strict=True) if limit.shared]
+        self._coordination.sent(now, [amount / limit.limit for amount, limit in shared])
         longest = max((limit.window * MOST_STRETCHED for limit in self.limits), default=0.0)
         while self._sent and self._sent[0][0] < now - longest:
             self._sent.popleft()
@@ -109,18 +122,17 @@ class Budget:
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
-        union = tuple(replace(limit, limit=self.whole(now, k)) for k, limit in enumerate(self.limits))
         longest = max((limit.window for limit in self.limits), default=0.0)
         own = tuple(each for each in self._sent if each[0] >= now - longest)
         others = tuple(each for each in self.others(now) if each[0] >= now - longest)
-        return Limits(union, own, others, alone=self._coordination.splits)
+        return Limits(self.usable(now), own, others, alone=self._coordination.splits)
 
     def _fits(self, now: float, k: int, amount: float, others: Sends) -> bool:
         """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""
         limit, whole = self.limits[k], self.whole(now, k)
         if amount <= whole:
             return self._counted(now, k, limit.window, others) + amount <= whole
-        if limit.shared and not self._coordination.whole_turn(now):
+        if limit.shared and not self._coordination.whole_turn(now, k):
             return False
         stretched = limit.window * min(amount / limit.limit, MOST_STRETCHED)
         return self._counted(now, k, stretched, others) <= 0.0

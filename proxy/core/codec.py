@@ -19,6 +19,7 @@ import msgpack
 
 from proxy.core.errors import MalformedWireError, OtherVersionError
 from proxy.core.fixed import coded, decoded, seconds, ticks
+from proxy.core.split import Bid, Told, packed, unpacked
 from proxy.core.wire import (
     MOST_CLOCK_ERROR,
     MOST_ORIGINS,
@@ -52,6 +53,8 @@ MOST_PHASES = 1_000_000
 """What is further off a rhythm is told as so far off."""
 MAX_LATENCY = 3600.0
 MAX_SCALE = 1e15
+MOST_TURNS = 64
+"""Slots that robots use in turn."""
 MAX_ENTRY = 32
 """Fields of what a state or an announcement tells of a stream; later versions may have more of them."""
 MAX_VERSION = 64
@@ -72,7 +75,7 @@ def pack_digest(digest: Digest) -> bytes:
         [_stream_fields(sent, stream) for stream in digest.streams],
         [field for e in digest.echoes for field in _echo_fields(sent, e)],
         [coded(part) for part in digest.capacity],
-        [1] if digest.splits else [],
+        _split_fields(digest),
     ]
     while lists and not lists[-1]:
         lists.pop()
@@ -171,6 +174,36 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
     )
 
 
+def _split_fields(digest: Digest) -> list[Any]:
+    """Whether it is due, versions and names of tables, ticks rounded down, the bid if it is told, and turns."""
+    told = digest.split
+    if told is None:
+        return [1] if digest.splits else []
+    unused = int(told.unused * ticks(1.0))
+    fields = [int(digest.splits), told.version, told.table, told.agreed, unused]
+    bid: list[bytes | None] = [] if told.bid is None else [packed(told.bid)]
+    return [*fields, *(bid or [None] * bool(told.turns)), *told.turns]
+
+
+def _split(f: list[Any]) -> Told | None:
+    if len(f) < 4:
+        return None
+    bid, turns = (f[4] if len(f) > 4 else None), _at_most(f[5:], MOST_TURNS)
+    version, table, agreed = _count(f[0]), _count(f[1], 2**32), _count(f[2], 2**32)
+    return Told(version, _bid(bid), table, agreed, tuple(map(_count, turns)), seconds(_count(f[3])))
+
+
+def _bid(data: object) -> Bid | None:
+    if data is None:
+        return None
+    if not isinstance(data, bytes):
+        raise MalformedWireError(f"{data!r:.80} is no bid")
+    try:
+        return unpacked(data)
+    except ValueError as error:
+        raise MalformedWireError(str(error)) from error
+
+
 def _echo_fields(sent: int, e: Echo) -> tuple[Any, ...]:
     heard = sent - ticks(e.received)
     return _packed_tag(e.peer), ticks(e.sent) % _WRAP, heard, e.samples, coded(e.latency), coded(e.per_byte)
@@ -218,7 +251,8 @@ def _digest(f: list[Any], robot: str, tag: str, own: str, ours: Iterable[int]) -
         streams=tuple(_stream_digest(sent, stream) for stream in _each(streams, 7, 10 + 32)),
         echoes=_echoes(sent, echoes, own, ours),
         capacity=tuple(_amount(part, 1.0) for part in capacity),
-        splits=bool(splits),
+        splits=bool(splits and _count(splits[0], 1)),
+        split=_split(splits[1:]),
     )
 
 

@@ -6,6 +6,7 @@ what is asked of a stream is kept in arrays, and worked out anew only where some
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,10 +30,12 @@ class Competition:
         self._revision = -1
         self._set_rows([])
 
-    def chosen(self, now: float, most: int, robot: str | None = None) -> list[Stream]:
+    def chosen(
+        self, now: float, most: int, robot: str | None = None, besides: Container[tuple[str, str]] = ()
+    ) -> list[Stream]:
         """Return those streams that compete for which a window of `most` messages has places, by robot and key.
 
-        With a `robot` only its streams compete.
+        With a `robot` only its streams compete, and those `besides` do not.
 
         Half of the places are for those worth most per byte on the air, half for those that generate next. Both are only
         estimated: a look at each stream has to do.
@@ -40,6 +43,8 @@ class Competition:
         rows = self._rows(now)
         if robot is not None:
             rows = rows[[self._robots[owner] == robot for owner in self._owner[rows].tolist()]] if len(rows) else rows
+        if besides:
+            rows = rows[[(s.robot, s.key) not in besides for s in (self._streams[row] for row in rows.tolist())]]
         if len(rows) > most:
             due = np.maximum(now, self._next)[rows]
             order = np.lexsort((due, self._cheapness[rows]))

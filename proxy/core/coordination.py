@@ -12,9 +12,12 @@ so. Whoever plans for all leaves room for the parts of those who already split.
 
 import math
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 
-from proxy.core.limits import Limit, shortest_window
+from proxy.core.demands import bid
+from proxy.core.limits import Limit, fingerprint, shortest_window
 from proxy.core.settings import CoreSettings
+from proxy.core.split import Split, Told
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, tag
 
@@ -24,70 +27,148 @@ AFFORDABLE = 0.8
 """... and announcements cost too much where they take this part of the allowance;"""
 STILL = 0.8
 """and both still when it is a little less: so many times that."""
+FEW = 16
+"""Of more robots than these some have something to send, though nobody may have heard of it yet."""
+ALL = 0.95
+"""Who has so much of a limit may take it all for a message that is larger."""
 PACE = 0.25
 """Both are looked at this often [s]."""
 
 
 class Coordination:
-    """Which coordination is in force here."""
+    """Which coordination is in force here, and our part of the shared limits. Shared limits come first, in all tuples."""
 
     def __init__(self, now: float, settings: CoreSettings, view: SharedView) -> None:
+        self._settings = settings
         self._always = settings.coordination == "split"
-        self._own = tag(settings.zid)
         self._view = view
+        self._settled_at = now + settings.settle
         self._due = now
+        self._voting: set[str] = set()
+        """Tags of the others that find that the team has to split."""
+        self._agreed: set[str] = set()
+        """Tags of the others that have agreed on parts."""
         self._members: frozenset[str] = frozenset()
-        self._splitting: set[str] = set()
-        """Tags of the others that say that the team has to split."""
-        self.finds_due = False
-        """Whether we say so."""
+        self._kind: tuple[tuple[float, ...], int] = (), 0
+        self._split: Split | None = None
+        self._told: Told | None = None
+        self.finds_due = self._always
+        """Whether we find that the team has to split."""
+        self.rivals = False
+        """Whether several robots have something to send."""
 
     @property
     def splits(self) -> bool:
         """Whether each robot has a part of every limit."""
-        return self._always or self.finds_due or bool(self._splitting)
+        return self._always or (self.rivals and (self.finds_due or bool(self._voting)))
 
-    def part(self, now: float) -> float:
-        """What part of every shared limit we may plan with: ours in `split`, else what is not another's."""
-        robots = len(self._view.peers) + 1
-        return 1.0 / robots if self.splits else 1.0
+    def part(self, now: float, k: int) -> float:
+        """Return what part of shared limit number `k` we may use within the window that ends now.
 
-    def whole_turn(self, now: float) -> bool:
-        """Whether a message may go now that is larger than our part, because nobody else may send."""
-        return not self.splits
+        Who was not told to split from the start takes an equal part until any robot has agreed on parts.
+        """
+        if not self.splits or self._split is None:
+            return 1.0
+        if self._always or self._agreed or self._split.agreed:
+            return self._split.part(now, k)
+        return (1.0 - self._settings.floor) / (len(self._members) + 1)
 
-    def heard(self, digest: Digest) -> None:
-        """A digest of another robot came; announcements do not tell."""
-        if digest.splits and digest.tag in self._members:
-            self._splitting.add(digest.tag)
-        elif not digest.brief:
-            self._splitting.discard(digest.tag)
+    def whole_turn(self, now: float, k: int) -> bool:
+        """Whether a message may go now that is larger than all we may use: nobody else may send then."""
+        return not self.splits or self.part(now, k) >= ALL
+
+    def sent(self, now: float, uses: Sequence[float]) -> None:
+        """A message was sent that uses such parts of the shared limits."""
+        if self._split is not None:
+            self._split.sent(now, uses)
+
+    def heard(self, now: float, digest: Digest) -> None:
+        """A digest of another robot came, newer than all before."""
+        if digest.brief or digest.tag not in self._members:
+            return
+        voting, told = digest.splits, digest.split
+        (self._voting.add if voting else self._voting.discard)(digest.tag)
+        (self._agreed.add if told is not None and told.agreed else self._agreed.discard)(digest.tag)
+        if told is not None and self._split is not None:
+            self._split.heard(now, digest.tag, told)
 
     def set_members(self, now: float, members: Collection[str]) -> None:
         """These robots take part, and we."""
         self._members = frozenset(members)
-        self._splitting &= self._members
+        self._voting &= self._members
+        self._agreed &= self._members
+        if self._split is not None:
+            self._split.set_members(now, self._members)
+
+    def set_limits(self, now: float, limits: Sequence[Limit]) -> None:
+        """The constraints are now these."""
+        windows = tuple(limit.window for limit in limits if limit.shared)
+        kind = windows, fingerprint(self._view.specs)
+        if kind == self._kind:
+            return
+        self._kind, self._split = kind, None
+        if windows:
+            self._split = Split(
+                tag(self._settings.zid),
+                now,
+                windows,
+                floor=self._settings.floor,
+                settled_at=max(now, self._settled_at),
+                kind=b"%d" % kind[1],
+            )
+            self._split.set_members(now, self._members)
 
     def look(self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]) -> bool:
-        """Look whether the team has to split; return whether that is news.
+        """Look whether the team has to split, and what to ask for; return whether there is something to tell.
 
         News of others are `waiting` so long on a channel that is full [s]; `announcing` tells what part of the allowance
         announcements take.
         """
-        if now < self._due:
-            return False
-        self._due, before = now + PACE, self.finds_due
-        window, still = shortest_window(limits), STILL if before else 1.0
-        if not self._view.peers or math.isinf(window):
-            self.finds_due = False
-        else:
-            late = max(self._longest_way(), waiting) >= still * LATE * window
-            self.finds_due = late or announcing(now) > still * AFFORDABLE
-        return self.finds_due != before
+        if now >= self._due:
+            self._due = now + PACE
+            self._judge(now, limits, waiting, announcing)
+            if self.splits and self._split is not None:
+                self._split.bid(now, bid(self._view, now, limits))
+        if self.splits and self._split is not None:
+            self._split.look(now, max(self._longest_way(), waiting))
+        return self._news(now)
+
+    def telling(self, now: float) -> Told | None:
+        """Return what a digest says of parts; None where all plan for all."""
+        return self._split.telling(now) if self.splits and self._split is not None else None
+
+    def told(self, digest: Digest) -> None:
+        """A digest of ours goes out."""
+        if not digest.brief:
+            self._told = digest.split
+
+    @property
+    def settled(self) -> bool:
+        """Whether nobody waits to hear of parts."""
+        return not self.splits or self._split is None or self._split.settled
 
     def due_at(self, now: float) -> float:
         """When this changes by time alone [s]."""
-        return self._due if self._view.peers else math.inf
+        if not self.splits or self._split is None:
+            return self._due if self._view.peers else math.inf
+        return min(self._due, self._split.due_at(now))
+
+    def _judge(self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]) -> None:
+        window, still = shortest_window(limits), STILL if self.finds_due else 1.0
+        sending = {stream.robot for stream in self._view.competition.all(now)}
+        self.rivals = len(sending) > 1 or len(self._view.peers) > FEW
+        if not self.rivals or math.isinf(window):
+            self.finds_due = self._always
+        else:
+            late = max(self._longest_way(), waiting) >= still * LATE * window
+            self.finds_due = self._always or late or announcing(now) > still * AFFORDABLE
+
+    def _news(self, now: float) -> bool:
+        """Whether what a digest would say of parts is not what the last one said."""
+        now_told = self.telling(now)
+        if now_told is None or self._told is None:
+            return now_told is not self._told
+        return replace(now_told, unused=0.0) != replace(self._told, unused=0.0)
 
     def _longest_way(self) -> float:
         """What messages take from any robot to any other at most, as far as that is known [s]."""

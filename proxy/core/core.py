@@ -390,7 +390,7 @@ class Core:
             new = self.outsiders.found - before
             commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
         looked = self.coordination.look(now, self.budget.limits, self.channel.waiting, self.telling.announcing)
-        self.telling.urgent |= looked
+        self.telling.parts_changed |= looked
         if self.gate.pending is None:
             self._tickets += 1
             commands += self.gate.next(now, self._tickets)
@@ -432,7 +432,7 @@ class Core:
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
         if self.view.heard_digest(now, digest):
-            self.coordination.heard(digest)
+            self.coordination.heard(now, digest)
             self.outsiders.heard(digest.tag)
             self.telling.heard(now, size)
             self.channel.capacity.heard(now, digest)
@@ -446,6 +446,7 @@ class Core:
 
     def _adopt_limits(self, now: float) -> None:
         robots = len(self.view.peers) + 1
+        self.coordination.set_limits(now, limits_of(self.view.specs, self.settings.allowance, robots))
         self.channel.adopt(now, limits_of(self.view.specs, self.settings.allowance, robots))
         self.telling.set_rate()
 

@@ -13,6 +13,7 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, 
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
+from proxy.core.disputes import Standing
 from proxy.core.events import DecisionReady
 from proxy.core.fallback import TokenBuckets
 from proxy.core.fixed import rounded
@@ -30,8 +31,6 @@ from proxy.core.window import WindowBuilder
 AT_ONCE = 128
 """So many samples are taken up at one event: what else happens has its turn before the rest of a burst."""
 CONSTRAINT = "dropped:constraint"
-PATIENCE = 2.5
-"""A sample waits for room no longer than this [s], nor longer than until the next one of its stream is due."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +204,7 @@ class Gate:
         if pending.copy is not None:
             return self._decided_copy(now, pending, pending.copy, plan)
         use = self._use(now, pending.sample)
-        lacking = self._budget.lacking(now, use) if plan.send else ()
+        lacking = self._lacking_besides(now, use) if plan.send else ()
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
         if reason != "forwarded":
@@ -248,6 +247,12 @@ class Gate:
             self.decisions.owed += 1
         elif ticket is None or self._roomy(now, stream):
             self.decisions.unneeded += bool(self.limits)
+        elif (standing := self._standing(now, stream, sample)) is Standing.UNDISPUTED:
+            self.decisions.unneeded += 1
+        elif standing is Standing.HOPELESS:
+            return [self._refuse(now, sample, "dropped:planner")]
+        elif lacking := self._lacking_besides(now, use):
+            return [self._refuse(now, sample, CONSTRAINT, lacking)]
         else:
             return [self._search(now, sample, ticket)]
         return [self._send(now, sample, use, "forwarded")]
@@ -314,13 +319,30 @@ class Gate:
         budget = max(50, self._settings.iterations // (1 + len(self.inbox) // 4))
         return Decide(ticket, problem, ticket, min(budget, self._settings.iterations), now)
 
+    def _standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
+        """How a sample stands among all that competes with it."""
+        disputes = self._windows.disputes
+        disputes.renew(now, stream)
+        disputes.look(now, self._budget.usable(now), alone=self._budget.alone)
+        return disputes.standing(stream, sample)
+
+    def _lacking_besides(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
+        """Return the constraints that leave no room now for a contested message: what is booked is left free."""
+        return self._budget.lacking(now, self._beside_booked(now, use))
+
+    def _beside_booked(self, now: float, use: tuple[float, ...]) -> tuple[float, ...]:
+        booked = self._windows.disputes.free(now)
+        if len(booked) != len(use):
+            return use
+        return tuple([u + b if u > 0.0 else u for u, b in zip(use, booked, strict=True)])
+
     def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""
         return guaranteed(stream) and any(owed(stream, [sample.t_gen], self._view.audiences.of(now, stream).slowest))
 
     def _roomy(self, now: float, stream: Stream) -> bool:
         """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
-        whole = [self._budget.whole(now, k) for k in range(len(self.limits))]
+        whole = [limit.limit for limit in self._budget.usable(now)]
         alone = self._budget.alone
         return not self.limits or self._ample.fits(now, stream, self.limits, whole, len(self.inbox), alone=alone)
 
@@ -426,17 +448,29 @@ class Gate:
         return use_of(sample.size, self._view.copies(stream) if stream is not None else 1, self.limits)
 
     def _waits(self, now: float, sample: Waiting) -> bool:
-        """Whether a sample is not taken up yet: something goes before it, or room for it opens before the next one comes."""
+        """Whether a sample is not taken up yet: something goes before it, or room for it opens soon."""
         if self._deletions.holds(sample):
             return True
+        return bool(self.limits) and self._waits_for_room(now, sample)
+
+    def _waits_for_room(self, now: float, sample: Waiting) -> bool:
+        """Whether a sample is worth waiting for the room that opens soon."""
         stream = self._own(now, sample)
-        if stream is None or not self._budget.alone or self.mode_of(stream) is Mode.SHADOW:
+        if stream is None or self.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
             return False
-        use = self._use(now, sample)
-        if self._budget.fits(now, use):
+        patience = self._windows.disputes.patience(stream)
+        if now >= sample.t_gen + patience:
             return False
-        opens = self._budget.opens(now, use)
-        if opens >= sample.t_gen + min(PATIENCE, stream.schedule.period):
+        needed = self._use(now, sample)
+        standing = self._standing(now, stream, sample)
+        if standing is Standing.HOPELESS:
             return False
-        self.wakes_at = min(self.wakes_at, opens)
+        if standing is Standing.CONTESTED:
+            needed = self._beside_booked(now, needed)
+        if self._budget.fits(now, needed):
+            return False
+        room = self._budget.opens(now, needed)
+        if room <= now or room > sample.t_gen + patience:
+            return False
+        self.wakes_at = min(self.wakes_at, room)
         return True

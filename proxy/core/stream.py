@@ -1,5 +1,6 @@
 """What is known of one stream: the samples of one key from one robot."""
 
+import math
 from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
@@ -15,6 +16,11 @@ from utility_specs import InformationType
 
 SCALE = "scale"
 """Stands for the scale where features are not known."""
+NEW_SIZE = 0.1
+"""What the size of a new sample counts in the mean and the variance of sizes."""
+SMALLER = 0.3
+"""Where sizes vary, those sent are smaller than the mean by about so many standard deviations: with five robots of 1 to
+40 kB plans reached 94.2 % of the bound, with the mean 93.3, with the last size 93.1."""
 LEADS = (1, 4)
 """Features that change with time are forecast for so many periods ahead: for the next sample, and for all others."""
 
@@ -69,6 +75,8 @@ class Stream:
     """Tags of the robots that were sent a sample."""
     mean_size: float = 0.0
     """Mean size of the samples generated, the recent ones counting more [B]."""
+    size_variance: float = 0.0
+    """The variance of these sizes [B²]."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
     wanting: tuple[str, ...] = ()
@@ -112,11 +120,32 @@ class Stream:
         self.changes += 1
         self.schedule.observe(count if numbered else None, last.t_gen, told)
         self.last = last
-        self.mean_size += (last.size - self.mean_size) * (0.1 if self.mean_size else 1.0)
+        self._note_size(last.size)
         if self._outlook is not None:
             self._outlook.note(last.t_gen, last.features or {SCALE: last.scale})
             self._steady = self._outlook.steady
             self._expected.clear()
+
+    @property
+    def likely_size(self) -> int:
+        """The size that a sample to come is planned with [B]: somewhat less than the mean, for smaller ones are sent."""
+        if self.size_variance == 0.0:
+            return self.newest.size
+        return round(max(self.mean_size - SMALLER * self.size_deviation, 0.5 * self.mean_size))
+
+    def _note_size(self, size: int) -> None:
+        """Take a size into the mean and the variance, by exponential weights."""
+        if not self.mean_size:
+            self.mean_size = float(size)
+            return
+        off = size - self.mean_size
+        self.mean_size += NEW_SIZE * off
+        self.size_variance = (1.0 - NEW_SIZE) * (self.size_variance + NEW_SIZE * off * off)
+
+    @property
+    def size_deviation(self) -> float:
+        """The standard deviation of the sizes of its samples [B]."""
+        return math.sqrt(self.size_variance)
 
     def renew(self, last: Generated) -> None:
         """The last sample was read again, by the specs in force now."""

@@ -16,18 +16,22 @@ from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
 from proxy.core.coordination import Coordination
 from proxy.core.digests import ANNOUNCEMENT, ON_AIR, OVERHEAD, QUESTION, DigestPacer
 from proxy.core.gate import Gate
-from proxy.core.limits import allowance_of, changes_plans, use_of
+from proxy.core.limits import allowance_of, changes_plans, shortest_window, use_of
 from proxy.core.stating import differs, shortened, state_of, update_of
 from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, State, tag
 
+PARTS_DEBT, PARTS_PACE = 2.0, 0.05
+"""... and so much on news of parts, which are told this far apart at least [s]."""
 DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]."""
 IDLE = 1.0
 """Who is alone looks this often whether there is something to tell [s]."""
 APART = 1e-3
 """Two digests are so far apart at least [s]: each is told from the others by its time."""
+LEAST_SENDS = 2.0
+"""A team is taken to send at least so many messages in a window that have to be announced."""
 LEAST_PERIOD = 1e-3
 """Streams are taken to generate no faster than so [s]."""
 STATE_PACE = 0.2
@@ -51,6 +55,8 @@ class Telling:
         self.pacer = DigestPacer(now, zlib.crc32(view.settings.zid.encode()) / 2**32)
         self.asking = Asking(now)
         self.urgent = False
+        self.parts_changed = False
+        """Whether what we tell of parts is news."""
         self.untold = 0
         """Streams, subscriptions and origins that did not fit into our state."""
         self.state = State(view.settings.robot, view.settings.zid, "", "")
@@ -149,10 +155,17 @@ class Telling:
         if now < self._told_at + APART:
             return self._told_at + APART
         self._look_for_news()
-        news = self._news or self._view.messages != self._told_messages or self._channel.capacity.speak(now)
+        news = (
+            self._news
+            or not self._coordination.settled
+            or self._view.messages != self._told_messages
+            or self._channel.capacity.speak(now)
+        )
         due = self.pacer.due(now, news=news, copies=self._digest_copies())
         if self._sent_much():
             return min(due, self.pacer.due_ahead(now, DEBT))
+        if self.parts_changed:
+            return min(due, max(self.pacer.due_ahead(now, PARTS_DEBT), self._told_at + PARTS_PACE))
         return min(due, self.pacer.due_ahead(now, 0.0)) if self.urgent else due
 
     def announcing(self, now: float) -> float:
@@ -161,17 +174,19 @@ class Telling:
             return 0.0  # who sends is overheard
         limits, rate, load = self._gate.limits, 0.0, [0.0] * len(self._gate.limits)
         for stream in self._view.competition.all(now):
-            use = use_of(stream.newest.size, self._view.copies(stream), limits)
+            use = use_of(round(stream.mean_size), self._view.copies(stream), limits)
             if changes_plans(use, limits):
                 often = 1.0 / max(stream.schedule.period, LEAST_PERIOD)
                 rate += often
                 load = [before + often * each for before, each in zip(load, use, strict=True)]
         fits = [c.limit / c.window / each for c, each in zip(limits, load, strict=True) if c.shared and each > 0.0]
-        return min([1.0, *fits]) * rate * (ANNOUNCEMENT + OVERHEAD) * self._digest_copies() / self.pacer.rate
+        # Of a large team little is known for long; but that it sends some messages in each window.
+        most = max(min([1.0, *fits]) * rate, LEAST_SENDS / shortest_window(limits))
+        return most * (ANNOUNCEMENT + OVERHEAD) * self._digest_copies() / self.pacer.rate
 
     def _sent_much(self) -> bool:
         """Whether we sent something since the last digest that changes what others plan."""
-        if self._coordination.splits or self._view.messages == self._told_messages:
+        if self._coordination.splits or not self._coordination.rivals or self._view.messages == self._told_messages:
             return False
         return changes_plans(use_of(self._view.largest, 1, self._gate.limits), self._gate.limits)
 
@@ -186,7 +201,7 @@ class Telling:
     def _send_digest(self, now: float) -> Command:
         copies = self._digest_copies()
         self._told_at = now
-        if self._sent_much() and not (self.urgent or self._unknown or self._tells_all(now, copies)):
+        if self._sent_much() and not (self.urgent or self.parts_changed or self._unknown or self._tells_all(now, copies)):
             return self._announce(now, copies)
         digest = Digest(
             robot=self._view.settings.robot,
@@ -199,9 +214,11 @@ class Telling:
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
             splits=self._coordination.finds_due,
+            split=self._coordination.telling(now),
         )
         self._channel.capacity.told(digest)
-        self.urgent = False
+        self._coordination.told(digest)
+        self.urgent = self.parts_changed = False
         return self._send(now, digest, copies)
 
     def _tells_all(self, now: float, copies: int) -> bool:

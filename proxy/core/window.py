@@ -14,7 +14,7 @@ import math
 from bisect import insort
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heapreplace
 from itertools import islice
 from operator import attrgetter
@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
+from proxy.core.disputes import Disputes
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
 from proxy.core.limits import Limits, changes_plans, use_of
@@ -29,6 +30,14 @@ from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
 from proxy.core.ways import Audience
 
+MOST_AHEAD = 512
+"""Of one stream so many messages are forecast at most."""
+LEAST_LEFT = 0.1
+"""So much of a limit is left at least to what is contested."""
+WINDOWS = 4.0
+"""The window reaches so many of the longest constraint window..."""
+SENDS = 0.0
+"""... and so many expected sends of every contested stream."""
 LEAST_LIFE = 1e-3
 """The last message of a window lives at least this long [s]."""
 MOST_FACTS = 16
@@ -93,6 +102,8 @@ class WindowBuilder:
     def __init__(self, view: SharedView, started: float) -> None:
         self._view = view
         self._started = started
+        self.disputes = Disputes(view)
+        """What is to decide, and what is load."""
 
     def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
         """Return the problem of deciding `current` while others of our own samples are `waiting`."""
@@ -105,8 +116,20 @@ class WindowBuilder:
 
         Half of the places are for samples that wait, those worth most, the rest for forecasts.
         """
+        limits = self._contested(now, limits)
         candidates, opened, demanded, full = self._opened(now, current, list(waiting), limits, most)
         return self._problem(now, candidates, opened, demanded, limits), full
+
+    def _contested(self, now: float, limits: Limits) -> Limits:
+        """Return what is left of the limits to what is contested: without what is booked, and without its traffic."""
+        self.disputes.look(now, limits.union, alone=limits.alone)
+        reserve, late = self.disputes.reserve(now), self.disputes.late
+        union = tuple(
+            replace(c, limit=max(c.limit - booked, LEAST_LEFT * c.limit), window=c.window - min(late, 0.05 * c.window))
+            for c, booked in zip(limits.union, reserve, strict=True)
+        )
+        sent, others = (tuple(self.disputes.unbooked(now, sends)) for sends in (limits.sent, limits.others))
+        return replace(limits, union=union, sent=sent, others=others)
 
     def _opened(
         self, now: float, current: Waiting, waiting: list[Waiting], limits: Limits, most: float
@@ -142,7 +165,7 @@ class WindowBuilder:
     def _candidates(self, now: float, deciding: str, limits: Limits, most: int) -> list[_Candidate]:
         """Streams that compete, by robot and key, at most so many; that of the current message always does."""
         view, own = self._view, self._view.settings.robot
-        competing = view.competition.chosen(now, most, own if limits.alone else None)
+        competing = view.competition.chosen(now, most, own if limits.alone else None, self.disputes.settled_places)
         current = view.known(own, deciding)
         if current is not None and not any(s is current for s in competing):
             insort(competing, current, key=lambda s: (s.robot, s.key))
@@ -170,23 +193,15 @@ class WindowBuilder:
         """
         settings = self._view.settings
         longest = max(c.window for c in limits.union)
-        since = [self._since(now, c, limits, longest) for c in candidates]
-        until, most = now + settings.horizon_time, 1 - (-settings.horizon // max(1, len(candidates)))
-
-        def end() -> float:
-            ordered = sorted([t for c in candidates for t in c.times])
-            full = ordered[settings.horizon - 1] if len(ordered) >= settings.horizon else until
-            return max([full, now + 2.0 * longest, *[c.times[0] for c in candidates if c.times]])
-
-        for c, after in zip(candidates, since, strict=True):
-            c.times = c.stream.schedule.forecast(after, until, most, now)
-        latest = min(until, end() + LEAST_LIFE)  # few times of each stream tell that it ends no later
-        for c, after in zip(candidates, since, strict=True):
-            if len(c.times) == most < settings.horizon and c.times[-1] < latest:
-                c.times = c.stream.schedule.forecast(after, latest, settings.horizon, now)
-            else:
-                c.times = [t for t in c.times if t <= latest] or c.times[:1]
-        return end()
+        until, least = now + settings.horizon_time, now + WINDOWS * longest
+        apart = [self.disputes.weighed(c.stream).apart for c in candidates]
+        end = min(until, max([least, *[now + SENDS * each for each in apart if each < math.inf]]))
+        for c in candidates:
+            after = self._since(now, c, limits, longest)
+            c.times = c.stream.schedule.forecast(after, end, MOST_AHEAD, now)
+            if not c.times:
+                c.times = c.stream.schedule.forecast(after, until, 1, now)
+        return max([end, *[c.times[0] for c in candidates if c.times]])
 
     def _since(self, now: float, c: _Candidate, limits: Limits, longest: float) -> float:
         """Return when the first message of a stream was or will be generated whose fate is open."""
@@ -221,9 +236,11 @@ class WindowBuilder:
         ]
         messages += [(_fact(m.of, _sent(m, now), 0.0, nothing), None) for m in demanded]
         t_sent, uses = -math.inf, _Uses(limits)
+        t_rcv = dict.fromkeys(range(len(candidates)), -math.inf)
         for m in opened:
             t_sent = max(t_sent, m.t_gen, now) if m.of.own else max(t_sent, m.t_gen)
-            messages.append((_message(m, t_sent, uses.of(m)), m))
+            t_rcv[m.of.place] = max(t_rcv[m.of.place], t_sent + m.of.audience.latency_of(m.size))
+            messages.append((_message(m, t_sent, t_rcv[m.of.place], uses.of(m)), m))
         robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
         messages.sort(key=_order)
         current = next(place for place, (_, m) in enumerate(messages) if m is not None and m.current)
@@ -270,9 +287,9 @@ def _traffic(now: float, demanded: list[_Open], limits: Limits, uses: _Uses) -> 
     return tuple(sorted(traffic, key=_SENT))
 
 
-def _message(m: _Open, t_sent: float, use: tuple[float, ...]) -> Message:
+def _message(m: _Open, t_sent: float, t_rcv: float, use: tuple[float, ...]) -> Message:
     utility = m.of.stream.information_type.utility_of(m.features)
-    return Message(m.of.place, m.t_gen, t_sent, t_sent + m.of.audience.latency_of(m.size), utility, m.scale, use)
+    return Message(m.of.place, m.t_gen, t_sent, t_rcv, utility, m.scale, use)
 
 
 def _open(waiting: Waiting, c: _Candidate, *, current: bool = False) -> _Open:
@@ -281,7 +298,7 @@ def _open(waiting: Waiting, c: _Candidate, *, current: bool = False) -> _Open:
 
 def _expect(c: _Candidate, t_gen: float) -> _Open:
     like = c.stream.expected(t_gen)
-    return _Open(t_gen, c, like.size, like.scale, like.features)
+    return _Open(t_gen, c, c.stream.likely_size, like.scale, like.features)
 
 
 def _sent(m: _Open, now: float) -> Sent:

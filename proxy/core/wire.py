@@ -6,6 +6,7 @@ monotonic clock [s], sizes are bytes. All counters are cumulative, so a lost dig
 
 from dataclasses import dataclass
 
+from proxy.core.split import Told
 from proxy.core.transport import UNICAST
 
 
@@ -83,6 +84,8 @@ class Digest:
     """
     splits: bool = False
     """Whether the sender finds that each robot has to keep to a part of every limit."""
+    split: Told | None = None
+    """What it says of parts, where it keeps to one."""
 
 
 @dataclass(frozen=True, slots=True)

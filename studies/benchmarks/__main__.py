@@ -18,6 +18,7 @@ from studies.benchmarks.quality import measure_quality
 from studies.benchmarks.receding import measure_receding
 from studies.benchmarks.report import Table, machine, write_page
 from studies.benchmarks.speed import measure_speed
+from studies.benchmarks.traffic import measure_traffic
 from studies.benchmarks.view import measure_view
 from studies.oracle import OracleUnavailable
 
@@ -36,6 +37,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "receding": ("Beside the exact receding-horizon optimiser", lambda quick: measure_receding(quick=quick)),
     "view": ("How right the shared view is, and what a team reaches with it", lambda quick: measure_view(quick=quick)),
     "bridge": ("What the bridge costs", lambda quick: measure_bridge(quick=quick)),
+    "traffic": ("Real daemons, real traffic", lambda quick: measure_traffic(quick=quick)),
     "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }
 

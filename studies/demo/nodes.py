@@ -18,7 +18,7 @@ WINDOW = 0.95
 ASSEMBLY = 20.0
 """How long the nodes may take to find each other [s]."""
 
-SPEC = """\
+SURVEILLANCE = """\
 # What a camera frame is worth to the operator: more when it shows something red (Eq. 9).
 version = 1
 
@@ -54,16 +54,24 @@ def start_routers(troupe: Troupe, nodes: Sequence[Node], dials: Mapping[str, lis
 
 
 def start_daemons(
-    troupe: Troupe, nodes: Sequence[Node], dials: Mapping[str, list[str]], limit: float, folder: Path
+    troupe: Troupe,
+    nodes: Sequence[Node],
+    dials: Mapping[str, list[str]],
+    spec: str,
+    folder: Path,
+    *,
+    mode: str = "enforce",
+    flags: Sequence[str] = (),
 ) -> list[Process]:
-    """Start our daemon for each node, with `limit` [bit/s] in the spec; return when they know each other."""
-    spec = folder / "surveillance.toml"
-    spec.write_text(SPEC.format(limit=limit, window=WINDOW))
+    """Start our daemon for each node, with `spec` and these further `flags`; return when they know each other."""
+    file = folder / "specs.toml"
+    file.write_text(spec)
     daemons = []
     for node in nodes:
         config = folder / f"{node.name}.toml"
-        config.write_text(_config(node, dials[node.name], spec))
-        daemons.append(troupe.start(f"daemon-{node.name}", "-m", "proxy.cli", "run", "--config", str(config)))
+        config.write_text(_config(node, dials[node.name], file, mode))
+        command = ("-m", "proxy.cli", "run", "--config", str(config), *flags)
+        daemons.append(troupe.start(f"daemon-{node.name}", *command))
     deadline = time.monotonic() + ASSEMBLY
     for node in nodes:
         while not _assembled(node, len(nodes) - 1):
@@ -88,12 +96,12 @@ def count(phase: str, nodes: Sequence[Node]) -> list[Event]:
     return events
 
 
-def _config(node: Node, dials: Sequence[str], spec: Path) -> str:
+def _config(node: Node, dials: Sequence[str], spec: Path, mode: str) -> str:
     """Return the daemon's configuration; a JSON string or list is a TOML one too."""
     return "\n".join(
         [
             f"robot = {json.dumps(node.name)}",
-            'mode = "enforce"',
+            f"mode = {json.dumps(mode)}",
             "[app]",
             f"listen = {json.dumps([node.app_endpoint])}",
             "[mesh]",

@@ -8,7 +8,7 @@ from pathlib import Path
 from studies.demo import links
 from studies.demo.events import Event, Links, Receive, Run, read_events
 from studies.demo.layout import OPERATOR, Node, lay_out, pairs
-from studies.demo.nodes import SHARE, WINDOW, WITH, count, start_daemons, start_routers
+from studies.demo.nodes import SHARE, SURVEILLANCE, WINDOW, WITH, count, start_daemons, start_routers
 from studies.demo.processes import Process, Troupe
 
 PATIENCE = 20.0
@@ -46,7 +46,8 @@ def run_phase(phase: str, conditions: Conditions, folder: Path, tell: Callable[[
         dials = _start_medium(troupe, nodes, conditions.rate, folder)
         limit = SHARE * conditions.rate
         if phase == WITH:
-            stations = start_daemons(troupe, nodes, dials, limit, folder)
+            spec = SURVEILLANCE.format(limit=limit, window=WINDOW)
+            stations = start_daemons(troupe, nodes, dials, spec, folder)
         else:
             stations = start_routers(troupe, nodes, dials)
         apps = _start_apps(troupe, nodes, conditions, folder)

@@ -96,12 +96,12 @@ def _spec(problem: Problem, keys: list[str], gross: float) -> str:
 def _type(number: int, key: str, own: list[Message]) -> str:
     return (
         f'[[information_type]]\nname = "stream-{number}"\nkeys = ["{key}"]\naggregation = "most_recent"\n'
-        f"weight = {own[0].scale!r}\nutility = {_utility([m.utility for m in own])}\n"
+        f"weight = {own[0].scale!r}\nutility = {utility_table([m.utility for m in own])}\n"
     )
 
 
-def _utility(utilities: list[MessageUtility]) -> str:
-    """Return the table of the mean utility; raise `TypeError` for a kind that no workload has."""
+def utility_table(utilities: list[MessageUtility]) -> str:
+    """Write the table of the mean utility as a spec has it; raise `TypeError` for a kind that no workload has."""
     first = utilities[0]
     match first:
         case Linear():

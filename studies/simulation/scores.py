@@ -45,9 +45,9 @@ def measure(flown: Mission, iterations: int) -> Yardsticks:
     return Yardsticks(upper_bound(scored(flown.problem)).bound, sends)
 
 
-def scored(problem: Problem) -> Problem:
+def scored(problem: Problem, since: float = WARM_UP) -> Problem:
     """Return the mission as it is scored: what was received before the end of the warm-up counts from then on."""
-    return replace(problem, messages=tuple(m._replace(t_rcv=max(m.t_rcv, WARM_UP)) for m in problem.messages))
+    return replace(problem, messages=tuple(m._replace(t_rcv=max(m.t_rcv, since)) for m in problem.messages))
 
 
 def reached(flown: Mission, team: Team) -> float:

@@ -106,6 +106,19 @@ def test_decided_samples_are_paced(stack):
     assert all(later - earlier > 0.09 for earlier, later in itertools.pairwise(times))
 
 
+def test_a_small_sample_does_not_wait_for_large_ones(stack):
+    """Odometry goes at once, whatever frames wait for their pace before it; it is answered like all others."""
+    bench = Bench(stack, 100_000.0)
+    frame = bench.held("x" * 90_000)
+    for i in range(3):
+        bench.forward(i, frame)
+    bench.forward(3, bench.held("odometry")._replace(key="another"))
+    bench.egress.start()
+    wait_until(lambda: any(event.sample == 3 for event in bench.posted), what="the answer for the small sample")
+    assert [event.sample for event in bench.posted][:2] in ([3], [3, 0])
+    assert bench.egress.waiting["decided"] >= 2
+
+
 def test_passing_samples_do_not_wait_for_paced_ones(stack):
     """What needs no decision overtakes what waits for its pace, and is counted with its bytes."""
     bench = Bench(stack, 100.0)

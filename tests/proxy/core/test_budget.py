@@ -25,11 +25,14 @@ ENERGY = Limit("energy", 2.0, 3.0, Energy(3.0, 2.0, per_byte=1e-3))
 def make_budget(make_specs):
     """A budget of one robot beside `peers` others."""
 
-    def make(*limits, coordination="announce", peers=1):
-        view = SharedView(CoreSettings("r1", "z1", coordination=coordination), make_specs())
+    def make(*limits, kind="announce", peers=1):
+        view = SharedView(CoreSettings("r1", "z1", coordination=kind, settle=0.0), make_specs())
         for number in range(peers):
             view.add_peer(0.0, f"p{number}", f"p{number}")
-        budget = Budget(view, Coordination(0.0, view.settings, view))
+        coordination = Coordination(0.0, view.settings, view)
+        budget = Budget(view, coordination)
+        coordination.set_members(0.0, view.peers)
+        coordination.set_limits(0.0, limits or (BYTES,))
         budget.set_limits(limits or (BYTES,))
         return budget, view
 
@@ -56,28 +59,29 @@ def test_what_was_sent_counts_for_a_window(make_budget):
     assert budget.free(2.6) == [1000.0]
 
 
-def test_when_room_opens_is_known(make_budget):
-    """When the first sends have left the window that make enough room: then the sample does fit."""
+def test_when_room_opens_that_our_own_sends_leave_is_known(make_budget):
+    """Then the sample does fit. What another robot leaves is not ours to wait for."""
     budget, view = make_budget()
     budget.use(1.0, (300.0,))
     budget.use(1.2, (300.0,))
     heard(view, 1.4, 300)
-    assert [budget.opens(1.5, (size,)) for size in (200.0, 400.0, 700.0, 1000.0)] == pytest.approx([2.0, 2.0, 2.2, 2.4])
-    assert budget.fits(budget.opens(1.5, (700.0,)), (700.0,))
+    opens = [budget.opens(1.5, (size,)) for size in (100.0, 300.0, 700.0, 800.0, 1001.0)]
+    assert opens == pytest.approx([-math.inf, 2.0, 2.2, math.inf, math.inf], abs=1e-5)
+    assert budget.fits(opens[2], (700.0,))
 
 
 def test_what_others_send_uses_none_of_our_energy(make_budget):
     """Each robot has its own, whole, in either coordination."""
     for coordination in ("announce", "split"):
-        budget, view = make_budget(BYTES, COUNT, ENERGY, coordination=coordination, peers=3)
+        budget, view = make_budget(BYTES, COUNT, ENERGY, kind=coordination, peers=3)
         heard(view, 1.0, 900)
         assert budget.whole(1.0, 2) == 3.0
         assert budget.free(1.1)[2] == 3.0
 
 
 def test_in_split_each_robot_has_its_part_and_others_sends_are_their_own(make_budget):
-    """Parts of all robots are no more than the limit together."""
-    budget, view = make_budget(BYTES, coordination="split", peers=3)
+    """A newcomer has little until it is given more."""
+    budget, view = make_budget(BYTES, kind="split", peers=3)
     assert budget.alone
     assert budget.whole(0.0, 0) * 4 <= 1000.0
     heard(view, 1.0, 900)
@@ -152,7 +156,7 @@ def test_without_limits_everything_fits(make_budget):
     budget.set_limits(())
     assert budget.fits(1.0, ())
     assert budget.free(1.0) == []
-    assert budget.opens(1.0, ()) == math.inf
+    assert budget.opens(1.0, ()) == -math.inf
 
 
 def test_what_others_are_heard_or_told_to_send_counts_once(make_talk):
@@ -178,7 +182,7 @@ def test_what_others_are_heard_or_told_to_send_counts_once(make_talk):
 )
 def test_whoever_sends_what_fits_keeps_every_limit(make_budget, coordination, steps):
     """Whatever others are heard to send meanwhile, no send of ours ends a window that holds more than we may use."""
-    budget, view = make_budget(BYTES, COUNT, coordination=coordination, peers=2)
+    budget, view = make_budget(BYTES, COUNT, kind=coordination, peers=2)
     now, sent = 0.0, []
     for pause, size, ours in steps:
         now += pause

@@ -1,0 +1,51 @@
+"""What this robot asks for of what robots share, made of its streams."""
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from planner import Aggregation
+from proxy.core.limits import Limit, use_of
+from proxy.core.split import Bid, Demand, bid_for
+from proxy.core.stream import Stream
+from proxy.core.view import SharedView
+
+LEAST_PERIOD = 1e-3
+"""Streams are taken to generate no faster than so [s]."""
+SPREAD = 2.0
+"""A large message of a stream is so many standard deviations larger than the mean."""
+
+
+def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
+    """Return what our streams ask for of the shared limit that they need most of."""
+    shared = tuple(limit for limit in limits if limit.shared)
+    window = max((limit.window for limit in shared), default=1.0)
+    return bid_for(_demands(view, now, shared), window, len(view.peers) + 1)
+
+
+def _demands(view: SharedView, now: float, shared: tuple[Limit, ...]) -> Iterator[Demand]:
+    for stream in view.own():
+        if not view.competes(now, stream):
+            continue
+        copies, mean = view.copies(stream), stream.mean_size
+        parts = [
+            max(use / limit.limit for use, limit in zip(use_of(round(size), copies, shared), shared, strict=True))
+            for size in (mean, mean + SPREAD * stream.size_deviation)
+        ]
+        audience = view.audiences.of(now, stream)
+        rate = 1.0 / max(stream.schedule.period, LEAST_PERIOD)
+        yield Demand(parts[0], parts[1], rate, partial(_value, stream, audience.share, audience.mean))
+
+
+def _value(stream: Stream, share: float, age: float, rate: float) -> float:
+    """Return the utility per second of so many messages per second, each so old when it is received [s]."""
+    kind, like = stream.information_type, stream.newest
+    lasting = kind.aggregation in (Aggregation.SUM, Aggregation.ONCE)
+    until = age + (FOREVER if lasting else 1.0 / max(rate, 1.0 / FOREVER))
+    area = kind.utility_of(like.features).integral(np.array([age]), np.array([until]))
+    return float(area[0]) * like.scale * share * rate
+
+
+FOREVER = 3600.0
+"""Messages are worth nothing any more after this [s]."""

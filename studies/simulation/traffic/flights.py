@@ -1,0 +1,69 @@
+"""Missions of real traffic flown: by a team of the daemon's cores, or by one core that decides for all."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from planner import SearchSettings
+from proxy.core.settings import CoreSettings
+from proxy.core.transport import UNICAST, broadcast
+from studies.simulation.flights import GROUP
+from studies.simulation.medium import Medium, Way
+from studies.simulation.missions import OPERATOR
+from studies.simulation.team import Team
+from studies.simulation.traffic.missions import ALONE, RATE, Mission, alone
+
+CENTRAL = "overhear"
+"""The coordination of one robot alone: it plans for all there is, and waits for nobody."""
+SOON = 0.001
+"""How late one that decides for all hears of the receiver [s], whatever its samples take."""
+
+
+@dataclass(frozen=True, slots=True)
+class How:
+    """How a team flies: `settings` are further ones of the core, by name; latency is seconds, loss a probability."""
+
+    coordination: str = "shares"
+    transport: str = "unicast"
+    latency: float = 0.02
+    loss: float = 0.01
+    iterations: int = 300
+    settings: tuple[tuple[str, Any], ...] = ()
+
+    @property
+    def broadcasts(self) -> bool:
+        """Whether every robot hears, and wants, everything."""
+        return self.transport != UNICAST
+
+
+def fly(mission: Mission, how: How, seed: int) -> Team:
+    """Let a team fly the mission, and return it with what it sent."""
+    ready = crew(mission, how, seed)
+    ready.run(mission.frames, mission.problem.t_end)
+    return ready
+
+
+def crew(mission: Mission, how: How, seed: int) -> Team:
+    """Return a team that is ready to fly the mission."""
+    further: dict[str, Any] = {"coordination": how.coordination, **dict(how.settings)}
+    settings = CoreSettings(
+        "", "", transport=broadcast(GROUP) if how.broadcasts else UNICAST, digests_on_air=how.broadcasts
+    )
+    return Team(
+        mission.specs,
+        mission.interests,
+        Medium(RATE, how.latency, how.loss),
+        seed=seed,
+        iterations=how.iterations,
+        settings=replace(settings, **further),
+        search=SearchSettings(search="best"),
+    )
+
+
+def fly_alone(mission: Mission, how: How, seed: int) -> tuple[Mission, Team]:
+    """Let one core decide for all streams, as fast as it is asked; return the mission as it flew and the team."""
+    by_one = alone(mission)
+    ready = crew(by_one, replace(how, coordination=CENTRAL, transport=UNICAST, settings=(("allowance", 0.0),)), seed)
+    ready.decision_time = 0.0
+    ready.medium.ways[OPERATOR, ALONE] = Way(SOON)
+    ready.run(by_one.frames, by_one.problem.t_end)
+    return by_one, ready

@@ -1,0 +1,181 @@
+"""What a flight of real traffic reached, used and told."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import fmean, median
+from typing import Any, Protocol
+
+import numpy as np
+
+from planner import Aggregation, Message, Problem
+from planner.utility import Floats
+from studies.simulation.missions import OPERATOR
+from studies.simulation.records import Delivery, OnAir
+from studies.simulation.traffic.missions import WARM_UP, Mission
+
+DRAWS = 20
+"""So many draws of what is lost on the air."""
+EXACT = 1e-9
+"""Part of a limit by which sums may be wrong."""
+
+
+class Flight(Protocol):
+    """What was sent, by receiver, and all bytes on the air in the order of their times."""
+
+    deliveries: list[Delivery]
+    on_air: list[OnAir]
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """What was reached after the warm-up.
+
+    `utility` is that of the operator [utility·s]; `sent` are bytes of samples, `offered` those that were generated,
+    copies included, and `room` what the limit has for samples if nobody tells anything. `over` is the part of all
+    samples whose window exceeds the limit when they are sent, `worst` the fullest window of all, in limits. `told` is
+    what robots tell each other and `digests` the part of it in digests [B/s]. Of small samples `arrived` is the part
+    that came to a receiver, `kept` that which was sent, `age` the age then (median, 95th percentile) [s]. Of alarms:
+    those generated, and sent. `silence` is by robot the longest time without a sample [s].
+    """
+
+    utility: float
+    sent: float
+    offered: float
+    room: float
+    over: float
+    worst: float
+    told: float
+    digests: float
+    arrived: float
+    kept: float
+    age: tuple[float, float]
+    alarms: int
+    alarms_sent: int
+    silence: dict[str, float]
+    has_small: bool
+
+    @property
+    def fill(self) -> float:
+        """Bytes sent, as a part of what the limit or the offer allows."""
+        return self.sent / max(min(self.room, self.offered), 1.0)
+
+
+def score(mission: Mission, flight: Flight, loss: float) -> Score:
+    """Judge a flight of the mission in which so much was lost."""
+    number = {id(frame): i for i, frame in enumerate(mission.frames)}
+    seconds = mission.problem.t_end - WARM_UP
+    sends = [(air.t, number[id(air.frame)], air.size) for air in flight.on_air if air.frame is not None]
+    told = [air for air in flight.on_air if air.frame is None and air.t >= WARM_UP]
+    due = {i for i, frame in enumerate(mission.frames) if frame.t_gen >= WARM_UP}
+    sent = {i for _, i, _ in sends}
+    copies = sum(size for _, _, size in sends) / max(sum(mission.frames[i].size for _, i, _ in sends), 1)
+    arrived, ages = _small(mission, flight, due, number)
+    over, worst = _windows(mission, flight.on_air)
+    return Score(
+        utility=_reached(mission, flight, number, loss),
+        sent=float(sum(size for t, _, size in sends if t >= WARM_UP)),
+        offered=copies * sum(mission.frames[i].size for i in due),
+        room=mission.carried * seconds / mission.window,
+        over=over,
+        worst=worst,
+        told=sum(air.size for air in told) / seconds,
+        digests=sum(air.size for air in told if air.digest) / seconds,
+        arrived=arrived,
+        kept=_part(len(due & mission.small & sent), len(due & mission.small)),
+        age=ages,
+        alarms=len(due & mission.alarms),
+        alarms_sent=len(due & mission.alarms & sent),
+        silence=_silence(mission, sends),
+        has_small=bool(mission.small),
+    )
+
+
+def worth(mission: Mission, times: dict[int, float]) -> float:
+    """Return what the frames are worth that one receiver got at these times, by index [utility·s]."""
+    streams: dict[int, list[Message]] = defaultdict(list)
+    for index, t_rcv in times.items():
+        message = mission.problem.messages[index]
+        streams[message.stream].append(message._replace(t_rcv=max(t_rcv, message.t_rcv, WARM_UP)))
+    return sum(_worth(mission.problem, stream, received) for stream, received in streams.items())
+
+
+def _worth(problem: Problem, stream: int, received: list[Message]) -> float:
+    """Return what the samples of one stream are worth, most recent ones or the sum of all."""
+    received = sorted((m for m in received if m.t_rcv < problem.t_end), key=lambda m: m.t_rcv)
+    if not received:
+        return 0.0
+    begins = np.array([m.t_rcv for m in received])
+    ends = np.append(begins[1:], problem.t_end)
+    if problem.streams[stream].aggregation == Aggregation.SUM:
+        ends[:] = problem.t_end
+    return sum(
+        float(np.sum(scales * utility.integral(ages, until)))
+        for utility, scales, ages, until in _by_utility(received, begins, ends)
+    )
+
+
+def _by_utility(received: Sequence[Message], begins: Floats, ends: Floats) -> list[tuple[Any, Floats, Floats, Floats]]:
+    """Group the samples by their function of age: scales, ages at receipt and ages at the end of their time."""
+    born, scales = np.array([m.t_gen for m in received]), np.array([m.scale for m in received])
+    places: dict[Any, list[int]] = defaultdict(list)
+    for place, message in enumerate(received):
+        places[message.utility].append(place)
+    return [(utility, scales[at], (begins - born)[at], (ends - born)[at]) for utility, at in places.items()]
+
+
+def _reached(mission: Mission, flight: Flight, number: dict[int, int], loss: float) -> float:
+    """Return what the operator gets of all that was sent, by the mean over draws of what is lost.
+
+    Whether a sample is lost does not depend on who sends when: else two flights would differ by their luck with alarms.
+    """
+    sent = {number[id(d.frame)]: d for d in flight.deliveries if d.receiver == OPERATOR}
+    delay = median([d.t_rcv - d.t_sent for d in sent.values() if d.t_rcv is not None] or [0.0])
+    times = {i: d.t_sent + delay if d.t_rcv is None else d.t_rcv for i, d in sent.items()}
+    draws = np.random.default_rng(DRAWS).random((DRAWS if loss else 1, len(mission.frames)))
+    return fmean(worth(mission, {i: t for i, t in times.items() if fate[i] >= loss}) for fate in draws)
+
+
+def _wanting(mission: Mission, sender: str) -> int:
+    return sum(bool(keys) and robot != sender for robot, keys in mission.interests.items())
+
+
+def _small(
+    mission: Mission, flight: Flight, due: set[int], number: dict[int, int]
+) -> tuple[float, tuple[float, float]]:
+    """Return the part of small samples that came to a receiver, and how old they were."""
+    wanted = sum(_wanting(mission, mission.frames[i].robot) for i in due & mission.small)
+    counted = due & mission.small
+    ages = [
+        d.t_rcv - d.frame.t_gen for d in flight.deliveries if d.t_rcv is not None and number[id(d.frame)] in counted
+    ]
+    middle, late = np.quantile(ages, (0.5, 0.95)).tolist() if ages else (0.0, 0.0)
+    return _part(len(ages), wanted), (middle, late)
+
+
+def _part(some: int, of: int) -> float:
+    return some / of if of else 1.0
+
+
+def _windows(mission: Mission, sent: Sequence[OnAir]) -> tuple[float, float]:
+    """Return the part of samples whose closed window exceeds the limit, and the fullest window of all sends."""
+    ordered = sorted(sent, key=lambda air: air.t)
+    times = np.array([air.t for air in ordered], dtype=np.float64)
+    sums = np.concatenate(([0.0], np.cumsum([float(air.size) for air in ordered])))
+    held = sums[np.searchsorted(times, times, "right")] - sums[np.searchsorted(times, times - mission.window, "left")]
+    scored = times >= WARM_UP
+    samples = scored & np.array([air.frame is not None for air in ordered], dtype=np.bool_)
+    over = held > mission.limit * (1 + EXACT)
+    return _part(int((over & samples).sum()), int(samples.sum())) if samples.any() else 0.0, float(
+        held[scored].max(initial=0.0) / mission.limit
+    )
+
+
+def _silence(mission: Mission, sends: Sequence[tuple[float, int, int]]) -> dict[str, float]:
+    """Return of each robot the longest time after the warm-up without a sample [s]."""
+    times: dict[str, list[float]] = {robot: [WARM_UP] for robot in mission.robots}
+    for t, index, _ in sends:
+        if t >= WARM_UP:
+            times[mission.frames[index].robot].append(t)
+    end = mission.problem.t_end
+    return {robot: float(np.diff([*sorted(own), end]).max()) for robot, own in times.items()}
