@@ -201,7 +201,9 @@ class Telling:
     def _send_digest(self, now: float) -> Command:
         copies = self._digest_copies()
         self._told_at = now
-        if self._sent_much() and not (self.urgent or self.parts_changed or self._unknown or self._tells_all(now, copies)):
+        if self._sent_much() and not (
+            self.urgent or self.parts_changed or self._unknown or self._tells_all(now, copies)
+        ):
             return self._announce(now, copies)
         digest = Digest(
             robot=self._view.settings.robot,

@@ -402,7 +402,7 @@ def test_robots_that_broadcast_thin_a_stream_to_the_limit_whoever_hears_it(stack
     wait_until(lambda: arrived(remote[0]) == arrived(remote[1]), what="the same on both")
     status = first.status()
     assert status["counts"]["conserved"]
-    assert (status["transport"], status["coordination"]) == (f"broadcast {group}", "overhear")
+    assert (status["transport"], status["coordination"]) == (f"broadcast {group}", "announce")
     assert status["daemon"]["broadcast"].items() >= {"group": group, "interface": "lo", "heard": 2}.items()
     assert arrived(remote[0]) == sorted(set(arrived(remote[0])))
     assert status["counts"]["dropped"] > 0
