@@ -68,7 +68,7 @@ class Coordination:
         Who was not told to split from the start takes an equal part until any robot has agreed on parts.
         """
         if not self.splits or self._split is None:
-            return 1.0
+            return 1.0 - self._settings.margin if self.rivals else 1.0
         if self._always or self._agreed or self._split.agreed:
             return self._split.part(now, k)
         return (1.0 - self._settings.floor) / (len(self._members) + 1)

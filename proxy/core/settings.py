@@ -34,6 +34,7 @@ class CoreSettings:
     transport: str = UNICAST
     allowance: float = 0.02
     floor: float = 0.01
+    margin: float = 0.0
     settle: float = 0.5
     inbox: int = 256
     inbox_bytes: float = math.inf

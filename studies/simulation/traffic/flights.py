@@ -12,7 +12,7 @@ from studies.simulation.missions import OPERATOR
 from studies.simulation.team import Team
 from studies.simulation.traffic.missions import ALONE, RATE, Mission, alone
 
-CENTRAL = "overhear"
+CENTRAL = "announce"
 """The coordination of one robot alone: it plans for all there is, and waits for nobody."""
 SOON = 0.001
 """How late one that decides for all hears of the receiver [s], whatever its samples take."""
@@ -22,7 +22,7 @@ SOON = 0.001
 class How:
     """How a team flies: `settings` are further ones of the core, by name; latency is seconds, loss a probability."""
 
-    coordination: str = "shares"
+    coordination: str = "announce"
     transport: str = "unicast"
     latency: float = 0.02
     loss: float = 0.01
