@@ -190,7 +190,7 @@ class SharedView:
         return len(self.gaining(stream)) > 0
 
     def told_at(self, robot: str, otherwise: float) -> float:
-        """When the last digest of a robot came [s]; `otherwise` where none tells of its streams."""
+        """When the last digest of a robot was sent [s, our clock]; `otherwise` where none tells of its streams."""
         return self._told_at.get(robot, otherwise)
 
     def all_told_at(self, robots: Iterable[str], otherwise: float) -> list[float]:
@@ -284,7 +284,7 @@ class SharedView:
         if peer.specs != self.specs.generation:
             peer.restart_losses()  # it may not count what we count
         peer.heard_digest(now, digest)
-        self._told_at[peer.robot] = now
+        self._told_at[peer.robot] = min(now, peer.offset.ours(digest.sent))
         if digest.state == peer.number:
             self._compare_walls(now, peer)
         for echo in digest.echoes:

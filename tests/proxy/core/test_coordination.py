@@ -33,7 +33,7 @@ class Team:
             stream = self.view.stream(0.0, robot, f"robot/{robot}/camera")
             stream.matching = True
             for count in range(9):
-                stream.note_generated(count + 1, Generated(0.1 * count - 1.0, 1000, 1.0))
+                stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
 
     def look(self, *, waiting=0.0, announcing=0.0):
         self.now += PACE
@@ -90,6 +90,18 @@ def test_the_longest_way_between_any_two_robots_counts(make_team):
     team.view.peers["p1"].heard_by["p2"] = Latency(1.01 * LATE * WINDOW)
     team.look()
     assert team.coordination.finds_due
+
+
+def test_news_that_wait_on_their_way_are_late(make_team):
+    """Whatever the way takes at best; one that was held up alone is no reason."""
+    team = make_team()
+    for sent, took in ((1.0, 0.01), (2.0, 0.5), (3.0, 0.01), (4.0, 0.5), (5.0, 0.5), (6.0, 0.5)):
+        digest = Digest("p1", "p1", sent, brief=sent == 5.0)
+        team.view.heard_digest(sent + took, digest)
+        team.coordination.heard(sent + took, digest)
+        team.now = max(team.now + PACE, sent + took)
+        team.look()
+        assert team.coordination.finds_due is (sent == 6.0)
 
 
 def test_it_is_looked_at_now_and_then(make_team):
