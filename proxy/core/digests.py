@@ -46,8 +46,8 @@ REFRESH = 10.0
 """What was told of a stream is told again after this time: it may have been lost [s]."""
 MOST_REFRESHED = 2
 """Streams told again in one digest."""
-SAVED = 25.0
-"""What our part comes to in so long may be saved for states [s]: a robot that starts tells several."""
+SAVED = 10.0
+"""So much of the allowance may be saved for states [s]."""
 
 
 class DigestPacer:
@@ -62,7 +62,7 @@ class DigestPacer:
         """What is left of the allowance of all."""
         self._tokens = LEAST_ALLOWANCE
         """What is left of our part of what is for ordinary news."""
-        self._debt = -SAVED * ORDINARY * LEAST_ALLOWANCE
+        self._debt = -SAVED * LEAST_ALLOWANCE
         self._updated = now
         self._size = 64.0
         self._last = now - SLOW

@@ -90,13 +90,13 @@ def test_what_is_paid_for_later_is_within_our_part(sent):
             pacer.owe(now, size, 1)
         spent += (size + OVERHEAD) * (1 if kind == "question" else 2)
         largest = max(largest, size + OVERHEAD)
-    assert spent <= ORDINARY * 500.0 * (now + SAVED) + 3 * 4 * largest + 500.0
+    assert spent <= ORDINARY * 500.0 * (now + SAVED) + SAVED * 100.0 + 3 * 4 * largest + 500.0
 
 
 def test_digests_go_on_while_a_state_is_paid_for():
     """With half of our part; another state waits."""
     pacer = pacer_of(1000.0)
-    pacer.owe(0.0, 4500, 4)
+    pacer.owe(0.0, 3000, 4)
     before = pacer.state_due(0.0)
     assert before > 20.0
     for number in range(1, 11):
