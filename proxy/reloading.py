@@ -111,6 +111,9 @@ class Reloading:
                 log.warning("the daemon is busy and will do it later")
         specs = f"specs {loaded.specs.generation} in force" if loaded.specs.types else "no specs, everything passes"
         log.info("%s: %s%s", why, specs, "".join(map(_told, changed)))
+        for outdated in loaded.config.outdated:
+            if outdated not in self.loaded.config.outdated:
+                log.warning("%s", outdated)
         self.loaded, self._problems = loaded, ()
         self._done += 1
 

@@ -40,11 +40,6 @@ def digest(robot: str, tag: str) -> str:
     return f"{PREFIX}/{robot}/digest/{tag}"
 
 
-def digest_to(to: str, robot: str, tag: str) -> str:
-    """Where the `robot` with this tag publishes digests that concern only the robot with the tag `to`."""
-    return f"{PREFIX}/{robot}/digest-to/{to}/{tag}"
-
-
 def kept(to: str, key: str) -> str:
     """Where copies of samples of `key` go that were kept for the robot with the tag `to`."""
     return f"{PREFIX}/{to}/kept/{key}"

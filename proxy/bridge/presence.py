@@ -40,8 +40,6 @@ log = logging.getLogger(__name__)
 
 NAME_WAIT = 0.15
 """How long a starting daemon listens for another one of its name [s]."""
-ADDRESSED = 256
-"""Robots that have a number for digests to them alone."""
 ECHOED = 64
 """Of so many of our digests an echo is understood."""
 DIGESTS, ALL_DIGESTS = 200.0, 1000.0
@@ -83,7 +81,7 @@ class Presence:
     `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread; `later` gets them
     with the time when they are due [s]. `offer` gets what may be left out when the loop is behind. `old` tells whether
     the core has heard a digest of a tag that was sent then [s], or a later one; from any thread. With `air` digests
-    that concern all are broadcast.
+    are broadcast.
     """
 
     def __init__(
@@ -117,8 +115,6 @@ class Presence:
         self._versions: dict[str, int] = {}
         """What each robot speaks, as the core was told."""
         self._declared: list[Declaration] = []
-        self._addressed: dict[str, Declaration] = {}
-        """To whom digests were sent alone, the last one last: such keys are declared, so that a number travels."""
 
     def open(self) -> None:
         """Say that we are here, and listen."""
@@ -129,9 +125,6 @@ class Presence:
             self._air.attend(self._hear_told)
         self._declared = [
             mesh.declare_subscriber(keys.ALL_DIGESTS, direct(self._hear_digest), allowed_origin=remote),
-            mesh.declare_subscriber(
-                keys.digest_to(self._tag, "*", "*"), direct(self._hear_digest), allowed_origin=remote
-            ),
             mesh.declare_subscriber(keys.ALL_STATES, direct(self._hear_state), allowed_origin=remote),
             mesh.declare_queryable(keys.state(robot, self._tag), direct(self._tell), allowed_origin=remote),
             # Nobody asks for digests: but what is declared has a number, which travels instead of the key.
@@ -145,15 +138,12 @@ class Presence:
         for declared in self._declared:
             declared.undeclare()
         self._declared = []
-        for addressed in self._addressed.values():
-            addressed.undeclare()
-        self._addressed.clear()
 
     def send_digest(self, digest: Digest) -> None:
         """Publish our digest."""
         self._sent.append(ticks(digest.sent))
-        put = None if self._air is None else self._air.announce
-        self._put(keys.digest(self._robot, self._tag), pack_digest(digest), *([put] if put else []))
+        announce = None if self._air is None else self._air.announce
+        self._put(keys.digest(self._robot, self._tag), pack_digest(digest), announce)
 
     def send_state(self, state: State, update: State | None = None) -> None:
         """Answer with our state from now on, and publish it, or instead of it the update."""

@@ -63,7 +63,10 @@ def _specs_of(config: Path | None, out: TextIO) -> list[Path]:
     """Return where the specs of a configuration are, if it has any. Raises ConfigError."""
     if config is None:
         return []
-    path = load_config(config, os.environ, {}).specs.path
+    read = load_config(config, os.environ, {})
+    path = read.specs.path
     found = holds_specs(path)
+    for outdated in read.outdated:
+        print(f"{outdated} (a warning)", file=out)
     print(f"{config}: right{'' if found else f', no specs in {path}: everything passes'}", file=out)
     return [path] if found else []

@@ -253,7 +253,11 @@ class Capacity:
         """This digest of ours goes out."""
         self._last_told = digest.capacity
         self._hearing.said(digest.sent)
-        self._said[digest.sent] = digest.messages
+        self.said(digest.sent, digest.messages)
+
+    def said(self, now: float, messages: int) -> None:
+        """A digest of ours goes out when so many messages were put on the air: its echo tells what arrived of them."""
+        self._said[now] = messages
         if len(self._said) > SAID:
             del self._said[next(iter(self._said))]
 

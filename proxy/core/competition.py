@@ -37,8 +37,8 @@ class Competition:
 
         With a `robot` only its streams compete, and those `besides` do not.
 
-        Half of the places are for those worth most per byte on the air, half for those that generate next. Both are only
-        estimated: a look at each stream has to do.
+        Half of the places are for those worth most per byte on the air, half for those that generate next. Both are
+        only estimated: a look at each stream has to do.
         """
         rows = self._rows(now)
         if robot is not None:

@@ -11,6 +11,7 @@ so. Whoever plans for all leaves room for the parts of those who already split.
 """
 
 import math
+from collections import deque
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
@@ -28,7 +29,10 @@ AFFORDABLE = 0.8
 STILL = 0.8
 """and both still when it is a little less: so many times that."""
 LASTING = 2.0
-"""The team changes over when one of both has been so for so long [s]."""
+"""A small team changes over when they have done so for so long [s]: what few samples say of sizes and rates varies."""
+IN_A_ROW = 3
+"""So many digests that were long on their way, one after the other, say that a queue makes news late: four robots that
+began at once filled 2.8 times the limit for ever without it, and for two seconds with it."""
 FEW = 16
 """Of more robots than these some have something to send, though nobody may have heard of it yet."""
 ALL = 0.95
@@ -48,15 +52,16 @@ class Coordination:
         self._due = now
         self._voting: set[str] = set()
         """Tags of the others that find that the team has to split."""
-        self._agreed: set[str] = set()
-        """Tags of the others that have agreed on parts."""
+        self._took: deque[float] = deque(maxlen=IN_A_ROW)
+        """What the last digests took to us [s]."""
         self._members: frozenset[str] = frozenset()
         self._kind: tuple[tuple[float, ...], int] = (), 0
         self._split: Split | None = None
         self._told: Told | None = None
         self.finds_due = self._always
         """Whether we find that the team has to split."""
-        self._due_since = math.inf
+        self._dear_since = math.inf
+        """Since when announcements cost too much [s]."""
         self.rivals = False
         """Whether several robots have something to send."""
         self.mute_until = now
@@ -70,7 +75,7 @@ class Coordination:
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
 
-        Who was not told to split from the start takes an equal part until any robot has agreed on parts.
+        Where a team changes over each robot takes an equal part until it has agreed on another one.
         """
         if not self.splits or self._split is None:
             return 1.0 - self._settings.margin if self.rivals else 1.0
@@ -89,19 +94,20 @@ class Coordination:
 
     def heard(self, now: float, digest: Digest) -> None:
         """A digest of another robot came, newer than all before."""
+        if digest.tag not in self._members:
+            return
+        self._took.append(now - self._view.peers[digest.tag].offset.ours(digest.sent))
         if digest.brief:
             return
         voting, told = digest.splits, digest.split
         (self._voting.add if voting else self._voting.discard)(digest.tag)
-        (self._agreed.add if told is not None and told.agreed else self._agreed.discard)(digest.tag)
-        if told is not None and self._split is not None and digest.tag in self._members:
+        if told is not None and self._split is not None:
             self._split.heard(now, digest.tag, told)
 
     def set_members(self, now: float, members: Collection[str]) -> None:
         """These robots take part, and we."""
         self._members = frozenset(members)
         self._voting &= self._members
-        self._agreed &= self._members
         if self._split is not None:
             self._split.set_members(now, self._members)
 
@@ -160,15 +166,26 @@ class Coordination:
 
     def _judge(self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]) -> None:
         window, still = shortest_window(limits), STILL if self.finds_due else 1.0
-        sending = {stream.robot for stream in self._view.competition.all(now)}
+        sending = {stream.robot for stream in self._view.competition.all(now)} | self._unheard()
         self.rivals = len(sending) > 1 or len(self._view.peers) > FEW
         if not self.rivals or math.isinf(window):
             self.finds_due = self._always
         else:
             late = max(self._longest_way(), waiting) >= still * LATE * window
             dear = announcing(now) > still * AFFORDABLE
-            self._due_since = min(self._due_since, now) if late or dear else math.inf
-            self.finds_due = self._always or now >= self._due_since + (0.0 if len(self._view.peers) > FEW else LASTING)
+            self._dear_since = min(self._dear_since, now) if dear else math.inf
+            lasting = 0.0 if len(self._view.peers) > FEW else LASTING
+            self.finds_due = self._always or late or now >= self._dear_since + lasting
+
+    def _unheard(self) -> set[str]:
+        """Return the robots that have streams, as their states say, of which no digest has told anything yet."""
+        known = {stream.robot for stream in self._view.streams()}
+        new = (peer for peer in self._view.peers.values() if peer.robot not in known and not peer.plain)
+        return {peer.robot for peer in new if any(self._planned(key) for key in peer.told)}
+
+    def _planned(self, key: str) -> bool:
+        covering = self._view.specs.match(key)
+        return covering is not None and covering.planned
 
     def _news(self, now: float) -> bool:
         """Whether what a digest would say of parts is not what the last one said."""
@@ -178,6 +195,7 @@ class Coordination:
         return replace(now_told, unused=0.0) != replace(self._told, unused=0.0)
 
     def _longest_way(self) -> float:
-        """What messages take from any robot to any other at most, as far as that is known [s]."""
-        told = (line.fixed for peer in self._view.peers.values() for line in peer.heard_by.values())
-        return max(self._view.longest_way, max(told, default=0.0))
+        """What messages take from any robot to any other at most, and digests took lately, as far as is known [s]."""
+        peers = self._view.peers.values()
+        told = [line.fixed for peer in peers for line in peer.heard_by.values()]
+        return max([self._view.longest_way, *told, min(self._took, default=0.0)])

@@ -432,9 +432,6 @@ class Core:
             return []
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
             peer.digest = None
-        if digest.brief and peer.digest is not None:
-            last = peer.digest
-            digest = replace(digest, messages=last.messages, bytes=last.bytes, splits=last.splits)
         if self.view.heard_digest(now, digest):
             self.coordination.heard(now, digest)
             self.outsiders.heard(digest.tag)

@@ -36,6 +36,8 @@ STATES = 0.5
 """... and this part may go to states, questions and answers, while there are any."""
 FULL = 0.25
 """The allowance of so long may be left for later [s]."""
+MOST_OWED = 10.0
+"""The allowance of so long is owed at most [s]: who tells more than its part silences nobody for long."""
 ECHO = 23
 """What an echo takes [B]..."""
 ECHOING = 0.25
@@ -53,7 +55,8 @@ SAVED = 10.0
 class DigestPacer:
     """Spends the allowance of this robot."""
 
-    def __init__(self, now: float) -> None:
+    def __init__(self, now: float, turn: float = 0.0) -> None:
+        """Each robot begins with another `turn`, between 0 and 1."""
         self.revision = 0
         """How often what was told of streams changed."""
         self._rate, self._robots = LEAST_ALLOWANCE, 1
@@ -66,7 +69,7 @@ class DigestPacer:
         self._size = 64.0
         self._last = now - SLOW
         self._echoing = HEAD_START
-        self._turn = 0.0
+        self._turn = turn
         """Of a digest so much more has to be left of the allowance for an ordinary one: it moves on with each."""
         self._echoed: dict[str, float] = {}
         self._ever: set[str] = set()
@@ -93,14 +96,15 @@ class DigestPacer:
     def due(self, now: float, *, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
-        It is as large as the last one. Another one could follow it, and we tell no more than an equal part.
+        It is as large as the last one, and we tell no more than an equal part. For what the others tell we wait a second or two
+        at most.
         """
         cost = self._size * copies
         self._fill(now)
         affordable = now + max(0.0, cost - self._tokens) / self._rate_of_own
         # Where all have waited for the allowance, they do not go on at the same moment.
         room = now + max(0.0, cost * (1.0 + self._turn) - self._common) / self._rate
-        due = max(affordable, room)
+        due = max(affordable, min(room, self._last + SLOW * (1.0 + self._turn)))
         return due if news else max(due, self._last + SLOW)
 
     def due_ahead(self, now: float, seconds: float) -> float:
@@ -111,7 +115,7 @@ class DigestPacer:
     def spent(self, now: float, size: int, copies: int) -> None:
         """Another robot told something of so many bytes, in so many copies."""
         self._fill(now)
-        self._common -= (size + OVERHEAD) * max(1, copies)
+        self._common = max(self._common - (size + OVERHEAD) * max(1, copies), -MOST_OWED * self._rate)
 
     def state_due(self, now: float) -> float:
         """When the next state may be published, in our clock [s]."""

@@ -100,6 +100,8 @@ class Peer:
     """Whether it takes no part: it is a plain Zenoh node to us until it says what we understand."""
     digest: Digest | None = None
     digest_received: float = 0.0
+    counted: tuple[float, int, int] | None = None
+    """When it last told how many messages and bytes it had sent [s], and these; announcements do not."""
     pending: dict[int, StreamDigest] = field(default_factory=dict)
     wall_offset: float | None = None
     """Its wall clock minus its monotonic clock [s]; None until it said."""
@@ -220,6 +222,8 @@ class Peer:
     def heard_digest(self, now: float, digest: Digest) -> None:
         """A digest of the peer arrived."""
         self.digest, self.digest_received, self.samples_then = digest, now, self.samples
+        if not digest.brief:
+            self.counted = now, digest.messages, digest.bytes
         self.offset.heard(digest.sent, now)
         if self.offset.known and now >= self._last[0] + max(UNCONFIRMED, RARELY * self._period):
             self._forget_queue()

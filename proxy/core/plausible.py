@@ -38,7 +38,7 @@ def objection(now: float, peer: Peer, digest: Digest, known: Callable[[StreamDig
             return "digest:counts"
     if peer.digest is None or now - peer.digest_received > PATIENCE:
         return ""
-    return _does_not_follow(peer.digest, now - peer.digest_received, digest)
+    return _does_not_follow(peer.digest, now - peer.digest_received, digest) or _miscounts(now, peer, digest)
 
 
 def is_old(now: float, peer: Peer | None, sent: float) -> bool:
@@ -53,9 +53,14 @@ def _does_not_follow(last: Digest, elapsed: float, digest: Digest) -> str:
         return "digest:old"
     if digest.sent - last.sent > elapsed + DELAY:
         return "digest:time"
-    if digest.brief:
+    return ""
+
+
+def _miscounts(now: float, peer: Peer, digest: Digest) -> str:
+    """Say if a digest cannot count what it does, after what its robot counted before."""
+    if digest.brief or peer.counted is None or now - peer.counted[0] > PATIENCE:
         return ""
-    messages, size = digest.messages - last.messages, digest.bytes - last.bytes
+    elapsed, messages, size = now - peer.counted[0], digest.messages - peer.counted[1], digest.bytes - peer.counted[2]
     fits = 0 <= messages <= FASTEST * (elapsed + BURST) and 0 <= size <= BROADEST * (elapsed + BURST)
     return "" if fits else "digest:counts"
 

@@ -5,6 +5,7 @@ less. All other news wait until the allowance has room for them beside that.
 """
 
 import math
+import zlib
 from dataclasses import replace
 from operator import attrgetter
 
@@ -27,8 +28,8 @@ DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]."""
 IDLE = 1.0
 """Who is alone looks this often whether there is something to tell [s]."""
-MOST_AT_ONCE = 8
-"""Digests that go out at the same time."""
+APART = 1e-3
+"""Two digests are so far apart at least [s]: each is told from the others by its time."""
 LEAST_SENDS = 2.0
 """A team is taken to send at least so many messages in a window that have to be announced."""
 LEAST_PERIOD = 1e-3
@@ -51,7 +52,7 @@ class Telling:
         self._coordination = coordination
         self._gate = gate
         self._channel = channel
-        self.pacer = DigestPacer(now)
+        self.pacer = DigestPacer(now, zlib.crc32(view.settings.zid.encode()) / 2**32)
         self.asking = Asking(now)
         self.urgent = False
         self.parts_changed = False
@@ -60,7 +61,7 @@ class Telling:
         """Streams, subscriptions and origins that did not fit into our state."""
         self.state = State(view.settings.robot, view.settings.zid, "", "")
         """The one that was told last; number 0: none."""
-        self._told_at = now
+        self._told_at = -math.inf
         self._told_messages = 0
         """Messages put on the air by us as we told last."""
         self._state_at = self._restated = now - STATE_PACE
@@ -143,32 +144,29 @@ class Telling:
         return max(self._state_at + STATE_PACE, self.pacer.state_due(now))
 
     def _tell(self, now: float, commands: list[Command]) -> None:
-        """Send the digests that are due, and see when the next one is."""
-        for _ in range(MOST_AT_ONCE):
-            self._next_digest = self._digest_due(now)
-            if now < self._next_digest:
-                return
+        """Send a digest if one is due, and see when the next one is."""
+        if self._digest_due(now) <= now:
             commands.append(self._send_digest(now))
         self._next_digest = self._digest_due(now)
 
     def _digest_due(self, now: float) -> float:
         if not self._view.peers:
             return now + IDLE
+        if now < self._told_at + APART:
+            return self._told_at + APART
         self._look_for_news()
-        copies = self._digest_copies()
-        if self._sent_much():
-            return self.pacer.due_ahead(now, DEBT)
-        if self.parts_changed:
-            return max(self.pacer.due_ahead(now, PARTS_DEBT), self._told_at + PARTS_PACE)
-        if self.urgent:
-            return self.pacer.due_ahead(now, 0.0)
         news = (
             self._news
             or not self._coordination.settled
             or self._view.messages != self._told_messages
             or self._channel.capacity.speak(now)
         )
-        return self.pacer.due(now, news=news, copies=copies)
+        due = self.pacer.due(now, news=news, copies=self._digest_copies())
+        if self._sent_much():
+            return min(due, self.pacer.due_ahead(now, DEBT))
+        if self.parts_changed:
+            return min(due, max(self.pacer.due_ahead(now, PARTS_DEBT), self._told_at + PARTS_PACE))
+        return min(due, self.pacer.due_ahead(now, 0.0)) if self.urgent else due
 
     def announcing(self, now: float) -> float:
         """Return what part of the allowance it takes to announce all that the limits let the team send."""
@@ -209,7 +207,9 @@ class Telling:
     def _send_digest(self, now: float) -> Command:
         copies = self._digest_copies()
         self._told_at = now
-        if self._sent_much() and not self.urgent and not self._unknown:
+        if self._sent_much() and not (
+            self.urgent or self.parts_changed or self._unknown or self._tells_all(now, copies)
+        ):
             return self._announce(now, copies)
         digest = Digest(
             robot=self._view.settings.robot,
@@ -229,6 +229,10 @@ class Telling:
         self.urgent = self.parts_changed = False
         return self._send(now, digest, copies)
 
+    def _tells_all(self, now: float, copies: int) -> bool:
+        """Whether it is time to tell all that is new: announcements never take the place of that."""
+        return self.pacer.due(now, news=self._channel.capacity.speak(now), copies=copies) <= now
+
     def _announce(self, now: float, copies: int) -> Command:
         """Tell all at once what was sent, in as few bytes as that takes."""
         streams = self.pacer.changed(now, list(self._view.own()), sent_only=True)
@@ -240,6 +244,7 @@ class Telling:
             state=self.state.number,
             brief=True,
         )
+        self._channel.capacity.said(now, self._view.messages)
         return self._send(now, digest, copies)
 
     def _send(self, now: float, digest: Digest, copies: int) -> Command:

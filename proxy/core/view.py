@@ -55,7 +55,7 @@ class SharedView:
         self.messages = 0
         self.bytes = 0
         self.largest = 0
-        """What the largest message put on the air was since the last digest, all copies of it [B]."""
+        """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
         """When and how much other robots sent within the longest window."""
         self.sends_noted = 0
@@ -102,7 +102,6 @@ class SharedView:
         """So many messages of so many bytes in all, copies counted, go on the air."""
         self.messages += messages
         self.bytes += size
-        self.largest = max(self.largest, size)
 
     def streams(self) -> Iterator[Stream]:
         """All streams, own ones and others'."""
@@ -146,7 +145,9 @@ class SharedView:
         """The `count`-th sample sent of a stream was this one."""
         noted = stream.note_sent(count, sent)
         stream.reach(self.wanting(stream))
-        if stream.robot != self.settings.robot:
+        if stream.robot == self.settings.robot:
+            self.largest = max(self.largest, self.copies(stream) * sent.size)
+        else:
             amount = sent.size, self.copies(stream)
             self.sends_noted += 1
             self.sends.extend([(each.t_sent, amount) for each in noted])
@@ -189,7 +190,7 @@ class SharedView:
         return len(self.gaining(stream)) > 0
 
     def told_at(self, robot: str, otherwise: float) -> float:
-        """When the last digest of a robot came [s]; `otherwise` where none tells of its streams."""
+        """When the last digest of a robot was sent [s, our clock]; `otherwise` where none tells of its streams."""
         return self._told_at.get(robot, otherwise)
 
     def all_told_at(self, robots: Iterable[str], otherwise: float) -> list[float]:
@@ -283,7 +284,7 @@ class SharedView:
         if peer.specs != self.specs.generation:
             peer.restart_losses()  # it may not count what we count
         peer.heard_digest(now, digest)
-        self._told_at[peer.robot] = now
+        self._told_at[peer.robot] = min(now, peer.offset.ours(digest.sent))
         if digest.state == peer.number:
             self._compare_walls(now, peer)
         for echo in digest.echoes:

@@ -78,9 +78,9 @@ class Digest:
     capacity: tuple[float, ...] = ()
     """Of every adaptive limit, in the order of the constraints, the part of its ceiling that the channel bears."""
     brief: bool = False
-    """Whether it only announces what was sent; messages and bytes, and of each stream its features, are as told before.
+    """Whether it only announces what was sent, without messages, bytes and `splits`, and of each stream its features.
 
-    So is a `size` of 0, the typical one of the state, and a negative `scale`, the one its type has by default.
+    A `size` of 0 there stands for the typical one of the state, a negative `scale` for the one of its type by default.
     """
     splits: bool = False
     """Whether the sender finds that each robot has to keep to a part of every limit."""

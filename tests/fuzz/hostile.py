@@ -92,7 +92,8 @@ class Besieged:
         assert len(core.strangers._heard) <= MOST
         assert all(len(kept) <= MOST_EACH for kept in core.strangers._heard.values())
         assert set(core.telling.asking._open) <= set(view.peers)
-        assert core.coordination._splitting <= view.peers.keys()
+        taking_part = view.peers.keys() - core.outsiders.found
+        assert core.coordination._voting | core.coordination._agreed <= taking_part
         assert core.wake_at(self.now) >= self.now
         honest = view.peers[HONEST[:8]]
         assert (honest.name, honest.keys, honest.subscriptions) == ("honest", {1: KEY}, ("robot/*/camera",))

@@ -44,7 +44,7 @@ def test_defaults_are_those_of_the_manual():
             "backlog": 32,
             "search": "best",
             "engine": "native",
-            "coordination": "auto",
+            "coordination": "announce",
         },
         "queue": {"samples": 4096, "bytes": 32 * 1024 * 1024},
         "clock": {"error": 0.0},

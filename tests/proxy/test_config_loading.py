@@ -52,6 +52,29 @@ def test_flags_win_over_variables_over_the_file(load):
     assert (planner.iterations, planner.horizon, planner.deadline) == (3, 2, 1.0)
 
 
+@pytest.mark.parametrize(("before", "now"), [("auto", "announce"), ("overhear", "announce"), ("shares", "split")])
+def test_ways_of_coordination_are_brought_up_to_date_and_told_with_their_place(load, tmp_path, before, now):
+    """In the file, a variable or a flag; whatever the transport is."""
+    text = f'robot = "r1"\n[planner]\ncoordination = "{before}"\n'
+    told = f'"{before}" is called "{now}" now: please write that'
+    found = load(text)
+    assert found.planner.coordination == now
+    assert found.outdated == (f"{tmp_path}/sendworthy.toml:3: planner.coordination: {told}",)
+    found = load("", {"SENDWORTHY_PLANNER__COORDINATION": before})
+    assert found.planner.coordination == now
+    assert found.outdated == (f"SENDWORTHY_PLANNER__COORDINATION: planner.coordination: {told}",)
+    found = load(text, {}, {"planner.coordination": before, "mesh.transport": "broadcast"})
+    assert found.planner.coordination == now
+    assert found.outdated == (f"--planner.coordination: {told}",)
+
+
+def test_what_is_up_to_date_is_not_told_of(load):
+    """Nor what a higher layer replaces."""
+    assert load('[planner]\ncoordination = "split"').outdated == ()
+    assert load('[planner]\ncoordination = "auto"', {}, {"planner.coordination": "announce"}).outdated == ()
+    assert load("").outdated == ()
+
+
 @settings(max_examples=40)
 @given(
     file=st.none() | st.integers(1, 9999),
@@ -187,8 +210,8 @@ BROKEN = {
         f'3: mesh.group: {GROUP} "10.0.0.1:7449"',
     ),
     "coordination unknown": (
-        '[planner]\ncoordination = "share"',
-        '2: planner.coordination: unknown "share" (did you mean "shares"?)',
+        '[planner]\ncoordination = "splits"',
+        '2: planner.coordination: unknown "splits" (did you mean "split"?)',
     ),
     "level unknown": ('[log]\nlevel = "warn"', '2: log.level: unknown "warn" (did you mean "warning"?)'),
     "profile unknown": (
@@ -232,13 +255,6 @@ BROKEN = {
     "zenoh wrong value": (
         '[app.zenoh]\nmode = "boss"',
         ("2: app.zenoh.mode: Zenoh refuses it: unknown variant `boss`, expected one of `router`, `peer`, `client`"),
-    ),
-    "nobody overhears in unicast": (
-        '[log]\n[planner]\ncoordination = "overhear"',
-        (
-            '2: planner: coordination = "overhear" needs mesh.transport = "broadcast": in unicast nobody hears what'
-            " others send, and together they would exceed every limit several times over"
-        ),
     ),
     "no TOML": ("robot = r1", '1: not valid TOML: Invalid value (column 9); text and quantities stand in quotes: "r1"'),
     "key twice": (

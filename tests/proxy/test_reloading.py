@@ -66,6 +66,21 @@ def test_what_says_the_same_changes_nothing(files):
     assert not files.applied
 
 
+def test_what_is_written_as_older_versions_had_it_is_warned_of_when_it_is_new(files, caplog):
+    """Once, with its place; it changes nothing that means the same."""
+    for text in ("shares", "shares", "split"):
+        files.config.write_text(f'{CONFIG}# {len(caplog.records)}\n[planner]\ncoordination = "announce"\n')
+        files.looked()
+        files.config.write_text(f'{CONFIG}[planner]\n# {text}\ncoordination = "auto"\n')
+        files.looked()
+    warned = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
+    assert warned == [f'{files.config}:5: planner.coordination: "auto" is called "announce" now: please write that'] * 3
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    files.looked()
+    assert len([record for record in caplog.records if record.levelname == "WARNING"]) == 3
+    assert files.reloading.describe()["refused"] == 0
+
+
 @pytest.mark.parametrize(
     ("broken", "problem"),
     [

@@ -53,7 +53,7 @@ def test_a_covered_stream_is_thinned_to_the_limit(team):
     for robot in robots[1:]:
         assert_conserved(robot, 0)
     status = robots[1].status()
-    assert (status["transport"], status["coordination"]) == ("broadcast 224.0.0.226:7449", "overhear")
+    assert (status["transport"], status["coordination"]) == ("broadcast 224.0.0.226:7449", "announce")
     assert {peer["transport"] for peer in status["peers"]} == {"broadcast 224.0.0.226:7449"}
     assert (status["warnings"], status["daemon"]["broadcast"]["heard"]) == ([], 2)
 

@@ -39,7 +39,7 @@ keys = ["**"]
 aggregation = "most_recent"
 utility = { kind = "linear", slope = 0.5 }
 """
-TRANSPORTS = {"overhear": broadcast("224.0.0.226:7449"), "shares": UNICAST}
+TRANSPORTS = {"announce": broadcast("224.0.0.226:7449"), "split": UNICAST}
 KINDS = (
     "own sample [µs]",
     "sample heard [µs]",
@@ -90,7 +90,7 @@ class Cost:
 
 
 class Crowd:
-    """The core of one robot of many; in `shares` it leads. All want everything, and send every other sample."""
+    """The core of one robot of many; in `split` each has its part. All want everything, and send every other sample."""
 
     def __init__(self, robots: int, coordination: Coordination) -> None:
         self.robots = [f"robot{i}" for i in range(robots)]
@@ -192,7 +192,6 @@ class Crowd:
         news = StreamDigest(
             stream, count, forwarded, sent - 0.001, last if forwarded else 0.0, SIZE, 1.0, (), 1.0, 0, JITTER
         )
-        epoch = self.core.shares.epoch
         name, echoes = tag(_zid(robot)), self._echoes(robot)
         return ev.DigestHeard(self.now, Digest(robot, name, sent, 0, 0, (news,), echoes=echoes, state=1))
 
@@ -215,7 +214,7 @@ class Crowd:
 
 def measure_crowd(*, quick: bool) -> Table:
     """Measure a team of ten and a crowd of a hundred side by side; `quick`: of four and five."""
-    coordinations: tuple[Coordination, ...] = ("overhear", "shares")
+    coordinations: tuple[Coordination, ...] = ("announce", "split")
     rows = [
         (f"{robots} robots, {coordination}", *_cost(robots, coordination, 1 if quick else 3).cells())
         for coordination in coordinations
@@ -228,8 +227,8 @@ def measure_crowd(*, quick: bool) -> Table:
         "Medians of processor time: a sample of its own while another one is decided, a sample of another robot, a"
         " digest with news of one stream, and that time passed, each until the core has nothing more to do and it is"
         " known when to wake it, and what of it the shared view takes; an event until a problem is there, horizon 60;"
-        " its search, best mode, 300 iterations, tables included. What the core holds in memory. Overhear in broadcast,"
-        " shares in unicast, and there the one that leads, which plans for all. Digests tell period, phase and jitter,"
+        " its search, best mode, 300 iterations, tables included. What the core holds in memory. Announce in"
+        " broadcast, split in unicast. Digests tell period, phase and jitter,"
         " and echo, as those of daemons do."
         f" {LOOP:,} rounds of a loop that adds squares took {1e3 * _loop():.1f} ms.",
     )

@@ -12,10 +12,10 @@ from studies.simulation.missions import SIZE
 Results = Mapping[str, Sequence[Flown]]
 Row = tuple[str, str, str, str]
 
-OF_CENTRAL = {"overhear": 0.96, "shares": 0.93}
+OF_CENTRAL = {"announce": 0.95, "split": 0.85}
 """What is asked of each coordination, as a share of one central decider."""
 SAME = 0.99
-MAY_EXCEED = {"overhear": (0.01, 1), "shares": (0.0, 0)}
+MAY_EXCEED = {"announce": (0.01, 1), "split": (0.0, 0)}
 """What part of windows may exceed the limit, and by how many messages."""
 FORECAST = 0.1
 LATENCY_COSTS = 0.03

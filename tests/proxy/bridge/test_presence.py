@@ -8,7 +8,7 @@ import pytest
 import zenoh
 
 from proxy import clock
-from proxy.bridge import keys, presence
+from proxy.bridge import keys
 from proxy.bridge.lane import Lane
 from proxy.bridge.presence import ANSWERS, DIGESTS, STATES, Presence, free_name
 from proxy.core.codec import MAX_BYTES, MAX_DIGEST, VERSION, pack_digest, pack_state
@@ -99,17 +99,6 @@ def test_robots_see_each_other_come_and_go(two):
     second.presence.close()
     wait_until(lambda: first.of(PeerGone), what="the end")
     assert [(e.robot, e.zid) for e in first.of(PeerGone)] == [("r2", second.zid)]
-
-
-def test_robots_that_were_addressed_give_way_to_others(two, monkeypatch):
-    """Keys of digests to one robot are declared for so many robots at most; who comes back is heard again."""
-    monkeypatch.setattr(presence, "ADDRESSED", 2)
-    first, second = two
-    for robot in ("aaaaaaaa", "bbbbbbbb", "cccccccc", "bbbbbbbb", "dddddddd"):
-        first.presence.send_digest(first.digest(), robot)
-    assert list(first.presence._addressed) == ["bbbbbbbb", "dddddddd"]
-    first.presence.send_digest(first.digest(), tag(second.zid))
-    wait_until(lambda: second.of(DigestHeard), what="the digest")
 
 
 def test_digests_arrive_at_high_priority_and_not_at_their_sender(two):

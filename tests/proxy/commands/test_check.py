@@ -49,6 +49,9 @@ def test_a_configuration_is_checked_with_its_specs(tmp_path, capsys):
     specs.write_text(GOOD.replace('"video"', '"vidoe"'))
     assert main(["check", "--config", str(config)]) == exit_codes.FAILED
     assert f"{specs}:5: " in capsys.readouterr().out
+    config.write_text('[planner]\ncoordination = "shares"\n')
+    assert main(["check", "--config", str(config)]) == exit_codes.OK
+    assert capsys.readouterr().out.startswith(f'{config}:2: planner.coordination: "shares" is called "split" now')
     config.write_text("mode = 'fast'\n")
     assert main(["check", "--config", str(config)]) == exit_codes.FAILED
     assert capsys.readouterr().out.startswith(f"{config}:1: mode: ")

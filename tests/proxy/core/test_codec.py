@@ -22,6 +22,7 @@ from proxy.core.codec import (
 )
 from proxy.core.errors import MalformedWireError
 from proxy.core.fixed import rounded, seconds, single, ticks
+from proxy.core.split import UNIT, Segment, Told
 from proxy.core.wire import MOST_CLOCK_ERROR, Digest, Echo, State, StreamDigest, StreamState
 
 time = st.integers(0, 10**13).map(lambda ticks_: ticks_ / 1e4)
@@ -63,6 +64,16 @@ def announcements(draw):
     return dataclasses.replace(draw(stream_digests()), scale=value, features=())
 
 
+segments = st.builds(Segment, st.integers(1, UNIT), st.integers(0, 255), st.sampled_from((0, 1, 2, 4)))
+tolds = st.builds(
+    Told,
+    version=count,
+    bid=st.one_of(st.none(), st.lists(segments, max_size=8).map(tuple)),
+    table=st.integers(0, 2**32),
+    agreed=st.integers(0, 2**32),
+    turns=st.lists(count, max_size=5).map(tuple),
+    unused=st.integers(0, 10**6).map(seconds),
+)
 digests = st.builds(
     Digest,
     robot=st.just("r1"),
@@ -75,6 +86,7 @@ digests = st.builds(
     state=count,
     capacity=st.lists(part, max_size=2).map(tuple),
     splits=st.booleans(),
+    split=st.one_of(st.none(), tolds),
 )
 briefs = st.builds(
     Digest,
@@ -214,6 +226,11 @@ STREAM = [1, 5, 1, 10, 20, 300, 1]
         [*BASE, [], [1, 1, 1]],
         [*BASE, [], [], [1.5]],
         [*BASE, [], [], [], 1],
+        [*BASE, [], [], [], [2]],
+        [*BASE, [], [], [], [1, 1, 2**33, 1, 1]],
+        [*BASE, [], [], [], [1, 1, 1, 1, -1]],
+        [*BASE, [], [], [], [1, 1, 1, 1, 1, b"12"]],
+        [*BASE, [], [], [], [1, 1, 1, 1, 1, None, *range(65)]],
         [*BASE[:3], [STREAM[:4]]],
         [*BASE[:3], [[*STREAM[:5], 0, 2**60]]],
         [*BASE[:3], [[*STREAM[:5], 0, 300, float("nan")]]],

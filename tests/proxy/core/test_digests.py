@@ -1,29 +1,31 @@
-"""When digests go out, and what is in them, within the allowance."""
+"""When digests go out, and what is in them, within the allowance of the team."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core.digests import (
+    FULL,
     MOST_ECHOES,
-    MOST_GRANTS,
+    MOST_OWED,
     MOST_REFRESHED,
+    ORDINARY,
     OVERHEAD,
     REFRESH,
     SAVED,
     SLOW,
     DigestPacer,
 )
-from proxy.core.limits import LEAST_DIGEST
-from proxy.core.stream import Generated, Stream
-from proxy.core.wire import Echo, Grant
+from proxy.core.stream import Generated, Sent, Stream
+from proxy.core.wire import Echo, State, StreamState
 from tests.proxy.core.talk import UNLIMITED
 
 SIZE = 40
+AHEAD = 5.0
 
 
-def stream(key="a", scale=1.0, generated=1):
-    made = Stream(1, "r1", key, None)
+def stream(key="a", scale=1.0, generated=1, kind=None):
+    made = Stream(1, "r1", key, kind)
     made.note_generated(generated, Generated(float(generated), 100, scale))
     return made
 
@@ -32,25 +34,53 @@ def echo(peer):
     return Echo(peer, 0.0, 0.0, 0, 0.0)
 
 
-def test_a_robot_with_urgent_news_stays_within_its_rate():
-    """Over ten seconds no more bytes go out than allowed, the first second's worth aside."""
-    pacer, now, spent, copies = DigestPacer(0.0), 0.0, 0, 4
-    pacer.set_rate(1000.0)
+def pacer_of(rate, robots=1, **rest):
+    made = DigestPacer(0.0, **rest)
+    made.set_rate(rate, robots)
+    return made
+
+
+def test_ordinary_news_of_a_robot_stay_within_its_part():
+    """Over ten seconds no more bytes go out than allowed, those of the beginning aside."""
+    pacer, now, spent, copies = pacer_of(1000.0, robots=2), 0.0, 0, 4
     while now < 10.0:
-        now = max(now + 0.001, pacer.due(now, urgent=True, news=True, copies=copies))
+        now = max(now + 0.001, pacer.due(now, news=True, copies=copies))
         pacer.sent(now, SIZE, copies)
-        spent += max(SIZE + OVERHEAD, LEAST_DIGEST) * copies
-    assert 8_000 <= spent <= 11_500
+        spent += (SIZE + OVERHEAD) * copies
+    assert 0.9 * ORDINARY * 5_000 <= spent <= ORDINARY * 5_000 + 1500
+
+
+@given(
+    st.integers(1, 6),
+    st.lists(st.tuples(st.integers(0, 5), st.booleans(), st.floats(0.0, 0.5), st.integers(20, 300)), max_size=150),
+)
+def test_in_the_long_run_all_robots_together_are_within_the_rate(robots, wanted):
+    """Whoever announces, and whoever tells all: besides what was saved, spent ahead, and one of each that was begun."""
+    rate, now, spent, largest = 1000.0, 0.0, 0, 0
+    team = [pacer_of(rate, robots, turn=number / robots) for number in range(robots)]
+    for who, announces, pause, size in wanted:
+        now += pause
+        pacer = team[who % robots]
+        due = pacer.due_ahead(now, AHEAD) if announces else pacer.due(now, news=True, copies=1)
+        if due > now:
+            continue
+        pacer.sent(now, size, 1, announces=announces)
+        for other in team:
+            if other is not pacer:
+                other.spent(now, size, 1)
+        spent += size + OVERHEAD
+        largest = max(largest, size + OVERHEAD)
+    ordinary = 3 * robots * largest + 100.0 * robots
+    assert spent <= rate * (now + FULL + AHEAD) + ordinary + largest
 
 
 @given(st.lists(st.tuples(st.sampled_from(("digest", "state", "question")), st.integers(1, 3000)), max_size=80))
-def test_in_the_long_run_everything_is_within_the_rate(sent):
+def test_what_is_paid_for_later_is_within_our_part(sent):
     """Digests, states and questions together: besides what was saved, and one of each that was begun."""
-    pacer, now, spent, largest = DigestPacer(0.0), 0.0, 0, 0
-    pacer.set_rate(500.0)
+    pacer, now, spent, largest = pacer_of(500.0), 0.0, 0, 0
     for kind, size in sent:
         if kind == "digest":
-            now = max(now, pacer.due(now, urgent=True, news=True, copies=2))
+            now = max(now, pacer.due(now, news=True, copies=2))
             pacer.sent(now, size, 2)
         elif kind == "state":
             now = max(now, pacer.state_due(now))
@@ -58,61 +88,74 @@ def test_in_the_long_run_everything_is_within_the_rate(sent):
         else:
             now = max(now, pacer.state_due(now))
             pacer.owe(now, size, 1)
-        spent += max(size + OVERHEAD, LEAST_DIGEST) * 2
+        spent += (size + OVERHEAD) * (1 if kind == "question" else 2)
         largest = max(largest, size + OVERHEAD)
-    assert spent <= 500.0 * (now + SAVED) + 3 * 4 * max(largest, LEAST_DIGEST) + 500.0
+    assert spent <= ORDINARY * 500.0 * (now + SAVED) + SAVED * 100.0 + 3 * 4 * largest + 500.0
 
 
 def test_digests_go_on_while_a_state_is_paid_for():
-    """With half of the allowance; another state waits."""
-    pacer = DigestPacer(0.0)
-    pacer.set_rate(1000.0)
-    pacer.owe(0.0, 6000, 4)
+    """With half of our part; another state waits."""
+    pacer = pacer_of(1000.0)
+    pacer.owe(0.0, 3000, 4)
     before = pacer.state_due(0.0)
     assert before > 20.0
     for number in range(1, 11):
-        pacer.sent(float(number), SIZE, 4)
-    assert pacer.due(10.0, urgent=True, news=True, copies=4) <= 11.0
-    assert pacer.state_due(10.0) <= before
+        now = pacer.due(float(2 * number), news=True, copies=4)
+        assert now <= 2 * number + 1.0
+        pacer.sent(now, SIZE, 4)
+    assert pacer.state_due(21.0) <= before
 
 
-def test_ordinary_news_leaves_room_for_urgent_news():
-    """After a burst, urgent news may go out before ordinary news."""
-    pacer = DigestPacer(0.0)
-    pacer.set_rate(1000.0)
-    for _ in range(8):
-        pacer.sent(0.0, SIZE, 4)
-    urgent, ordinary = (pacer.due(0.0, urgent=urgent, news=True, copies=4) for urgent in (True, False))
-    assert urgent < ordinary
+def test_what_was_sent_is_announced_ahead_of_time_by_whom_it_concerns():
+    """One robot may use what all do not, but no more of it than so many seconds' worth ahead."""
+    pacer, told = pacer_of(1000.0, robots=10), 0
+    while pacer.due_ahead(0.0, AHEAD) <= 0.0:
+        pacer.sent(0.0, SIZE, 9, announces=True)
+        told += 1
+    assert AHEAD * 1000.0 <= told * (SIZE + OVERHEAD) * 9 <= (AHEAD + FULL) * 1000.0
+    assert pacer.due_ahead(0.0, AHEAD) < 1.0
+    assert pacer.due_ahead(0.0, 0.0) == pytest.approx(AHEAD, rel=0.15)
 
 
-@given(st.integers(0, 2), st.integers(LEAST_DIGEST, 500))
-def test_after_ordinary_news_as_many_urgent_ones_can_follow_as_are_spared(spare, size):
-    """They need not wait for the allowance."""
-    pacer = DigestPacer(0.0)
-    pacer.set_rate(100.0)
-    pacer.sent(0.0, size, 1)
-    now = pacer.due(0.0, urgent=False, news=True, copies=1, spare=spare) + 1e-6
-    for _ in range(1 + spare):
-        assert pacer.due(now, urgent=True, news=True, copies=1) <= now
-        pacer.sent(now, size, 1)
+def test_what_others_tell_is_taken_from_the_same_pool():
+    """An announcement waits for it where they have spent as much ahead of time as may be."""
+    pacer = pacer_of(1000.0, robots=3)
+    pacer.spent(0.0, 5000 - OVERHEAD, 1)
+    assert pacer.due_ahead(0.0, AHEAD) <= 0.0
+    pacer.spent(0.0, 500 - OVERHEAD, 2)
+    assert pacer.due_ahead(0.0, AHEAD) == pytest.approx(1.0)
+
+
+def test_nobody_is_silenced_by_what_others_tell():
+    """Whatever they say, ordinary news go out every second or two, and announcements when it is over."""
+    pacer, told = pacer_of(1000.0, robots=3), []
+    for step in range(1000):
+        now = 0.02 * step
+        pacer.spent(now, 8000, 2)
+        if pacer.due(now, news=True, copies=2) <= now:
+            pacer.sent(now, SIZE, 2)
+            told.append(now)
+    assert len(told) >= 12
+    assert max(after - before for before, after in zip(told, told[1:], strict=False)) <= 2.0 * SLOW + 0.021
+    assert pacer.due_ahead(20.0, AHEAD) <= 20.0 + MOST_OWED - AHEAD
+
+
+def test_two_robots_that_waited_for_the_allowance_do_not_tell_at_the_same_moment():
+    """They begin with other turns, and each digest moves its robot's on."""
+    one, other = (pacer_of(1000.0, robots=2, turn=turn) for turn in (0.1, 0.6))
+    for _ in range(4):
+        for pacer in (one, other):
+            pacer.spent(0.0, 300, 1)
+            pacer.sent(0.0, SIZE, 1)
+        due = [pacer.due(0.05, news=True, copies=1) for pacer in (one, other)]
+        assert abs(due[0] - due[1]) > 0.01
 
 
 def test_without_news_a_digest_goes_out_slowly():
     """Once a second, so that clocks and counts stay known."""
-    pacer = DigestPacer(0.0)
-    pacer.set_rate(1e6)
+    pacer = pacer_of(1e6)
     pacer.sent(5.0, SIZE, 1)
-    assert pacer.due(5.1, urgent=False, news=False, copies=1) == pytest.approx(5.0 + SLOW)
-
-
-def test_a_digest_that_will_be_small_does_not_wait_for_what_the_last_one_took():
-    """One to all is much larger than one to a single robot."""
-    pacer = DigestPacer(0.0)
-    pacer.set_rate(100.0)
-    pacer.sent(0.0, 300, 1)
-    small, alike = (pacer.due(0.0, urgent=False, news=True, copies=1, size=size) for size in (LEAST_DIGEST, None))
-    assert small < alike - 4.0
+    assert pacer.due(5.1, news=False, copies=1) == pytest.approx(5.0 + SLOW)
 
 
 def test_only_changed_streams_are_told():
@@ -167,8 +210,7 @@ def test_a_value_that_changed_by_a_quarter_is_urgent():
 
 def test_each_peer_is_echoed_about_once_a_second():
     """If the allowance is large."""
-    pacer = DigestPacer(0.0)
-    pacer.set_rate(1e6)
+    pacer = pacer_of(1e6)
     assert [e.peer for e in pacer.echoes(1.0, [echo("a"), echo("b")], 2)] == ["a", "b"]
     assert pacer.echoes(1.9, [echo("a")], 2) == ()
     assert {e.peer for e in pacer.echoes(2.0, [echo("a"), echo("b")], 2)} == {"a", "b"}
@@ -177,34 +219,48 @@ def test_each_peer_is_echoed_about_once_a_second():
 def test_of_many_peers_a_few_are_echoed_in_turn():
     """As many as a digest holds, and as a quarter of the allowance pays for."""
     peers = [echo(f"p{number:02}") for number in range(40)]
-    pacer = DigestPacer(0.0)
-    pacer.set_rate(1e6)
+    pacer = pacer_of(1e6)
     told = [e.peer for now in (1.0, 1.1, 1.2, 1.3, 1.4) for e in pacer.echoes(now, peers, 40)]
     assert told == [e.peer for e in peers]
     assert len(told) == 5 * MOST_ECHOES
-    poor = DigestPacer(0.0)
+    poor = pacer_of(250.0)
     told = [e.peer for now in range(1, 101) for e in poor.echoes(float(now), peers[:4], 4)]
     assert 100.0 * 100.0 / 4.0 * 0.8 <= len(told) * 23 * 4 <= 100.0 * 100.0 / 4.0 * 1.1
     assert all(abs(told.count(e.peer) - len(told) / 4) <= 1 for e in peers[:4])
-    broadcast = DigestPacer(0.0)
+    broadcast = pacer_of(250.0)
     assert len([e for now in range(1, 101) for e in broadcast.echoes(float(now), peers[:4], 1)]) > 3 * len(told)
 
 
-def test_grants_are_told_to_whom_they_concern_the_first_ones_first():
-    """Each once, for one that gets lost is lent to nobody else; a digest for all tells those of all."""
-    pacer = DigestPacer(0.0)
-    early, late = Grant("a", 1.0, 2.0, (10,)), Grant("b", 1.5, 2.0, (10,))
-    assert pacer.addressee([late, early]) == "a"
-    assert pacer.grants("b") == (late,)
-    assert pacer.addressee([late, early]) == "a"
-    assert pacer.grants("") == (early,)
-    assert pacer.addressee([late, early]) == ""
-    assert pacer.grants("") == ()
-    assert (pacer.addressee([late, early], 2), pacer.again) == ("a", True)
-    assert pacer.grants("a", 2) == (early,)
-    many = [Grant(f"p{number:02}", 0.0, float(number), (10,)) for number in range(60)]
-    assert pacer.addressee(many) == "p00"
-    assert len(pacer.grants("")) == MOST_GRANTS
+def test_an_announcement_tells_of_streams_that_sent_something_alone():
+    """The rest is news for later."""
+    pacer, sending, silent = DigestPacer(0.0), stream("a"), stream("b")
+    pacer.changed(0.0, [sending, silent])
+    for each in (sending, silent):
+        each.note_generated(2, Generated(2.0, 100, 1.0))
+    sending.note_sent(1, Sent(2.0, 2.0, 100, 1.0))
+    assert [(news.generated, news.forwarded) for news in pacer.changed(2.0, [sending, silent], sent_only=True)] == [
+        (2, 1)
+    ]
+    assert pacer.changed(2.0, [sending, silent], sent_only=True) == ()
+    assert pacer.has_news([sending, silent])
+    assert [(news.generated, news.forwarded) for news in pacer.changed(2.1, [sending, silent])] == [(2, 0)]
+
+
+def test_an_announcement_leaves_out_what_is_as_usual(make_specs):
+    """The size where it is the typical one and nothing follows it, the value where it is that of its type."""
+    (camera,) = make_specs().types
+    pacer, state = DigestPacer(0.0), State("r1", "z1", "", "", (StreamState(1, "a", "camera", 0.5, size=100),))
+
+    def announced(**changes):
+        made = stream(kind=camera)
+        made.note_generated(2, made.newest._replace(t_gen=2.0, **changes))
+        (news,) = pacer.usual(pacer.changed(2.0, [made]), state)
+        return news.size, news.scale, news.features
+
+    assert announced() == (0, -1.0, ())
+    assert announced(size=101) == (101, -1.0, ())
+    assert announced(scale=2.0) == (100, 2.0, ())
+    assert announced(features={"red": 0.25}) == (0, -1.0, ())
 
 
 def test_features_are_told_where_others_need_them(make_specs):

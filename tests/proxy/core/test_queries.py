@@ -28,7 +28,7 @@ KEPT = {
     *("Stream.wanting", "Stream.wanting_at", "Stream._expected", "Stream._reach", "Interest._wanting"),
     *("Competition._" + kept for kept in ("revision", "streams", "row", "seen", "robots", "owner", "wanted")),
     *("Competition._" + kept for kept in ("cheapness", "last", "patience", "next")),
-    *("Budget._others_known", "Budget._others_sent", "ClockOffset._offset"),
+    *("Budget._others_known", "Budget._others_sent", "Budget._usable", "Budget._usable_for", "ClockOffset._offset"),
     *("Loss._stale", "Loss._share", "LatencyFit._stale", "LatencyFit._line", "LatencyFit._classes"),
 }
 """What is worked out once and kept until something else is noted, so that nobody can tell when it was."""
@@ -116,7 +116,7 @@ def queries(core, now):
         yield "schedule", lambda s=schedule: (s.period, s.jitter, s.kind, s.rhythm, s.last, s.patience, s.prospect())
         yield "forecast", lambda s=schedule: (s.over(now), s.forecast(now, now + 5.0, 5), s.forecast(0.0, now, 9, now))
         yield "stream", lambda s=stream: (s.mean_interval, s.forecasts, s.expected(now) if s.last else None)
-    yield "coordination", lambda: (core.coordination.splits, core.coordination.part(now), core.coordination.due_at(now))
+    yield "coordination", lambda: (core.coordination.splits, core.coordination.due_at(now), core.coordination.settled)
     yield "what we may use", lambda: [(budget.whole(now, k), budget.used(now, k)) for k in limits]
     yield "what is free", lambda: (budget.free(now), budget.left(now), budget.others(now))
     yield "what fits", lambda: (budget.fits(now, use), budget.lacking(now, use), budget.opens(now, use))

@@ -1,13 +1,41 @@
 """What a robot tells the others, and when."""
 
-import math
+import pytest
 
 from proxy.core import events as ev
-from proxy.core.commands import SendDigest, SendState
-from proxy.core.telling import RESTATE, STATE_PACE
-from studies.simulation.conditions import Conditions
+from proxy.core.commands import Decide, Forward, SendDigest, SendState
+from proxy.core.limits import allowance_of
+from proxy.core.telling import DEBT, STATE_PACE
+from proxy.core.wire import Digest, State, StreamState
+from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly
 from studies.simulation.missions import draw, scenario
+from tests.proxy.core.talk import only
+
+CAMERA = (StreamState(1, "robot/op/camera", "camera", 0.5),)
+
+
+def sends(talk, now, **what):
+    """Publish a sample that is sent, whatever it is worth."""
+    sample, commands = talk.publish(now, **what)
+    for decide in only(commands, Decide):
+        commands = talk.answer(now, decide, send=True)
+    assert Forward(sample) in commands
+
+
+def digests(talk, since=0.0):
+    return [sent.digest for sent in talk.all(SendDigest) if sent.digest.sent >= since]
+
+
+@pytest.fixture
+def talk(make_talk):
+    """A robot whose camera another one wants, and knows; that has one, too."""
+    talk = make_talk(allowance=0.05)
+    talk.want(0.0)
+    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
+    sends(talk, 0.1, size=100)
+    talk.tell(ev.TimePassed(5.0))
+    return talk
 
 
 def test_states_follow_each_other_slowly(make_talk):
@@ -23,38 +51,117 @@ def test_states_follow_each_other_slowly(make_talk):
     assert talk.core.telling.state == states[-1].state
 
 
-def test_what_is_due_next_is_known(make_talk):
-    """A state that may be news, at once or soon; digests wait while a plan is being made."""
-    talk = make_talk()
-    talk.want(0.0)
+def test_what_is_due_next_is_known(talk):
+    """A state that may be news, at once or soon."""
     talk.tell(ev.TimePassed(10.0))
-    telling = talk.core.telling
-    assert telling.next_at(10.0, digests=False) > 10.0
-    telling.restate(10.0, soon=False)
-    assert telling.next_at(10.0, digests=False) <= 10.0 + RESTATE
-    telling.restate(10.0)
-    assert telling.next_at(10.0, digests=True) <= 10.0 + STATE_PACE
+    assert talk.core.wake_at(10.0) > 10.0
+    talk.core.telling.restate(10.0)
+    assert talk.core.telling.next_at(10.0) <= 10.0 + STATE_PACE
 
 
-def test_where_all_plan_for_all_every_send_is_told(make_talk):
-    """Soon, if the allowance permits; a robot that nobody hears of tells nobody in particular."""
-    talk = make_talk(allowance=0.02)
-    talk.want(0.0)
-    talk.tell(ev.TimePassed(5.0))
-    before = len(talk.all(SendDigest))
+def test_what_was_sent_is_told_soon_even_if_no_spec_covers_it(talk):
+    """If the allowance permits."""
     talk.tell(ev.SamplesPassed(5.1, "passed:no-spec", 1, 100))
     talk.tell(ev.TimePassed(8.0))
-    told = talk.all(SendDigest)[before:]
-    assert told
-    assert {command.to for command in told} == {""}
-    assert told[-1].digest.messages == 1
-    assert talk.core.telling.speaks_again() < math.inf
+    assert digests(talk, 5.1)[-1].messages == 2
 
 
-def test_what_is_told_twice_is_no_old_digest():
-    """Where much gets lost grants are told again, a little later: nothing that comes is refused."""
-    how = Conditions(limit=2, seconds=10.0, loss=0.1)
+def test_what_takes_much_of_a_limit_is_announced_when_it_is_sent(talk):
+    """Within a millisecond, while news of small samples wait."""
+    sends(talk, 5.2, size=100)
+    said = len(digests(talk, 5.2))
+    for k in range(4):
+        sends(talk, 5.3 + 0.3 * k, size=1500)
+        talk.tell(ev.TimePassed(5.301 + 0.3 * k))
+        told = [news.forwarded for digest in digests(talk, 5.3 + 0.3 * k) for news in digest.streams]
+        assert told[-1] == 3 + k
+    assert said <= 1
+    assert any(digest.brief for digest in digests(talk, 5.2))
+
+
+def test_traffic_that_nobody_decides_on_is_not_announced(talk):
+    """However large: others can learn nothing of it but how much it is, which the next digest tells."""
+    for k in range(20):
+        talk.tell(ev.SamplesPassed(5.2 + 0.01 * k, "passed:no-spec", 1, 50_000))
+    assert len(digests(talk, 5.2)) <= 10
+    assert not any(digest.brief for digest in digests(talk))
+
+
+def test_announcements_name_streams_always(talk):
+    """None is empty, whatever else goes on the air meanwhile."""
+    for k in range(40):
+        sends(talk, 5.2 + 0.6 * k, size=2000)
+        talk.tell(ev.SamplesPassed(5.3 + 0.6 * k, "passed:no-spec", 1, 50))
+    brief = [digest for digest in digests(talk) if digest.brief]
+    assert brief
+    assert all(digest.streams for digest in brief)
+
+
+def test_no_two_digests_are_of_one_moment(make_talk):
+    """Of two the second one would be taken for a repetition."""
+    talk = make_talk(allowance=0.2)
+    talk.want(0.0)
+    for k in range(200):
+        sends(talk, 0.1 + 0.3 * k, size=1500, red=0.1 * (k % 5))
+        talk.tell(ev.TimePassed(0.1 + 0.3 * k))
+    times = [digest.sent for digest in digests(talk)]
+    assert len(times) > 100
+    assert len(set(times)) == len(times)
+
+
+def test_announcements_do_not_take_the_place_of_all_other_news(talk):
+    """However much is sent, and whatever others tell: what only full digests tell goes out every few seconds."""
+    for k in range(100):
+        now = 5.2 + 0.2 * k
+        sample, commands = talk.publish(now, size=1500)
+        for decide in only(commands, Decide):
+            talk.answer(now, decide, send=True)
+        talk.tell(ev.DigestHeard(now + 0.05, Digest("op", "zz-op", now, brief=True, state=0), 100))
+        talk.tell(ev.DigestHeard(now + 0.06, Digest("op", "zz-op", now + 0.01, brief=True, state=0), 100))
+    full = [digest.sent for digest in digests(talk, 5.2) if not digest.brief]
+    assert len(full) >= 4
+    assert max(after - before for before, after in zip([5.2, *full], [*full, 25.2], strict=True)) <= 5.0
+
+
+def test_urgent_news_that_the_allowance_has_no_room_for_hold_up_nothing(talk):
+    """They go with the next digest that goes anyway."""
+    talk.tell(ev.DigestHeard(5.1, Digest("op", "zz-op", 5.1, state=0), 50_000))
+    talk.publish(5.2, red=0.9)
+    assert talk.core.telling.urgent
+    for k in range(20):
+        talk.tell(ev.TimePassed(5.3 + 0.2 * k))
+    assert digests(talk, 5.2)
+    assert not talk.core.telling.urgent
+
+
+def test_who_is_alone_tells_nothing(make_talk):
+    """And everything to who comes."""
+    talk = make_talk(allowance=0.05)
+    talk.tell(ev.MatchingChanged(0.0, "robot/r1/camera", matching=True))
+    for k in range(10):
+        sends(talk, 1.0 + k, size=1500)
+    assert digests(talk) == []
+    talk.tell(ev.PeerAppeared(12.0, "op", "zz-op"))
+    talk.tell(ev.StateHeard(12.0, State("op", "zz-op", "enforce", "")))
+    talk.tell(ev.TimePassed(14.0))
+    assert [news.forwarded for news in digests(talk)[0].streams] == [10]
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        Conditions(robots=4, seconds=10.0, limit=5),
+        Conditions(robots=4, seconds=10.0, limit=5, latency=0.2),
+        Conditions(robots=6, seconds=10.0, limit=10, loss=0.1),
+        Conditions(robots=4, seconds=10.0, transport="broadcast"),
+    ],
+    ids=["unicast", "late", "lossy", "broadcast"],
+)
+def test_all_digests_of_a_team_are_within_its_allowance_and_none_is_refused(how):
+    """All copies of all robots' digests together, over a flight; some of it may be spent ahead."""
     mission = draw(scenario("mixed"), 0, how)
-    cores = fly(mission, how, 0).cores.values()
-    assert any(core.layout.lent for core in cores)
-    assert sum(core.refused.total() for core in cores) == 0
+    team = fly(mission, how, 0)
+    rate = allowance_of(mission.specs, how.allowance, how.members)
+    assert 0 < team.digest_bytes <= rate * (WARM_UP + how.seconds + DEBT)
+    assert sum(core.refused.total() for core in team.cores.values()) == 0
+    assert all(core.counts.conserved for core in team.cores.values())

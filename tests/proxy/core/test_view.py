@@ -284,6 +284,22 @@ def test_a_broadcast_sample_is_one_copy_for_all(make_specs):
     assert view.copies(view.stream(1.0, "r3", "robot/r3/camera")) == 2
 
 
+def test_how_long_a_stream_is_silent_tells_when_its_robot_spoke_not_when_that_came(make_specs):
+    """Where news take as long as ten periods no stream is over for it."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
+    view.set_interest(("robot/**",))
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 0.1),)))
+    view.heard_digest(0.5, Digest("r2", "z-r2", 0.5))
+    for count in range(1, 40):
+        sent = 0.5 + 0.1 * count
+        news = StreamDigest(1, count, count, sent, sent, 100, 1.0, (), 0.1)
+        view.heard_digest(sent + 3.0, Digest("r2", "z-r2", sent, streams=(news,)))
+    assert view.competes(sent + 3.0, view.known("r2", CAMERA))
+    view.heard_digest(sent + 5.0, Digest("r2", "z-r2", sent + 1.9))
+    assert not view.competes(sent + 5.0, view.known("r2", CAMERA))
+
+
 def test_an_overheard_sample_counts_as_sent_and_leaves_its_number_to_the_digest(make_specs):
     """A number guessed too high would hide the right one; that the sample was sent is known at once, and once only."""
     view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())

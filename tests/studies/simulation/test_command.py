@@ -7,7 +7,7 @@ def test_every_flight_prints_a_line(capsys):
     """With what it reached, used and foresaw, and how wrong clocks change it."""
     options = "--workload most --seconds 3 --robots 3 --limit 2 --iterations 50 --seeds 2 --skew 10 --jitter 0.01"
     assert (
-        main([*options.split(), "--coordination", "overhear", "--transport", "broadcast", "--digests-by-unicast"]) == 0
+        main([*options.split(), "--coordination", "announce", "--transport", "broadcast", "--digests-by-unicast"]) == 0
     )
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 2

@@ -51,7 +51,7 @@ def test_a_crash_is_noticed_late_and_a_farewell_at_once(fly):
 
 
 def test_who_comes_again_has_a_new_id(fly):
-    """And sends again; the others know it, and who leads its streams."""
+    """And sends again; the others know it and its streams."""
     flying = fly(12.0, Crash(3.0, "r1"), Join(7.0, "r1"))
     zid = flying.members["r1"].zid
     assert zid != "z-r1"

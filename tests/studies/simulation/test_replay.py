@@ -15,8 +15,8 @@ END = 5.0
 @pytest.fixture(scope="module", params=["announce", "split"])
 def flight(request):
     """Three robots under right clocks."""
-    transport = "broadcast" if request.param == "overhear" else "unicast"
-    how = Conditions(robots=3, limit=2, seconds=2.0, iterations=30, coordination=request.param, transport=transport)
+    transport = "broadcast" if request.param == "announce" else "unicast"
+    how = Conditions(robots=3, limit=10, seconds=2.0, iterations=30, coordination=request.param, transport=transport)
     flown = draw(MIXED, 0, how)
     flying = crew(Recorded, flown, how, 0)
     flying.run(flown.frames, END)

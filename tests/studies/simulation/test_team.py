@@ -72,13 +72,17 @@ def worst_window(deliveries):
     return max(sizes[i + 1] - sizes[first[i]] for i in range(len(sent)))
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.2])
-def test_the_union_of_all_robots_keeps_the_limit(specs, loss):
-    """In every window, also when a fifth of all messages is lost; and nothing goes uncounted."""
-    flight = team(specs, medium=Medium(RATE, loss=loss))
+@pytest.mark.parametrize(("coordination", "loss"), [("split", 0.0), ("split", 0.2), ("announce", 0.0)])
+def test_the_union_of_all_robots_keeps_the_limit(specs, coordination, loss):
+    """In `split` in every window, also when a fifth of all messages is lost; in `announce` once news have got through.
+
+    All begin at once there, and know nothing of each other. Nothing goes uncounted.
+    """
+    flight = team(specs, medium=Medium(RATE, loss=loss), settings=CoreSettings("", "", coordination=coordination))
     deliveries = flight.run(scene(), 14.0)
     assert len(deliveries) > 50
-    assert worst_window(deliveries) <= 0.9 * RATE * WINDOW
+    settled = [d for d in deliveries if coordination == "split" or d.t_sent > 3.0]
+    assert worst_window(settled) <= 0.9 * RATE * WINDOW + 10_200 * (coordination == "announce")
     for core in flight.cores.values():
         assert core.counts.conserved
     assert sum(core.counts.received for core in flight.cores.values()) == len(scene())
@@ -117,10 +121,7 @@ def test_digests_stay_within_their_allowance(specs):
 
 @pytest.mark.full
 def test_wrong_clocks_change_nothing(specs):
-    """Robots whose clocks are minutes apart send as much in all.
-
-    Not the same frames: these are worth the same, and grants are in whole milliseconds of the clock of who leads.
-    """
+    """Robots whose clocks are minutes apart send as much in all, though not the same frames: these are worth the same."""
     right = team(specs).run(scene(), 14.0)
     wrong = team(specs, clocks={"r1": 600.0, "r2": -300.0, "op": 77.0}).run(scene(), 14.0)
     one, other = (Counter(d.frame.robot for d in deliveries) for deliveries in (right, wrong))
@@ -136,8 +137,8 @@ def test_a_robot_alone_uses_what_the_limit_gives(specs):
 
 
 @pytest.mark.full
-def test_in_overhear_robots_plan_for_the_union(specs):
-    """Without shares the union may exceed, but digests keep the mean use below the limit."""
+def test_in_announce_robots_plan_for_the_union(specs):
+    """It may be exceeded for a moment, but digests keep the mean use below the limit."""
     flight = team(specs, settings=CoreSettings("", "", coordination="announce"))
     deliveries = flight.run(scene(), 14.0)
     sent = sum(d.frame.size for d in deliveries if 3.0 <= d.t_sent <= 13.0)
@@ -158,21 +159,21 @@ def test_where_robots_broadcast_a_digest_follows_what_was_sent():
         assert member.core.wake_at(now) > now
 
 
-def test_who_leads_is_not_woken_again_and_again_while_it_may_not_speak():
-    """It plans for the others when it can tell them: in a second a few dozen times, not as often as a machine can."""
+def test_nobody_is_woken_again_and_again_while_it_may_not_speak():
+    """In a second a few dozen times, not as often as a machine can."""
     how = Conditions(transport="broadcast", seconds=0.5)
     flight = fly(draw(scenario("few"), 0, how), how, 0)
-    (leader,) = (member for member in flight.members.values() if member.core.shares.leads)
-    now = begin = leader.now(10.5)
-    woken = 0
-    while now < begin + 1.0 and woken < 1000:
-        leader.core.handle(TimePassed(now))
-        now = max(leader.core.wake_at(now), now + 1e-4)
-        woken += 1
-    assert 1 < woken < 100
+    for member in flight.members.values():
+        now = begin = member.now(10.5)
+        woken = 0
+        while now < begin + 1.0 and woken < 1000:
+            member.core.handle(TimePassed(now))
+            now = max(member.core.wake_at(now), now + 1e-4)
+            woken += 1
+        assert 1 < woken < 100
 
 
-def test_robots_share_constraints_of_all_kinds_at_once(tmp_path):
+def test_robots_split_constraints_of_all_kinds_at_once(tmp_path):
     """The union keeps bytes, messages and airtime in every window, each robot its own energy; and much is sent."""
     path = tmp_path / "spec.toml"
     path.write_text(
@@ -195,7 +196,7 @@ per_message = "1 mJ"
 """
     )
     specs = load_specs(path)
-    flight = team(specs, robots=2, settings=CoreSettings("", "", allowance=0.1))
+    flight = team(specs, robots=2, settings=CoreSettings("", "", coordination="split", allowance=0.1))
     deliveries = flight.run(scene(robots=2), 14.0)
     for measure in (spec.measure for spec in specs.constraints):
         robots = ["r1", "r2"] if measure.private else [""]

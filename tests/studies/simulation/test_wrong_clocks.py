@@ -43,7 +43,7 @@ def fly(tmp_path_factory):
     path.write_text(SPEC)
     specs = load_specs(path)
 
-    def fly_with(clocks, coordination="split", **medium):
+    def fly_with(clocks, coordination="announce", **medium):
         interests = {f"r{r}": ("robot/*/camera",) for r in (1, 2, 3)}
         best = SearchSettings(search="best")
         flight = Recorded(
@@ -77,25 +77,25 @@ def frames():
 @pytest.fixture(scope="module")
 def right(fly):
     """A flight with right clocks, in which all streams of all robots are part of every decision."""
-    return fly({}, coordination="announce")
+    return fly({})
 
 
 @pytest.fixture(scope="module")
 def drifting(fly):
     """One with clocks that drift."""
-    return fly(DRIFTING, coordination="announce")
+    return fly(DRIFTING)
 
 
 @pytest.fixture(scope="module")
 def losing(fly):
     """One where digests and samples are late or lost, too."""
-    return fly(DRIFTING, coordination="announce", jitter=0.01, loss=0.2)
+    return fly(DRIFTING, jitter=0.01, loss=0.2)
 
 
 @pytest.fixture(scope="module")
 def stepping(fly):
     """One with wall clocks that are set by a little."""
-    return fly(WRONG["set by a little"], coordination="announce")
+    return fly(WRONG["set by a little"])
 
 
 def believed(flight):
