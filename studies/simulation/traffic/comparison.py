@@ -155,7 +155,8 @@ def how_of(cell: Cell, contender: str) -> How:
     """Return how a contender flies; raise ValueError for one that is written in no known way."""
     if contender in YARDSTICKS:
         return How(latency=cell.latency, loss=cell.loss)
-    coordination, transport, *settings = contender.split("/")
+    coordination, *rest = contender.split("/")
+    transport, settings = "".join(rest[:1]), rest[1:]
     if transport not in ("unicast", "broadcast"):
         raise ValueError(f"{contender!r}: not COORDINATION/unicast or COORDINATION/broadcast")
     further = tuple((name, _value(text)) for name, text in (each.split("=") for each in settings))

@@ -1,0 +1,58 @@
+"""Lines and tables of the comparison."""
+
+from dataclasses import replace
+
+from studies.simulation.traffic.comparison import Cell, Result, Task
+from studies.simulation.traffic.report import Marks, line, table
+from studies.simulation.traffic.scores import Score
+
+CELL = Cell("mixed", 2, 0.02, 0.01, 0, 30.0)
+SCORE = Score(
+    utility=80.0,
+    sent=900_000.0,
+    offered=2e6,
+    room=1e6,
+    over=0.01,
+    worst=1.2,
+    told=300.0,
+    digests=200.0,
+    arrived=0.98,
+    kept=0.99,
+    age=(0.02, 0.03),
+    alarms=7,
+    alarms_sent=6,
+    silence={"r0": 0.5, "r1": 1.5},
+    has_small=True,
+)
+
+
+def results():
+    team, central = (
+        Result(Task(CELL, name), u, 9e5, 1000, 2.0, SCORE) for name, u in (("x/unicast", 80.0), ("central", 90.0))
+    )
+    return [Result(Task(CELL, "bound"), 100.0, 9.5e5, 1000, 1.0, note="a note"), central, team]
+
+
+def test_a_line_has_every_figure():
+    """Beside the central decider and the bound, as far as these are known."""
+    marks = Marks(results())
+    text = line(results()[2], marks)
+    for figure in ("mixed:2 20 ms 1 % seed 0 x/unicast", "of central 88.9 %, of bound 80.0 %", "fill 90.0 %"):
+        assert figure in text
+    for figure in ("over 1.0 %, worst 1.20", "alarms 6/7", "age 20 / 30 ms", "silent 1.5 s", "2.00 ms a sample"):
+        assert figure in text
+    assert "of central –" in line(results()[2], Marks())
+    assert line(results()[0], marks).endswith("a note")
+
+
+def test_a_table_has_a_row_for_each_contender():
+    """With the means over seeds, the worst window of all, and the sum of alarms."""
+    other = Result(
+        Task(replace(CELL, seed=1), "x/unicast"), 50.0, 9e5, 1000, 2.0, replace(SCORE, worst=1.5, arrived=1.0)
+    )
+    rows = table([*results(), other]).splitlines()
+    assert len(rows) == 2 + 3
+    assert "| x/unicast | 88.9 % | 80.0 % | 90.0 % | 1.0 % | 1.50 | 99.0 % (99.0 %) |" in rows[-1]
+    assert "12/14" in rows[-1]
+    assert "| bound | 111.1 % | 100.0 % | 950 kB | – |" in rows[2]
+    assert len({row.count("|") for row in rows}) == 1
