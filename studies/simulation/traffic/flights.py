@@ -66,4 +66,6 @@ def fly_alone(mission: Mission, how: How, seed: int) -> tuple[Mission, Team]:
     ready.decision_time = 0.0
     ready.medium.ways[OPERATOR, ALONE] = Way(SOON)
     ready.run(by_one.frames, by_one.problem.t_end)
+    # Who decides for all need tell nobody anything.
+    ready.on_air = [air for air in ready.on_air if air.frame is not None]
     return by_one, ready

@@ -15,7 +15,7 @@ def test_it_says_how_long_it_takes_and_writes_a_table(tmp_path, capsys):
     first, *lines = capsys.readouterr().out.splitlines()
     assert first.startswith("1 flights, about ")
     assert [each.split(" | ")[0] for each in lines] == ["random:2 20 ms 1 % seed 0 greedy"]
-    assert "random:2 20 ms 1 %" in page.read_text()
+    assert "## random, 2 robots: utility and windows" in page.read_text()
 
 
 def test_what_cannot_be_flown_is_refused_before_anything_flies(capsys):

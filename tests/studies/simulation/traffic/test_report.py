@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from studies.simulation.traffic.comparison import Cell, Result, Task
-from studies.simulation.traffic.report import Marks, line, table
+from studies.simulation.traffic.report import Marks, line, tables
 from studies.simulation.traffic.scores import Score
 
 CELL = Cell("mixed", 2, 0.02, 0.01, 0, 30.0)
@@ -45,14 +45,27 @@ def test_a_line_has_every_figure():
     assert line(results()[0], marks).endswith("a note")
 
 
-def test_a_table_has_a_row_for_each_contender():
-    """With the means over seeds, the worst window of all, and the sum of alarms."""
-    other = Result(
-        Task(replace(CELL, seed=1), "x/unicast"), 50.0, 9e5, 1000, 2.0, replace(SCORE, worst=1.5, arrived=1.0)
-    )
-    rows = table([*results(), other]).splitlines()
-    assert len(rows) == 2 + 3
-    assert "| x/unicast | 88.9 % | 80.0 % | 90.0 % | 1.0 % | 1.50 | 99.0 % (99.0 %) |" in rows[-1]
-    assert "12/14" in rows[-1]
-    assert "| bound | 111.1 % | 100.0 % | 950 kB | – |" in rows[2]
-    assert len({row.count("|") for row in rows}) == 1
+def test_a_table_has_a_column_for_each_contender():
+    """With the means over seeds, the fullest window of all, and the sum of alarms."""
+    worse = replace(SCORE, worst=1.5, arrived=1.0)
+    other = [
+        Result(Task(replace(CELL, seed=1), name), u, 9e5, 1000, 2.0, worse)
+        for name, u in (("x/unicast", 85.0), ("central", 90.0))
+    ]
+    worth, use, small = tables([*results(), *other])
+    assert worth.columns == ("latency, loss", "bound", "central", "x/unicast")
+    (row,) = worth.rows
+    assert row[0] == "20 ms 1 %"
+    assert row[1] == "111.1 (100.0)"
+    assert row[3].startswith("91.7 ± ")
+    assert row[3].endswith(" / 1.0, 1.50")
+    assert use.rows[0][1:] == ("950 kB", "90.0 / 300 / 1.5 / 2.00", "90.0 / 300 / 1.5 / 2.00")
+    assert small.rows[0][3] == "99.0 (99.0) / 20, 30 / 12 of 14"
+
+
+def test_a_workload_without_small_samples_has_no_table_of_them():
+    """Nor an interval with one seed, nor a cell where nobody flew."""
+    plain = [replace(result, score=result.score and replace(result.score, has_small=False)) for result in results()]
+    late = Result(Task(replace(CELL, latency=1.0), "central"), 50.0, 9e5, 1000, 2.0, plain[1].score)
+    worth, _ = tables([*plain, late])
+    assert worth.rows[1][1:] == ("", "100.0 (–) / 1.0, 1.20", "")
