@@ -33,12 +33,12 @@ PACE = 0.002
 
 
 class Sent(NamedTuple):
-    """So many bytes sent at `t` [s]; `stretched`: more than fits one window."""
+    """So many bytes sent at `t` [s]; `beside`: small samples have their part beside it."""
 
     t: float
     size: float
     small: bool
-    stretched: bool
+    beside: bool
 
 
 @dataclass(slots=True)
@@ -61,22 +61,27 @@ class Sender:
 
     def take(self, t: float, mission: Mission) -> list[int]:
         """Return what of the waiting is sent now, in order [indices]."""
+        since = list(takewhile(lambda sent: sent.t >= t - self.window, self._sent))
         taken = []
         for index in sorted(self.waiting, key=lambda i: self._order(i, mission)):
             size, small = mission.frames[index].size, index in mission.small
-            since = list(takewhile(lambda sent: sent.t >= t - self.window, self._sent))
-            stretched = self.reserve and size > self.room
-            if self.turn is not None and not small:
-                taking = size <= self.turn
-                self.turn -= size if taking else 0.0
-            else:
-                taking = self._rested(t, size, since) if stretched else self._fits(size, since, small=small)
-            if taking:
-                self._sent.appendleft(Sent(t, size, small, stretched))
+            if self._may(t, size, since, small=small):
+                beside = not small and (self.turn is not None or size > self.room)
+                since.append(Sent(t, size, small, beside))
+                self._sent.appendleft(since[-1])
                 self._turn[mission.problem.messages[index].stream] = t
                 self.waiting.remove(index)
                 taken.append(index)
         return taken
+
+    def _may(self, t: float, size: float, since: list[Sent], *, small: bool) -> bool:
+        """Whether a sample may be sent now."""
+        if self.turn is not None and not small:
+            taking = size <= self.turn
+            self.turn -= size if taking else 0.0
+            return taking
+        saves_up = self.reserve and size > self.room
+        return self._rested(t, size, since) if saves_up else self._fits(size, since, small=small)
 
     def _order(self, index: int, mission: Mission) -> tuple[bool, float, int]:
         return index not in mission.small, self._turn.get(mission.problem.messages[index].stream, 0.0), index
@@ -87,7 +92,7 @@ class Sender:
 
     def _fits(self, size: float, since: list[Sent], *, small: bool) -> bool:
         """Whether a sample has room beside what the window holds."""
-        used = sum(sent.size for sent in since if not (small and sent.stretched))
+        used = sum(sent.size for sent in since if not (small and sent.beside))
         return used + size + (0.0 if small else self._kept(since)) <= self.room
 
     def _rested(self, t: float, size: float, since: list[Sent]) -> bool:
