@@ -57,7 +57,7 @@ def _figures(score: Score) -> list[str]:
     figures = [
         f"fill {_percent(score.fill)} ({score.sent / 1000:.0f} kB)",
         f"over {_percent(score.over)}, worst {score.worst:.2f}",
-        f"told {score.told:.0f} B/s (digests {score.digests:.0f})",
+        f"told {score.told:.0f} of {score.allowed:.0f} B/s (digests {score.digests:.0f})",
         f"silent {max(score.silence.values(), default=0.0):.1f} s",
     ]
     if score.has_small:
@@ -91,8 +91,8 @@ UTILITY = (
     "/ samples whose window exceeds the limit, %, and the fullest window, in limits."
 )
 USE = (
-    "Bytes sent of what limit or offer allow, %, or in kB for bounds and plans / what the team tells, B/s / longest "
-    "silence of a robot, s / processor time a sample, ms."
+    "Bytes sent of what limit or offer allow, %, or in kB for bounds and plans / what the team tells of what "
+    "it may, % / longest silence of a robot, s / processor time a sample, ms."
 )
 SMALL = "Small samples that arrived (were sent), % / their age, median and 95th percentile, ms / alarms sent."
 
@@ -123,7 +123,7 @@ def _use(results: Sequence[Result]) -> str:
     if not scores:
         return f"{fmean(result.sent for result in results) / 1000:.0f} kB"
     silence = max(max(score.silence.values(), default=0.0) for score in scores)
-    fill, told = (fmean(each) for each in zip(*((100 * s.fill, s.told) for s in scores), strict=True))
+    fill, told = (fmean(each) for each in zip(*((100 * s.fill, 100 * s.told / s.allowed) for s in scores), strict=True))
     return f"{fill:.1f} / {told:.0f} / {silence:.1f} / {cost:.2f}"
 
 

@@ -34,9 +34,9 @@ class Score:
     `utility` is that of the operator [utility·s]; `sent` are bytes of samples, `offered` those that were generated,
     copies included, and `room` what the limit has for samples if nobody tells anything. `over` is the part of all
     samples whose window exceeds the limit when they are sent, `worst` the fullest window of all, in limits. `told` is
-    what robots tell each other and `digests` the part of it in digests [B/s]. Of small samples `arrived` is the part
-    that came to a receiver, `kept` that which was sent, `age` the age then (median, 95th percentile) [s]. Of alarms:
-    those generated, and sent. `silence` is by robot the longest time without a sample [s].
+    what robots tell each other, `digests` the part of it in digests, `allowed` what it may be [B/s]. Of small samples
+    `arrived` is the part that came to a receiver, `kept` that which was sent, `age` the age then (median, 95th
+    percentile) [s]. Of alarms: those generated, and sent. `silence` is by robot the longest time without a sample [s].
     """
 
     utility: float
@@ -47,6 +47,7 @@ class Score:
     worst: float
     told: float
     digests: float
+    allowed: float
     arrived: float
     kept: float
     age: tuple[float, float]
@@ -81,6 +82,7 @@ def score(mission: Mission, flight: Flight, loss: float) -> Score:
         worst=worst,
         told=sum(air.size for air in told) / seconds,
         digests=sum(air.size for air in told if air.digest) / seconds,
+        allowed=mission.allowed,
         arrived=arrived,
         kept=_part(len(due & mission.small & sent), len(due & mission.small)),
         age=ages,

@@ -74,6 +74,7 @@ def test_one_robot_can_publish_all():
     limits = [specs.constraints[0].measure.limit for specs in (mission.specs, by_one.specs)]
     assert limits == pytest.approx([mission.limit, mission.carried])
     assert mission.carried == 5.25 * SIZE < mission.limit
+    assert mission.allowed == 100.0 * 11
 
 
 def test_unknown_workloads_are_refused():

@@ -16,6 +16,7 @@ SCORE = Score(
     worst=1.2,
     told=300.0,
     digests=200.0,
+    allowed=2500.0,
     arrived=0.98,
     kept=0.99,
     age=(0.02, 0.03),
@@ -59,7 +60,7 @@ def test_a_table_has_a_column_for_each_contender():
     assert row[1] == "111.1 (100.0)"
     assert row[3].startswith("91.7 ± ")
     assert row[3].endswith(" / 1.0, 1.50")
-    assert use.rows[0][1:] == ("950 kB", "90.0 / 300 / 1.5 / 2.00", "90.0 / 300 / 1.5 / 2.00")
+    assert use.rows[0][1:] == ("950 kB", "90.0 / 12 / 1.5 / 2.00", "90.0 / 12 / 1.5 / 2.00")
     assert small.rows[0][3] == "99.0 (99.0) / 20, 30 / 12 of 14"
 
 

@@ -103,6 +103,7 @@ def test_windows_hold_copies_and_what_robots_tell_each_other(mission):
     assert (found.over, found.worst) == (1.0, pytest.approx((sum(sizes) + 20_000) / mission.limit))
     assert found.told == found.digests == pytest.approx(20_000 / 3.0)
     assert found.sent == sum(sizes)
+    assert found.allowed == 2500.0
     flight.on_air[0] = OnAir(t - mission.window - 0.001, "r1", 20_000)
     assert score(mission, flight, 0.0).over == 0.0
     flight.on_air.append(OnAir(t + mission.window, "r0", frame.size, frame))
