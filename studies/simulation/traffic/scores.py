@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from planner import Aggregation, Message, Problem
-from planner.utility import Floats
+from planner.utility import Flags, Floats
 from studies.simulation.missions import OPERATOR
 from studies.simulation.records import Delivery, OnAir
 from studies.simulation.traffic.missions import WARM_UP, Mission
@@ -159,18 +159,27 @@ def _part(some: int, of: int) -> float:
     return some / of if of else 1.0
 
 
-def _windows(mission: Mission, sent: Sequence[OnAir]) -> tuple[float, float]:
-    """Return the part of samples whose closed window exceeds the limit, and the fullest window of all sends."""
+def held(mission: Mission, sent: Sequence[OnAir]) -> tuple[Floats, Floats]:
+    """Return when each sample was sent [s], and what the closed window that ends then holds of all sends [B]."""
+    times, held, sample = _held(mission, sent)
+    return times[sample], held[sample]
+
+
+def _held(mission: Mission, sent: Sequence[OnAir]) -> tuple[Floats, Floats, Flags]:
+    """Return of everything that was sent the time, what the window holds that ends then, and whether it is a sample."""
     ordered = sorted(sent, key=lambda air: air.t)
     times = np.array([air.t for air in ordered], dtype=np.float64)
     sums = np.concatenate(([0.0], np.cumsum([float(air.size) for air in ordered])))
     held = sums[np.searchsorted(times, times, "right")] - sums[np.searchsorted(times, times - mission.window, "left")]
+    return times, held, np.array([air.frame is not None for air in ordered], dtype=np.bool_)
+
+
+def _windows(mission: Mission, sent: Sequence[OnAir]) -> tuple[float, float]:
+    """Return the part of samples whose closed window exceeds the limit, and the fullest window of all sends."""
+    times, held, sample = _held(mission, sent)
     scored = times >= WARM_UP
-    samples = scored & np.array([air.frame is not None for air in ordered], dtype=np.bool_)
-    over = held > mission.limit * (1 + EXACT)
-    return _part(int((over & samples).sum()), int(samples.sum())) if samples.any() else 0.0, float(
-        held[scored].max(initial=0.0) / mission.limit
-    )
+    over = held[scored & sample] > mission.limit * (1 + EXACT)
+    return float(over.mean()) if len(over) else 0.0, float(held[scored].max(initial=0.0) / mission.limit)
 
 
 def _silence(mission: Mission, sends: Sequence[tuple[float, int, int]]) -> dict[str, float]:
