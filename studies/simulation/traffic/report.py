@@ -17,7 +17,7 @@ class Marks:
     """Utilities to compare with, as far as they are known: of central deciders by cell, of bounds whatever the loss."""
 
     def __init__(self, results: Iterable[Result] = ()) -> None:
-        self._central: dict[object, float] = {}
+        self._central: dict[object, Result] = {}
         self._bound: dict[Key, float] = {}
         for result in results:
             self.add(result)
@@ -25,14 +25,19 @@ class Marks:
     def add(self, result: Result) -> None:
         """Remember the result if others are compared with it."""
         if result.task.contender == "central":
-            self._central[result.task.cell] = result.utility
+            self._central[result.task.cell] = result
         if result.task.contender == "bound":
             self._bound[_key(result)] = result.utility
 
     def shares(self, result: Result) -> tuple[float | None, float | None]:
         """Return the utility as a part of the central decider's and of the bound."""
         central, bound = self._central.get(result.task.cell), self._bound.get(_key(result))
-        return (result.utility / central if central else None, result.utility / bound if bound else None)
+        return _ratio(result.utility, central.utility if central else None), _ratio(result.utility, bound)
+
+    def large(self, result: Result) -> float | None:
+        """Return the utility of what is not small as a part of the central decider's."""
+        central = self._central.get(result.task.cell)
+        return _ratio(result.score.large, central.score.large) if central and central.score and result.score else None
 
 
 def line(result: Result, marks: Marks) -> str:
@@ -42,7 +47,7 @@ def line(result: Result, marks: Marks) -> str:
     if result.score is None:
         figures.append(f"sent {result.sent / 1000:.0f} kB")
     else:
-        figures += _figures(result.score)
+        figures += _figures(result.score, marks.large(result))
     milliseconds = 1000 * result.cpu / max(result.samples, 1)
     figures.append(f"{result.cpu:.1f} s CPU, {milliseconds:.2f} ms a sample")
     return " | ".join(figures + [result.note] * bool(result.note))
@@ -53,7 +58,7 @@ def _utility(result: Result, marks: Marks) -> list[str]:
     return [f"of central {_percent(central)}, of bound {_percent(bound)} ({result.utility:.1f})"]
 
 
-def _figures(score: Score) -> list[str]:
+def _figures(score: Score, large: float | None) -> list[str]:
     figures = [
         f"fill {_percent(score.fill)} ({score.sent / 1000:.0f} kB)",
         f"over {_percent(score.over)}, worst {score.worst:.2f}",
@@ -62,7 +67,7 @@ def _figures(score: Score) -> list[str]:
     ]
     if score.has_small:
         figures.append(
-            f"small arrived {_percent(score.arrived)}, sent {_percent(score.kept)}, "
+            f"large {_percent(large)} of central, small arrived {_percent(score.arrived)}, sent {_percent(score.kept)}, "
             f"age {1000 * score.age[0]:.0f} / {1000 * score.age[1]:.0f} ms"
         )
     if score.alarms:
@@ -82,7 +87,7 @@ def tables(results: Sequence[Result]) -> list[Table]:
             _table(f"{name}: use, words, silence, time", group, _use, USE),
         ]
         if any(result.score and result.score.has_small for result in group):
-            found.append(_table(f"{name}: small samples and alarms", group, _small, SMALL))
+            found.append(_table(f"{name}: large and small samples, alarms", group, partial(_small, marks), SMALL))
     return found
 
 
@@ -94,7 +99,10 @@ USE = (
     "Bytes sent of what limit or offer allow, %, or in kB for bounds and plans / what the team tells of what "
     "it may, % / longest silence of a robot, s / processor time a sample, ms."
 )
-SMALL = "Small samples that arrived (were sent), % / their age, median and 95th percentile, ms / alarms sent."
+SMALL = (
+    "Utility of what is not small, of the central decider's, % / small samples that arrived (were sent), % / their age, "
+    "median and 95th percentile, ms / alarms sent."
+)
 
 
 def _table(title: str, results: Sequence[Result], cell: Callable[[Sequence[Result]], str], note: str) -> Table:
@@ -127,14 +135,15 @@ def _use(results: Sequence[Result]) -> str:
     return f"{fill:.1f} / {told:.0f} / {silence:.1f} / {cost:.2f}"
 
 
-def _small(results: Sequence[Result]) -> str:
+def _small(marks: Marks, results: Sequence[Result]) -> str:
     scores = _scores(results)
     if not scores:
         return ""
+    large = [100 * share for share in map(marks.large, results) if share is not None]
     arrived, kept = (100 * fmean(each) for each in zip(*((s.arrived, s.kept) for s in scores), strict=True))
     median, late = (1000 * fmean(score.age[i] for score in scores) for i in (0, 1))
     alarms = f"{sum(s.alarms_sent for s in scores)} of {sum(s.alarms for s in scores)}"
-    return f"{arrived:.1f} ({kept:.1f}) / {median:.0f}, {late:.0f} / {alarms}"
+    return f"{_mean(large)} / {arrived:.1f} ({kept:.1f}) / {median:.0f}, {late:.0f} / {alarms}"
 
 
 def _scores(results: Sequence[Result]) -> list[Score]:
@@ -151,6 +160,10 @@ def _interval(values: Sequence[float]) -> str:
         return ""
     factor = T_95.get(len(values), 2.0)
     return f" ± {factor * stdev(values) / len(values) ** 0.5:.1f}"
+
+
+def _ratio(utility: float, of: float | None) -> float | None:
+    return utility / of if of else None
 
 
 def _percent(part: float | None) -> str:

@@ -31,15 +31,17 @@ class Flight(Protocol):
 class Score:
     """What was reached after the warm-up.
 
-    `utility` is that of the operator [utility·s]; `sent` are bytes of samples, `offered` those that were generated,
-    copies included, and `room` what the limit has for samples if nobody tells anything. `over` is the part of all
-    samples whose window exceeds the limit when they are sent, `worst` the fullest window of all, in limits. `told` is
-    what robots tell each other, `digests` the part of it in digests, `allowed` what it may be [B/s]. Of small samples
-    `arrived` is the part that came to a receiver, `kept` that which was sent, `age` the age then (median, 95th
-    percentile) [s]. Of alarms: those generated, and sent. `silence` is by robot the longest time without a sample [s].
+    `utility` is that of the operator [utility·s], `large` that of what is not small. `sent` are bytes of samples,
+    `offered` those that were generated, copies included, and `room` what the limit has for samples if nobody tells
+    anything. `over` is the part of all samples whose window exceeds the limit when they are sent, `worst` the fullest
+    window of all, in limits. `told` is what robots tell each other, `digests` the part of it in digests, `allowed` what
+    it may be [B/s]. Of small samples `arrived` is the part that came to a receiver, `kept` that which was sent, `age`
+    the age then (median, 95th percentile) [s]. Of alarms: those generated, and sent. `silence` is by robot the longest
+    time without a sample [s].
     """
 
     utility: float
+    large: float
     sent: float
     offered: float
     room: float
@@ -73,8 +75,10 @@ def score(mission: Mission, flight: Flight, loss: float) -> Score:
     copies = sum(size for _, _, size in sends) / max(sum(mission.frames[i].size for _, i, _ in sends), 1)
     arrived, ages = _small(mission, flight, due, number)
     over, worst = _windows(mission, flight.on_air)
+    utility, large = _reached(mission, flight, number, loss)
     return Score(
-        utility=_reached(mission, flight, number, loss),
+        utility=utility,
+        large=large,
         sent=float(sum(size for t, _, size in sends if t >= WARM_UP)),
         offered=copies * sum(mission.frames[i].size for i in due),
         room=mission.carried * seconds / mission.window,
@@ -126,8 +130,8 @@ def _by_utility(received: Sequence[Message], begins: Floats, ends: Floats) -> li
     return [(utility, scales[at], (begins - born)[at], (ends - born)[at]) for utility, at in places.items()]
 
 
-def _reached(mission: Mission, flight: Flight, number: dict[int, int], loss: float) -> float:
-    """Return what the operator gets of all that was sent, by the mean over draws of what is lost.
+def _reached(mission: Mission, flight: Flight, number: dict[int, int], loss: float) -> tuple[float, float]:
+    """Return what the operator gets of all that was sent, and of what is not small, by the mean over draws of loss.
 
     Whether a sample is lost does not depend on who sends when: else two flights would differ by their luck with alarms.
     """
@@ -135,7 +139,10 @@ def _reached(mission: Mission, flight: Flight, number: dict[int, int], loss: flo
     delay = median([d.t_rcv - d.t_sent for d in sent.values() if d.t_rcv is not None] or [0.0])
     times = {i: d.t_sent + delay if d.t_rcv is None else d.t_rcv for i, d in sent.items()}
     draws = np.random.default_rng(DRAWS).random((DRAWS if loss else 1, len(mission.frames)))
-    return fmean(worth(mission, {i: t for i, t in times.items() if fate[i] >= loss}) for fate in draws)
+    arrived = [{i: t for i, t in times.items() if fate[i] >= loss} for fate in draws]
+    large = [{i: t for i, t in each.items() if i not in mission.small} for each in arrived]
+    whole, part = (fmean(worth(mission, each) for each in given) for given in (arrived, large))
+    return whole, part
 
 
 def _wanting(mission: Mission, sender: str) -> int:

@@ -9,6 +9,7 @@ from studies.simulation.traffic.scores import Score
 CELL = Cell("mixed", 2, 0.02, 0.01, 0, 30.0)
 SCORE = Score(
     utility=80.0,
+    large=8.0,
     sent=900_000.0,
     offered=2e6,
     room=1e6,
@@ -61,7 +62,7 @@ def test_a_table_has_a_column_for_each_contender():
     assert row[3].startswith("91.7 ± ")
     assert row[3].endswith(" / 1.0, 1.50")
     assert use.rows[0][1:] == ("950 kB", "90.0 / 12 / 1.5 / 2.00", "90.0 / 12 / 1.5 / 2.00")
-    assert small.rows[0][3] == "99.0 (99.0) / 20, 30 / 12 of 14"
+    assert small.rows[0][3] == "100.0 / 99.0 (99.0) / 20, 30 / 12 of 14"
 
 
 def test_a_workload_without_small_samples_has_no_table_of_them():

@@ -52,6 +52,8 @@ def test_utility_is_the_planners(mission):
     expected = utility(scored(mission.problem, WARM_UP), every)
     assert score(mission, flown(mission, every), 0.0).utility == pytest.approx(expected)
     assert expected > 0.0
+    images = [i for i in every if i not in mission.small]
+    assert score(mission, flown(mission, every), 0.0).large == pytest.approx(worth(mission, dict.fromkeys(images, 0.0)))
     assert worth(mission, {}) == 0.0
     assert score(mission, Flight(), 0.0).utility == 0.0
 
