@@ -66,10 +66,11 @@ def _figures(score: Score, large: float | None) -> list[str]:
         f"silent {max(score.silence.values(), default=0.0):.1f} s",
     ]
     if score.has_small:
-        figures.append(
-            f"large {_percent(large)} of central, small arrived {_percent(score.arrived)}, sent {_percent(score.kept)}, "
-            f"age {1000 * score.age[0]:.0f} / {1000 * score.age[1]:.0f} ms"
-        )
+        figures += [
+            f"large {_percent(large)} of central",
+            f"small arrived {_percent(score.arrived)}, sent {_percent(score.kept)}, "
+            f"age {1000 * score.age[0]:.0f} / {1000 * score.age[1]:.0f} ms",
+        ]
     if score.alarms:
         figures.append(f"alarms {score.alarms_sent}/{score.alarms}")
     return figures
@@ -100,8 +101,8 @@ USE = (
     "it may, % / longest silence of a robot, s / processor time a sample, ms."
 )
 SMALL = (
-    "Utility of what is not small, of the central decider's, % / small samples that arrived (were sent), % / their age, "
-    "median and 95th percentile, ms / alarms sent."
+    "Utility of what is not small, of the central decider's, % / small samples that arrived (were sent), % / their "
+    "age, median and 95th percentile, ms / alarms sent."
 )
 
 
