@@ -68,7 +68,7 @@ def _figures(score: Score, large: float | None) -> list[str]:
     if score.has_small:
         figures += [
             f"large {_percent(large)} of central",
-            f"small arrived {_percent(score.arrived)}, sent {_percent(score.kept)}, "
+            f"small arrived {_percent(score.arrived)}, sent {_percent(score.kept)}",
             f"age {1000 * score.age[0]:.0f} / {1000 * score.age[1]:.0f} ms",
         ]
     if score.alarms:
