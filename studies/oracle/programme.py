@@ -53,14 +53,14 @@ class Programme:
         return -cost * self.unit
 
 
-def build_programme(problem: Problem) -> Programme:
-    """Build the programme.
+def build_programme(problem: Problem, every: float = 0.0) -> Programme:
+    """Build the programme, with windows that end `every` [s] apart at least.
 
     Raises ProblemError for a problem without meaning, OracleUnavailable without SciPy, OracleError when an aggregation
     of the caller has too many states.
     """
     check_problem(problem)
-    (paths, ranks), rows = build_worth(problem), build_rows(problem)
+    (paths, ranks), rows = build_worth(problem), build_rows(problem, every)
     facts = np.array([m.sent for m in problem.messages], dtype=np.bool_)
     gain = np.concatenate((paths.gain, ranks.gain))
     columns, windows = len(gain), len(rows.room)

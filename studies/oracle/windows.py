@@ -61,15 +61,18 @@ class _Uses:
         return int(np.searchsorted(self.time, end, side="right"))
 
 
-def build_rows(problem: Problem) -> Rows:
-    """Build the rows of all constraints of a valid problem."""
+def build_rows(problem: Problem, every: float = 0.0) -> Rows:
+    """Build the rows of all constraints of a valid problem; only those of windows that end `every` [s] apart at least.
+
+    With fewer rows no less is allowed: what bounds a plan under them bounds it under all.
+    """
     banned = np.zeros(len(problem.messages), dtype=np.bool_)
     rows: list[_Row] = []
     for k, constraint in enumerate(problem.constraints):
         if constraint.limit > 0:
             uses = _uses(problem, k, constraint)
             banned[_banned(uses)] = True
-            rows += _ordinary(uses)
+            rows += _ordinary(uses, every)
             rows += _stretched(uses)
         else:
             banned |= np.array([m.use[k] > 0 and not m.sent for m in problem.messages])
@@ -95,13 +98,20 @@ def _uses(problem: Problem, k: int, constraint: Constraint) -> _Uses:
     )
 
 
-def _ordinary(uses: _Uses) -> Iterator[_Row]:
-    """Yield a row for each window, but for those that the next one contains."""
-    ends = np.unique(uses.time)
+def _ordinary(uses: _Uses, every: float) -> Iterator[_Row]:
+    """Yield a row for each window, but for those that the next one contains, or that end too soon after another."""
+    ends = _apart(np.unique(uses.time), every)
     begins = [uses.since(end - uses.window) for end in ends]
     for end, begin, next_begin in zip(ends, begins, [*begins, len(uses.time)][1:], strict=True):
         if begin < next_begin:
             yield from _row(uses, begin, uses.until(end))
+
+
+def _apart(ends: Floats, every: float) -> Floats:
+    """Return the ends that lie so far apart at least [s]."""
+    if every <= 0.0 or not len(ends):
+        return ends
+    return ends[np.unique(np.floor((ends - ends[0]) / every), return_index=True)[1]]
 
 
 def _row(uses: _Uses, begin: int, end: int, oversized: int | None = None) -> Iterator[_Row]:

@@ -1,4 +1,4 @@
-"""The command: `python -m studies.simulation.traffic`, one line of figures for each flight, and a table.
+"""The command: `python -m studies.simulation.traffic`, one line of figures for each flight, and a page of tables.
 
 A team is written COORDINATION/TRANSPORT[/SETTING=VALUE...], such as `announce/unicast/margin=0.1`: further settings are
 those of the core. Without --workloads, --latencies or --losses the whole comparison is flown.
@@ -8,8 +8,10 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 
+from studies.benchmarks.report import Table, write_page
 from studies.simulation.traffic.comparison import (
     ALL_WAYS,
     ONE_WAY,
@@ -24,13 +26,13 @@ from studies.simulation.traffic.comparison import (
     how_of,
     tasks,
 )
-from studies.simulation.traffic.report import Marks, line, table
+from studies.simulation.traffic.report import Marks, line, tables
 
 TEAMS = ("shares/unicast", "overhear/broadcast")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Fly what is asked for; print each flight, and write the table if a file is named."""
+    """Fly what is asked for; print each flight, and write the tables if a file is named."""
     options = _parser().parse_args(arguments)
     cells = [cell for cell in _cells(options) if not options.only or any(o in cell.label for o in options.only)]
     flights = tasks(cells, [*options.yardsticks, *options.teams])
@@ -45,8 +47,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         results.append(result)
         print(line(result, marks), flush=True)
         if options.output:
-            options.output.write_text(table(results))
+            _write(options.output, tables(results))
     return 0
+
+
+def _write(path: Path, results: Sequence[Table]) -> None:
+    write_page(path, "Real traffic in simulation", results, datetime.now(UTC), "python -m studies.simulation.traffic")
 
 
 def _cells(options: argparse.Namespace) -> list[Cell]:
@@ -78,7 +84,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--first", type=int, default=0, help="first seed")
     add("--seeds", type=int, default=3)
     add("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
-    add("--output", type=Path, help="write the table there, in Markdown")
+    add("--output", type=Path, help="write the tables there, as a Markdown page")
     return parser
 
 

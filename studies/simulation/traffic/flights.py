@@ -1,11 +1,13 @@
 """Missions of real traffic flown: by a team of the daemon's cores, or by one core that decides for all."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from planner import SearchSettings
 from proxy.core.settings import CoreSettings
 from proxy.core.transport import UNICAST, broadcast
+from studies.simulation.churn import Happening
 from studies.simulation.flights import GROUP
 from studies.simulation.medium import Medium, Way
 from studies.simulation.missions import OPERATOR
@@ -42,8 +44,8 @@ def fly(mission: Mission, how: How, seed: int) -> Team:
     return ready
 
 
-def crew(mission: Mission, how: How, seed: int) -> Team:
-    """Return a team that is ready to fly the mission."""
+def crew(mission: Mission, how: How, seed: int, happenings: Sequence[Happening] = ()) -> Team:
+    """Return a team that is ready to fly the mission, and to which this happens."""
     further: dict[str, Any] = {"coordination": how.coordination, **dict(how.settings)}
     settings = CoreSettings(
         "", "", transport=broadcast(GROUP) if how.broadcasts else UNICAST, digests_on_air=how.broadcasts
@@ -56,6 +58,7 @@ def crew(mission: Mission, how: How, seed: int) -> Team:
         iterations=how.iterations,
         settings=replace(settings, **further),
         search=SearchSettings(search="best"),
+        happenings=happenings,
     )
 
 
@@ -66,4 +69,6 @@ def fly_alone(mission: Mission, how: How, seed: int) -> tuple[Mission, Team]:
     ready.decision_time = 0.0
     ready.medium.ways[OPERATOR, ALONE] = Way(SOON)
     ready.run(by_one.frames, by_one.problem.t_end)
+    # Who decides for all need tell nobody anything.
+    ready.on_air = [air for air in ready.on_air if air.frame is not None]
     return by_one, ready

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planner import Aggregation, Constraint, Message, Problem, Stream
+from proxy.core.limits import LEAST_ALLOWANCE
 from studies.simulation import conditions, missions
 from studies.simulation.missions import OPERATOR, scenario, specs_of
 from studies.simulation.records import Frame
@@ -21,6 +22,8 @@ ALONE = "all"
 """The robot that publishes everything where one decides for all."""
 UNIFORM = "uniform-"
 """So the names of the workloads of section 8 begin; one of its scenarios follows."""
+ALLOWANCE = 0.02
+"""Part of the limit that all a team tells each other may use, if that is more than `LEAST_ALLOWANCE` for each robot."""
 RED_LASTS, RED_PAUSES, RED_AMOUNT = (3.0, 6.0), (2.0, 8.0), (0.2, 0.6)
 """An event [s], the time to the next one [s], and the part of the image that is red then; all uniformly drawn."""
 
@@ -43,6 +46,11 @@ class Mission:
     window: float
     small: frozenset[int] = frozenset()
     alarms: frozenset[int] = frozenset()
+
+    @property
+    def allowed(self) -> float:
+        """What the whole team may tell each other, all copies and framing counted [B/s]."""
+        return max(ALLOWANCE * self.limit / self.window, LEAST_ALLOWANCE * len(self.interests))
 
     @property
     def robots(self) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from planner import Problem, Traffic
 from planner.definition import utility
-from studies.oracle import OracleFailed, optimum, upper_bound
+from studies.oracle import OracleFailed, Solution, optimum, upper_bound
 
 LOOK, STEP = 5.0, 2.0
 """How far a piece looks, and how much of it is kept [s]."""
@@ -22,8 +22,8 @@ LOOK, STEP = 5.0, 2.0
 class Plan:
     """`sends` by index, the `bytes` of those that are generated at `since` or later, and their number.
 
-    No plan is worth more than `bound` [utility·s]: that is the linear programme's, which may send fractions. `gap` is
-    what the plan lacks of it, as a part. It took `seconds`, of which the bound `bounding`.
+    No plan with its certain messages is worth more than `bound` [utility·s]: that is the linear programme's, which may
+    send fractions. `gap` is what the plan lacks of it, as a part. It took `seconds`, of which the bound `bounding`.
     """
 
     sends: tuple[int, ...]
@@ -48,17 +48,39 @@ def best_plan(problem: Problem, *, certain: Collection[int] = (), since: float =
     begin = perf_counter()
     sends = _Pieces(problem, frozenset(certain), time_limit).plan()
     planned = perf_counter()
-    bound = upper_bound(problem).bound
+    highest = bound(problem, certain).bound
     end = perf_counter()
     messages = problem.messages
     return Plan(
         sends,
         utility(problem, sends),
         sum(messages[i].use[0] for i in sends if messages[i].t_gen >= since),
-        bound,
+        highest,
         end - begin,
         end - planned,
     )
+
+
+def bound(problem: Problem, certain: Collection[int] = (), every: float = 0.0) -> Solution:
+    """Solve the linear programme of a mission in which the `certain` messages, all of some streams, are sent.
+
+    It is the bound of the mission itself as long as that would send them, too: as small ones among large ones it does.
+    Of windows that end less than `every` [s] apart it looks at one. Raises what `upper_bound` raises.
+    """
+    if not certain:
+        return upper_bound(problem, every)
+    messages, chosen = problem.messages, frozenset(certain)
+    opened = [i for i in range(len(messages)) if i not in chosen]
+    rest = replace(
+        problem,
+        messages=tuple(messages[i] for i in opened),
+        traffic=tuple(Traffic(messages[i].t_sent, messages[i].use) for i in sorted(chosen)),
+    )
+    found = upper_bound(rest, every)
+    sends = np.ones(len(messages))
+    sends[opened] = found.sends
+    given = utility(problem, chosen)
+    return Solution(found.utility + given, sends, exact=found.exact, bound=found.bound + given)
 
 
 class _Pieces:

@@ -1,19 +1,23 @@
-"""What the comparison prints: a line for each flight, and a table."""
+"""What the comparison prints: a line for each flight, and tables."""
 
-from collections.abc import Iterable, Sequence
-from statistics import fmean
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from statistics import fmean, stdev
 
+from studies.benchmarks.report import Table
 from studies.simulation.traffic.comparison import Result
 from studies.simulation.traffic.scores import Score
 
 Key = tuple[str, int, float, int]
+T_95 = {2: 12.71, 3: 4.30, 4: 3.18, 5: 2.78, 6: 2.57, 8: 2.36, 10: 2.26}
+"""Student's t by the number of seeds, for intervals of 95 %."""
 
 
 class Marks:
     """Utilities to compare with, as far as they are known: of central deciders by cell, of bounds whatever the loss."""
 
     def __init__(self, results: Iterable[Result] = ()) -> None:
-        self._central: dict[object, float] = {}
+        self._central: dict[object, Result] = {}
         self._bound: dict[Key, float] = {}
         for result in results:
             self.add(result)
@@ -21,14 +25,19 @@ class Marks:
     def add(self, result: Result) -> None:
         """Remember the result if others are compared with it."""
         if result.task.contender == "central":
-            self._central[result.task.cell] = result.utility
+            self._central[result.task.cell] = result
         if result.task.contender == "bound":
             self._bound[_key(result)] = result.utility
 
     def shares(self, result: Result) -> tuple[float | None, float | None]:
         """Return the utility as a part of the central decider's and of the bound."""
         central, bound = self._central.get(result.task.cell), self._bound.get(_key(result))
-        return (result.utility / central if central else None, result.utility / bound if bound else None)
+        return _ratio(result.utility, central.utility if central else None), _ratio(result.utility, bound)
+
+    def large(self, result: Result) -> float | None:
+        """Return the utility of what is not small as a part of the central decider's."""
+        central = self._central.get(result.task.cell)
+        return _ratio(result.score.large, central.score.large) if central and central.score and result.score else None
 
 
 def line(result: Result, marks: Marks) -> str:
@@ -38,7 +47,7 @@ def line(result: Result, marks: Marks) -> str:
     if result.score is None:
         figures.append(f"sent {result.sent / 1000:.0f} kB")
     else:
-        figures += _figures(result.score)
+        figures += _figures(result.score, marks.large(result))
     milliseconds = 1000 * result.cpu / max(result.samples, 1)
     figures.append(f"{result.cpu:.1f} s CPU, {milliseconds:.2f} ms a sample")
     return " | ".join(figures + [result.note] * bool(result.note))
@@ -49,74 +58,113 @@ def _utility(result: Result, marks: Marks) -> list[str]:
     return [f"of central {_percent(central)}, of bound {_percent(bound)} ({result.utility:.1f})"]
 
 
-def _figures(score: Score) -> list[str]:
+def _figures(score: Score, large: float | None) -> list[str]:
     figures = [
         f"fill {_percent(score.fill)} ({score.sent / 1000:.0f} kB)",
         f"over {_percent(score.over)}, worst {score.worst:.2f}",
-        f"told {score.told:.0f} B/s (digests {score.digests:.0f})",
+        f"told {score.told:.0f} of {score.allowed:.0f} B/s (digests {score.digests:.0f})",
         f"silent {max(score.silence.values(), default=0.0):.1f} s",
     ]
     if score.has_small:
-        figures.append(
-            f"small arrived {_percent(score.arrived)}, sent {_percent(score.kept)}, "
-            f"age {1000 * score.age[0]:.0f} / {1000 * score.age[1]:.0f} ms"
-        )
+        figures += [
+            f"large {_percent(large)} of central",
+            f"small arrived {_percent(score.arrived)}, sent {_percent(score.kept)}",
+            f"age {1000 * score.age[0]:.0f} / {1000 * score.age[1]:.0f} ms",
+        ]
     if score.alarms:
         figures.append(f"alarms {score.alarms_sent}/{score.alarms}")
     return figures
 
 
-HEAD = (
-    "workload, latency, loss",
-    "contender",
-    "of central",
-    "of bound",
-    "fill",
-    "windows over",
-    "fullest",
-    "small arrived (sent)",
-    "age p50 / p95",
-    "alarms",
-    "told",
-    "longest silence",
-    "time a sample",
+def tables(results: Sequence[Result]) -> list[Table]:
+    """Return three tables for each workload, a row for each latency and loss, a column for each contender."""
+    marks, groups = Marks(results), dict[str, list[Result]]()
+    for result in results:
+        groups.setdefault(f"{result.task.cell.workload}, {result.task.cell.robots} robots", []).append(result)
+    found = []
+    for name, group in groups.items():
+        found += [
+            _table(f"{name}: utility and windows", group, partial(_worth, marks), UTILITY),
+            _table(f"{name}: use, words, silence, time", group, _use, USE),
+        ]
+        if any(result.score and result.score.has_small for result in group):
+            found.append(_table(f"{name}: large and small samples, alarms", group, partial(_small, marks), SMALL))
+    return found
+
+
+UTILITY = (
+    "Of the central decider (of the bound), %, with half the width of its 95 % interval where there are several seeds "
+    "/ samples whose window exceeds the limit, %, and the fullest window, in limits."
+)
+USE = (
+    "Bytes sent of what limit or offer allow, %, or in kB for bounds and plans / what the team tells of what "
+    "it may, % / longest silence of a robot, s / processor time a sample, ms."
+)
+SMALL = (
+    "Utility of what is not small, of the central decider's, % / small samples that arrived (were sent), % / their "
+    "age, median and 95th percentile, ms / alarms sent."
 )
 
 
-def table(results: Sequence[Result]) -> str:
-    """Return a Markdown table, a row for each contender under the same conditions, means over seeds."""
-    marks = Marks(results)
-    rows: dict[tuple[str, str], list[Result]] = {}
+def _table(title: str, results: Sequence[Result], cell: Callable[[Sequence[Result]], str], note: str) -> Table:
+    rows: dict[str, dict[str, list[Result]]] = {}
+    contenders = dict.fromkeys(result.task.contender for result in results)
     for result in results:
-        rows.setdefault((result.task.cell.label, result.task.contender), []).append(result)
-    lines = [HEAD, ("---", "---", *["--:"] * (len(HEAD) - 2))]
-    lines += [(*who, *_row(own, marks)) for who, own in rows.items()]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
+        label = result.task.cell.label.partition(" ")[2]
+        rows.setdefault(label, {}).setdefault(result.task.contender, []).append(result)
+    cells = ((label, *(cell(row[name]) if name in row else "" for name in contenders)) for label, row in rows.items())
+    return Table(title, ("latency, loss", *contenders), tuple(cells), note)
 
 
-def _row(results: Sequence[Result], marks: Marks) -> list[str]:
+def _worth(marks: Marks, results: Sequence[Result]) -> str:
     shares = [marks.shares(result) for result in results]
-    central = [share for share, _ in shares if share is not None]
-    bound = [share for _, share in shares if share is not None]
-    cost = fmean(1000 * result.cpu / max(result.samples, 1) for result in results)
-    scores = [result.score for result in results if result.score is not None]
-    cells = [_percent(fmean(each) if each else None) for each in (central, bound)]
+    central, bound = ([100 * share for share in each if share is not None] for each in zip(*shares, strict=True))
+    text = f"{_mean(central)}{_interval(central)} ({_mean(bound)})"
+    scores = _scores(results)
     if not scores:
-        sent = fmean(result.sent for result in results)
-        return [*cells, f"{sent / 1000:.0f} kB", *["–"] * 7, f"{cost:.2f} ms"]
-    small, alarms = scores[0].has_small, sum(score.alarms for score in scores)
-    return [
-        *cells,
-        _percent(fmean(score.fill for score in scores)),
-        _percent(fmean(score.over for score in scores)),
-        f"{max(score.worst for score in scores):.2f}",
-        f"{_percent(fmean(s.arrived for s in scores))} ({_percent(fmean(s.kept for s in scores))})" if small else "–",
-        " / ".join(f"{1000 * fmean(s.age[i] for s in scores):.0f}" for i in (0, 1)) + " ms" if small else "–",
-        f"{sum(score.alarms_sent for score in scores)}/{alarms}" if alarms else "–",
-        f"{fmean(score.told for score in scores):.0f} B/s",
-        f"{max(max(score.silence.values()) for score in scores):.1f} s",
-        f"{cost:.2f} ms",
-    ]
+        return text
+    return f"{text} / {100 * fmean(s.over for s in scores):.1f}, {max(s.worst for s in scores):.2f}"
+
+
+def _use(results: Sequence[Result]) -> str:
+    cost = fmean(1000 * result.cpu / max(result.samples, 1) for result in results)
+    scores = _scores(results)
+    if not scores:
+        return f"{fmean(result.sent for result in results) / 1000:.0f} kB"
+    silence = max(max(score.silence.values(), default=0.0) for score in scores)
+    fill, told = (fmean(each) for each in zip(*((100 * s.fill, 100 * s.told / s.allowed) for s in scores), strict=True))
+    return f"{fill:.1f} / {told:.0f} / {silence:.1f} / {cost:.2f}"
+
+
+def _small(marks: Marks, results: Sequence[Result]) -> str:
+    scores = _scores(results)
+    if not scores:
+        return ""
+    large = [100 * share for share in map(marks.large, results) if share is not None]
+    arrived, kept = (100 * fmean(each) for each in zip(*((s.arrived, s.kept) for s in scores), strict=True))
+    median, late = (1000 * fmean(score.age[i] for score in scores) for i in (0, 1))
+    alarms = f"{sum(s.alarms_sent for s in scores)} of {sum(s.alarms for s in scores)}"
+    return f"{_mean(large)} / {arrived:.1f} ({kept:.1f}) / {median:.0f}, {late:.0f} / {alarms}"
+
+
+def _scores(results: Sequence[Result]) -> list[Score]:
+    return [result.score for result in results if result.score is not None]
+
+
+def _mean(values: Sequence[float]) -> str:
+    return f"{fmean(values):.1f}" if values else "–"
+
+
+def _interval(values: Sequence[float]) -> str:
+    """Return half the width of the 95 % interval of the mean (Student's t)."""
+    if len(values) < min(T_95):
+        return ""
+    factor = T_95.get(len(values), 2.0)
+    return f" ± {factor * stdev(values) / len(values) ** 0.5:.1f}"
+
+
+def _ratio(utility: float, of: float | None) -> float | None:
+    return utility / of if of else None
 
 
 def _percent(part: float | None) -> str:

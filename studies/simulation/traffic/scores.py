@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from planner import Aggregation, Message, Problem
-from planner.utility import Floats
+from planner.utility import Flags, Floats
 from studies.simulation.missions import OPERATOR
 from studies.simulation.records import Delivery, OnAir
 from studies.simulation.traffic.missions import WARM_UP, Mission
@@ -31,15 +31,17 @@ class Flight(Protocol):
 class Score:
     """What was reached after the warm-up.
 
-    `utility` is that of the operator [utility·s]; `sent` are bytes of samples, `offered` those that were generated,
-    copies included, and `room` what the limit has for samples if nobody tells anything. `over` is the part of all
-    samples whose window exceeds the limit when they are sent, `worst` the fullest window of all, in limits. `told` is
-    what robots tell each other and `digests` the part of it in digests [B/s]. Of small samples `arrived` is the part
-    that came to a receiver, `kept` that which was sent, `age` the age then (median, 95th percentile) [s]. Of alarms:
-    those generated, and sent. `silence` is by robot the longest time without a sample [s].
+    `utility` is that of the operator [utility·s], `large` that of what is not small. `sent` are bytes of samples,
+    `offered` those that were generated, copies included, and `room` what the limit has for samples if nobody tells
+    anything. `over` is the part of all samples whose window exceeds the limit when they are sent, `worst` the fullest
+    window of all, in limits. `told` is what robots tell each other, `digests` the part of it in digests, `allowed` what
+    it may be [B/s]. Of small samples `arrived` is the part that came to a receiver, `kept` that which was sent, `age`
+    the age then (median, 95th percentile) [s]. Of alarms: those generated, and sent. `silence` is by robot the longest
+    time without a sample [s].
     """
 
     utility: float
+    large: float
     sent: float
     offered: float
     room: float
@@ -47,6 +49,7 @@ class Score:
     worst: float
     told: float
     digests: float
+    allowed: float
     arrived: float
     kept: float
     age: tuple[float, float]
@@ -72,8 +75,10 @@ def score(mission: Mission, flight: Flight, loss: float) -> Score:
     copies = sum(size for _, _, size in sends) / max(sum(mission.frames[i].size for _, i, _ in sends), 1)
     arrived, ages = _small(mission, flight, due, number)
     over, worst = _windows(mission, flight.on_air)
+    utility, large = _reached(mission, flight, number, loss)
     return Score(
-        utility=_reached(mission, flight, number, loss),
+        utility=utility,
+        large=large,
         sent=float(sum(size for t, _, size in sends if t >= WARM_UP)),
         offered=copies * sum(mission.frames[i].size for i in due),
         room=mission.carried * seconds / mission.window,
@@ -81,6 +86,7 @@ def score(mission: Mission, flight: Flight, loss: float) -> Score:
         worst=worst,
         told=sum(air.size for air in told) / seconds,
         digests=sum(air.size for air in told if air.digest) / seconds,
+        allowed=mission.allowed,
         arrived=arrived,
         kept=_part(len(due & mission.small & sent), len(due & mission.small)),
         age=ages,
@@ -124,8 +130,8 @@ def _by_utility(received: Sequence[Message], begins: Floats, ends: Floats) -> li
     return [(utility, scales[at], (begins - born)[at], (ends - born)[at]) for utility, at in places.items()]
 
 
-def _reached(mission: Mission, flight: Flight, number: dict[int, int], loss: float) -> float:
-    """Return what the operator gets of all that was sent, by the mean over draws of what is lost.
+def _reached(mission: Mission, flight: Flight, number: dict[int, int], loss: float) -> tuple[float, float]:
+    """Return what the operator gets of all that was sent, and of what is not small, by the mean over draws of loss.
 
     Whether a sample is lost does not depend on who sends when: else two flights would differ by their luck with alarms.
     """
@@ -133,7 +139,10 @@ def _reached(mission: Mission, flight: Flight, number: dict[int, int], loss: flo
     delay = median([d.t_rcv - d.t_sent for d in sent.values() if d.t_rcv is not None] or [0.0])
     times = {i: d.t_sent + delay if d.t_rcv is None else d.t_rcv for i, d in sent.items()}
     draws = np.random.default_rng(DRAWS).random((DRAWS if loss else 1, len(mission.frames)))
-    return fmean(worth(mission, {i: t for i, t in times.items() if fate[i] >= loss}) for fate in draws)
+    arrived = [{i: t for i, t in times.items() if fate[i] >= loss} for fate in draws]
+    large = [{i: t for i, t in each.items() if i not in mission.small} for each in arrived]
+    whole, part = (fmean(worth(mission, each) for each in given) for given in (arrived, large))
+    return whole, part
 
 
 def _wanting(mission: Mission, sender: str) -> int:
@@ -157,18 +166,27 @@ def _part(some: int, of: int) -> float:
     return some / of if of else 1.0
 
 
-def _windows(mission: Mission, sent: Sequence[OnAir]) -> tuple[float, float]:
-    """Return the part of samples whose closed window exceeds the limit, and the fullest window of all sends."""
+def held(mission: Mission, sent: Sequence[OnAir]) -> tuple[Floats, Floats]:
+    """Return when each sample was sent [s], and what the closed window that ends then holds of all sends [B]."""
+    times, held, sample = _held(mission, sent)
+    return times[sample], held[sample]
+
+
+def _held(mission: Mission, sent: Sequence[OnAir]) -> tuple[Floats, Floats, Flags]:
+    """Return of everything that was sent the time, what the window holds that ends then, and whether it is a sample."""
     ordered = sorted(sent, key=lambda air: air.t)
     times = np.array([air.t for air in ordered], dtype=np.float64)
     sums = np.concatenate(([0.0], np.cumsum([float(air.size) for air in ordered])))
     held = sums[np.searchsorted(times, times, "right")] - sums[np.searchsorted(times, times - mission.window, "left")]
+    return times, held, np.array([air.frame is not None for air in ordered], dtype=np.bool_)
+
+
+def _windows(mission: Mission, sent: Sequence[OnAir]) -> tuple[float, float]:
+    """Return the part of samples whose closed window exceeds the limit, and the fullest window of all sends."""
+    times, held, sample = _held(mission, sent)
     scored = times >= WARM_UP
-    samples = scored & np.array([air.frame is not None for air in ordered], dtype=np.bool_)
-    over = held > mission.limit * (1 + EXACT)
-    return _part(int((over & samples).sum()), int(samples.sum())) if samples.any() else 0.0, float(
-        held[scored].max(initial=0.0) / mission.limit
-    )
+    over = held[scored & sample] > mission.limit * (1 + EXACT)
+    return float(over.mean()) if len(over) else 0.0, float(held[scored].max(initial=0.0) / mission.limit)
 
 
 def _silence(mission: Mission, sends: Sequence[tuple[float, int, int]]) -> dict[str, float]:

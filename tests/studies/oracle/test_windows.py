@@ -48,3 +48,10 @@ def test_an_oversized_message_near_anything_fixed_is_banned():
     assert before.banned.tolist() == [False, False, True]
     after = build_rows(replace(problem, traffic=(Traffic(2.0, (3.0,)),)))
     assert after.banned.tolist() == [False, True, True]
+
+
+def test_windows_that_end_soon_after_another_may_be_left_out():
+    """What is left are rows of the whole, so nothing is forbidden that was allowed."""
+    problem = one_stream([0.0, 0.1, 0.2, 0.3, 0.4, 0.5], window=0.15, limit=1.0)
+    assert as_lists(build_rows(problem)) == [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]]
+    assert as_lists(build_rows(problem, every=0.19)) == [[1, 2], [3, 4]]

@@ -1,0 +1,37 @@
+"""Teams and central deciders in real traffic."""
+
+import pytest
+
+from studies.simulation.traffic.flights import How, crew, fly, fly_alone
+from studies.simulation.traffic.missions import ALONE, WARM_UP, draw
+from studies.simulation.traffic.scores import score
+
+
+def test_one_decider_keeps_the_limit_at_any_latency():
+    """It sends for all streams, and waits for nobody."""
+    for latency in (0.02, 1.0):
+        mission = draw("random", 3, 0, WARM_UP + 3.0, latency=latency)
+        by_one, flight = fly_alone(mission, How(latency=latency, loss=0.0), 0)
+        found = score(by_one, flight, 0.0)
+        assert {air.robot for air in flight.on_air if air.frame is not None} == {ALONE}
+        assert found.over == 0.0
+        assert found.fill > 0.5
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("transport", ["unicast", "broadcast"])
+def test_a_team_flies_real_traffic(transport):
+    """Its samples are counted by robot, and everybody hears them who wants them."""
+    how = How("overhear" if transport == "broadcast" else "shares", transport, loss=0.0)
+    mission = draw("random", 3, 0, WARM_UP + 3.0, latency=0.02, everybody=how.broadcasts)
+    flight = fly(mission, how, 0)
+    assert {air.robot for air in flight.on_air if air.frame is not None} == {"r0", "r1", "r2"}
+    assert len({delivery.receiver for delivery in flight.deliveries}) == (4 if how.broadcasts else 1)
+
+
+def test_further_settings_are_the_cores():
+    """By their names; one that the core does not have is refused."""
+    mission = draw("random", 2, 0, 2.0, latency=0.02)
+    assert crew(mission, How(settings=(("horizon", 90),)), 0).settings.horizon == 90
+    with pytest.raises(TypeError):
+        crew(mission, How(settings=(("none", 1),)), 0)

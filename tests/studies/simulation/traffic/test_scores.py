@@ -1,0 +1,132 @@
+"""What flights of real traffic reached: of hand-made ones, with answers that are known."""
+
+from dataclasses import dataclass, field
+
+import pytest
+
+from planner.definition import utility
+from studies.simulation.missions import OPERATOR
+from studies.simulation.records import Delivery, OnAir
+from studies.simulation.scores import scored
+from studies.simulation.traffic.missions import WARM_UP, draw
+from studies.simulation.traffic.scores import score, worth
+
+LATENCY = 0.02
+
+
+@dataclass
+class Flight:
+    """Frames that are sent when they are generated, and what else is on the air."""
+
+    deliveries: list[Delivery] = field(default_factory=list)
+    on_air: list[OnAir] = field(default_factory=list)
+
+    def send(self, mission, index, *, late=0.0, lost=False, copies=1):
+        frame = mission.frames[index]
+        t_sent = frame.t_gen + late
+        self.deliveries.append(Delivery(frame, t_sent, None if lost else t_sent + LATENCY, OPERATOR))
+        self.on_air.append(OnAir(t_sent, frame.robot, copies * frame.size, frame))
+
+
+@pytest.fixture(scope="module")
+def mission():
+    """Two robots for a few seconds."""
+    return draw("mixed", 2, 0, WARM_UP + 3.0, latency=LATENCY)
+
+
+def flown(mission, indices, **how):
+    flight = Flight()
+    for index in indices:
+        flight.send(mission, index, **how)
+    return flight
+
+
+def due(mission, *kinds):
+    frames = enumerate(mission.frames)
+    return [i for i, f in frames if f.t_gen >= WARM_UP and (not kinds or f.key.split("/")[1] in kinds)]
+
+
+def test_utility_is_the_planners(mission):
+    """From the end of the warm-up on, of most recent samples and of sums."""
+    every = range(0, len(mission.frames), 3)
+    expected = utility(scored(mission.problem, WARM_UP), every)
+    assert score(mission, flown(mission, every), 0.0).utility == pytest.approx(expected)
+    assert expected > 0.0
+    images = [i for i in every if i not in mission.small]
+    assert score(mission, flown(mission, every), 0.0).large == pytest.approx(worth(mission, dict.fromkeys(images, 0.0)))
+    assert worth(mission, {}) == 0.0
+    assert score(mission, Flight(), 0.0).utility == 0.0
+
+
+def test_what_is_lost_is_drawn_alike_for_all(mission):
+    """Two flights that send the same are worth the same, whatever was lost on their ways."""
+    every = range(len(mission.frames))
+    arrived, lost = (score(mission, flown(mission, every, lost=lost), 0.2).utility for lost in (False, True))
+    half = flown(mission, every)
+    half.deliveries[::2] = [Delivery(d.frame, d.t_sent, None, d.receiver) for d in half.deliveries[::2]]
+    assert score(mission, half, 0.2).utility == pytest.approx(arrived, rel=1e-6)
+    assert 0.0 < arrived < score(mission, flown(mission, every), 0.0).utility
+    assert lost > 0.0
+
+
+def test_small_samples_are_counted_and_aged(mission):
+    """Sent, arrived, and how old they were then; images are not among them."""
+    small = sorted(set(due(mission)) & mission.small)
+    flight = flown(mission, small[::2], late=0.1)
+    for index in small[1::4]:
+        flight.send(mission, index, lost=True)
+    for index in due(mission, "camera"):
+        flight.send(mission, index, late=1.0)
+    found = score(mission, flight, 0.0)
+    assert found.kept == pytest.approx(0.75, abs=0.01)
+    assert found.arrived == pytest.approx(0.5, abs=0.01)
+    assert found.age == pytest.approx((0.12, 0.12))
+    assert found.has_small
+
+
+def test_alarms_are_counted():
+    """Those that were generated after the warm-up, and those that were sent."""
+    mission = draw("mixed", 8, 0, WARM_UP + 10.0, latency=LATENCY)
+    alarms = sorted(set(due(mission)) & mission.alarms)
+    found = score(mission, flown(mission, alarms[1:]), 0.0)
+    assert (found.alarms, found.alarms_sent) == (len(alarms), len(alarms) - 1)
+
+
+def test_windows_hold_copies_and_what_robots_tell_each_other(mission):
+    """A sample is over when the closed window that ends with it holds more than the limit."""
+    first = due(mission, "camera")[0]
+    sizes = [mission.frames[first].size] * 2
+    flight = flown(mission, [first], copies=2)
+    assert score(mission, flight, 0.0).worst == pytest.approx(sum(sizes) / mission.limit)
+    frame, t = mission.frames[first], mission.frames[first].t_gen
+    told = OnAir(t, "r1", 20_000, digest=True)
+    flight.on_air = [told, *flight.on_air]
+    found = score(mission, flight, 0.0)
+    assert (found.over, found.worst) == (1.0, pytest.approx((sum(sizes) + 20_000) / mission.limit))
+    assert found.told == found.digests == pytest.approx(20_000 / 3.0)
+    assert found.sent == sum(sizes)
+    assert found.allowed == 2500.0
+    flight.on_air[0] = OnAir(t - mission.window - 0.001, "r1", 20_000)
+    assert score(mission, flight, 0.0).over == 0.0
+    flight.on_air.append(OnAir(t + mission.window, "r0", frame.size, frame))
+    assert score(mission, flight, 0.0).over == 0.5
+    assert score(mission, flight, 0.0).digests == 0.0
+
+
+def test_fill_is_what_was_sent_of_what_could_be(mission):
+    """The limit's room, or the offer where that is less."""
+    found = score(mission, flown(mission, due(mission)), 0.0)
+    assert found.fill == pytest.approx(found.offered / found.room)
+    assert found.offered > found.room
+    few = draw("crowd", 1, 0, WARM_UP + 3.0, latency=LATENCY)
+    assert score(few, flown(few, due(few)), 0.0).fill == pytest.approx(1.0)
+
+
+def test_the_longest_silence_of_each_robot(mission):
+    """Between two samples, from the warm-up on, and to the end."""
+    first, last = (due(mission, "camera")[place] for place in (0, -1))
+    robot = mission.frames[first].robot
+    flight = flown(mission, [i for i in (first, last) if mission.frames[i].robot == robot])
+    silence = score(mission, flight, 0.0).silence
+    assert silence[robot] == pytest.approx(max(2.9, 0.0), abs=0.25)
+    assert [silence[other] for other in mission.robots if other != robot] == [3.0]
