@@ -28,7 +28,7 @@ from studies.simulation.traffic.comparison import (
 )
 from studies.simulation.traffic.report import Marks, line, tables
 
-TEAMS = ("shares/unicast", "overhear/broadcast")
+TEAMS = ("announce/unicast", "announce/broadcast")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
