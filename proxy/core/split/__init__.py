@@ -35,10 +35,11 @@ Only robots that take part the same way may be members: the same protocol, limit
 the same hash: parts would stay as they are, and never grow.
 """
 
+from proxy.core.split.agreement import NEWCOMERS
 from proxy.core.split.allocation import Allocation, Slot, allocate
 from proxy.core.split.bid import UNIT, Bid, Segment, packed, unpacked
 from proxy.core.split.demand import Demand, bid_for
-from proxy.core.split.split import NEWCOMERS, Split, Told
+from proxy.core.split.split import Split, Told
 
 __all__ = [
     "NEWCOMERS",

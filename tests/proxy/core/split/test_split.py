@@ -132,14 +132,15 @@ def test_a_newcomer_has_an_equal_part_left_at_once_and_takes_it_when_all_know_it
     assert set(parts(flight).values()) == {2450}
 
 
-def test_robots_whose_digests_never_arrive_leave_the_others_what_they_have():
-    """One that nobody hears has an equal part left for it, and the rest is used."""
+def test_a_robot_whose_digests_never_arrive_has_an_equal_part():
+    """All others leave that to it, and it uses it once all have seen it."""
     flight = fleet(3)
     flight.mute.add("n")
     flight.join("n")
-    settle(flight, 4.0)
-    assert [parts(flight)[name] for name in ("r0", "r1", "r2")] == [2450] * 3
-    assert flight.splits["n"].part(flight.clock("n")) == FLOOR / NEWCOMERS
+    settle(flight, 0.9)
+    assert parts(flight)["n"] == UNIT * FLOOR / NEWCOMERS
+    settle(flight, 3.0)
+    assert set(parts(flight).values()) == {2450}
 
 
 def test_one_that_never_agrees_keeps_parts_as_they_were():
