@@ -26,7 +26,8 @@ from studies.simulation.traffic.comparison import (
     how_of,
     tasks,
 )
-from studies.simulation.traffic.report import Marks, line, tables
+from studies.simulation.traffic.marks import Marks
+from studies.simulation.traffic.report import line, tables
 
 TEAMS = ("announce/unicast", "announce/broadcast")
 
