@@ -112,7 +112,7 @@ class Agreement:
             self._folded = min(self._folded, self.standings.pop(1).part)
 
     def _counts(self, now: float, standing: Standing) -> bool:
-        """Whether a table is agreed on: by a newcomer, with everybody's bid, or a part for everybody once all see it."""
+        """Whether a table is agreed on: by a newcomer, with all bids, or a part for everybody once all see it."""
         settled = now >= self._settled_at and self.members <= standing.table.keys()
         first = settled or (standing.complete and bool(standing.bidders))
         return standing.agreed and (first or not self.newcomer)
