@@ -84,8 +84,8 @@ class Agreement:
             return
         self._known_by &= self.members
         self._last = {tag: names for tag, names in self._last.items() if tag in self.members}
-        if not self.newcomer:
-            self._reserve_for(self.members - before)
+        if self.members - before:
+            self._reserve()
         if before - self.members:
             self.ask(now, self.bid[1])
         self._form(now)
@@ -112,8 +112,9 @@ class Agreement:
             self._folded = min(self._folded, self.standings.pop(1).part)
 
     def _counts(self, now: float, standing: Standing) -> bool:
-        """Whether a table is agreed on: by a newcomer, with everybody's bid, or once all have seen it."""
-        first = now >= self._settled_at or (standing.complete and bool(standing.bidders))
+        """Whether a table is agreed on: by a newcomer, with all bids, or a part for everybody once all see it."""
+        settled = now >= self._settled_at and self.members <= standing.table.keys()
+        first = settled or (standing.complete and bool(standing.bidders))
         return standing.agreed and (first or not self.newcomer)
 
     def _agree(self, now: float, index: int) -> None:
@@ -134,10 +135,10 @@ class Agreement:
             self.standings.append(newest)
             self._formed = now
 
-    def _reserve_for(self, gained: set[str]) -> None:
+    def _reserve(self) -> None:
         """Leave equal parts to those who came, whatever they bid, until all agree on a table with them."""
         agreed = self.standings[0].table
-        if unknown := gained - agreed.keys():
+        if unknown := self.members - agreed.keys():
             self.standings.append(self._standing(agreed | dict.fromkeys(unknown)))
 
     def _forget_some(self) -> None:

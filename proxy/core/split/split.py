@@ -11,9 +11,9 @@ from proxy.core.split.steady import Steady
 from proxy.core.split.turns import Turn
 
 PATIENCE = 2.0
-"""A bid changes no sooner after all agreed [s] ..."""
-PACE = 4.0
-"""... nor sooner than so many times what agreeing took."""
+"""A bid changes no sooner after it changed last [s]; sooner in the first seconds, when streams become known."""
+PACE = 2.0
+"""Nor does it sooner after all agreed than so many times what agreeing took: a third of the time is for that."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class Split:
         self._window, self._settled_at = max(windows), settled_at
         units = round(floor * UNIT)
         self._agreement = Agreement(own, now, floor=units, settled_at=settled_at, kind=kind, version=version)
-        self._asked, self._news = False, 0.0
+        self._started, self._asked, self._news = now, -math.inf, 0.0
         self._ledger = Ledger(windows)
         self._steady = Steady(now, self._agreement.entitled, self._window)
 
@@ -109,10 +109,9 @@ class Split:
     def bid(self, now: float, bid: Bid) -> bool:
         """Ask for this from now on, if it differs enough and it is time; return whether we do."""
         agreement = self._agreement
-        due = not agreement.pending and now >= agreement.since + max(PATIENCE, PACE * agreement.took)
-        if (self._asked and not due) or alike(agreement.bid[1], bid):
+        if alike(agreement.bid[1], bid) or not self._may_ask(now):
             return False
-        self._asked = True
+        self._asked = now
         agreement.ask(now, bid)
         self._settle(now)
         return True
@@ -153,6 +152,12 @@ class Split:
     @property
     def _held(self) -> list[Turn]:
         return [turn for turn in self._agreement.turns if turn.holder == self._agreement.own]
+
+    def _may_ask(self, now: float) -> bool:
+        """Whether our bid may change: at first, then once all have agreed on the last table, and some time later."""
+        agreement, patience = self._agreement, min(PATIENCE, (now - self._started) / 2)
+        soonest = max(self._asked + patience, agreement.since + PACE * agreement.took)
+        return self._asked == -math.inf or (not agreement.pending and now >= soonest)
 
     def _settle(self, now: float) -> None:
         self._agreement.settle(now)
