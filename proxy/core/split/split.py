@@ -74,7 +74,7 @@ class Split:
     @property
     def agreed(self) -> bool:
         """Whether we have agreed on any table."""
-        return not self._newcomer
+        return not self._agreement.newcomer
 
     @property
     def waits_for_turn(self) -> bool:
