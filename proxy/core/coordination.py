@@ -42,7 +42,7 @@ PACE = 0.25
 
 
 class Coordination:
-    """Which coordination is in force here, and our part of the shared limits. Shared limits come first, in all tuples."""
+    """Which coordination is in force here, and our part of the shared limits, which come first in all tuples."""
 
     def __init__(self, now: float, settings: CoreSettings, view: SharedView) -> None:
         self._settings = settings
@@ -132,8 +132,8 @@ class Coordination:
     def look(self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]) -> bool:
         """Look whether the team has to split, and what to ask for; return whether there is something to tell.
 
-        News of others are `waiting` so long on a channel that is full [s]; `announcing` tells what part of the allowance
-        announcements take.
+        News of others are `waiting` so long on a channel that is full [s]; `announcing` tells what part of the
+        allowance announcements take.
         """
         if now >= self._due:
             self._due = now + PACE

@@ -1,10 +1,10 @@
 """When to tell the others what, within the allowance of the team.
 
 The allowance is one bucket of bytes for all robots: each keeps its own picture of it, fills it at the whole rate, and
-takes out what it tells and what it hears others tell. So those who have most to announce announce most, if need be ahead
-of time. A part of it is for all else, and of that each robot has an equal part: ordinary news, and, paid for later,
-states, questions and answers. What is told goes in turn: of echoes and of news that may have been lost, each digest has
-a few.
+takes out what it tells and what it hears others tell. So those who have most to announce announce most, if need be
+ahead of time. A part of it is for all else, and of that each robot has an equal part: ordinary news, and, paid for
+later, states, questions and answers. What is told goes in turn: of echoes and of news that may have been lost, each
+digest has a few.
 """
 
 from collections.abc import Iterable
@@ -96,8 +96,8 @@ class DigestPacer:
     def due(self, now: float, *, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
-        It is as large as the last one, and we tell no more than an equal part. For what the others tell we wait a second or two
-        at most.
+        It is as large as the last one, and we tell no more than an equal part. For what the others tell we wait a
+        second or two at most.
         """
         cost = self._size * copies
         self._fill(now)

@@ -128,7 +128,7 @@ class Stream:
 
     @property
     def likely_size(self) -> int:
-        """The size that a sample to come is planned with [B]: somewhat less than the mean, for smaller ones are sent."""
+        """The size that a sample to come is planned with [B]: a bit less than the mean, for smaller ones are sent."""
         if self.size_variance == 0.0:
             return self.newest.size
         return round(max(self.mean_size - SMALLER * self.size_deviation, 0.5 * self.mean_size))

@@ -1,7 +1,7 @@
 """What this robot tells the others, and when: states, questions for theirs, digests; all within the team's allowance.
 
-What was sent is told at once where it takes much of a limit, and ahead of the allowance if need be: it leaves the others
-less. All other news wait until the allowance has room for them beside that.
+What was sent is told at once where it takes much of a limit, and ahead of the allowance if need be: it leaves the
+others less. All other news wait until the allowance has room for them beside that.
 """
 
 import math

@@ -3,6 +3,7 @@
 import pytest
 
 from proxy.core.core import Core
+from proxy.core.events import TimePassed
 from proxy.core.settings import CoreSettings
 from tests.proxy.core.talk import SPEC, Talk
 from utility_specs import load_specs
@@ -22,10 +23,16 @@ def make_specs(tmp_path):
 
 @pytest.fixture
 def make_talk(make_specs):
-    """A core of robot r1 to talk to; digests cost nothing unless a test says otherwise."""
+    """A core of robot r1 to talk to; digests cost nothing unless a test says otherwise.
+
+    It has been alone for ten seconds: where robots split a limit it has all of it.
+    """
 
     def make(specs=None, **settings):
         settings = {"coordination": "announce", "allowance": 0.0} | settings
-        return Talk(Core(CoreSettings("r1", "z-r1", **settings), specs or make_specs(), 0.0))
+        talk = Talk(Core(CoreSettings("r1", "z-r1", **settings), specs or make_specs(), -10.0))
+        for now in (-9.0, -5.0, 0.0) if settings["coordination"] == "split" else ():
+            talk.core.handle(TimePassed(now))
+        return talk
 
     return make

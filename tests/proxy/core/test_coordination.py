@@ -3,7 +3,7 @@
 import pytest
 
 from proxy.core import events as ev
-from proxy.core.coordination import AFFORDABLE, FEW, LATE, PACE, STILL, Coordination
+from proxy.core.coordination import AFFORDABLE, FEW, LASTING, LATE, PACE, STILL, Coordination
 from proxy.core.latency import Latency
 from proxy.core.limits import limits_of
 from proxy.core.settings import CoreSettings
@@ -73,7 +73,8 @@ def test_each_plans_for_all_while_news_are_early_and_announcements_affordable(ma
 def test_where_news_are_late_or_cost_too_much_a_robot_finds_that_the_team_has_to_split(make_team, enough, less, little):
     """And still when it is a little less, so that it does not change its mind all the time."""
     team = make_team()
-    assert team.look(**enough)
+    for _ in range(1 + round(LASTING / PACE)):
+        team.look(**enough)
     assert team.coordination.finds_due
     assert team.coordination.splits
     assert team.coordination.part(team.now, 0) < 1.0 / 3.0

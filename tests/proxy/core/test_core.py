@@ -432,7 +432,7 @@ def test_the_status_tells_units_and_whose_a_budget_is(make_talk, make_specs):
         ("airtime", "s", 2),
         ("energy", "J", 1),
     ]
-    assert [row["held"] for row in rows] == pytest.approx([row["limit"] / row["members"] for row in rows])
+    assert [row["held"] for row in rows] == pytest.approx([row["limit"] / row["members"] for row in rows], rel=0.02)
 
 
 @pytest.mark.parametrize("coordination", ["announce", "split"])
@@ -445,11 +445,12 @@ def test_an_answer_is_checked_against_the_constraints_in_force(make_talk, make_s
     reread = only(talk.tell(ev.SpecsChanged(0.2, make_specs(text=after or None))), Reread)
     assert reread == [Reread(sample, "robot/r1/camera")]
     assert only(talk.answer(0.3, only(commands)[0], send=True)) == []
-    (decided,) = only(talk.tell(ev.SampleReread(0.3, sample, {"red": 0.5})))
-    if talk.core.gate.limits:
-        decided = only(talk.answer(0.4, decided, send=True))[0]
+    talk.tell(ev.TimePassed(1.5))  # who splits other limits waits a window: others may have sent under them
+    (decided,) = only(talk.tell(ev.SampleReread(1.6, sample, {"red": 0.5})))
+    if isinstance(decided, Decide):
+        decided = only(talk.answer(1.7, decided, send=True))[0]
     assert decided == Forward(sample)
-    assert len(talk.core.status(0.4)["budget"]) == len(talk.core.gate.limits)
+    assert len(talk.core.status(1.7)["budget"]) == len(talk.core.gate.limits)
 
 
 def test_others_are_told_how_streams_generate(make_talk):
@@ -487,11 +488,10 @@ def test_the_status_tells_what_features_take_and_miss(make_talk, make_specs):
 ADAPTIVE = SPEC.replace('limit = "{limit}"', 'limit = "adaptive"\nceiling = "{limit}"')
 
 
-@pytest.mark.parametrize("coordination", ["announce", "split"])
-def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs, coordination):
+def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs):
     """It grows while digests come at once; the driver is told the pace, the others what is found."""
     specs = make_specs(text=ADAPTIVE.format(limit="800 kbit/s", window=1.0))
-    talk = make_talk(specs, coordination=coordination, allowance=0.05)
+    talk = make_talk(specs, allowance=0.05)
     talk.want(0.0)
     for i in range(400):
         now = 0.05 * i

@@ -113,8 +113,7 @@ def test_announcements_do_not_take_the_place_of_all_other_news(talk):
     """However much is sent, and whatever others tell: what only full digests tell goes out every few seconds."""
     for k in range(100):
         now = 5.2 + 0.2 * k
-        sample, commands = talk.publish(now, size=1500)
-        for decide in only(commands, Decide):
+        for decide in only(talk.publish(now, size=1500)[1], Decide):
             talk.answer(now, decide, send=True)
         talk.tell(ev.DigestHeard(now + 0.05, Digest("op", "zz-op", now, brief=True, state=0), 100))
         talk.tell(ev.DigestHeard(now + 0.06, Digest("op", "zz-op", now + 0.01, brief=True, state=0), 100))

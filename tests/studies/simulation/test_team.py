@@ -121,7 +121,7 @@ def test_digests_stay_within_their_allowance(specs):
 
 @pytest.mark.full
 def test_wrong_clocks_change_nothing(specs):
-    """Robots whose clocks are minutes apart send as much in all, though not the same frames: these are worth the same."""
+    """Robots whose clocks are minutes apart send as much in all, if not the same frames: these are worth the same."""
     right = team(specs).run(scene(), 14.0)
     wrong = team(specs, clocks={"r1": 600.0, "r2": -300.0, "op": 77.0}).run(scene(), 14.0)
     one, other = (Counter(d.frame.robot for d in deliveries) for deliveries in (right, wrong))
