@@ -97,9 +97,9 @@ class Budget:
             if not self._fits(now, k, amount, others)
         )
 
-    def opens(self, now: float, use: tuple[float, ...]) -> float:
-        """When the room opens that our own earlier sends leave for a message [s]; −∞ where there is room, else ∞."""
-        return opens(self.usable(now), self._sent, self.others(now), use)
+    def opens(self, now: float, use: tuple[float, ...], *, anybodys: bool = False) -> float:
+        """When the room opens that our earlier sends, or `anybodys`, leave for a message [s]; −∞ where it is there, else ∞."""
+        return opens(self.usable(now), self._sent, self.others(now), use, anybodys=anybodys)
 
     def use(self, now: float, use: tuple[float, ...]) -> None:
         """A message with this use is sent now."""

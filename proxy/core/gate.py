@@ -31,6 +31,8 @@ from proxy.core.window import WindowBuilder
 AT_ONCE = 128
 """So many samples are taken up at one event: what else happens has its turn before the rest of a burst."""
 CONSTRAINT = "dropped:constraint"
+DECIDED = 0.01
+"""What is decided elsewhere is on its way so much later than generated [s]."""
 MANY_GONE = 64
 """When so many samples left that waited for room they are forgotten."""
 
@@ -70,6 +72,8 @@ class Gate:
         self._deletions = Deletions()
         self.wakes_at = math.inf
         """When a sample that waits for room can be taken up [s]."""
+        self._yielded: dict[int, float] = {}
+        """Samples that gave way to others' already, and when [s]."""
         self._opening: dict[int, tuple[float, tuple[Limit, ...]]] = {}
         """When there is room for samples that wait for it [s], under which limits."""
         self._unsettled: dict[int, Waiting] = {}
@@ -212,6 +216,8 @@ class Gate:
             return self._decided_copy(now, pending, pending.copy, plan)
         use = self._use(now, pending.sample)
         lacking = self._budget.lacking(now, self._besides(now, use)) if plan.send else ()
+        if plan.send and not lacking and self._yields(now, pending.sample, use):
+            return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
         if reason != "forwarded":
@@ -453,6 +459,31 @@ class Gate:
         stream = self._own(now, sample)
         return use_of(sample.size, self._view.copies(stream) if stream is not None else 1, self.limits)
 
+    def _yields(self, now: float, sample: Waiting, use: tuple[float, ...]) -> bool:
+        """Whether a sample gives way until it is known what became of others' samples that may just have been sent.
+
+        It does once, to those that have a better claim, if the limits have no room for them beside it.
+        """
+        stream, news = self._own(now, sample), self._view.longest_way + DECIDED
+        if stream is None or self._budget.alone or sample.sample in self._yielded or not self._view.peers:
+            return False
+        claim, rivals = _claim(now, stream), [0.0] * len(use)
+        for each in self._view.competition.all(now):
+            if each.robot == stream.robot or (_claim(now, each), each.robot) < (claim, stream.robot):
+                continue
+            if self._windows.disputes.weighed(each).standing is Standing.CONTESTED and _just_due(now, each, news):
+                theirs = use_of(round(each.mean_size), self._view.copies(each), self.limits, own=False)
+                rivals = [before + more for before, more in zip(rivals, theirs, strict=True)]
+        if any(waiting.key == sample.key for waiting in self.inbox):
+            return False
+        if not any(rivals) or self._budget.fits(now, tuple([u + r for u, r in zip(use, rivals, strict=True)])):
+            return False
+        self._yielded[sample.sample] = now
+        self._yielded = {number: at for number, at in self._yielded.items() if at >= now - 1.0}
+        self._opening[sample.sample] = now + news, self.limits
+        self.inbox.put_back([sample])
+        return True
+
     def _waits(self, now: float, sample: Waiting) -> bool:
         """Whether a sample is not taken up yet: something goes before it, or room for it opens soon."""
         if self._deletions.holds(sample):
@@ -491,5 +522,17 @@ class Gate:
         needed = self._use(now, sample)
         if standing is Standing.CONTESTED:
             needed = disputes.besides(now, needed)
-        room = self._budget.opens(now, needed)
+        room = self._budget.opens(now, needed, anybodys=standing is Standing.UNDISPUTED)
         return room if room <= until else -math.inf
+
+
+def _claim(now: float, stream: Stream) -> float:
+    """What a byte of a stream is worth by how long nothing of it was sent: who has the best claim sends first."""
+    since = now - (stream.began if stream.sent is None else stream.sent.t_sent)
+    return stream.newest.scale * since / max(1.0, stream.mean_size)
+
+
+def _just_due(now: float, stream: Stream, news: float) -> bool:
+    """Whether a sample of another robot's stream was due so shortly ago that we could not have heard what became of it."""
+    due = stream.schedule.forecast(now - news, now + stream.schedule.jitter, 1, now)
+    return bool(due) and (stream.sent is None or stream.sent.t_gen < due[0] - 0.5 * stream.schedule.period)

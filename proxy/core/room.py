@@ -1,7 +1,8 @@
 """When there is room: sends leave the windows of the limits one after the other.
 
 Room that our own send leaves is ours to wait for. Room that another robot's send leaves is not: several would wait for
-it, and send at once when it opens (in a team of ten 13 % of the windows were exceeded).
+it, and send at once when it opens (in a team of ten 13 % of the windows were exceeded). Small samples that are not
+contested wait for that, too: there is room for all of them.
 """
 
 import math
@@ -15,12 +16,15 @@ CLOSED = 1e-6
 """Windows are closed: what was sent a whole window ago still counts for this moment [s]."""
 
 
-def opens(limits: Sequence[Constraint], own: Sends, others: Sends, needed: tuple[float, ...]) -> float:
+def opens(
+    limits: Sequence[Constraint], own: Sends, others: Sends, needed: tuple[float, ...], *, anybodys: bool = False
+) -> float:
     """Return when all limits have room for what is `needed`, if nothing else is sent [s]; −∞ where there is room now.
 
-    Never (∞) where it is more than a limit, or where the room opens that another robot's send leaves.
+    Never (∞) where it is more than a limit, or where the room opens that another robot's send leaves, unless `anybodys`
+    room will do.
     """
-    sends = sorted([*((t, True, use) for t, use in own), *((t, False, use) for t, use in others)], reverse=True)
+    sends = sorted([*((t, True, use) for t, use in own), *((t, anybodys, use) for t, use in others)], reverse=True)
     return max((_opens(c, k, sends, needed[k]) for k, c in enumerate(limits)), default=-math.inf)
 
 
