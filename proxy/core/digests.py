@@ -42,7 +42,7 @@ ECHO = 23
 """What an echo takes [B]..."""
 ECHOING = 0.25
 """... and the part of the allowance that echoes may take in the long run."""
-HEAD_START = 210.0
+HEAD_START = 600.0
 """What echoes may take ahead of that [B]: without any nobody knows how long the way is."""
 REFRESH = 10.0
 """What was told of a stream is told again after this time: it may have been lost [s]."""
