@@ -131,8 +131,8 @@ def test_a_frame_waits_for_the_room_that_our_own_frames_leave(talk):
         assert Forward(sample) in settle(talk, now, said, send=True)
     _, said = talk.publish(5.05, "robot/r1/camera", size=FRAME)
     assert not only(said)
-    assert 5.1 < talk.core.wake_at(5.05) < 5.11
-    assert only(talk.tell(ev.TimePassed(talk.core.wake_at(5.05))), Decide)
+    assert 5.1 < talk.core.gate.wakes_at < 5.11
+    assert only(talk.tell(ev.TimePassed(talk.core.gate.wakes_at)), Decide)
 
 
 def test_a_sample_of_which_each_counts_waits_for_room(talk):
