@@ -1,0 +1,182 @@
+"""Parts of a limit out of everybody's bids: a pure function that all robots compute alike."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import groupby
+
+from proxy.core.split.bid import QUARTERS, UNIT, Bid, Segment
+
+LEAST = 8
+"""Every robot gets what it asks for up to an equal part by this, before values count: so nobody is silent."""
+PIECES = 16
+"""A slot is shared in time by so many pieces: so many robots can ask for it alike."""
+MOST_UNEQUAL = 4
+"""A turn is at most so many times as long as another one of its slot, so that nobody waits for long."""
+
+WHOLE = UNIT // 2
+"""A message larger than the limit needs a slot of at least this, and gets what is left, too."""
+
+Table = Mapping[str, Bid | None]
+"""What each robot asks for, by tag; None: not known yet."""
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """Room for one message in every window, for several robots in turn."""
+
+    size: int
+    """[units]"""
+    ring: tuple[tuple[str, int], ...]
+    """Who comes after whom, and for how many windows in relation to the others."""
+
+
+@dataclass(frozen=True, slots=True)
+class Allocation:
+    """What each robot has for itself [units], and slots that they share."""
+
+    parts: Mapping[str, int]
+    slots: tuple[Slot, ...]
+
+    @property
+    def total(self) -> int:
+        """All of it together [units]."""
+        return sum(self.parts.values()) + sum(slot.size for slot in self.slots)
+
+
+def allocate(table: Table, members: int, floor: int, seed: int = 0) -> Allocation:
+    """Return what each robot of the `table` may use.
+
+    Units go to segments by falling value density, as an auction by marginal utility would sell them: where values
+    fall with amounts, this fills a limit best (water-filling). Segments of equal value share evenly. A message is
+    served whole: it gets pieces of a slot of its robot's, of a new one, or of one that others use, too. What nobody
+    asks for goes to all alike.
+
+    `members` counts those of whom an unknown one gets an equal part. `floor` [units] is given to nobody. `seed` says
+    who of a ring comes first. All numbers are whole, and ties break by tag, so all machines agree.
+    """
+    return _allocate(tuple(sorted(table.items())), members, floor, seed)
+
+
+@lru_cache(maxsize=256)
+def _allocate(table: tuple[tuple[str, Bid | None], ...], members: int, floor: int, seed: int) -> Allocation:
+    filling = _Filling(table, members, floor)
+    for _, segments in groupby(sorted(_by_value(table), key=_falling), key=lambda entry: -entry[1].level):
+        filling.serve(list(segments))
+    return filling.allocation(seed)
+
+
+def _by_value(table: tuple[tuple[str, Bid | None], ...]) -> Iterator[tuple[str, Segment]]:
+    return ((tag, segment) for tag, bid in table for segment in bid or ())
+
+
+def _falling(entry: tuple[str, Segment]) -> tuple[int, int, str]:
+    """By falling level; divisible ones first, as they fit in any case."""
+    tag, segment = entry
+    return -segment.level, segment.quarters, tag
+
+
+@dataclass(slots=True)
+class _Open:
+    """A slot that is being filled: pieces by robot."""
+
+    size: int
+    pieces: dict[str, int]
+    left: int = PIECES
+    whole: bool = False
+
+    def take(self, tag: str, amount: int) -> None:
+        self.whole |= amount == UNIT
+        self.pieces[tag] = self.pieces.get(tag, 0) + 1
+        self.left -= 1
+
+
+class _Filling:
+    """What is left, and who has what so far."""
+
+    def __init__(self, table: tuple[tuple[str, Bid | None], ...], members: int, floor: int) -> None:
+        equal = (UNIT - floor) // max(1, members)
+        self._parts = {tag: equal if bid is None else 0 for tag, bid in table}
+        self._known = [tag for tag, bid in table if bid is not None]
+        self._left = max(0, UNIT - floor - sum(self._parts.values()))
+        self._slots: list[_Open] = []
+        self._advance: dict[str, int] = {}
+        least = min(equal, self._left // max(1, len(self._known))) // LEAST
+        for tag, bid in table:
+            asked = sum(segment.amount for segment in bid or () if not segment.quarters)
+            self._advance[tag] = min(asked, least)
+            self._give(tag, self._advance[tag])
+
+    def _give(self, tag: str, amount: int) -> None:
+        self._parts[tag] += amount
+        self._left -= amount
+
+    def serve(self, segments: list[tuple[str, Segment]]) -> None:
+        """Serve segments of one level: divisible ones evenly, then messages, a piece each and again."""
+        wanted = {tag: 0 for tag, segment in segments if not segment.quarters}
+        for tag, segment in segments:
+            if not segment.quarters:
+                wanted[tag] += segment.amount
+        self._evenly({tag: self._beyond_advance(tag, amount) for tag, amount in wanted.items()})
+        messages = [(tag, segment) for tag, segment in segments if segment.quarters]
+        for piece in range(PIECES):
+            for tag, segment in messages:
+                if segment.quarters * PIECES > piece * QUARTERS:
+                    self._place(tag, segment.amount)
+
+    def _beyond_advance(self, tag: str, amount: int) -> int:
+        """What is left to serve of an amount of which some was given before values counted."""
+        had = min(amount, self._advance[tag])
+        self._advance[tag] -= had
+        return amount - had
+
+    def _evenly(self, wanted: dict[str, int]) -> None:
+        """Serve the smallest first, each at most an even part of what is left."""
+        for waiting, tag in zip(range(len(wanted), 0, -1), sorted(wanted, key=lambda t: (wanted[t], t)), strict=True):
+            self._give(tag, min(wanted[tag], self._left // waiting))
+
+    def _place(self, tag: str, amount: int) -> None:
+        """Give a robot a piece of a slot for a message of this size, if there is one."""
+        size = WHOLE if amount == UNIT else amount
+        slot = self._own(tag, size) or self._new(size) or self._shared(size)
+        if slot is not None:
+            slot.take(tag, amount)
+
+    def _own(self, tag: str, size: int) -> _Open | None:
+        return next((slot for slot in self._slots if slot.left and tag in slot.pieces and slot.size >= size), None)
+
+    def _new(self, size: int) -> _Open | None:
+        if size > self._left:
+            return None
+        self._left -= size
+        self._slots.append(_Open(size, {}))
+        return self._slots[-1]
+
+    def _shared(self, size: int) -> _Open | None:
+        """Return the slot that must grow least; of these, that with most pieces left."""
+        slots = [slot for slot in self._slots if slot.left and size - slot.size <= self._left]
+        if not slots:
+            return None
+        slot = min(slots, key=lambda slot: (max(0, size - slot.size), -slot.left))
+        self._left -= max(0, size - slot.size)
+        slot.size = max(slot.size, size)
+        return slot
+
+    def allocation(self, seed: int) -> Allocation:
+        """Return what each has; what is left goes to all who bid, alike."""
+        for slot in [slot for slot in self._slots if slot.whole][:1]:
+            slot.size, self._left = slot.size + self._left, 0
+        for slot in self._slots:
+            if len(slot.pieces) == 1:
+                self._parts[next(iter(slot.pieces))] += slot.size
+        for tag in self._known:
+            self._parts[tag] += self._left // len(self._known)
+        shared = (slot for slot in self._slots if len(slot.pieces) > 1)
+        return Allocation(self._parts, tuple(Slot(slot.size, _ring(slot.pieces, seed)) for slot in shared))
+
+
+def _ring(pieces: dict[str, int], seed: int) -> tuple[tuple[str, int], ...]:
+    """Return who comes after whom, and how long each turn is in relation to the shortest one."""
+    least, first = min(pieces.values()), seed % len(pieces)
+    turns = [(tag, min(MOST_UNEQUAL, (2 * share + least) // (2 * least))) for tag, share in sorted(pieces.items())]
+    return tuple(turns[first:] + turns[:first])
