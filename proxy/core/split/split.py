@@ -1,0 +1,171 @@
+"""Our part of what robots share: the protocol of `proxy.core.split`, for one robot."""
+
+import math
+from collections.abc import Collection, Sequence
+
+from proxy.core.split.agreement import Agreement
+from proxy.core.split.bid import UNIT, Bid, alike
+from proxy.core.split.ledger import Ledger
+from proxy.core.split.steady import Steady
+from proxy.core.split.told import Told
+from proxy.core.split.turns import Turn
+
+PATIENCE = 2.0
+"""A bid changes no sooner after it changed last [s]; sooner in the first seconds, when streams become known."""
+PACE = 2.0
+"""Nor does it sooner after all agreed than so many times what agreeing took: a third of the time is for that."""
+
+
+class Split:
+    """One robot's part of every shared limit, by what it has heard so far.
+
+    `windows` are those of the shared limits [s]. `floor` is the part of the limits that is kept for newcomers. At
+    `settled_at` [s] all who are there have seen us: a robot that sees nobody then has everything. `kind` stands for
+    what all must share to take part together (limits, specs); `version` is greater than any told under our tag before.
+    Digests of a peer come in the order in which it sent them; late ones are left out by the caller.
+    """
+
+    def __init__(
+        self,
+        own: str,
+        now: float,
+        windows: Sequence[float],
+        *,
+        floor: float,
+        settled_at: float,
+        kind: bytes = b"",
+        version: int = 0,
+    ) -> None:
+        self._window, self._settled_at = max(windows), settled_at
+        units = round(floor * UNIT)
+        self._agreement = Agreement(own, now, floor=units, settled_at=settled_at, kind=kind, version=version)
+        self._started, self._asked, self._news = now, -math.inf, 0.0
+        self._ledger = Ledger(windows)
+        self._steady = Steady(now, self._agreement.entitled, self._window)
+
+    def part(self, now: float, limit: int = 0) -> float:
+        """Return what our sends within the window of a limit may use together, as a part of it.
+
+        `now` may lie ahead: what it will be if nothing is heard and no turn ends.
+        """
+        return (self._steady.least(now) + self._ledger.struck(now, limit)) / UNIT
+
+    def free(self, now: float, limit: int = 0) -> float:
+        """Return what is left of our part of a limit now."""
+        return max(0.0, self._steady.least(now) - self._ledger.kept(now, limit)) / UNIT
+
+    @property
+    def waits_for_turn(self) -> bool:
+        """Whether we share slots of which none is ours now."""
+        ours = [turn for turn in self._agreement.turns if any(tag == self._agreement.own for tag, _ in turn.slot.ring)]
+        return bool(ours) and not self._held
+
+    @property
+    def settled(self) -> bool:
+        """Whether all have agreed on the newest table, as far as we know; until then digests are worth sending."""
+        return self._agreement.settled
+
+    def due_at(self, now: float) -> float:
+        """Return when our part changes by time alone, or a turn ends [s]."""
+        settles = self._settled_at if self._agreement.newcomer and now < self._settled_at else math.inf
+        turns = [self._turn_ends(turn) for turn in self._held]
+        return min([self._steady.rises_at(now), self._ledger.next_expiry(now), settles, *turns])
+
+    def telling(self, now: float) -> Told:
+        """Return what our next digest says."""
+        agreement, (version, bid) = self._agreement, self._agreement.bid
+        passed = [now - turn.used for turn in agreement.turns if turn.giver == agreement.own]
+        return Told(
+            version,
+            None if agreement.known else bid,
+            agreement.standings[-1].name,
+            0 if agreement.newcomer else agreement.standings[0].name,
+            tuple(turn.number for turn in agreement.turns),
+            min([self._window, *passed]),
+        )
+
+    def bid(self, now: float, bid: Bid) -> bool:
+        """Ask for this from now on, if it differs enough and it is time; return whether we do."""
+        agreement = self._agreement
+        if alike(agreement.bid[1], bid) or not self._may_ask(now):
+            return False
+        self._asked = now
+        agreement.ask(now, bid)
+        self._settle(now)
+        return True
+
+    def set_members(self, now: float, tags: Collection[str]) -> None:
+        """These robots take part, as far as we see."""
+        self._agreement.set_members(now, tags)
+        self._settle(now)
+
+    def heard(self, now: float, peer: str, told: Told) -> None:
+        """A digest of another robot came, newer than all before."""
+        self._agreement.heard(now, peer, told.version, told.bid, (told.table, told.agreed))
+        for standing in self._agreement.standings:
+            for turn, number in zip(standing.turns, told.turns if standing.name == told.agreed else (), strict=False):
+                if turn.heard(now, peer, number, told.unused):
+                    self._entitle(now, now - turn.used)
+        self._settle(now)
+
+    def sent(self, now: float, uses: Sequence[float]) -> bool:
+        """We sent a message that uses such parts of the shared limits; return whether we passed a slot on.
+
+        One that is larger than our part has the windows until all of it would have fitted for itself.
+        """
+        times = max([1.0, *(use / max(self.part(now, limit), 1 / UNIT) for limit, use in enumerate(uses))])
+        self._ledger.sent(now + (times - 1.0) * self._window, [use * UNIT / times for use in uses])
+        return self.look(now, self._news)
+
+    def look(self, now: float, news: float) -> bool:
+        """Time passed; news take so long to others [s]. Return whether we passed a slot on."""
+        self._news = news
+        if self._agreement.newcomer and now >= self._settled_at:
+            self._settle(now)
+        over = [turn for turn in self._held if self._is_over(now, turn)]
+        for turn in over:
+            self._pass_on(now, turn)
+        return bool(over)
+
+    @property
+    def _held(self) -> list[Turn]:
+        return [turn for turn in self._agreement.turns if turn.holder == self._agreement.own]
+
+    def _may_ask(self, now: float) -> bool:
+        """Whether our bid may change: at first, then once all have agreed on the last table, and some time later."""
+        agreement, patience = self._agreement, min(PATIENCE, (now - self._started) / 2)
+        soonest = max(self._asked + patience, agreement.since + PACE * agreement.took)
+        return self._asked == -math.inf or (not agreement.pending and now >= soonest)
+
+    def _settle(self, now: float) -> None:
+        self._agreement.settle(now)
+        self._entitle(now)
+
+    def _entitle(self, now: float, unused: float = 0.0) -> None:
+        """Our part changes with what we are entitled to; what it rises by has been unused for so long [s]."""
+        before = self._steady.least(now)
+        self._steady.lift(now, self._agreement.entitled, min(unused, now - self._agreement.since))
+        self._strike(now, before)
+
+    def _strike(self, now: float, before: int) -> None:
+        """Our part was so much before."""
+        if (least := self._steady.least(now)) < before:
+            self._ledger.strike(now, least, before - least)
+
+    def _turn_ends(self, turn: Turn) -> float:
+        """A turn lasts as long as a message that has several windows for itself."""
+        return max(turn.ends(self._window, self._news), self._ledger.last)
+
+    def _is_over(self, now: float, turn: Turn) -> bool:
+        """Whether we pass a slot on: at the end of our turn, or once its last window has been used."""
+        ends = self._turn_ends(turn)
+        spent = self._ledger.kept(now, 0) > self._steady.least(now) - turn.slot.size / 2
+        return now >= ends or (spent and self._ledger.last <= now and now >= ends - self._window)
+
+    def _pass_on(self, now: float, turn: Turn) -> None:
+        """It is the next one's turn: what we sent and has no room beside this slot was sent in it."""
+        before = self._steady.least(now)
+        turn.number += 1
+        self._steady.give_up(now, self._agreement.entitled, turn.slot.size, self._agreement.own_part)
+        self._strike(now, before)
+        turn.used = max(turn.used, self._ledger.last_struck)

@@ -1,0 +1,96 @@
+"""Parts of a limit out of bids: never more than all of it, most to what is worth most, something for everyone."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from proxy.core.split import UNIT, Segment, allocate
+
+segments = st.builds(Segment, st.integers(1, UNIT), st.integers(0, 255), st.sampled_from([0, 0, 1, 2, 4]))
+bids = st.lists(segments, max_size=8).map(tuple)
+tables = st.dictionaries(st.sampled_from("abcdefghijkl"), st.none() | bids, min_size=1)
+
+
+@given(tables, st.integers(0, 500))
+def test_parts_and_slots_never_exceed_the_limit_less_the_floor(table, floor):
+    """Whatever robots ask for, all parts and slots together leave the floor; and little is left over."""
+    allocation = allocate(table, len(table), floor)
+    assert allocation.total <= UNIT - floor
+    assert allocation.total >= UNIT - floor - 2 * len(table)
+    assert all(part >= 0 for part in allocation.parts.values())
+    assert set(allocation.parts) == set(table)
+
+
+@given(tables)
+def test_the_order_in_which_bids_were_heard_changes_nothing(table):
+    """All who have the same table compute the same parts."""
+    turned = dict(reversed(table.items()))
+    assert allocate(table, len(table), 100, 7) == allocate(turned, len(turned), 100, 7)
+
+
+@given(tables)
+def test_who_asks_for_small_messages_has_some_room(table):
+    """Nobody is silent, however much more the others' messages are worth."""
+    parts = allocate(table, len(table), 200).parts
+    equal = (UNIT - 200) // len(table)
+    for tag, bid in table.items():
+        asked = sum(segment.amount for segment in bid or () if not segment.quarters)
+        assert parts[tag] >= min(asked, equal // 8)
+
+
+@given(bids, st.integers(2, 12), st.integers(0, 200))
+def test_equal_bids_get_equal_parts(bid, robots, floor):
+    """All have as much as one another, in parts and in turns, where each can have a piece of every message."""
+    allocation = allocate({f"r{i:02}": bid for i in range(robots)}, robots, floor)
+    if not any(segment.quarters for segment in bid):
+        assert max(allocation.parts.values()) - min(allocation.parts.values()) <= 1 + len(bid)
+
+
+@pytest.mark.parametrize(("robots", "size", "slots"), [(10, 2000, 5), (4, 4160, 2), (8, 4160, 1), (3, 9000, 1)])
+def test_messages_larger_than_an_equal_part_go_by_turns(robots, size, slots):
+    """Robots that want the same share what slots there is room for, each for as long as the others."""
+    small = () if size * slots == UNIT else (Segment(300, 200),)
+    bid = (*small, Segment(size, 120, 1), Segment(size, 110, 1), Segment(size, 100, 2))
+    floor = 0 if size * slots == UNIT else 100
+    allocation = allocate({f"r{i:02}": bid for i in range(robots)}, robots, floor)
+    assert [slot.size for slot in allocation.slots] == [size] * slots
+    assert sorted(tag for slot in allocation.slots for tag, _ in slot.ring) == [f"r{i:02}" for i in range(robots)]
+    assert {share for slot in allocation.slots for _, share in slot.ring} == {1}
+
+
+def test_what_is_worth_most_is_served_first():
+    """One robot's large messages are worth more than another's: it has a slot of its own, and the rest is shared."""
+    high = (Segment(4000, 150, 4),)
+    low = (Segment(4000, 120, 4),)
+    allocation = allocate({"a": low, "b": high, "c": low}, 3, 100)
+    assert allocation.parts["b"] >= 4000
+    assert [(slot.size, {tag for tag, _ in slot.ring}) for slot in allocation.slots] in ([(4000, {"a", "c"})], [])
+
+
+def test_a_robot_whose_bid_is_unknown_has_an_equal_part():
+    """It may ask for anything, so it has what it would have if all asked for the same."""
+    allocation = allocate({"a": (Segment(9000, 200),), "b": None}, 2, 200)
+    assert allocation.parts == {"a": 4900, "b": 4900}
+
+
+def test_what_nobody_asks_for_is_shared_evenly():
+    """Robots that ask for little have as much again to spare."""
+    allocation = allocate({"a": (Segment(100, 10),), "b": ()}, 2, 200)
+    assert allocation.parts == {"a": 4950, "b": 4850}
+
+
+def test_a_longer_turn_is_at_most_four_times_a_shorter_one():
+    """So that the others do not wait for long, however much more one robot's messages are worth."""
+    high = tuple(Segment(9000, 150, quarters) for quarters in (1, 2))
+    low = (Segment(9000, 100, 1),)
+    (slot,) = allocate({"a": high, "b": low}, 2, 100).slots
+    assert dict(slot.ring) == {"a": 3, "b": 1}
+
+
+def test_a_message_larger_than_the_limit_has_all_that_is_left_in_its_turn():
+    """Beside what is worth more, and by turns with whoever wants a slot, too."""
+    small, huge = Segment(200, 200), Segment(UNIT, 100, 1)
+    allocation = allocate({"a": (small, huge), "b": (small, Segment(4000, 99, 1)), "c": (small,)}, 3, 100)
+    assert allocation.parts == {"a": 5500, "b": 4200, "c": 200}
+    allocation = allocate({"a": (small, huge), "b": (small, huge)}, 2, 100)
+    assert [(slot.size, len(slot.ring)) for slot in allocation.slots] == [(9500, 2)]
