@@ -58,7 +58,7 @@ def allocate(table: Table, members: int, floor: int, seed: int = 0) -> Allocatio
     return _allocate(tuple(sorted(table.items())), members, floor, seed)
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=32)
 def _allocate(table: tuple[tuple[str, Bid | None], ...], members: int, floor: int, seed: int) -> Allocation:
     filling = _Filling(table, members, floor)
     for _, segments in groupby(sorted(_by_value(table), key=_falling), key=lambda entry: -entry[1].level):

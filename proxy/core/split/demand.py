@@ -10,7 +10,10 @@ from proxy.core.split.bid import MOST_SEGMENTS, QUARTERS, UNIT, Bid, Segment, le
 SMALL = 0.05
 """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
 SPARE = 16
-"""Levels by which room for one message more than the mean is worth less: it is used about once in sixteen windows."""
+"""Levels by which room for one message more than the mean is worth less: it is used about once in sixteen windows.
+
+With four robots of *mixed* traffic, a second frame fits in a window only where such room comes after frames.
+"""
 MOST_DIVISIBLE = 3
 """Segments of small messages."""
 MOST_SIZES = 8
@@ -54,7 +57,7 @@ def _small(demands: Sequence[Demand], window: float) -> list[Segment]:
         levels.append((level_of(demand.value(demand.rate) / amount), amount))
     joined = [Segment(_units(amount), level) for level, amount in _joined(levels, MOST_DIVISIBLE)]
     spare = max((max(demand.sizes) for demand in demands), default=0.0)
-    return [*joined, *(Segment(_units(UNIT * spare), max(0, first.level - SPARE)) for first in joined[:1])]
+    return [*joined, *(Segment(_units(UNIT * spare), max(0, least.level - SPARE)) for least in joined[-1:])]
 
 
 def _joined(rooms: Sequence[tuple[int, float]], most: int) -> list[tuple[int, float]]:

@@ -2,35 +2,18 @@
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 from proxy.core.split.agreement import Agreement
 from proxy.core.split.bid import UNIT, Bid, alike
 from proxy.core.split.ledger import Ledger
 from proxy.core.split.steady import Steady
+from proxy.core.split.told import Told
 from proxy.core.split.turns import Turn
 
 PATIENCE = 2.0
 """A bid changes no sooner after it changed last [s]; sooner in the first seconds, when streams become known."""
 PACE = 2.0
 """Nor does it sooner after all agreed than so many times what agreeing took: a third of the time is for that."""
-
-
-@dataclass(frozen=True, slots=True)
-class Told:
-    """What a robot's digest says of the split."""
-
-    version: int
-    bid: Bid | None
-    """None where all who take part know it."""
-    table: int
-    """The name of the sender's newest table."""
-    agreed: int
-    """The name of the last table that it agreed on; 0: none yet."""
-    turns: tuple[int, ...] = ()
-    """Turn numbers of the slots of that table."""
-    unused: float = 0.0
-    """For how long no slot was used that the sender passed on [s]; what is rounded is rounded down."""
 
 
 class Split:
