@@ -53,9 +53,11 @@ lint: setup
 bench: setup
 	$(BIN)/python -m studies.benchmarks
 
-# What teams reach on bad networks: writes studies/results/view.md anew.
+# What teams reach on bad networks and with real traffic: writes studies/results/view.md and traffic.md anew. The latter
+# takes hours, and says how many at first.
 study: setup
 	$(BIN)/python -m studies.benchmarks view
+	$(BIN)/python -m studies.simulation.traffic --output studies/results/traffic.md
 
 test-system: setup
 	tests/system/run

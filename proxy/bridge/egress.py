@@ -1,7 +1,7 @@
 """Publishes on the mesh. A mesh that stalls holds up nothing else.
 
-What passes without a decision is published at once, by whoever brings it, while all links surely take it. All else
-waits for a thread that may be held up. What was forwarded by a decision is paced to the limit of the channel while
+Samples are published at once, by whoever brings them, while all links surely take them. All else waits for a thread
+that may be held up. What was forwarded by a decision is paced to the limit of the channel while
 links are busy, so that the queues behind us stay empty (`paced.py`); as soon as they are the next one goes, for what
 leaves later than it was decided is in another window than all believe. What passes goes as fast as it can and pushes
 the next decided sample back by what it used, up to a floor: decided samples are never starved.
@@ -79,7 +79,10 @@ class Egress:
         self._awaited = 0
         """So many passing samples may be left when those who wait for the thread go on."""
         self._busy = False
-        """Whether the thread has a passing sample in hand."""
+        """Whether the thread has a passing sample in hand..."""
+        self._deciding = False
+        """... or a decided one."""
+        self._running = False
         lock = threading.RLock()
         self._wake, self._caught_up = threading.Condition(lock), threading.Condition(lock)
         self._thread = threading.Thread(target=self._run, name="egress", daemon=True)
@@ -92,6 +95,7 @@ class Egress:
     def start(self) -> None:
         """Start writing."""
         self._thread.start()
+        self._running = True
 
     def close(self, timeout: float) -> None:
         """Stop writing; what still waits is not sent. Waits at most `timeout` [s] for a put that stalls."""
@@ -103,8 +107,10 @@ class Egress:
             self._thread.join(timeout)
 
     def forward(self, number: int, held: Held) -> None:
-        """Send a decided sample as soon as the pace allows. It has its place since it came in."""
-        if not self._enqueue(lambda: self._decided.put(number, held, self._on_air(held))):
+        """Send a decided sample as soon as the pace allows; always on one thread. It has its place since it came in."""
+        if self._goes_at_once(held):
+            self._send_decided(number, held)
+        elif not self._enqueue(lambda: self._decided.put(number, held, self._on_air(held))):
             self._leave(held)
             self._answer(clock.monotonic(), number, held, sent=False)
 
@@ -122,6 +128,13 @@ class Egress:
         elif not self._enqueue(lambda: self._passing.append((reason, held))):
             room.leave(held.size)
             self._passed.add(EGRESS, 0)
+
+    def _goes_at_once(self, held: Held) -> bool:
+        """Whether a decided sample need wait for nothing: neither for its pace, nor for others, nor for a link."""
+        with self._wake:
+            ready = self._running and self._open and not self._deciding
+            ready = ready and self._decided.free(clock.monotonic(), self._on_air(held))
+        return ready and self._patience.at_ease and self.headroom.takes(held.size)
 
     def pace(self, rate: float | None) -> None:
         """Send what was decided no faster than this [B/s] from now on; None: as fast as it goes."""
@@ -169,7 +182,7 @@ class Egress:
     def _run(self) -> None:
         while True:
             with self._wake:
-                self._busy = False
+                self._busy = self._deciding = False
                 self._caught_up.notify_all()
                 while self._open and (pause := self._pause()) != 0.0:
                     self._wake.wait(pause)
@@ -177,11 +190,12 @@ class Egress:
                     return
                 # Decided samples first when their time has come: they are paced and starve nobody.
                 decided = self._decided.take(clock.monotonic())
-                self._busy = decided is None
+                self._deciding = decided is not None
+                self._busy = not self._deciding
             if decided is None:
                 self._send_waiting()
             else:
-                self._send_decided(*decided)
+                self._send_decided(*decided, droppable=self._take(decided[1]))
 
     def _send_waiting(self) -> None:
         """Send what passes, until nothing waits or a decided sample comes first."""
@@ -211,9 +225,9 @@ class Egress:
             return 0.0
         return max(min(due - now, LOOK), 0.0)
 
-    def _send_decided(self, number: int, held: Held) -> None:
+    def _send_decided(self, number: int, held: Held, *, droppable: bool = False) -> None:
         self._leave(held)
-        sent = self._send(held, droppable=self._take(held))
+        sent = self._send(held, droppable=droppable)
         now = self._sent_at = clock.monotonic()
         if sent:
             with self._wake:

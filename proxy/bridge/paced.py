@@ -29,6 +29,11 @@ class Paced:
     def __len__(self) -> int:
         return len(self._small) + len(self._large)
 
+    def free(self, now: float, air: int) -> bool:
+        """Whether a sample that puts `air` bytes on the air need not wait."""
+        free_at = self._small_free_at if self._is_small(air) else self._free_at
+        return not self._small and not self._large and (self.rate is None or free_at <= now)
+
     def put(self, number: int, held: Held, air: int) -> None:
         """Let a sample wait that puts `air` bytes on the air."""
         key = held.to, held.key

@@ -13,8 +13,8 @@ from proxy.core.view import SharedView
 
 LEAST_PERIOD = 1e-3
 """Streams are taken to generate no faster than so [s]."""
-SPREAD = 2.0
-"""A large message of a stream is so many standard deviations larger than the mean."""
+SPREAD = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
+"""Sizes of a stream are taken to be so many standard deviations from their mean."""
 
 
 def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
@@ -28,14 +28,15 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...]) -> Iterato
     for stream in view.own():
         if not view.competes(now, stream):
             continue
-        copies, mean = view.copies(stream), stream.mean_size
+        copies, spread = view.copies(stream), stream.size_deviation
+        sizes = {max(1, round(stream.mean_size + off * spread)) for off in SPREAD}
         parts = [
-            max(use / limit.limit for use, limit in zip(use_of(round(size), copies, shared), shared, strict=True))
-            for size in (mean, mean + SPREAD * stream.size_deviation)
+            max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
+            for size in sorted(sizes)
         ]
         audience = view.audiences.of(now, stream)
         rate = 1.0 / max(stream.schedule.period, LEAST_PERIOD)
-        yield Demand(parts[0], parts[1], rate, partial(_value, stream, audience.share, audience.mean))
+        yield Demand(parts, rate, partial(_value, stream, audience.share, audience.mean))
 
 
 def _value(stream: Stream, share: float, age: float, rate: float) -> float:

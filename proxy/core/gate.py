@@ -31,6 +31,8 @@ from proxy.core.window import WindowBuilder
 AT_ONCE = 128
 """So many samples are taken up at one event: what else happens has its turn before the rest of a burst."""
 CONSTRAINT = "dropped:constraint"
+MANY_GONE = 64
+"""When so many samples left that waited for room they are forgotten."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +70,8 @@ class Gate:
         self._deletions = Deletions()
         self.wakes_at = math.inf
         """When a sample that waits for room can be taken up [s]."""
+        self._opening: dict[int, tuple[float, tuple[Limit, ...]]] = {}
+        """When there is room for samples that wait for it [s], under which limits."""
         self._unsettled: dict[int, Waiting] = {}
         """Samples whose worth by the specs in force is not known yet."""
         self._ample = Ample(view)
@@ -138,6 +142,9 @@ class Gate:
         """Take up samples until one needs a search, or none is left."""
         commands: list[Command] = []
         self.wakes_at = math.inf
+        if len(self._opening) > 2 * len(self.inbox) + MANY_GONE:
+            here = {waiting.sample for waiting in self.inbox}
+            self._opening = {sample: t for sample, t in self._opening.items() if sample in here}
         if not self.inbox and not self.kept:
             return commands
         crowded = False
@@ -453,19 +460,36 @@ class Gate:
         return bool(self.limits) and self._waits_for_room(now, sample)
 
     def _waits_for_room(self, now: float, sample: Waiting) -> bool:
-        """Whether a sample waits, as what we sent leaves room for it soon."""
+        """Whether a sample waits, as what we sent leaves room for it soon.
+
+        Under the same limits no room opens earlier than it seemed to.
+        """
+        opens_at, limits = self._opening.get(sample.sample, (-math.inf, self.limits))
+        if now >= opens_at or limits != self.limits:
+            opens_at = self._room_opens(now, sample)
+            self._opening[sample.sample] = opens_at, self.limits
+        if now >= opens_at:
+            del self._opening[sample.sample]
+            return False
+        self.wakes_at = min(self.wakes_at, opens_at)
+        return True
+
+    def _room_opens(self, now: float, sample: Waiting) -> float:
+        """Return when there is room for a sample that is worth waiting for it; −∞ where it is taken up now.
+
+        Where copies take the room what they displace is one more copy, in its turn.
+        """
         stream, disputes = self._own(now, sample), self._windows.disputes
         if stream is None or self.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
-            return False
+            return -math.inf
+        if self.kept and not stream.information_type.markovian:
+            return -math.inf
         standing = self._standing(now, stream, sample)
         until = sample.t_gen + disputes.patience(stream)
         if standing is Standing.HOPELESS or now >= until:
-            return False
+            return -math.inf
         needed = self._use(now, sample)
         if standing is Standing.CONTESTED:
             needed = disputes.besides(now, needed)
         room = self._budget.opens(now, needed)
-        if not now < room <= until:
-            return False
-        self.wakes_at = min(self.wakes_at, room)
-        return True
+        return room if room <= until else -math.inf

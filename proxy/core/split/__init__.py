@@ -6,16 +6,20 @@ constraint window uses at most its part, so the union of all robots holds when p
 1. *Bids.* Each robot tells what it asks for: a short list of segments, each an amount and what it is worth (`bid.py`,
    made of a robot's streams in `demand.py`). A bid has a version, which grows.
 2. *Tables.* The bids of all robots that one knows, itself included, are its table. `allocate` (`allocation.py`) makes
-   parts out of a table, and all who have the same table compute the same parts. A robot whose bid nobody heard has an
-   equal part reserved.
-3. *Agreement.* Each digest tells a hash of the sender's table. A robot has *agreed* on a table once all others in it
-   have told its hash. Robots hear of bids at different times, so their tables differ for a moment. Meanwhile a robot's
-   part is the least that any of its tables gives it, from the last one agreed on to the newest one (`standing.py`).
+   parts out of a table, and all who have the same table compute the same parts. A robot whose bid is not known yet has
+   an equal part reserved.
+3. *Agreement* (`agreement.py`). Each digest tells a hash of the sender's table (`standing.py`). A robot has *agreed* on
+   a table once all others whose bids are in it have told its hash. Robots hear of bids at different times, so their
+   tables differ for a moment. Meanwhile a robot's part is the least that any of its tables gives it, from the last one
+   agreed on to the newest one.
 4. *Waiting.* A part shrinks at once. A part that grows is used one constraint window later, when what others sent
-   before they shrank has left the window (`steady.py`).
+   before they shrank has left the window (`steady.py`). What was sent in room that is given up does not count against
+   what is kept, for nobody else uses that room before it has left the window (`ledger.py`).
 5. *Turns.* A message larger than its robot's part needs a *slot*: room for it in every window, which several robots use
-   one after the other (`turns.py`). Who holds a slot passes it on by telling a greater turn number; the next robot
+   one after the other (`turns.py`). Who holds a slot passes it on by telling a greater turn number. The next robot
    takes it when it hears that, and uses it once the last message in it has left the window. Nobody trusts a clock.
+
+`Split` puts this together for one robot: it takes members, digests and sends, and says what is free and what to tell.
 
 Why the union holds. Versions only grow, and a robot that loses sight of another raises its own. So no table comes back,
 and all robots have their tables in one order, as far as these were agreed on. Take the last table that anybody agreed
@@ -25,20 +29,26 @@ delay an agreement; until then, room stays unused. (In an escrow, likewise, the 
 once this is certain.)
 
 Two teams that meet have no table in common. Each reserves equal parts for the other as soon as it sees them, so
-the union exceeds a limit only until each has seen all, and one window more.
+the union exceeds a limit only until each has seen all of the other, and one window more.
 
-A newcomer has agreed on nothing. Until it does, it uses a kept part: `floor / NEWCOMERS`. A robot that sees nobody
-once it has settled has all. A robot that is gone leaves the table at once, and the others' parts grow when they agree
-on the table without it.
+A newcomer has agreed on nothing. Until it does, it uses a kept part: `floor / NEWCOMERS`. It agrees on its first table
+when it knows everybody's bid; or, when it has been there for so long that all must have seen it, on one in which those
+that it did not hear have equal parts. If it sees nobody then, everything is its own. A robot that is gone leaves the
+table at once, and the others' parts grow when they have agreed on the table without it.
 
 Only robots that take part the same way may be members: the same protocol, limits and floor. Any other would never tell
-the same hash: parts would stay as they are, and never grow.
+the same hash. Parts would then stay as they are, and never grow.
+
+Figures, by simulation. Two robots to a slot use it for 97, 93, 94 and 95 % of the time where news take 0.02, 0.1, 0.3
+and 1 windows. A table is agreed on once each robot has sent one digest after it heard the last change. Digests take
+11 bytes for it, 15 with two slots, 38 with a bid of six segments, which is told only until all know it.
 """
 
+from proxy.core.split.agreement import NEWCOMERS
 from proxy.core.split.allocation import Allocation, Slot, allocate
 from proxy.core.split.bid import UNIT, Bid, Segment, packed, unpacked
 from proxy.core.split.demand import Demand, bid_for
-from proxy.core.split.split import NEWCOMERS, Split, Told
+from proxy.core.split.split import Split, Told
 
 __all__ = [
     "NEWCOMERS",

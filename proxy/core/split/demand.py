@@ -3,28 +3,30 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
 
-from proxy.core.split.bid import MOST_SEGMENTS, UNIT, Bid, Segment, level_of
+from proxy.core.split.bid import MOST_SEGMENTS, QUARTERS, UNIT, Bid, Segment, level_of
 
 SMALL = 0.05
 """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
-MOST_DIVISIBLE = 3
-"""Segments of small messages."""
-RATES = (0.25, 0.5, 1.0, 2.0, 3.0)
-"""Rates at which large messages are asked for, in uses of a slot per window."""
 SPARE = 16
 """Levels by which room for one message more than the mean is worth less: it is used about once in sixteen windows."""
+MOST_DIVISIBLE = 3
+"""Segments of small messages."""
+MOST_SIZES = 8
+"""Sizes of a stream at which its value is looked at."""
+SEVERAL = (2.0, 3.0)
+"""More than one of the largest messages in a window is asked for up to so many."""
 PACKED = 0.85
-"""What of a slot is used by messages that vary in size: a smaller one than the slot leaves some room."""
+"""What of a part is used by messages that vary in size: there is seldom one for all that is left."""
 
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """What one stream asks for: a message uses `mean` of the limit, seldom more than `large`, all copies counted."""
+    """What one stream asks for."""
 
-    mean: float
-    large: float
+    sizes: Sequence[float]
+    """What recent messages used of the limit, all copies counted; a few are enough."""
     rate: float
     """Messages that it generates [1/s]."""
     value: Callable[[float], float]
@@ -32,49 +34,96 @@ class Demand:
 
 
 def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
-    """Return what streams ask for together of a limit with this window [s], among so many robots."""
+    """Return what streams ask for together of a limit with this window [s], among so many robots.
+
+    Small messages ask for what they use in the mean, and for one more. Large ones of one size ask for slots. Where
+    sizes vary, more room lets larger messages through, so what is asked for beyond the smallest ones is divisible.
+    """
     small = min(SMALL, 0.5 / max(1, robots))
-    segments: list[Segment] = []
-    divisible: list[tuple[float, float]] = []
-    spare = 0.0
+    asking = [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]
+    few = _small([demand for demand in asking if max(demand.sizes) <= small], window)
+    large = [s for demand in asking if max(demand.sizes) > small for s in _large(demand, window, small)]
+    return tuple(sorted(few + large, key=lambda s: (-s.level, s.quarters, s.amount))[:MOST_SEGMENTS])
+
+
+def _small(demands: Sequence[Demand], window: float) -> list[Segment]:
+    """Ask for what streams use in the mean, and for one large message more."""
+    levels = []
     for demand in demands:
-        if demand.rate <= 0.0 or demand.mean <= 0.0:
-            continue
-        if demand.large <= small:
-            amount = UNIT * demand.mean * demand.rate * window
-            divisible.append((amount, demand.value(demand.rate) / amount))
-            spare = max(spare, UNIT * demand.large)
-        else:
-            segments += _large(demand, window)
-    joined = _joined(divisible, MOST_DIVISIBLE)
-    segments += joined
-    if joined:
-        segments.append(Segment(min(UNIT, math.ceil(spare)), max(0, joined[0].level - SPARE)))
-    segments = sorted(segments, key=lambda s: (-s.level, s.quarters, s.amount))
-    return tuple(segments[:MOST_SEGMENTS])
+        amount = UNIT * sum(demand.sizes) / len(demand.sizes) * demand.rate * window
+        levels.append((level_of(demand.value(demand.rate) / amount), amount))
+    joined = [Segment(_units(amount), level) for level, amount in _joined(levels, MOST_DIVISIBLE)]
+    spare = max((max(demand.sizes) for demand in demands), default=0.0)
+    return [*joined, *(Segment(_units(UNIT * spare), max(0, first.level - SPARE)) for first in joined[:1])]
 
 
-def _joined(rooms: Sequence[tuple[float, float]], most: int) -> list[Segment]:
-    """Put what is worth the same into one segment, and what is worth about the same where there are too many."""
-    ranked = sorted(((level_of(density), amount) for amount, density in rooms), reverse=True)
+def _joined(rooms: Sequence[tuple[int, float]], most: int) -> list[tuple[int, float]]:
+    """Put together what is worth the same, and what is worth about the same where there are too many."""
+    ranked = sorted(rooms, reverse=True)
     levels = [(level, sum(amount for _, amount in same)) for level, same in groupby(ranked, key=lambda room: room[0])]
     while len(levels) > most:
         at = min(range(len(levels) - 1), key=lambda i: levels[i][0] - levels[i + 1][0])
         (high, one), (low, other) = levels[at : at + 2]
         levels[at : at + 2] = [(round((high * one + low * other) / (one + other)), one + other)]
-    return [Segment(min(UNIT, math.ceil(amount)), level) for level, amount in levels]
+    return levels
 
 
-def _large(demand: Demand, window: float) -> list[Segment]:
-    """Ask for slots: the first message of several windows is worth most, the second one of a window less."""
-    size = math.ceil(UNIT * min(1.0, demand.large))
-    together = min(1.0, 1.0 / demand.large) * max(1.0, PACKED * demand.large / demand.mean)
-    segments, before, value = [], 0.0, 0.0
-    for uses in RATES:
-        if before * together >= demand.rate * window:
-            break
-        worth = demand.value(min(demand.rate, uses * together / window))
-        density = (worth - value) / ((uses - before) * size)
-        segments.append(Segment(size, level_of(density), round(4 * min(1.0, uses - before))))
-        before, value = uses, worth
+def _large(demand: Demand, window: float, small: float) -> list[Segment]:
+    """Ask for room by what each more of it is worth: the first for a message as a whole, if it is large."""
+    hull = _hull([(0.0, 0.0), *((part, demand.value(_rate(demand, part, window))) for part in _parts(demand))])
+    segments: list[Segment] = []
+    for (before, low), (part, high) in pairwise(hull):
+        whole = part > max(demand.sizes) or (not before and part > small)
+        if whole and not before:
+            segments += _turns(demand, part, window)
+        else:
+            level = level_of((high - low) / (UNIT * (part - before)))
+            segments.append(Segment(_units(UNIT * (part - before)), level, QUARTERS if whole else 0))
     return segments
+
+
+def _parts(demand: Demand) -> list[float]:
+    """Parts of a limit at which to look: the stream's sizes, and several times the largest, as far as that is asked."""
+    sizes = sorted(demand.sizes)
+    some = {
+        sizes[(i + 1) * len(sizes) // MOST_SIZES - 1] for i in range(MOST_SIZES) if (i + 1) * len(sizes) >= MOST_SIZES
+    }
+    several = {times * sizes[-1] for times in SEVERAL if times * sizes[-1] <= 1.0}
+    return sorted({min(1.0, size) for size in some} | several)
+
+
+def _rate(demand: Demand, part: float, window: float, share: float = 1.0) -> float:
+    """Messages per second that such a part lets through in a share of all windows [1/s]: those that fit."""
+    fitting = [size for size in demand.sizes if size <= part]
+    if not fitting:
+        return min(demand.rate, share * part / min(demand.sizes) / window)
+    alike = math.floor(part / max(fitting) + 1e-9)
+    together = max(alike, PACKED * part * len(fitting) / sum(fitting))
+    return min(demand.rate * len(fitting) / len(demand.sizes), share * together / window)
+
+
+def _hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Leave out what lies below a line between others: values per part then fall."""
+    hull: list[tuple[float, float]] = []
+    for x, y in points:
+        while len(hull) > 1 and (y - hull[-1][1]) * (hull[-1][0] - hull[-2][0]) >= (
+            (hull[-1][1] - hull[-2][1]) * (x - hull[-1][0])
+        ):
+            hull.pop()
+        hull.append((x, y))
+    return [point for i, point in enumerate(hull) if not i or point[1] > hull[i - 1][1]]
+
+
+def _turns(demand: Demand, part: float, window: float) -> list[Segment]:
+    """Ask for a slot: the first message of several windows is worth most."""
+    size = _units(UNIT * part)
+    steps = [(quarters, demand.value(_rate(demand, part, window, quarters / QUARTERS))) for quarters in (1, 2, 4)]
+    return [
+        Segment(size, level_of((high - low) * QUARTERS / (size * (quarters - before))), quarters - before)
+        for (before, low), (quarters, high) in pairwise([(0, 0.0), *steps])
+        if high > low
+    ]
+
+
+def _units(amount: float) -> int:
+    return max(1, min(UNIT, math.ceil(amount)))

@@ -39,14 +39,14 @@ class Standing:
         return None not in self.table.values()
 
     @property
-    def total(self) -> int:
-        """What it gives us now [units]: our part, and the slots that we hold."""
-        return self.allocation.parts[self.own] + sum(turn.slot.size for turn in self.held)
+    def part(self) -> int:
+        """What it gives us alone [units]."""
+        return self.allocation.parts[self.own]
 
     @property
-    def held(self) -> list[Turn]:
-        """The slots that are ours now."""
-        return [turn for turn in self.turns if turn.holder == self.own]
+    def total(self) -> int:
+        """What it gives us now [units]: our part, and the slots that we hold."""
+        return self.part + sum(turn.slot.size for turn in self.turns if turn.holder == self.own)
 
 
 def _name(table: Mapping[str, Entry | None], members: int, kind: bytes) -> int:

@@ -26,9 +26,10 @@ from studies.simulation.traffic.comparison import (
     how_of,
     tasks,
 )
-from studies.simulation.traffic.report import Marks, line, tables
+from studies.simulation.traffic.marks import Marks
+from studies.simulation.traffic.report import line, tables
 
-TEAMS = ("shares/unicast", "overhear/broadcast")
+TEAMS = ("announce/unicast", "announce/broadcast")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

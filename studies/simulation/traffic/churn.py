@@ -111,7 +111,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add = parser.add_argument
     add("--workload", choices=("mixed", "random", "cameras"), default="mixed")
     add("--robots", type=int, default=4)
-    add("--teams", nargs="+", default=("shares/unicast", "overhear/broadcast"), help="as in the comparison")
+    add("--teams", nargs="+", default=("announce/unicast", "announce/broadcast"), help="as in the comparison")
     add("--latencies", nargs="+", type=float, default=[0.02], help="[s]")
     add("--losses", nargs="+", type=float, default=[0.01])
     add("--seeds", type=int, default=1)

@@ -1,43 +1,17 @@
 """What the comparison prints: a line for each flight, and tables."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from statistics import fmean, stdev
 
 from studies.benchmarks.report import Table
 from studies.simulation.traffic.comparison import Result
+from studies.simulation.traffic.marks import Marks
 from studies.simulation.traffic.scores import Score
+from studies.simulation.traffic.targets import target_table
 
-Key = tuple[str, int, float, int]
 T_95 = {2: 12.71, 3: 4.30, 4: 3.18, 5: 2.78, 6: 2.57, 8: 2.36, 10: 2.26}
 """Student's t by the number of seeds, for intervals of 95 %."""
-
-
-class Marks:
-    """Utilities to compare with, as far as they are known: of central deciders by cell, of bounds whatever the loss."""
-
-    def __init__(self, results: Iterable[Result] = ()) -> None:
-        self._central: dict[object, Result] = {}
-        self._bound: dict[Key, float] = {}
-        for result in results:
-            self.add(result)
-
-    def add(self, result: Result) -> None:
-        """Remember the result if others are compared with it."""
-        if result.task.contender == "central":
-            self._central[result.task.cell] = result
-        if result.task.contender == "bound":
-            self._bound[_key(result)] = result.utility
-
-    def shares(self, result: Result) -> tuple[float | None, float | None]:
-        """Return the utility as a part of the central decider's and of the bound."""
-        central, bound = self._central.get(result.task.cell), self._bound.get(_key(result))
-        return _ratio(result.utility, central.utility if central else None), _ratio(result.utility, bound)
-
-    def large(self, result: Result) -> float | None:
-        """Return the utility of what is not small as a part of the central decider's."""
-        central = self._central.get(result.task.cell)
-        return _ratio(result.score.large, central.score.large) if central and central.score and result.score else None
 
 
 def line(result: Result, marks: Marks) -> str:
@@ -54,7 +28,7 @@ def line(result: Result, marks: Marks) -> str:
 
 
 def _utility(result: Result, marks: Marks) -> list[str]:
-    central, bound = marks.shares(result)
+    central, bound = marks.of_central(result), marks.of_bound(result)
     return [f"of central {_percent(central)}, of bound {_percent(bound)} ({result.utility:.1f})"]
 
 
@@ -77,11 +51,11 @@ def _figures(score: Score, large: float | None) -> list[str]:
 
 
 def tables(results: Sequence[Result]) -> list[Table]:
-    """Return three tables for each workload, a row for each latency and loss, a column for each contender."""
+    """Return the targets, and three tables a workload: a row for each latency and loss, a column for each contender."""
     marks, groups = Marks(results), dict[str, list[Result]]()
     for result in results:
         groups.setdefault(f"{result.task.cell.workload}, {result.task.cell.robots} robots", []).append(result)
-    found = []
+    found = [target_table(results)]
     for name, group in groups.items():
         found += [
             _table(f"{name}: utility and windows", group, partial(_worth, marks), UTILITY),
@@ -117,8 +91,9 @@ def _table(title: str, results: Sequence[Result], cell: Callable[[Sequence[Resul
 
 
 def _worth(marks: Marks, results: Sequence[Result]) -> str:
-    shares = [marks.shares(result) for result in results]
-    central, bound = ([100 * share for share in each if share is not None] for each in zip(*shares, strict=True))
+    central, bound = (
+        [100 * share for share in map(of, results) if share is not None] for of in (marks.of_central, marks.of_bound)
+    )
     text = f"{_mean(central)}{_interval(central)} ({_mean(bound)})"
     scores = _scores(results)
     if not scores:
@@ -163,14 +138,5 @@ def _interval(values: Sequence[float]) -> str:
     return f" ± {factor * stdev(values) / len(values) ** 0.5:.1f}"
 
 
-def _ratio(utility: float, of: float | None) -> float | None:
-    return utility / of if of else None
-
-
 def _percent(part: float | None) -> str:
     return "–" if part is None else f"{100 * part:.1f} %"
-
-
-def _key(result: Result) -> Key:
-    cell = result.task.cell
-    return cell.workload, cell.robots, cell.latency, cell.seed

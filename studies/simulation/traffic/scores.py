@@ -34,10 +34,10 @@ class Score:
     `utility` is that of the operator [utility·s], `large` that of what is not small. `sent` are bytes of samples,
     `offered` those that were generated, copies included, and `room` what the limit has for samples if nobody tells
     anything. `over` is the part of all samples whose window exceeds the limit when they are sent, `worst` the fullest
-    window of all, in limits. `told` is what robots tell each other, `digests` the part of it in digests, `allowed` what
-    it may be [B/s]. Of small samples `arrived` is the part that came to a receiver, `kept` that which was sent, `age`
-    the age then (median, 95th percentile) [s]. Of alarms: those generated, and sent. `silence` is by robot the longest
-    time without a sample [s].
+    window of all, in limits, as is `largest`, the largest sample. `told` is what robots tell each other, `digests` the
+    part of it in digests, `allowed` what it may be [B/s]. Of small samples `arrived` is the part that came to a
+    receiver, `kept` that which was sent, `age` the age then (median, 95th percentile) [s]. Of alarms: those generated,
+    and sent. `silence` is by robot the longest time without a sample [s].
     """
 
     utility: float
@@ -47,6 +47,7 @@ class Score:
     room: float
     over: float
     worst: float
+    largest: float
     told: float
     digests: float
     allowed: float
@@ -84,6 +85,7 @@ def score(mission: Mission, flight: Flight, loss: float) -> Score:
         room=mission.carried * seconds / mission.window,
         over=over,
         worst=worst,
+        largest=max(frame.size for frame in mission.frames) / mission.limit,
         told=sum(air.size for air in told) / seconds,
         digests=sum(air.size for air in told if air.digest) / seconds,
         allowed=mission.allowed,

@@ -80,6 +80,17 @@ def test_forwarded_samples_are_reported_when_handed_over(bench):
     assert bench.egress.waiting == {"decided": 0, "passing": 0}
 
 
+def test_what_need_not_wait_is_sent_by_whoever_brings_it(bench):
+    """It takes no thread while links surely take it and nothing waits; else it has its turn."""
+    held = bench.held("x")
+    bench.egress.start()
+    bench.forward(0, held)
+    assert [event.sample for event in bench.posted] == [0]
+    bench.egress.headroom = FullLinks()
+    bench.forward(1, held)
+    wait_until(lambda: [event.sample for event in bench.posted] == [0, 1], what="the one for which links have no room")
+
+
 def test_a_copy_goes_to_one_robot_alone(bench):
     """On a key of its own, as it is otherwise, and is answered with whom it was for."""
     copies = Heard(bench.peer, kept("ab12cd34", "**"))

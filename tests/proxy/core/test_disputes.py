@@ -2,6 +2,7 @@
 
 import pytest
 
+from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forward
 from proxy.core.prices import Standing
 from tests.proxy.core.talk import only
@@ -119,3 +120,36 @@ def test_streams_of_which_nothing_pays_are_dropped_without_a_search(make_talk, m
     sample, said = talk.publish(4.01, "robot/r1/odometry", size=6_000)
     assert Drop(sample, "dropped:planner") in only(said)
     assert talk.core.status(4.1)["decisions"]["hopeless"] > 0
+
+
+def test_a_frame_waits_for_the_room_that_our_own_frames_leave(talk):
+    """A little later than it was generated, and before the next one is."""
+    run(talk, 2.0, 4.0, send=False)
+    run(talk, 4.0, 4.6, send=False, camera=False)
+    for now in (4.6, 4.7):
+        sample, said = talk.publish(now, "robot/r1/camera", size=FRAME)
+        assert Forward(sample) in settle(talk, now, said, send=True)
+    _, said = talk.publish(5.05, "robot/r1/camera", size=FRAME)
+    assert not only(said)
+    assert 5.1 < talk.core.wake_at(5.05) < 5.11
+    assert only(talk.tell(ev.TimePassed(talk.core.wake_at(5.05))), Decide)
+
+
+def test_a_sample_of_which_each_counts_waits_for_room(talk):
+    """For a window at most: an alarm is never lost to what we sent ourselves."""
+    talk.publish(2.1, "robot/r1/alarm", size=76)
+    for number in range(40):
+        talk.publish(2.2 + 0.0001 * number, f"robot/r1/{number}/alarm", size=LIMIT // 50)
+    alarm, said = talk.publish(2.3, "robot/r1/alarm", size=LIMIT // 3)
+    assert not only(said, Drop)
+    for step in range(60):
+        settle(talk, 2.3 + 0.02 * step, talk.tell(ev.TimePassed(2.3 + 0.02 * step)), send=True)
+    assert Forward(alarm) in talk.all(Forward)
+
+
+def test_nobody_waits_for_room_that_others_leave(talk):
+    """Several would, and all send when it opens."""
+    run(talk, 2.0, 3.0, send=False)
+    talk.tell(ev.SampleHeard(4.0, "robot/r2/camera", 60_000, "zz-unknown", None, {"red": 0.0}))
+    sample, said = talk.publish(4.45, "robot/r1/camera", size=FRAME)
+    assert Drop(sample, "dropped:constraint") in only(said)

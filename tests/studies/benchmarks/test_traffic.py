@@ -24,7 +24,7 @@ CAMERA = [kind.name for kind in Case().workload.kinds].index("camera")
 
 
 def test_real_daemons_carry_real_traffic(measured):
-    """Of one robot and of two all is counted: what the operator got, what crossed, and what it took."""
+    """Of one robot and of two all is counted; of one nearly all small samples arrive, and each alarm."""
     got, took = measured("traffic")
     assert [row[0] for row in got.rows] == [row[0] for row in took.rows] == [case.name for case in CASES[:2]]
     for _, utility, others, _, filled, small, *_, alarms, _, _, fullest in got.rows:
@@ -35,6 +35,9 @@ def test_real_daemons_carry_real_traffic(measured):
         arrived, published = map(int, alarms.split("/"))
         assert 0 <= arrived <= published
         assert 10 <= int(fullest.rstrip("%")) <= 250
+    small, alarms = got.rows[0][5], got.rows[0][-4]
+    assert float(small.rstrip("%")) > 80.0
+    assert len(set(alarms.split("/"))) == 1  # all that were published arrived
     for _, digests, framing, robot, operator, *_ in took.rows:
         assert int(digests) > 0
         assert int(framing) > 0

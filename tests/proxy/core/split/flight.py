@@ -101,7 +101,7 @@ class Flight:
 
     def in_transit(self):
         """Slots that were passed on and not yet taken [units]."""
-        slots = [turn.slot for split in self.splits.values() for turn in split._standings[0].turns]
+        slots = [turn.slot for split in self.splits.values() for turn in split._agreement.turns]
         return max((sum(slot.size for slot in slots) // len(self.splits), 0)) if slots else 0
 
     def send(self, name, use):

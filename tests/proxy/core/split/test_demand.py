@@ -1,17 +1,18 @@
 """Bids out of streams."""
 
 import math
+from statistics import fmean
 
 import pytest
 
 from proxy.core.split import Demand, allocate, bid_for
 from proxy.core.split.bid import MOST_SEGMENTS
 
-CAMERA = Demand(0.416, 0.416, 10.0, lambda rate: 1.0 + math.log(1.0 + 10.0 * rate))
-ODOMETRY = Demand(0.0019, 0.0019, 20.0, lambda rate: 1.0 - 0.5 / max(rate, 0.5))
-TELEMETRY = Demand(0.0022, 0.0022, 5.0, lambda rate: 1.0 - 0.25 / max(rate, 0.25))
-LOG = Demand(0.0038, 0.0064, 2.0, lambda rate: 1.0 - 0.1 / max(rate, 0.1))
-ALARMS = Demand(0.0012, 0.0012, 0.125, lambda rate: 200.0 * rate)
+CAMERA = Demand((0.416,), 10.0, lambda rate: 1.0 + math.log(1.0 + 10.0 * rate))
+ODOMETRY = Demand((0.0019,), 20.0, lambda rate: 1.0 - 0.5 / max(rate, 0.5))
+TELEMETRY = Demand((0.0022,), 5.0, lambda rate: 1.0 - 0.25 / max(rate, 0.25))
+LOG = Demand((0.0013, 0.0038, 0.0064), 2.0, lambda rate: 1.0 - 0.1 / max(rate, 0.1))
+ALARMS = Demand((0.0012,), 0.125, lambda rate: 200.0 * rate)
 MIXED = (CAMERA, ODOMETRY, TELEMETRY, LOG, ALARMS)
 
 
@@ -28,7 +29,7 @@ def test_small_streams_come_first_and_large_messages_whole():
 def test_small_streams_get_what_they_need():
     """Room for what they send in a window, and one message more."""
     parts = allocate({f"r{i}": bid_for(MIXED, 0.5, 4) for i in range(4)}, 4, 100).parts
-    need = sum(d.mean * d.rate * 0.5 for d in MIXED[1:]) + LOG.large
+    need = sum(fmean(d.sizes) * d.rate * 0.5 for d in MIXED[1:]) + max(LOG.sizes)
     assert all(part >= need * 10_000 for part in parts.values())
 
 
@@ -40,18 +41,19 @@ def test_four_robots_with_cameras_share_what_frames_there_is_room_for():
 
 def test_one_robot_is_offered_no_more_than_its_streams_send():
     """A slow stream asks for a part of a slot, not for messages that it does not have."""
-    slow = Demand(0.3, 0.3, 0.4, lambda rate: rate)
+    slow = Demand((0.3,), 0.4, lambda rate: rate)
     assert sum(s.quarters for s in bid_for([slow], 0.5, 4)) <= 1
 
 
-def test_messages_that_vary_ask_for_room_for_a_large_one():
-    """A slot that holds a large one holds two small ones, which is counted."""
-    varied = Demand(0.2, 0.5, 10.0, math.sqrt)
-    (first, *_) = bid_for([varied], 0.5, 4)
-    assert first.amount == 5000
+def test_messages_that_vary_ask_for_little_first():
+    """Small ones are worth more for their room; more room lets larger ones through, bit by bit."""
+    varied = Demand([i / 100 for i in range(2, 65, 2)], 10.0, lambda rate: rate / (1.0 + rate))
+    bid = bid_for([varied], 0.5, 4)
+    assert sum(segment.amount for segment in bid) > 3000
+    assert max(segment.amount for segment in bid) < 1500
 
 
-@pytest.mark.parametrize("demand", [Demand(0.1, 0.1, 0.0, float), Demand(0.0, 0.0, 5.0, float)])
+@pytest.mark.parametrize("demand", [Demand((0.1,), 0.0, float), Demand((0.0,), 5.0, float), Demand((), 5.0, float)])
 def test_what_is_never_sent_asks_for_nothing(demand):
     """No rate or no size, no segment."""
     assert bid_for([demand], 0.5, 4) == ()
@@ -59,14 +61,14 @@ def test_what_is_never_sent_asks_for_nothing(demand):
 
 def test_a_message_larger_than_the_limit_asks_for_all_of_it():
     """It goes alone, in its turn."""
-    (first, *_) = bid_for([Demand(3.0, 3.0, 1.0, float)], 0.5, 4)
+    (first, *_) = bid_for([Demand((3.0,), 1.0, float)], 0.5, 4)
     assert first.amount == 10_000
 
 
 def test_many_streams_make_few_segments():
     """Those worth about the same are put together."""
-    demands = [Demand(0.001, 0.001, 1.0 + i, lambda rate, i=i: 2.0**i * rate) for i in range(20)]
+    demands = [Demand((0.001,), 1.0 + i, lambda rate, i=i: 2.0**i * rate) for i in range(20)]
     bid = bid_for(demands, 0.5, 4)
     assert len(bid) <= MOST_SEGMENTS
-    room = sum(d.mean * d.rate * 0.5 for d in demands) + 0.001
+    room = sum(0.001 * d.rate * 0.5 for d in demands) + 0.001
     assert sum(s.amount for s in bid) == pytest.approx(10_000 * room, abs=len(bid))

@@ -51,7 +51,7 @@ def test_teams_are_written_with_their_settings():
 @pytest.mark.full
 def test_all_contenders_fly_the_same_samples():
     """And are worth less than the bound."""
-    names = ["bound", PLAN, "central", "greedy", "static", "greedy-parts", "shares/unicast"]
+    names = ["bound", PLAN, "central", "greedy", "static", "greedy-parts", "announce/unicast"]
     results = {result.task.contender: result for result in fly_all(tasks([CELL], names), 1)}
     assert list(results) == names
     assert len({result.samples for result in results.values()}) == 1

@@ -22,7 +22,7 @@ def test_one_decider_keeps_the_limit_at_any_latency():
 @pytest.mark.parametrize("transport", ["unicast", "broadcast"])
 def test_a_team_flies_real_traffic(transport):
     """Its samples are counted by robot, and everybody hears them who wants them."""
-    how = How("overhear" if transport == "broadcast" else "shares", transport, loss=0.0)
+    how = How("announce", transport, loss=0.0)
     mission = draw("random", 3, 0, WARM_UP + 3.0, latency=0.02, everybody=how.broadcasts)
     flight = fly(mission, how, 0)
     assert {air.robot for air in flight.on_air if air.frame is not None} == {"r0", "r1", "r2"}

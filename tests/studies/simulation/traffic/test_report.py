@@ -3,29 +3,11 @@
 from dataclasses import replace
 
 from studies.simulation.traffic.comparison import Cell, Result, Task
-from studies.simulation.traffic.report import Marks, line, tables
-from studies.simulation.traffic.scores import Score
+from studies.simulation.traffic.marks import Marks
+from studies.simulation.traffic.report import line, tables
+from tests.studies.simulation.traffic.flown import SCORE
 
 CELL = Cell("mixed", 2, 0.02, 0.01, 0, 30.0)
-SCORE = Score(
-    utility=80.0,
-    large=8.0,
-    sent=900_000.0,
-    offered=2e6,
-    room=1e6,
-    over=0.01,
-    worst=1.2,
-    told=300.0,
-    digests=200.0,
-    allowed=2500.0,
-    arrived=0.98,
-    kept=0.99,
-    age=(0.02, 0.03),
-    alarms=7,
-    alarms_sent=6,
-    silence={"r0": 0.5, "r1": 1.5},
-    has_small=True,
-)
 
 
 def results():
@@ -54,7 +36,7 @@ def test_a_table_has_a_column_for_each_contender():
         Result(Task(replace(CELL, seed=1), name), u, 9e5, 1000, 2.0, worse)
         for name, u in (("x/unicast", 85.0), ("central", 90.0))
     ]
-    worth, use, small = tables([*results(), *other])
+    _, worth, use, small = tables([*results(), *other])
     assert worth.columns == ("latency, loss", "bound", "central", "x/unicast")
     (row,) = worth.rows
     assert row[0] == "20 ms 1 %"
@@ -69,5 +51,5 @@ def test_a_workload_without_small_samples_has_no_table_of_them():
     """Nor an interval with one seed, nor a cell where nobody flew."""
     plain = [replace(result, score=result.score and replace(result.score, has_small=False)) for result in results()]
     late = Result(Task(replace(CELL, latency=1.0), "central"), 50.0, 9e5, 1000, 2.0, plain[1].score)
-    worth, _ = tables([*plain, late])
+    _, worth, _ = tables([*plain, late])
     assert worth.rows[1][1:] == ("", "100.0 (–) / 1.0, 1.20", "")

@@ -1,0 +1,147 @@
+"""What a robot and the others agree on: their bids, the tables of these, and what all tables that count give it."""
+
+from collections.abc import Collection
+
+from proxy.core.split.bid import UNIT, Bid
+from proxy.core.split.standing import Entry, Standing
+from proxy.core.split.turns import Turn
+
+NEWCOMERS = 4
+"""So many robots may come at once: each has this part of the floor until all know it."""
+MOST_STANDING = 8
+"""Tables that are kept one by one; of those between the oldest and the newest, the least part is kept."""
+MOST_KNOWN = 256
+"""Bids that are kept of robots, those that are gone included."""
+
+
+class Agreement:
+    """The tables that count for one robot: from the last one agreed on to the newest one.
+
+    `floor` is in units. `version` is the first one of our bids: greater than any that was told under our tag before.
+    """
+
+    def __init__(self, own: str, now: float, *, floor: int, settled_at: float, kind: bytes, version: int) -> None:
+        self.own, self._floor, self._kind, self._settled_at = own, floor, kind, settled_at
+        self.members = {own}
+        self._bids: dict[str, Entry] = {own: (version, ())}
+        self._last: dict[str, tuple[int, int]] = {}
+        self._known_by: set[str] = set()
+        self.newcomer = True
+        """Whether we have agreed on nothing yet."""
+        self.since, self.took, self._formed = now, 0.0, now
+        self._folded = UNIT
+        self.standings = [self._standing({own: self._bids[own]})]
+
+    @property
+    def bid(self) -> Entry:
+        """Our bid and its version."""
+        return self._bids[self.own]
+
+    @property
+    def known(self) -> bool:
+        """Whether all others know our bid."""
+        return self._known_by >= self.members - {self.own}
+
+    @property
+    def pending(self) -> bool:
+        """Whether there are tables after the one agreed on."""
+        return self.newcomer or len(self.standings) > 1
+
+    @property
+    def settled(self) -> bool:
+        """Whether we have agreed on our newest table, and so has everybody as far as known."""
+        newest = self.standings[-1].name
+        others = self.members - {self.own}
+        return not self.pending and all(self._last.get(tag, (0, 0))[1] == newest for tag in others)
+
+    @property
+    def entitled(self) -> int:
+        """What all tables that count give us now [units]."""
+        if self.newcomer:
+            return self._floor // NEWCOMERS
+        return min([self._folded, *(standing.total for standing in self.standings)])
+
+    @property
+    def own_part(self) -> int:
+        """What they give us without slots [units]."""
+        return min([self._folded, *(standing.part for standing in self.standings)])
+
+    @property
+    def turns(self) -> list[Turn]:
+        """The slots of the table that we agreed on last."""
+        return [] if self.newcomer else self.standings[0].turns
+
+    def ask(self, now: float, bid: Bid) -> None:
+        """This is our bid from now on."""
+        self._bids[self.own] = self.bid[0] + 1, bid
+        self._known_by = set()
+        self._form(now)
+
+    def set_members(self, now: float, tags: Collection[str]) -> None:
+        """These robots take part, as far as we see."""
+        before, self.members = self.members, {*tags, self.own}
+        if before == self.members:
+            return
+        self._known_by &= self.members
+        self._last = {tag: names for tag, names in self._last.items() if tag in self.members}
+        if self.members - before:
+            self._reserve()
+        if before - self.members:
+            self.ask(now, self.bid[1])
+        self._form(now)
+
+    def heard(self, now: float, peer: str, version: int, bid: Bid | None, names: tuple[int, int]) -> None:
+        """A robot told its bid, if that is news, and the names of its newest table and of that it agreed on."""
+        if bid is not None and version > self._bids.get(peer, (-1, ()))[0]:
+            self._bids.pop(peer, None)
+            self._bids[peer] = version, bid
+            self._forget_some()
+            self._form(now)
+        self._last[peer] = names
+
+    def settle(self, now: float) -> None:
+        """Look what has been agreed on."""
+        for standing in self.standings:
+            standing.told |= {tag for tag, names in self._last.items() if standing.name in names}
+            if standing.table[self.own] == self.bid:
+                self._known_by |= standing.told & self.members
+        agreed = [i for i, standing in enumerate(self.standings) if self._counts(now, standing)]
+        if agreed and (agreed[-1] > 0 or self.newcomer):
+            self._agree(now, agreed[-1])
+        while len(self.standings) > MOST_STANDING:
+            self._folded = min(self._folded, self.standings.pop(1).part)
+
+    def _counts(self, now: float, standing: Standing) -> bool:
+        """Whether a table is agreed on: by a newcomer, with all bids, or a part for everybody once all see it."""
+        settled = now >= self._settled_at and self.members <= standing.table.keys()
+        first = settled or (standing.complete and bool(standing.bidders))
+        return standing.agreed and (first or not self.newcomer)
+
+    def _agree(self, now: float, index: int) -> None:
+        """Leave out all tables before this one."""
+        self.standings = self.standings[index:]
+        self.newcomer, self._folded, self.since, self.took = False, UNIT, now, now - self._formed
+        for turn in self.turns:
+            turn.used = turn.used if turn.number else now
+
+    def _standing(self, table: dict[str, Entry | None]) -> Standing:
+        members = len(self.members | {tag for tag, entry in table.items() if entry is None})
+        return Standing(self.own, table, members=members, floor=self._floor, kind=self._kind)
+
+    def _form(self, now: float) -> None:
+        """Form our newest table."""
+        newest = self._standing({tag: self._bids.get(tag) for tag in self.members})
+        if newest.name != self.standings[-1].name:
+            self.standings.append(newest)
+            self._formed = now
+
+    def _reserve(self) -> None:
+        """Leave equal parts to those who came, whatever they bid, until all agree on a table with them."""
+        agreed = self.standings[0].table
+        if unknown := self.members - agreed.keys():
+            self.standings.append(self._standing(agreed | dict.fromkeys(unknown)))
+
+    def _forget_some(self) -> None:
+        gone = [tag for tag in self._bids if tag not in self.members]
+        for tag in gone[: max(0, len(self._bids) - MOST_KNOWN)]:
+            del self._bids[tag]

@@ -1,0 +1,102 @@
+"""Which tables count for a robot."""
+
+from proxy.core.split import UNIT, Segment
+from proxy.core.split.agreement import MOST_KNOWN, MOST_STANDING, NEWCOMERS, Agreement
+
+BID = (Segment(4000, 120),)
+
+
+def robot(own, others="", version=0):
+    agreement = Agreement(own, 0.0, floor=200, settled_at=1.0, kind=b"", version=version)
+    agreement.set_members(0.0, set(others))
+    agreement.ask(0.0, BID)
+    return agreement
+
+
+def tell(now, sender, *receivers):
+    names = sender.standings[-1].name, 0 if sender.newcomer else sender.standings[0].name
+    version, bid = sender.bid
+    for receiver in receivers:
+        receiver.heard(now, sender.own, version, bid, names)
+        receiver.settle(now)
+
+
+def agree(now, *robots):
+    for _ in range(3):
+        for sender in robots:
+            tell(now, sender, *[r for r in robots if r is not sender])
+
+
+def test_two_robots_agree_when_each_has_heard_that_the_other_has_the_same_table():
+    """Until then both are newcomers."""
+    a, b = robot("a", "b"), robot("b", "a")
+    tell(0.1, a, b)
+    assert (a.entitled, b.entitled) == (200 // NEWCOMERS, 200 // NEWCOMERS)
+    tell(0.1, b, a)
+    assert a.standings[-1].name == b.standings[-1].name
+    assert (a.newcomer, b.newcomer) == (False, True)
+    tell(0.2, a, b)
+    assert not b.newcomer
+    tell(0.3, b, a)
+    assert (a.settled, a.known, a.entitled + b.entitled) == (True, True, UNIT - 200)
+
+
+def test_until_all_agree_a_robot_has_the_least_that_its_tables_give():
+    """From the one agreed on before to the newest one."""
+    a, b, c = robot("a", "bc"), robot("b", "ac"), robot("c", "ab")
+    agree(0.1, a, b, c)
+    before = a.entitled
+    b.ask(0.2, (Segment(300, 120),))
+    tell(0.2, b, a, c)
+    assert a.standings[-1].total > before
+    assert (a.pending, a.entitled) == (True, before)
+    tell(0.3, c, a)
+    assert (a.pending, a.entitled) == (False, a.standings[-1].total)
+
+
+def test_a_robot_that_loses_sight_of_another_raises_its_version():
+    """So no table ever comes back, and an old digest names none that counts."""
+    a, b, c = robot("a", "bc"), robot("b", "ac"), robot("c", "ab")
+    agree(0.1, a, b, c)
+    name, version = a.standings[-1].name, a.bid[0]
+    a.set_members(0.2, "b")
+    a.set_members(0.3, "bc")
+    assert a.bid[0] == version + 1
+    assert a.standings[-1].name != name
+    assert a.pending
+
+
+def test_who_comes_has_an_equal_part_left_before_anybody_agrees():
+    """Also in the table that was agreed on, whatever is known of the newcomer meanwhile."""
+    a = robot("a")
+    a.settle(1.0)
+    assert a.entitled == UNIT - 200
+    a.set_members(1.1, "b")
+    a.settle(1.1)
+    assert a.entitled == (UNIT - 200) // 2
+
+
+def test_memory_is_bounded():
+    """Of tables and of bids of robots that are gone."""
+    a, b = robot("a", "b"), robot("b", "a")
+    agree(0.1, a, b)
+    least = a.entitled
+    for i in range(30):
+        a.heard(0.2, "b", 10 + i, (Segment(300 + i, 200 if i == 3 else 100),), (1, 1))
+        a.settle(0.2)
+        least = min(least, a.standings[-1].part)
+    assert len(a.standings) <= MOST_STANDING
+    assert a.entitled == least
+    for i in range(2 * MOST_KNOWN):
+        a.heard(0.3, f"x{i}", 1, BID, (1, 1))
+    assert len(a._bids) <= MOST_KNOWN
+
+
+def test_a_bid_of_an_older_version_changes_nothing():
+    """Nor does one of the same version: it is the same."""
+    a, b = robot("a", "b"), robot("b", "a", version=7)
+    agree(0.1, a, b)
+    name = a.standings[-1].name
+    a.heard(0.2, "b", 3, (), (1, 1))
+    a.settle(0.2)
+    assert a.standings[-1].name == name
