@@ -48,7 +48,7 @@ def flown(weight):
 
 @pytest.mark.parametrize(("weight", "least"), [(0.1, 0), (100.0, 2)])
 def test_a_large_sample_is_sent_when_it_is_worth_what_it_displaces(weight, least):
-    """And then nothing else for as long as its bytes take, but what crosses the news of it; else the small ones are."""
+    """And then nothing else for as long as its bytes take; else the small ones are."""
     deliveries = flown(weight)
     large = [d for d in deliveries if d.frame.key.endswith("map") and d.t_sent > 3.0]
     assert len(large) >= least
@@ -62,5 +62,5 @@ def _overfull(deliveries):
         Message(0, d.t_sent, d.t_sent, d.t_sent, Linear(1.0, 1.0), 1.0, (float(d.frame.size),))
         for d in sorted(deliveries, key=lambda d: d.t_sent)
     )
-    limit = Constraint("throughput", WINDOW, LIMIT + 2 * 2_000)
+    limit = Constraint("throughput", WINDOW, LIMIT)
     return violations(Problem((Stream(0),), sent, 0, (limit,), (), 0.0, 100.0), range(len(sent)))
