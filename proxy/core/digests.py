@@ -31,7 +31,7 @@ MOST_STREAMS = 32
 MOST_ECHOES = 8
 """Peers echoed in one digest."""
 ORDINARY = 0.2
-"""This part of the allowance is for all but announcements."""
+"""This part of the allowance is for all but announcements, and what they do not need."""
 STATES = 0.5
 """... and this part may go to states, questions and answers, while there are any."""
 FULL = 0.25
@@ -240,8 +240,8 @@ class DigestPacer:
 
     @property
     def _rate_of_own(self) -> float:
-        """Our part of what is for ordinary news [B/s]."""
-        return ORDINARY * self._rate / self._robots
+        """Our part of what is for ordinary news [B/s]: of all, as long as announcements leave it."""
+        return (ORDINARY if self._common < 0.0 else 1.0) * self._rate / self._robots
 
 
 def _of(stream: Stream) -> StreamDigest | None:

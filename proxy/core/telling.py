@@ -152,8 +152,10 @@ class Telling:
     def _digest_due(self, now: float) -> float:
         if not self._view.peers:
             return now + IDLE
-        if now < self._told_at + APART:
-            return self._told_at + APART
+        return max(self._told_at + APART, self._wanted(now))
+
+    def _wanted(self, now: float) -> float:
+        """When the allowance and what there is to tell have us tell something [s]."""
         self._look_for_news()
         news = (
             self._news
