@@ -98,7 +98,7 @@ class Budget:
         )
 
     def opens(self, now: float, use: tuple[float, ...], *, anybodys: bool = False) -> float:
-        """When the room opens that our earlier sends, or `anybodys`, leave for a message [s]; −∞ where it is there, else ∞."""
+        """When the room opens for a message that our sends, or `anybodys`, leave [s]; −∞ where it is there, else ∞."""
         return opens(self.usable(now), self._sent, self.others(now), use, anybodys=anybodys)
 
     def use(self, now: float, use: tuple[float, ...]) -> None:

@@ -19,7 +19,7 @@ import msgpack
 
 from proxy.core.errors import MalformedWireError, OtherVersionError
 from proxy.core.fixed import coded, decoded, seconds, ticks
-from proxy.core.split import Bid, Told, packed, unpacked
+from proxy.core.split import Told, fields, told_of
 from proxy.core.wire import (
     MOST_CLOCK_ERROR,
     MOST_ORIGINS,
@@ -53,8 +53,6 @@ MOST_PHASES = 1_000_000
 """What is further off a rhythm is told as so far off."""
 MAX_LATENCY = 3600.0
 MAX_SCALE = 1e15
-MOST_TURNS = 64
-"""Slots that robots use in turn."""
 MAX_ENTRY = 32
 """Fields of what a state or an announcement tells of a stream; later versions may have more of them."""
 MAX_VERSION = 64
@@ -70,7 +68,7 @@ def pack_digest(digest: Digest) -> bytes:
     sent = ticks(digest.sent)
     if digest.brief:
         return _pack([VERSION, sent, digest.state, [_brief_fields(sent, stream) for stream in digest.streams]])
-    fields: list[Any] = [VERSION, sent, digest.state, digest.messages, digest.bytes]
+    whole: list[Any] = [VERSION, sent, digest.state, digest.messages, digest.bytes]
     lists: list[list[Any]] = [
         [_stream_fields(sent, stream) for stream in digest.streams],
         [field for e in digest.echoes for field in _echo_fields(sent, e)],
@@ -79,7 +77,7 @@ def pack_digest(digest: Digest) -> bytes:
     ]
     while lists and not lists[-1]:
         lists.pop()
-    return _pack([*fields, *lists])
+    return _pack([*whole, *lists])
 
 
 def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterable[int] = ()) -> Digest:
@@ -175,33 +173,19 @@ def _stream_digest(sent: int, f: list[Any]) -> StreamDigest:
 
 
 def _split_fields(digest: Digest) -> list[Any]:
-    """Whether it is due, versions and names of tables, ticks rounded down, the bid if it is told, and turns."""
-    told = digest.split
-    if told is None:
+    """Whether it is due, and what is told of parts."""
+    if digest.split is None:
         return [1] if digest.splits else []
-    unused = int(told.unused * ticks(1.0))
-    fields = [int(digest.splits), told.version, told.table, told.agreed, unused]
-    bid: list[bytes | None] = [] if told.bid is None else [packed(told.bid)]
-    return [*fields, *(bid or [None] * bool(told.turns)), *told.turns]
+    return [int(digest.splits), *fields(digest.split)]
 
 
 def _split(f: list[Any]) -> Told | None:
-    if len(f) < 4:
+    if not f:
         return None
-    bid, turns = (f[4] if len(f) > 4 else None), _at_most(f[5:], MOST_TURNS)
-    version, table, agreed = _count(f[0]), _count(f[1], 2**32), _count(f[2], 2**32)
-    return Told(version, _bid(bid), table, agreed, tuple(map(_count, turns)), seconds(_count(f[3])))
-
-
-def _bid(data: object) -> Bid | None:
-    if data is None:
-        return None
-    if not isinstance(data, bytes):
-        raise MalformedWireError(f"{data!r:.80} is no bid")
     try:
-        return unpacked(data)
-    except ValueError as error:
-        raise MalformedWireError(str(error)) from error
+        return told_of(f)
+    except (ValueError, TypeError) as error:
+        raise MalformedWireError(f"nothing that is told of parts: {error}") from error
 
 
 def _echo_fields(sent: int, e: Echo) -> tuple[Any, ...]:

@@ -171,7 +171,10 @@ class Coordination:
         if not self.rivals or math.isinf(window):
             self.finds_due = self._always
         else:
-            late = max(self._longest_way(), waiting) >= still * LATE * window
+            # Where limits follow the channel, these dissolve a queue; a split would only hide it.
+            adaptive = any(limit.least < 1.0 for limit in limits)
+            way = self._view.longest_way if adaptive else max(self._longest_way(), waiting)
+            late = way >= still * LATE * window
             dear = announcing(now) > still * AFFORDABLE
             self._dear_since = min(self._dear_since, now) if dear else math.inf
             lasting = 0.0 if len(self._view.peers) > FEW else LASTING

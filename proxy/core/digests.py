@@ -32,6 +32,8 @@ MOST_ECHOES = 8
 """Peers echoed in one digest."""
 ORDINARY = 0.2
 """This part of the allowance is for all but announcements, and what they do not need."""
+ON_CHANNEL = 0.7
+"""... this part where limits follow the channel, as how long digests take tells of it..."""
 STATES = 0.5
 """... and this part may go to states, questions and answers, while there are any."""
 FULL = 0.25
@@ -60,6 +62,8 @@ class DigestPacer:
         self.revision = 0
         """How often what was told of streams changed."""
         self._rate, self._robots = LEAST_ALLOWANCE, 1
+        self.ordinary = ORDINARY
+        """The part of the allowance that is for all but announcements."""
         self._common = 0.0
         """What is left of the allowance of all."""
         self._tokens = LEAST_ALLOWANCE
@@ -241,7 +245,7 @@ class DigestPacer:
     @property
     def _rate_of_own(self) -> float:
         """Our part of what is for ordinary news [B/s]: of all, as long as announcements leave it."""
-        return (ORDINARY if self._common < 0.0 else 1.0) * self._rate / self._robots
+        return (self.ordinary if self._common < 0.0 else 1.0) * self._rate / self._robots
 
 
 def _of(stream: Stream) -> StreamDigest | None:

@@ -14,7 +14,7 @@ from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
 from proxy.core.coordination import Coordination
-from proxy.core.digests import ANNOUNCEMENT, ON_AIR, OVERHEAD, QUESTION, DigestPacer
+from proxy.core.digests import ANNOUNCEMENT, ON_AIR, ON_CHANNEL, ORDINARY, OVERHEAD, QUESTION, DigestPacer
 from proxy.core.gate import Gate
 from proxy.core.limits import allowance_of, changes_plans, shortest_window, use_of
 from proxy.core.stating import differs, shortened, state_of, update_of
@@ -119,6 +119,7 @@ class Telling:
         robots = len(self._view.peers) + 1
         allowance = self._view.settings.allowance * self._channel.part
         self.pacer.set_rate(allowance_of(self._view.specs, allowance, robots), robots)
+        self.pacer.ordinary = ON_CHANNEL if self._channel.capacity.factors else ORDINARY
 
     def heard(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came: it was paid for from the allowance of all."""
