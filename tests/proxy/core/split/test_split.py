@@ -1,7 +1,7 @@
 """The split: the union of all robots' sends never exceeds a limit, whatever happens to digests."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from proxy.core.split import NEWCOMERS, UNIT, Segment, Split, packed
@@ -35,8 +35,13 @@ def parts(flight):
 
 @some
 @given(seeds, st.integers(1, 6), st.floats(0.0, 0.6), st.sampled_from([0.02, 0.2, 1.2]), st.sampled_from([0.02, 0.3]))
+@example(seed=330, robots=5, loss=0.0, delay=0.02, pace=0.05)
+@example(seed=17, robots=6, loss=0.1, delay=0.05, pace=0.05)
 def test_the_union_holds_under_loss_delay_repetition_and_reordering(seed, robots, loss, delay, pace):
-    """Robots send all that they may and change their bids at random: no window holds more than the limit."""
+    """Robots send all that they may and change their bids at random: no window holds more than the limit.
+
+    In the examples, slots are passed on by robots that hold two, and come back to who had them shortly before.
+    """
     flight = Flight(seed, robots, loss=loss, delay=delay, pace=pace)
     for _ in range(STEPS):
         flight.step()
