@@ -117,6 +117,7 @@ class Coordination:
         kind = windows, fingerprint(self._view.specs)
         if kind == self._kind:
             return
+        version = 0 if self._split is None else self._split.telling(now).version + 1
         self._kind, self._split = kind, None
         if windows:
             self._split = Split(
@@ -126,6 +127,7 @@ class Coordination:
                 floor=self._settings.floor,
                 settled_at=max(now, self._settled_at),
                 kind=b"%d" % kind[1],
+                version=version,
             )
             self._split.set_members(now, self._members)
 

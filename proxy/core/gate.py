@@ -533,6 +533,6 @@ def _claim(now: float, stream: Stream) -> float:
 
 
 def _just_due(now: float, stream: Stream, news: float) -> bool:
-    """Whether a sample of another robot's stream was due so shortly ago that we could not have heard what became of it."""
+    """Whether a sample of another robot was due so shortly ago that we cannot have heard what became of it."""
     due = stream.schedule.forecast(now - news, now + stream.schedule.jitter, 1, now)
     return bool(due) and (stream.sent is None or stream.sent.t_gen < due[0] - 0.5 * stream.schedule.period)

@@ -23,6 +23,7 @@ from proxy.core.codec import (
 from proxy.core.errors import MalformedWireError
 from proxy.core.fixed import rounded, seconds, single, ticks
 from proxy.core.split import UNIT, Segment, Told
+from proxy.core.split.told import TICK
 from proxy.core.wire import MOST_CLOCK_ERROR, Digest, Echo, State, StreamDigest, StreamState
 
 time = st.integers(0, 10**13).map(lambda ticks_: ticks_ / 1e4)
@@ -65,14 +66,15 @@ def announcements(draw):
 
 
 segments = st.builds(Segment, st.integers(1, UNIT), st.integers(0, 255), st.sampled_from((0, 1, 2, 4)))
+numbers = st.integers(0, 2**32 - 1)
 tolds = st.builds(
     Told,
-    version=count,
+    version=numbers,
     bid=st.one_of(st.none(), st.lists(segments, max_size=8).map(tuple)),
-    table=st.integers(0, 2**32),
-    agreed=st.integers(0, 2**32),
-    turns=st.lists(count, max_size=5).map(tuple),
-    unused=st.integers(0, 10**6).map(seconds),
+    table=st.integers(1, 2**32 - 1),
+    agreed=numbers,
+    turns=st.lists(numbers, min_size=1, max_size=5).map(tuple),
+    unused=st.integers(0, 10**5).map(lambda ticks: ticks * TICK),
 )
 digests = st.builds(
     Digest,
