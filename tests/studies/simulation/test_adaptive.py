@@ -73,4 +73,4 @@ def test_who_leads_goes_on_hearing_of_the_channel(fly):
     limit = 'limit = "adaptive"\nceiling = "240 kbit/s"\nwindow = 1'
     team, _ = fly(3, 18.0, limit=limit, size=3_000, total=12.0, delay=0.02)
     told = [sent.t for sent in team.on_air if sent.digest and sent.robot != "op" and sent.t >= 8.0]
-    assert max(after - before for before, after in pairwise([8.0, *told, 18.0])) <= 1.5
+    assert max(after - before for before, after in pairwise([8.0, *told, 18.0])) <= 4.0
