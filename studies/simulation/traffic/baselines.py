@@ -1,9 +1,9 @@
 """Policies that do not plan, to be beaten: a fixed part for each robot, and greedy sending with a reserve.
 
 Both let the newest sample of each stream wait a moment until it fits (of alarms every one, for good), small types
-first, then the stream that has waited longest. They know which types are small, and they tell each other nothing. Where a part is less than
-a message, `static` sends by turns, for which its robots know the time; greedy senders save up for it, and exceed the
-limit where several have done so.
+first, then the stream that has waited longest. They know which types are small, and they tell each other nothing.
+Where a part is less than a message, `static` sends by turns, for which its robots know the time; greedy senders save up
+for it, and exceed the limit where several have done so.
 """
 
 from collections import deque
