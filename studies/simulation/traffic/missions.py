@@ -142,7 +142,7 @@ def _message(stream: int, kind: Kind, frame: Frame, latency: float) -> Message:
 
 
 def _uniform(name: str, robots: int, seed: int, seconds: float, latency: float, *, everybody: bool) -> Mission:
-    """Draw a mission of equal messages (§4.2), five per window; what robots tell each other comes on top of the limit of the messages."""
+    """Draw a mission of equal messages (§4.2), five per window; what robots tell each other comes on top of that."""
     # The robots of a team that broadcasts want everything, but there is an operator besides.
     how = conditions.Conditions(latency=latency, robots=robots, seconds=seconds - conditions.WARM_UP)
     drawn = missions.draw(scenario(name), seed, how)
