@@ -1,1 +1,1 @@
-"""Real traffic (MODEL.md 9) in simulation: teams beside one central decider, simple policies and bounds."""
+"""What robots really send, in simulation: teams beside one central decider, simple policies and bounds."""

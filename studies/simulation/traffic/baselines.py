@@ -1,9 +1,9 @@
 """Policies that do not plan, to be beaten: a fixed part for each robot, and greedy sending with a reserve.
 
-Both let the newest sample of each stream wait until it fits (of alarms every one), small types first, then the stream
-that has waited longest. They know which types are small, and they tell each other nothing. Where a part is less than
-a message, `static` sends by turns, for which its robots know the time; greedy senders save up for it, and exceed the
-limit where several have done so.
+Both let the newest sample of each stream wait a moment until it fits (of alarms every one, for good), small types
+first, then the stream that has waited longest. They know which types are small, and they tell each other nothing.
+Where a part is less than a message, `static` sends by turns, for which its robots know the time; greedy senders save up
+for it, and exceed the limit where several have done so.
 """
 
 from collections import deque
@@ -28,6 +28,8 @@ SPARE = 1.5
 """Where large messages go by turns, small types have so many times what they use by the mean."""
 LATER = 1e-6
 """Turns are a little farther apart than they need be [s]: windows are closed."""
+PATIENCE = 0.1
+"""What is not small waits so long at most, but where it waits for a turn [s]: what was sent late is worth less."""
 PACE = 0.002
 """While something waits, senders look this often whether it fits [s]."""
 
@@ -61,6 +63,8 @@ class Sender:
 
     def take(self, t: float, mission: Mission) -> list[int]:
         """Return what of the waiting is sent now, in order [indices]."""
+        if self.turn is None:
+            self.waiting = [i for i in self.waiting if i in mission.small or t < mission.frames[i].t_gen + PATIENCE]
         since = list(takewhile(lambda sent: sent.t >= t - self.window, self._sent))
         taken = []
         for index in sorted(self.waiting, key=lambda i: self._order(i, mission)):

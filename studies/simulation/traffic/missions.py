@@ -21,7 +21,7 @@ WARM_UP = 5.0
 ALONE = "all"
 """The robot that publishes everything where one decides for all."""
 UNIFORM = "uniform-"
-"""So the names of the workloads of section 8 begin; one of its scenarios follows."""
+"""So the names of the workloads of equal messages begin; one of its scenarios follows."""
 ALLOWANCE = 0.02
 """Part of the limit that all a team tells each other may use, if that is more than `LEAST_ALLOWANCE` for each robot."""
 RED_LASTS, RED_PAUSES, RED_AMOUNT = (3.0, 6.0), (2.0, 8.0), (0.2, 0.6)
@@ -142,7 +142,7 @@ def _message(stream: int, kind: Kind, frame: Frame, latency: float) -> Message:
 
 
 def _uniform(name: str, robots: int, seed: int, seconds: float, latency: float, *, everybody: bool) -> Mission:
-    """Draw a mission of section 8, r = 5; what robots tell each other comes on top of the limit of the messages."""
+    """Draw a mission of equal messages (§4.2), five per window; what robots tell each other comes on top of that."""
     # The robots of a team that broadcasts want everything, but there is an operator besides.
     how = conditions.Conditions(latency=latency, robots=robots, seconds=seconds - conditions.WARM_UP)
     drawn = missions.draw(scenario(name), seed, how)

@@ -1,4 +1,4 @@
-"""The workloads of MODEL.md 9 by name: what each robot of a team publishes, and the limit for all."""
+"""Workloads of what robots really send, by name: what each robot of a team publishes, and the limit for all."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -90,4 +90,4 @@ WORKLOADS: dict[str, Callable[[int], Workload]] = {
     "cameras": cameras,
     "crowd": crowd,
 }
-"""All but *uniform*, which is that of section 8."""
+"""All but *uniform*, which is the equal messages of the simulation study (§4.2)."""

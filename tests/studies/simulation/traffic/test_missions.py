@@ -66,7 +66,7 @@ def test_an_operator_wants_everything_and_others_where_they_hear_it():
 
 
 def test_one_robot_can_publish_all():
-    """The same frames under the same keys; of section 8 it has what messages have."""
+    """The same frames under the same keys; of equal ones it has what messages have."""
     mission = draw("uniform-mixed", 10, 0, 10.0, latency=0.02)
     by_one = alone(mission)
     assert {frame.robot for frame in by_one.frames} == {ALONE}

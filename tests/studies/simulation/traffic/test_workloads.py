@@ -1,4 +1,4 @@
-"""The workloads of MODEL.md 9."""
+"""The workloads of real traffic."""
 
 import pytest
 
