@@ -176,7 +176,8 @@ class Coordination:
             # Where limits follow the channel, these dissolve a queue; a split would only hide it.
             adaptive = any(limit.least < 1.0 for limit in limits)
             way = self._view.longest_way if adaptive else max(self._longest_way(), waiting)
-            late = way >= still * LATE * window
+            # Late news harm nobody who has nothing to decide: an operator hears digests behind the frames it gets.
+            late = self._view.settings.robot in sending and way >= still * LATE * window
             dear = announcing(now) > still * AFFORDABLE
             self._dear_since = min(self._dear_since, now) if dear else math.inf
             lasting = 0.0 if len(self._view.peers) > FEW else LASTING
@@ -200,7 +201,9 @@ class Coordination:
         return replace(now_told, unused=0.0) != replace(self._told, unused=0.0)
 
     def _longest_way(self) -> float:
-        """What messages take from any robot to any other at most, and digests took lately, as far as is known [s]."""
-        peers = self._view.peers.values()
-        told = [line.fixed for peer in peers for line in peer.heard_by.values()]
-        return max([self._view.longest_way, *told, min(self._took, default=0.0)])
+        """What digests take from or to any robot at most, and took to us lately [s].
+
+        Not what samples take: frames wait for each other on a channel that is full, and news go by. What others hear
+        late they say themselves.
+        """
+        return max(self._view.longest_way, min(self._took, default=0.0))

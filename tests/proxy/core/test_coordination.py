@@ -4,7 +4,6 @@ import pytest
 
 from proxy.core import events as ev
 from proxy.core.coordination import AFFORDABLE, FEW, LASTING, LATE, PACE, STILL, Coordination
-from proxy.core.latency import Latency
 from proxy.core.limits import limits_of
 from proxy.core.settings import CoreSettings
 from proxy.core.split import Told
@@ -85,12 +84,16 @@ def test_where_news_are_late_or_cost_too_much_a_robot_finds_that_the_team_has_to
     assert team.coordination.part(team.now, 0) == 1.0
 
 
-def test_the_longest_way_between_any_two_robots_counts(make_team):
-    """Also one that only the others know."""
-    team = make_team()
-    team.view.peers["p1"].heard_by["p2"] = Latency(1.01 * LATE * WINDOW)
-    team.look()
-    assert team.coordination.finds_due
+def test_who_has_nothing_to_send_does_not_ask_for_a_split(make_team):
+    """An operator hears digests behind the frames that it gets; that they are late harms nobody."""
+    team = make_team(send=0)
+    for robot in ("p1", "p2"):
+        stream = team.view.stream(0.0, robot, f"robot/{robot}/camera")
+        for count in range(9):
+            stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
+    team.look(waiting=2.0 * LATE * WINDOW)
+    assert team.coordination.rivals
+    assert not team.coordination.finds_due
 
 
 def test_news_that_wait_on_their_way_are_late(make_team):
