@@ -136,7 +136,7 @@ class Budget:
             return self._counted(now, k, limit.window, others) + amount <= whole
         if limit.shared and not self._coordination.whole_turn(now, k):
             return False
-        stretched = limit.window * min(amount / limit.limit, MOST_STRETCHED)
+        stretched = limit.window * min(amount / whole, MOST_STRETCHED)
         return self._counted(now, k, stretched, others) <= 0.0
 
     def _counted(self, now: float, k: int, window: float, others: Sends) -> float:

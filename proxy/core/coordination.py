@@ -58,6 +58,8 @@ class Coordination:
         self._kind: tuple[tuple[float, ...], int] = (), 0
         self._split: Split | None = None
         self._told: Told | None = None
+        self._established = self._always
+        """Whether parts were agreed on by all; else all have equal ones, and nobody is silenced by agreeing slowly."""
         self.finds_due = self._always
         """Whether we find that the team has to split."""
         self._dear_since = math.inf
@@ -75,17 +77,20 @@ class Coordination:
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
 
-        Where a team changes over each robot takes an equal part until it has agreed on another one.
+        Where a team changes over each robot takes an equal part until all have agreed on others.
         """
         if not self.splits or self._split is None:
             return 1.0 - self._settings.margin if self.rivals else 1.0
-        if self._always or self._split.agreed:
+        if self._established:
             return self._split.part(now, k)
         return (1.0 - self._settings.floor) / (len(self._members) + 1)
 
     def whole_turn(self, now: float, k: int) -> bool:
-        """Whether a message may go now that is larger than all we may use: nobody else may send then."""
-        return not self.splits or self.part(now, k) >= ALL
+        """Whether a message may go now that is larger than all we may use, if we sent nothing for as long as it takes.
+
+        Not where others have parts beside ours; but while a team changes over nobody is silenced.
+        """
+        return not (self.splits and self._established) or self.part(now, k) >= ALL
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """A message was sent that uses such parts of the shared limits."""
@@ -144,6 +149,7 @@ class Coordination:
                 self._split.bid(now, bid(self._view, now, limits))
         if self.splits and self._split is not None:
             self._split.look(now, max(self._longest_way(), waiting))
+            self._established |= self._split.settled and self._split.agreed and now >= self._settled_at
         return self._news(now)
 
     def telling(self, now: float) -> Told | None:
@@ -173,11 +179,10 @@ class Coordination:
         if not self.rivals or math.isinf(window):
             self.finds_due = self._always
         else:
-            # Where limits follow the channel, these dissolve a queue; a split would only hide it.
-            adaptive = any(limit.least < 1.0 for limit in limits)
-            way = self._view.longest_way if adaptive else max(self._longest_way(), waiting)
-            # Late news harm nobody who has nothing to decide: an operator hears digests behind the frames it gets.
-            late = self._view.settings.robot in sending and way >= still * LATE * window
+            # Late news harm nobody who has nothing to decide: an operator hears digests behind the frames it gets. Where
+            # limits follow the channel it is a queue that makes news late, and these dissolve it.
+            decides = self._view.settings.robot in sending and all(limit.least >= 1.0 for limit in limits)
+            late = decides and max(self._longest_way(), waiting) >= still * LATE * window
             dear = announcing(now) > still * AFFORDABLE
             self._dear_since = min(self._dear_since, now) if dear else math.inf
             lasting = 0.0 if len(self._view.peers) > FEW else LASTING

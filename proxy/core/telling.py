@@ -22,7 +22,7 @@ from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, State, tag
 
-PARTS_DEBT, PARTS_PACE = 2.0, 0.05
+PARTS_DEBT, PARTS_PACE = 5.0, 0.05
 """... and so much on news of parts, which are told this far apart at least [s]."""
 DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]."""
