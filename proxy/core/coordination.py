@@ -59,7 +59,7 @@ class Coordination:
         self._split: Split | None = None
         self._told: Told | None = None
         self._established = self._always
-        """Whether parts were agreed on by all; else all have equal ones, and nobody is silenced by agreeing slowly."""
+        """Whether parts were agreed on by all; until then all have equal ones at least."""
         self.finds_due = self._always
         """Whether we find that the team has to split."""
         self._dear_since = math.inf
@@ -77,20 +77,18 @@ class Coordination:
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
 
-        Where a team changes over each robot takes an equal part until all have agreed on others.
+        Where a team changes over each robot takes an equal part at least until all have agreed on others.
         """
         if not self.splits or self._split is None:
             return 1.0 - self._settings.margin if self.rivals else 1.0
+        ours = self._split.part(now, k)
         if self._established:
-            return self._split.part(now, k)
-        return (1.0 - self._settings.floor) / (len(self._members) + 1)
+            return ours
+        return max(ours, (1.0 - self._settings.floor) / (len(self._members) + 1))
 
     def whole_turn(self, now: float, k: int) -> bool:
-        """Whether a message may go now that is larger than all we may use, if we sent nothing for as long as it takes.
-
-        Not where others have parts beside ours; but while a team changes over nobody is silenced.
-        """
-        return not (self.splits and self._established) or self.part(now, k) >= ALL
+        """Whether a message may go now that is larger than all we may use: nobody else may send then."""
+        return not self.splits or self.part(now, k) >= ALL
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """A message was sent that uses such parts of the shared limits."""
