@@ -177,8 +177,8 @@ class Coordination:
         if not self.rivals or math.isinf(window):
             self.finds_due = self._always
         else:
-            # Late news harm nobody who has nothing to decide: an operator hears digests behind the frames it gets. Where
-            # limits follow the channel it is a queue that makes news late, and these dissolve it.
+            # Late news harm nobody who has nothing to decide: an operator hears digests behind the frames it gets.
+            # Where limits follow the channel it is a queue that makes news late, and these dissolve it.
             decides = self._view.settings.robot in sending and all(limit.least >= 1.0 for limit in limits)
             late = decides and max(self._longest_way(), waiting) >= still * LATE * window
             dear = announcing(now) > still * AFFORDABLE

@@ -20,9 +20,10 @@ from proxy.core.limits import allowance_of, changes_plans, shortest_window, use_
 from proxy.core.stating import differs, shortened, state_of, update_of
 from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
+from proxy.core.ways import mean_loss
 from proxy.core.wire import Digest, State, tag
 
-PARTS_DEBT, PARTS_PACE = 5.0, 0.05
+PARTS_DEBT, PARTS_PACE = 2.0, 0.05
 """... and so much on news of parts, which are told this far apart at least [s]."""
 DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]."""
@@ -123,7 +124,8 @@ class Telling:
 
     def heard(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came: it was paid for from the allowance of all."""
-        self.pacer.spent(now, size, self._digest_copies())
+        # For each one that comes others are lost.
+        self.pacer.spent(now, round(size / (1.0 - mean_loss(self._view))), self._digest_copies())
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
