@@ -1,7 +1,7 @@
 """How robots keep a limit together: who counts what of whom, and which part of every shared limit is ours.
 
 `announce`: each robot plans for all with what it knows and acts on its own samples only; what it sends the others hear
-from the air, or from the digest that follows. That holds while news take less than about a tenth of the window, and
+from the air, or from the digest that follows. That holds while news take less than about a quarter of the window, and
 while the digests fit into their allowance.
 
 `split`: each robot has a part of every limit (`proxy.core.split`), and needs no news of the others. It is what an
@@ -22,8 +22,9 @@ from proxy.core.split import Split, Told
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, tag
 
-LATE = 0.1
-"""News are late where they take this part of the shortest window..."""
+LATE = 0.25
+"""News are late where they take this part of the shortest window: at 0.1 s, a fifth of it, five robots with samples of
+random sizes reached 95 % of a central decider in `announce` and 74 to 91 in `split`, with 6 to 9 % of windows over..."""
 AFFORDABLE = 0.8
 """... and announcements cost too much where they take this part of the allowance;"""
 STILL = 0.8

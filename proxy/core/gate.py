@@ -31,6 +31,8 @@ from proxy.core.window import WindowBuilder
 AT_ONCE = 128
 """So many samples are taken up at one event: what else happens has its turn before the rest of a burst."""
 CONSTRAINT = "dropped:constraint"
+YIELDED = 1.5
+"""A sample gives way where news take no more than so many periods of its stream: else there are newer ones by then."""
 DECIDED = 0.01
 """What is decided elsewhere is on its way so much later than generated [s]."""
 MANY_GONE = 64
@@ -466,6 +468,8 @@ class Gate:
         """
         stream, news = self._own(now, sample), self._view.longest_way + DECIDED
         if stream is None or self._budget.alone or sample.sample in self._yielded or not self._view.peers:
+            return False
+        if news > YIELDED * stream.schedule.period:
             return False
         claim, rivals = _claim(now, stream), [0.0] * len(use)
         for each in self._view.competition.all(now):

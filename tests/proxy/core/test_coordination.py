@@ -99,7 +99,7 @@ def test_who_has_nothing_to_send_does_not_ask_for_a_split(make_team):
 def test_news_that_wait_on_their_way_are_late(make_team):
     """Whatever the way takes at best; one that was held up alone is no reason."""
     team = make_team()
-    for sent, took in ((1.0, 0.01), (2.0, 0.5), (3.0, 0.01), (4.0, 0.5), (5.0, 0.5), (6.0, 0.5)):
+    for sent, took in ((1.0, 0.01), (2.0, 0.9), (3.0, 0.01), (4.0, 0.9), (5.0, 0.9), (6.0, 0.9)):
         digest = Digest("p1", "p1", sent, brief=sent == 5.0)
         team.view.heard_digest(sent + took, digest)
         team.coordination.heard(sent + took, digest)
