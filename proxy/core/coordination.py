@@ -23,8 +23,8 @@ from proxy.core.view import SharedView
 from proxy.core.wire import Digest, tag
 
 LATE = 0.25
-"""News are late where they take this part of the shortest window: at 0.1 s, a fifth of it, five robots with samples of
-random sizes reached 95 % of a central decider in `announce` and 74 to 91 in `split`, with 6 to 9 % of windows over..."""
+"""News are late where they take this part of the shortest window: at a fifth of it five robots with samples of random
+sizes reached 95 % of a central decider in `announce`, with 6 to 9 % of windows over, and 74 to 91 in `split`..."""
 AFFORDABLE = 0.8
 """... and announcements cost too much where they take this part of the allowance;"""
 STILL = 0.8
