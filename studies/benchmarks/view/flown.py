@@ -121,4 +121,5 @@ def _alike(mission: Mission, flight: Flight) -> float:
     right = crew(Recorded, mission, replace(flight.how, clocks={}), flight.course.seed)
     until = min(mission.problem.t_end, 1.5 * flight.how.seconds)
     right.run(mission.frames, until)
-    return fmean(decided_alike(right, flight.how.clocks, until))
+    alike = list(decided_alike(right, flight.how.clocks, until))
+    return fmean(alike) if alike else 1.0  # a short flight may have nothing to decide

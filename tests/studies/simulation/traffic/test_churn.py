@@ -62,4 +62,4 @@ def test_windows_over_the_limit_are_timed_after_the_merge():
 def test_teams_that_change_go_on(capsys):
     """Robots that broadcast send soon after they have links, and again after the merge."""
     assert main(["--teams", "announce/broadcast", "--workload", "random", "--robots", "3"]) == 0
-    assert "random:3 20 ms 1 % seed 0 overhear/broadcast | first sample" in capsys.readouterr().out
+    assert "random:3 20 ms 1 % seed 0 announce/broadcast | first sample" in capsys.readouterr().out
