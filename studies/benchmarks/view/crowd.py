@@ -68,7 +68,8 @@ class Cost:
 
     Medians: to take in a sample of its own while another one is decided, a sample heard, a digest of one stream, and
     that time passed, each until it is known when to wake up, and what the shared view takes of that; to build a
-    problem, with what leads to it, and to search that; None of what always leads to a problem, or of problems where nothing is contested.
+    problem, with what leads to it, and to search that; None of what always leads to a problem, or of problems where
+    nothing is contested.
     """
 
     own: float | None
