@@ -78,7 +78,7 @@ def knows(robot, robots, made, found):
     It had made so many decisions; those made now are noted in `found`.
     """
     status = robot.status()
-    found[robot.name] = status["decisions"]["made"]
+    found[robot.name] = sum(status["decisions"][kind] for kind in ("made", "unneeded", "undisputed", "hopeless"))
     shown = {other.name: other.host.clock.ahead for other in robots}
     return found[robot.name] > made + 5 and all(
         # All hosts share one monotonic clock.
