@@ -123,7 +123,7 @@ class Watch:
             self._post(event)
 
     def _run(self) -> None:
-        again = failing = False
+        again, complaint = False, ""
         while not self._stop:
             woken = self._wake.wait(INTERVAL)
             if woken:  # else what came just after the wait would be forgotten
@@ -138,14 +138,13 @@ class Watch:
                     began = clock.monotonic()
                     again = self._look()
                     self._rest(clock.monotonic() - began)
-                failing = False
-            except Exception:
-                # A look that fails must not be the last one.
+            except Exception as error:
+                # A look that fails must not be the last one; between two that do one may find nothing to declare.
                 self._seen.clear()
                 self._stirred = again = True
-                if not failing:
+                if str(error) != complaint:
                     log.exception("cannot mirror what was declared")
-                failing = True
+                complaint = str(error)
                 self._fence.end()
 
     def _rest(self, took: float) -> None:
