@@ -270,6 +270,11 @@ class Specs:
         found: InformationType | None = self._matching(key)
         return found
 
+    def planned(self, key: str) -> InformationType | None:
+        """Return the type that covers the key if its samples are decided on; None when they pass."""
+        covering = self.match(key)
+        return covering if covering is not None and covering.planned else None
+
     @property
     def matches_evicted(self) -> int:
         """How many keys had to be forgotten, because there are more than `MATCHES_KEPT`."""

@@ -8,6 +8,7 @@ or many samples wait, as in a burst: then a search for each would take longer th
 from collections.abc import Iterable, Sequence
 
 from proxy.core.limits import Limit
+from proxy.core.prices import EACH, KNOWN, PACE, Amounts, rate_known
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
@@ -16,16 +17,8 @@ PART = 0.7
 PART_OF_NEW = 0.05
 """... and, while any of them is new, no more than this part. Where new streams come all the time searches for each of
 their samples lost others on an idle channel."""
-PACE = 0.25
-"""What streams need is worked out anew for all of them this often [s]..."""
-EACH = 1e-3
-"""... where many streams compete only after so long for each of them [s]."""
-KNOWN = 8
-"""Of a stream that generated fewer samples nobody can say how often it does."""
 MANY = 8
 """With more samples waiting than this there is no time for searches that are not needed."""
-
-Amounts = tuple[float, ...]
 
 
 def need(view: SharedView, stream: Stream, limits: Sequence[Limit], now: float) -> Amounts:
@@ -37,9 +30,8 @@ def need(view: SharedView, stream: Stream, limits: Sequence[Limit], now: float) 
 def _most(stream: Stream, window: float, now: float) -> float:
     """Return how many samples a stream generates in any window: a new one no more than as many again as so far."""
     # In any window there may be one more than fit into it evenly.
-    by_period = window / max(stream.schedule.period, 1e-3) + 1.0
-    settled = stream.generated >= KNOWN and now - stream.began >= window
-    return by_period if settled else min(by_period, 2.0 * stream.generated)
+    by_period = window / stream.period + 1.0
+    return by_period if rate_known(now, stream, window) else min(by_period, 2.0 * stream.generated)
 
 
 class Ample:

@@ -7,11 +7,10 @@ energy, each has whole.
 
 import math
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import replace
 
 from proxy.core.coordination import Coordination
-from proxy.core.limits import Limit, Limits, changes_plans, use_of
+from proxy.core.limits import Limit, Limits, Send, changes_plans, longest_window, use_of
 from proxy.core.room import opens
 from proxy.core.view import SharedView
 
@@ -19,9 +18,6 @@ LEAST = 1e-6
 """A constraint cannot be zero; this is as good."""
 MOST_STRETCHED = 16.0
 """Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
-
-Sends = tuple[tuple[float, tuple[float, ...]], ...]
-"""What was sent, as (time [s], use of each constraint), oldest first."""
 
 
 class Budget:
@@ -32,12 +28,12 @@ class Budget:
         self._coordination = coordination
         self.limits: tuple[Limit, ...] = ()
         """The constraints in force for all robots together, adaptive ones as the channel bears them."""
-        self._sent: deque[tuple[float, tuple[float, ...]]] = deque()
+        self._sent: deque[Send] = deque()
         self._usable_for: tuple[tuple[Limit, ...], tuple[float, ...]] = (), ()
         self._usable: tuple[Limit, ...] = ()
         self._others_known: tuple[float, int, tuple[Limit, ...], bool] = (-math.inf, 0, (), False)
         """When, after how many notes, under which limits and in which coordination others had sent `_others_sent`."""
-        self._others_sent: Sends = ()
+        self._others_sent: tuple[Send, ...] = ()
 
     @property
     def alone(self) -> bool:
@@ -88,9 +84,9 @@ class Budget:
 
     def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
         """Name the constraints that leave no room for a message with this use now."""
-        others = self.others(now)
         if now < self._coordination.mute_until and changes_plans(use, self.limits):
             return tuple(limit.name for limit in self.limits if limit.shared)
+        others = self.others(now)
         return tuple(
             limit.name
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
@@ -106,8 +102,7 @@ class Budget:
         self._sent.append((now, use))
         shared = [(amount, limit) for amount, limit in zip(use, self.limits, strict=True) if limit.shared]
         self._coordination.sent(now, [amount / limit.limit for amount, limit in shared])
-        longest = max((limit.window * MOST_STRETCHED for limit in self.limits), default=0.0)
-        while self._sent and self._sent[0][0] < now - longest:
+        while self._sent and self._sent[0][0] < self._remembered_since(now):
             self._sent.popleft()
 
     def use_at_most(self, now: float, use: tuple[float, ...], part: float) -> None:
@@ -115,21 +110,20 @@ class Budget:
         room = (part * self.whole(now, k) - self.used(now, k) for k in range(len(self.limits)))
         self.use(now, tuple(max(0.0, min(amount, left)) for amount, left in zip(use, room, strict=True)))
 
-    def others(self, now: float) -> Sends:
+    def others(self, now: float) -> tuple[Send, ...]:
         """What we know others to have sent, as far as it counts; in `split` they have their own parts."""
-        known = now, self._view.sends_noted, self.limits, self._coordination.splits
+        known = now, self._view.sends_noted, self.limits, self.alone
         if known != self._others_known:
             self._others_known, self._others_sent = known, () if known[3] else self._sent_by_others(now)
         return self._others_sent
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
-        longest = max((limit.window for limit in self.limits), default=0.0)
-        own = tuple(each for each in self._sent if each[0] >= now - longest)
-        others = tuple(each for each in self.others(now) if each[0] >= now - longest)
-        return Limits(self.usable(now), own, others, alone=self._coordination.splits)
+        since = now - longest_window(self.limits)
+        own, others = (tuple(each for each in sent if each[0] >= since) for sent in (self._sent, self.others(now)))
+        return Limits(self.usable(now), own, others, alone=self.alone)
 
-    def _fits(self, now: float, k: int, amount: float, others: Sends) -> bool:
+    def _fits(self, now: float, k: int, amount: float, others: tuple[Send, ...]) -> bool:
         """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""
         limit, whole = self.limits[k], self.whole(now, k)
         if amount <= whole:
@@ -139,14 +133,16 @@ class Budget:
         stretched = limit.window * min(amount / whole, MOST_STRETCHED)
         return self._counted(now, k, stretched, others) <= 0.0
 
-    def _counted(self, now: float, k: int, window: float, others: Sends) -> float:
+    def _counted(self, now: float, k: int, window: float, others: tuple[Send, ...]) -> float:
         since = now - window
         own = sum(use[k] for t, use in self._sent if t >= since)
         return own + sum(use[k] for t, use in others if t >= since)
 
-    def _sent_by_others(self, now: float) -> Sends:
-        longest = max((limit.window * MOST_STRETCHED for limit in self.limits), default=0.0)
-        sent: Sequence[tuple[float, tuple[int, int]]] = self._view.sent_since(now - longest)
+    def _remembered_since(self, now: float) -> float:
+        return now - MOST_STRETCHED * longest_window(self.limits)
+
+    def _sent_by_others(self, now: float) -> tuple[Send, ...]:
+        sent = self._view.sent_since(self._remembered_since(now))
         alike = {amount: use_of(*amount, self.limits, own=False) for amount in {amount for _, amount in sent}}
         return tuple([(t, alike[amount]) for t, amount in sent])
 

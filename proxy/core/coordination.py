@@ -191,11 +191,7 @@ class Coordination:
         """Return the robots that have streams, as their states say, of which no digest has told anything yet."""
         known = {stream.robot for stream in self._view.streams()}
         new = (peer for peer in self._view.peers.values() if peer.robot not in known and not peer.plain)
-        return {peer.robot for peer in new if any(self._planned(key) for key in peer.told)}
-
-    def _planned(self, key: str) -> bool:
-        covering = self._view.specs.match(key)
-        return covering is not None and covering.planned
+        return {peer.robot for peer in new if any(self._view.specs.planned(key) for key in peer.told)}
 
     def _news(self, now: float) -> bool:
         """Whether what a digest would say of parts is not what the last one said."""

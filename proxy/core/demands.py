@@ -11,8 +11,8 @@ from proxy.core.split import Bid, Demand, bid_for
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
-LEAST_PERIOD = 1e-3
-"""Streams are taken to generate no faster than so [s]."""
+FOREVER = 3600.0
+"""Messages are worth nothing any more after this [s]."""
 SPREAD = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
 """Sizes of a stream are taken to be so many standard deviations from their mean."""
 
@@ -35,8 +35,7 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...]) -> Iterato
             for size in sorted(sizes)
         ]
         audience = view.audiences.of(now, stream)
-        rate = 1.0 / max(stream.schedule.period, LEAST_PERIOD)
-        yield Demand(parts, rate, partial(_value, stream, audience.share, audience.mean))
+        yield Demand(parts, 1.0 / stream.period, partial(_value, stream, audience.share, audience.mean))
 
 
 def _value(stream: Stream, share: float, age: float, rate: float) -> float:
@@ -46,7 +45,3 @@ def _value(stream: Stream, share: float, age: float, rate: float) -> float:
     until = age + (FOREVER if lasting else 1.0 / max(rate, 1.0 / FOREVER))
     area = kind.utility_of(like.features).integral(np.array([age]), np.array([until]))
     return float(area[0]) * like.scale * share * rate
-
-
-FOREVER = 3600.0
-"""Messages are worth nothing any more after this [s]."""

@@ -15,8 +15,8 @@ from collections import Counter
 from collections.abc import Sequence
 
 from proxy.core.inbox import Waiting
-from proxy.core.limits import Limit, use_of
-from proxy.core.prices import UNKNOWN, Amounts, Row, Standing, Weighed, interval_of, reserve, weigh
+from proxy.core.limits import Limit, Send, longest_window, use_of
+from proxy.core.prices import EACH, PACE, UNKNOWN, Amounts, Row, Standing, Weighed, interval_of, reserve, weigh
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
@@ -32,15 +32,9 @@ MOST_LATE = 0.05
 """... but not by more than this part of a window, nor where others compete, for what they wait for is not known."""
 ALIKE = 0.1
 """A sample whose worth differs by more than this part from what was weighed is decided on its own."""
-PACE = 0.25
-"""Streams are weighed anew this often [s]..."""
-EACH = 1e-3
-"""... where many streams compete only after so long for each of them [s]."""
 
 Place = tuple[str, str]
 """The robot and key of a stream."""
-Send = tuple[float, Amounts]
-"""When something was sent, and what it used of each limit."""
 
 
 class Disputes:
@@ -97,7 +91,7 @@ class Disputes:
         """Return how long a sample waits for room [s]."""
         if stream.information_type.markovian:
             return PATIENCE * stream.schedule.period
-        return max((limit.window for limit in self._for[0]), default=0.0)
+        return longest_window(self._for[0])
 
     def left(self, now: float) -> tuple[Amounts, Amounts]:
         """Return what of each limit is left to contested messages, and how long its window is to them [s]."""
@@ -190,7 +184,7 @@ class Disputes:
 
     def _since(self, now: float) -> float:
         """Return when the longest window begins that ends now [s]."""
-        return now - max((limit.window for limit in self._for[0]), default=0.0)
+        return now - longest_window(self._for[0])
 
     def _own(self, stream: Stream) -> bool:
         return stream.robot == self._view.settings.robot

@@ -35,17 +35,21 @@ class Limit(Constraint):
         return not self.measure.private
 
 
+Send = tuple[float, tuple[float, ...]]
+"""When something was sent [s], and what it used of each constraint."""
+
+
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The constraints of a problem, and what was sent that counts against them, as (time, use), oldest first.
+    """The constraints of a problem, and what was sent that counts against them, oldest first.
 
     `sent` are our own sends, `others` those of other robots. `alone`: the constraints are our part, so only our own
     streams compete for them.
     """
 
     union: tuple[Limit, ...]
-    sent: tuple[tuple[float, tuple[float, ...]], ...] = ()
-    others: tuple[tuple[float, tuple[float, ...]], ...] = ()
+    sent: tuple[Send, ...] = ()
+    others: tuple[Send, ...] = ()
     alone: bool = False
 
 
@@ -84,6 +88,11 @@ def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = Tru
 def changes_plans(use: Sequence[float], limits: Iterable[Limit]) -> bool:
     """Whether so much of the limits is used that all others have to hear of it at once."""
     return any(amount > LARGE * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared)
+
+
+def longest_window(limits: Iterable[Constraint]) -> float:
+    """Return the longest window [s]; 0.0 where there is no limit."""
+    return max((limit.window for limit in limits), default=0.0)
 
 
 def shortest_window(limits: Iterable[Limit]) -> float:

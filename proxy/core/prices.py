@@ -45,7 +45,10 @@ RHYTHM = 3
 """Of a stream that generated fewer samples nobody knows how far apart they are."""
 KNOWN = 8
 """Of a stream that generated fewer samples nobody can say how often it does."""
-
+PACE = 0.25
+"""Streams are weighed anew this often [s]..."""
+EACH = 1e-3
+"""... where many streams compete only after so long for each of them [s]."""
 MOST_SCALE = 1e100
 """What is worth more counts as this, so that all sums are finite."""
 
@@ -132,10 +135,14 @@ def reserve(rows: Sequence[Row], apart: Sequence[float], limits: Sequence[Limit]
 
 def interval_of(now: float, stream: Stream, window: float) -> float:
     """Return the mean time between samples [s]; a new stream generates no more than as many again as so far."""
-    period = max(stream.schedule.period, 1e-3)
-    if stream.generated >= KNOWN and now - stream.began >= window:
-        return period
-    return max(period, window / (2.0 * max(stream.generated, 1)))
+    if rate_known(now, stream, window):
+        return stream.period
+    return max(stream.period, window / (2.0 * max(stream.generated, 1)))
+
+
+def rate_known(now: float, stream: Stream, window: float) -> bool:
+    """Whether it is known how often a stream generates: from several samples, over a window [s]."""
+    return stream.generated >= KNOWN and now - stream.began >= window
 
 
 def _standing(row: Row, before: Standing, last: float, first: float, *, small: bool, fits: bool) -> Standing:

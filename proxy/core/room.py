@@ -9,15 +9,19 @@ import math
 from collections.abc import Iterable, Sequence
 
 from planner import Constraint
+from proxy.core.limits import Send
 
-Sends = Iterable[tuple[float, tuple[float, ...]]]
-"""What was sent, as (time, use)."""
 CLOSED = 1e-6
 """Windows are closed: what was sent a whole window ago still counts for this moment [s]."""
 
 
 def opens(
-    limits: Sequence[Constraint], own: Sends, others: Sends, needed: tuple[float, ...], *, anybodys: bool = False
+    limits: Sequence[Constraint],
+    own: Iterable[Send],
+    others: Iterable[Send],
+    needed: tuple[float, ...],
+    *,
+    anybodys: bool = False,
 ) -> float:
     """Return when all limits have room for what is `needed`, if nothing else is sent [s]; −∞ where there is room now.
 

@@ -64,8 +64,8 @@ class Streams:
         place = robot, key
         found = self._all.get(place)
         if found is None:
-            information_type = self.specs.match(key)
-            if information_type is None or not information_type.planned:
+            information_type = self.specs.planned(key)
+            if information_type is None:
                 return None
             if robot == self._own:
                 self._ids += 1
@@ -95,8 +95,8 @@ class Streams:
         """Swap the specs whole: streams keep what was observed and get the type that covers them now."""
         self.specs = specs
         for stream in list(self._all.values()):
-            information_type = specs.match(stream.key)
-            if information_type is None or not information_type.planned:
+            information_type = specs.planned(stream.key)
+            if information_type is None:
                 self.forget(stream)
             else:
                 stream.cover(information_type)

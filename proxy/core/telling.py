@@ -33,8 +33,6 @@ APART = 1e-3
 """Two digests are so far apart at least [s]: each is told from the others by its time."""
 LEAST_SENDS = 2.0
 """A team is taken to send at least so many messages in a window that have to be announced."""
-LEAST_PERIOD = 1e-3
-"""Streams are taken to generate no faster than so [s]."""
 STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
 ON_ITS_WAY = 0.3
@@ -181,7 +179,7 @@ class Telling:
         for stream in self._view.competition.all(now):
             use = use_of(round(stream.mean_size), self._view.copies(stream), limits)
             if changes_plans(use, limits):
-                often = 1.0 / max(stream.schedule.period, LEAST_PERIOD)
+                often = 1.0 / stream.period
                 rate += often
                 load = [before + often * each for before, each in zip(load, use, strict=True)]
         fits = [c.limit / c.window / each for c, each in zip(limits, load, strict=True) if c.shared and each > 0.0]

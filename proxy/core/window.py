@@ -27,7 +27,7 @@ from planner import Stream as PlannerStream
 from proxy.core.disputes import Disputes
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
-from proxy.core.limits import Limits, changes_plans, use_of
+from proxy.core.limits import Limits, changes_plans, longest_window, use_of
 from proxy.core.stream import Sent, Stream
 from proxy.core.view import SharedView
 from proxy.core.ways import Audience
@@ -193,7 +193,7 @@ class WindowBuilder:
         Others' messages since we last heard of them have an unknown fate: they are decisions too.
         """
         settings = self._view.settings
-        longest = max(c.window for c in limits.union)
+        longest = longest_window(limits.union)
         until = now + settings.horizon_time
         end = min(until, now + WINDOWS * longest)
         for c in candidates:
@@ -281,7 +281,7 @@ class _Uses:
 
 def _traffic(now: float, demanded: list[_Open], limits: Limits, uses: _Uses) -> tuple[Traffic, ...]:
     """Return everything known to be sent that the windows still count, and what guarantees demand."""
-    longest = max(c.window for c in limits.union)
+    longest = longest_window(limits.union)
     traffic = [Traffic(t, use) for t, use in (*limits.others, *limits.sent) if t >= now - longest]
     traffic += [Traffic(max(m.t_gen, now), uses.of(m)) for m in demanded]
     return tuple(sorted(traffic, key=_SENT))
