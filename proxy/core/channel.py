@@ -82,9 +82,7 @@ class Channel:
     def _leader(self) -> str:
         """Whose word on the channel counts: of all that take part the robot with the least tag."""
         present = (name for name, peer in self._view.peers.items() if not peer.plain)
-        return (
-            min(tag(self._view.settings.zid), *present, key=str) if self._view.peers else tag(self._view.settings.zid)
-        )
+        return min((tag(self._view.settings.zid), *present))
 
     def _parts(self, stream: Stream) -> tuple[float, ...]:
         """What a sample takes of the ceilings of adaptive limits."""

@@ -7,7 +7,7 @@ while the digests fit into their allowance.
 `split`: each robot has a part of every limit (`proxy.core.split`), and needs no news of the others. It is what an
 operator configures who needs the limit kept at any latency, and what a team changes over to where news take too long or
 announcements cost too much. Each robot says which it finds due, in its digests; the team splits while any of them says
-so. Whoever plans for all leaves room for the parts of those who already split.
+so. In between, who still plans for all counts only what it knows the others to have sent, not their parts.
 """
 
 import math

@@ -36,6 +36,8 @@ ON_CHANNEL = 0.7
 """... this part where limits follow the channel, as how long digests take tells of it..."""
 STATES = 0.5
 """... and this part may go to states, questions and answers, while there are any."""
+GOLDEN = 0.618
+"""Turns that move on by this part of a round fall evenly, and those of robots seldom together."""
 FULL = 0.25
 """The allowance of so long may be left for later [s]."""
 MOST_OWED = 10.0
@@ -61,9 +63,7 @@ class DigestPacer:
         """Each robot begins with another `turn`, between 0 and 1."""
         self.revision = 0
         """How often what was told of streams changed."""
-        self._rate, self._robots = LEAST_ALLOWANCE, 1
-        self.ordinary = ORDINARY
-        """The part of the allowance that is for all but announcements."""
+        self._rate, self._robots, self._ordinary = LEAST_ALLOWANCE, 1, ORDINARY
         self._common = 0.0
         """What is left of the allowance of all."""
         self._tokens = LEAST_ALLOWANCE
@@ -83,10 +83,13 @@ class DigestPacer:
         self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
         """What there is to tell of each stream, by its key, since so many changes of it."""
 
-    def set_rate(self, rate: float, robots: int) -> None:
-        """The allowance of so many robots is now `rate` [B/s], all copies together."""
+    def set_rate(self, rate: float, robots: int, ordinary: float = ORDINARY) -> None:
+        """The allowance of so many robots is now `rate` [B/s], all copies together.
+
+        At least the `ordinary` part of it is for all but announcements.
+        """
         self._tokens += max(0, robots - self._robots) * self._size
-        self._rate, self._robots = rate, robots
+        self._rate, self._robots, self._ordinary = rate, robots, ordinary
 
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
@@ -135,7 +138,7 @@ class DigestPacer:
             return
         self._size, self._last = float(size + OVERHEAD), now
         self._tokens -= cost
-        self._turn = (self._turn + 0.618) % 1.0
+        self._turn = (self._turn + GOLDEN) % 1.0
 
     def owe(self, now: float, size: int, copies: int) -> None:
         """Something else of so many bytes went out in so many copies: it is paid for in time."""
@@ -167,9 +170,8 @@ class DigestPacer:
 
     def usual(self, streams: tuple[StreamDigest, ...], state: State) -> tuple[StreamDigest, ...]:
         """Return announcements without what is as usual, and without features."""
-        sizes = {each.id: each.size for each in state.streams}
-        usual = {stream.id: usual_scale(stream) for stream, _, _ in self._digests.values()}
-        return tuple(_briefly(each, sizes.get(each.id, 0), usual.get(each.id, -1.0)) for each in streams)
+        sizes, own = {each.id: each.size for each in state.streams}, {s.id: s for s, _, _ in self._digests.values()}
+        return tuple(_briefly(each, sizes.get(each.id, 0), usual_scale(own[each.id])) for each in streams)
 
     def echoes(self, now: float, echoes: Iterable[Echo], copies: int) -> tuple[Echo, ...]:
         """Some of the echoes, in a digest of so many copies: of those peers that were not echoed for longest."""
@@ -245,7 +247,7 @@ class DigestPacer:
     @property
     def _rate_of_own(self) -> float:
         """Our part of what is for ordinary news [B/s]: of all, as long as announcements leave it."""
-        return (self.ordinary if self._common < 0.0 else 1.0) * self._rate / self._robots
+        return (self._ordinary if self._common < 0.0 else 1.0) * self._rate / self._robots
 
 
 def _of(stream: Stream) -> StreamDigest | None:

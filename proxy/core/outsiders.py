@@ -45,16 +45,13 @@ class Outsiders:
             return False
         self._look_at, peers = now + PACE, self._view.peers
         self._heard &= peers.keys()
-        self._since = {name: self._since.get(name, now) for name, peer in peers.items() if self._differs(peer)}
+        alike = (0, fingerprint(self._view.specs))  # who says nothing of its limits may have the same
+        self._since = {name: self._since.get(name, now) for name, peer in peers.items() if peer.limits not in alike}
         for name, peer in peers.items():
             peer.plain = self._not_understood(now, name, peer)
         apart = {name for name, since in self._since.items() if now - since > PATIENCE}
         before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
         return self.found != before
-
-    def _differs(self, peer: Peer) -> bool:
-        """Whether a robot has other limits, as it says."""
-        return peer.limits not in (0, fingerprint(self._view.specs))
 
     def warnings(self, among: Iterable[str] | None = None) -> list[str]:
         """Name them all, or those `among` these."""

@@ -23,10 +23,10 @@ from proxy.core.view import SharedView
 from proxy.core.ways import mean_loss
 from proxy.core.wire import Digest, State, tag
 
+DEBT = 5.0
+"""So much of the team's allowance may be spent ahead of time on telling what was sent [s]..."""
 PARTS_DEBT, PARTS_PACE = 2.0, 0.05
 """... and so much on news of parts, which are told this far apart at least [s]."""
-DEBT = 5.0
-"""So much of the team's allowance may be spent ahead of time on telling what was sent [s]."""
 IDLE = 1.0
 """Who is alone looks this often whether there is something to tell [s]."""
 APART = 1e-3
@@ -117,8 +117,8 @@ class Telling:
         """Take note of what all robots may tell each other, and how many they are."""
         robots = len(self._view.peers) + 1
         allowance = self._view.settings.allowance * self._channel.part
-        self.pacer.set_rate(allowance_of(self._view.specs, allowance, robots), robots)
-        self.pacer.ordinary = ON_CHANNEL if self._channel.capacity.factors else ORDINARY
+        ordinary = ON_CHANNEL if self._channel.capacity.factors else ORDINARY
+        self.pacer.set_rate(allowance_of(self._view.specs, allowance, robots), robots, ordinary)
 
     def heard(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came: it was paid for from the allowance of all."""
@@ -189,13 +189,17 @@ class Telling:
 
     def announces_at(self, now: float) -> float:
         """When what is sent now could be announced [s]."""
-        if self._coordination.splits or not self._coordination.rivals or is_broadcast(self._view.settings.transport):
-            return now
-        return self.pacer.due_ahead(now, DEBT)
+        overheard = is_broadcast(self._view.settings.transport)
+        return self.pacer.due_ahead(now, DEBT) if self._announces and not overheard else now
+
+    @property
+    def _announces(self) -> bool:
+        """Whether others plan with what we send."""
+        return self._coordination.rivals and not self._coordination.splits
 
     def _sent_much(self) -> bool:
         """Whether we sent something since the last digest that changes what others plan."""
-        if self._coordination.splits or not self._coordination.rivals or self._view.messages == self._told_messages:
+        if not self._announces or self._view.messages == self._told_messages:
             return False
         return changes_plans(use_of(self._view.largest, 1, self._gate.limits), self._gate.limits)
 
