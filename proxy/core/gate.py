@@ -9,6 +9,7 @@ from itertools import chain
 from planner import Aggregation, Plan
 from proxy.core.ample import Ample
 from proxy.core.budget import Budget
+from proxy.core.claims import both, news_take, rivals
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, SendCopy
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -33,8 +34,6 @@ AT_ONCE = 128
 CONSTRAINT = "dropped:constraint"
 YIELDED = 1.5
 """A sample gives way where news take no more than so many periods of its stream: else there are newer ones by then."""
-DECIDED = 0.01
-"""What is decided elsewhere is on its way so much later than generated [s]."""
 MANY_GONE = 64
 """When so many samples left that waited for room they are forgotten."""
 
@@ -217,7 +216,7 @@ class Gate:
         if pending.copy is not None:
             return self._decided_copy(now, pending, pending.copy, plan)
         use = self._use(now, pending.sample)
-        lacking = self._budget.lacking(now, self._besides(now, use)) if plan.send else ()
+        lacking = self._budget.lacking(now, self._windows.disputes.besides(now, use)) if plan.send else ()
         if plan.send and not lacking and self._yields(now, pending.sample, use):
             return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
@@ -275,7 +274,7 @@ class Gate:
         if standing is Standing.HOPELESS:
             self.decisions.hopeless += 1
             return self._refuse(now, sample, "dropped:planner")
-        if lacking := self._budget.lacking(now, self._besides(now, use)):
+        if lacking := self._budget.lacking(now, self._windows.disputes.besides(now, use)):
             return self._refuse(now, sample, CONSTRAINT, lacking)
         return self._search(now, sample, ticket)
 
@@ -346,10 +345,6 @@ class Gate:
         self._windows.disputes.look(now, self._budget.usable(now), alone=self._budget.alone)
         return self._windows.disputes.standing(now, stream, sample)
 
-    def _besides(self, now: float, use: tuple[float, ...]) -> tuple[float, ...]:
-        """Return the room that a contested message needs: its use, and what is kept for what is undisputed."""
-        return self._windows.disputes.besides(now, use)
-
     def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""
         return guaranteed(stream) and any(owed(stream, [sample.t_gen], self._view.audiences.of(now, stream).slowest))
@@ -375,7 +370,7 @@ class Gate:
         return [*commands, *self._by_rule(now, pending)]
 
     def _undecided_in_time(self, now: float, pending: Pending) -> list[Command]:
-        """Send what fits, unless something more urgent waits: what is not used now is lost, or was lent for nothing."""
+        """Send what fits, unless something more urgent waits: what is not used now is lost."""
         sample, use = pending.sample, self._use(now, pending.sample)
         if any(waiting.priority < sample.priority for waiting in self.inbox):
             return self._by_rule(now, pending)
@@ -466,21 +461,13 @@ class Gate:
 
         It does once, to those that have a better claim, if the limits have no room for them beside it.
         """
-        stream, news = self._own(now, sample), self._view.longest_way + DECIDED
+        stream, news = self._own(now, sample), news_take(self._view)
         if stream is None or self._budget.alone or sample.sample in self._yielded or not self._view.peers:
             return False
-        if news > YIELDED * stream.schedule.period:
+        if news > YIELDED * stream.schedule.period or any(waiting.key == sample.key for waiting in self.inbox):
             return False
-        claim, rivals = _claim(now, stream), [0.0] * len(use)
-        for each in self._view.competition.all(now):
-            if each.robot == stream.robot or (_claim(now, each), each.robot) < (claim, stream.robot):
-                continue
-            if self._windows.disputes.weighed(each).standing is Standing.CONTESTED and _just_due(now, each, news):
-                theirs = use_of(round(each.mean_size), self._view.copies(each), self.limits, own=False)
-                rivals = [before + more for before, more in zip(rivals, theirs, strict=True)]
-        if any(waiting.key == sample.key for waiting in self.inbox):
-            return False
-        if not any(rivals) or self._budget.fits(now, tuple([u + r for u, r in zip(use, rivals, strict=True)])):
+        taken = rivals(now, self._view, self._windows.disputes, stream, self.limits)
+        if not any(taken) or self._budget.fits(now, both(use, taken)):
             return False
         self._yielded[sample.sample] = now
         self._yielded = {number: at for number, at in self._yielded.items() if at >= now - 1.0}
@@ -528,15 +515,3 @@ class Gate:
             needed = disputes.besides(now, needed)
         room = self._budget.opens(now, needed, anybodys=standing is Standing.UNDISPUTED)
         return room if room <= until else -math.inf
-
-
-def _claim(now: float, stream: Stream) -> float:
-    """What a byte of a stream is worth by how long nothing of it was sent: who has the best claim sends first."""
-    since = now - (stream.began if stream.sent is None else stream.sent.t_sent)
-    return stream.newest.scale * since / max(1.0, stream.mean_size)
-
-
-def _just_due(now: float, stream: Stream, news: float) -> bool:
-    """Whether a sample of another robot was due so shortly ago that we cannot have heard what became of it."""
-    due = stream.schedule.forecast(now - news, now + stream.schedule.jitter, 1, now)
-    return bool(due) and (stream.sent is None or stream.sent.t_gen < due[0] - 0.5 * stream.schedule.period)
