@@ -82,8 +82,8 @@ class Demand:
             self._seen[key] = covered
             if known is None:
                 self._new.append((key, sample))
-            elif covered and not known and key in self._matching:  # a spec covers it now
-                self._post(MatchingChanged(clock.monotonic(), key, self._matching[key]))
+            if covered:  # until it is known, somebody is taken to want it: else what crosses meanwhile costs nothing
+                self._post(MatchingChanged(clock.monotonic(), key, self._matching.get(key, True)))
         self._wake()
 
     def outlet(self, key: str) -> Outlet | None:
@@ -166,7 +166,7 @@ class Demand:
 
     def _set(self, key: str, *, matching: bool) -> None:
         with self._lock:
-            news = self._matching.get(key) != matching
+            news = self._matching.get(key, True) != matching
             self._matching[key] = matching
             if news and self._seen[key]:
                 self._post(MatchingChanged(clock.monotonic(), key, matching))

@@ -9,7 +9,7 @@ from proxy.bridge.room import Room
 from proxy.core.events import SamplesPassed
 from proxy.core.mode import Mode
 from tests.proxy.bridge.robots import fence_apps, team, wait_interest
-from tests.proxy.nodes import Heard
+from tests.proxy.nodes import Heard, wait_matching
 from tests.waiting import wait_until
 
 
@@ -132,16 +132,19 @@ def test_heartbeats_of_publishers_without_numbers_stay(pair):
 @pytest.mark.usefixtures("wanted")
 def test_peers_on_the_app_side_are_heard_once(pair):
     """Peer-mode apps of one robot hear each other directly, and the daemon hears each sample once."""
-    local = Heard(pair[0].node("peer"), "covered/**")
-    publisher = pair[0].node("peer")
+    subscriber, publisher = pair[0].node("peer"), pair[0].node("peer")
+    local = Heard(subscriber, "covered/**")
     wait_until(lambda: "covered/**" in pair[0].bridge.describe()["subscriptions"], what="the subscription")
-    probe = publisher.declare_publisher("covered/a")
-    wait_until(lambda: probe.matching_status.matching, what="the peers to know each other")
-    probe.put("x")
+    # The daemon matches what is covered, too; what begins with @ nobody but the other app does, which declares it later.
+    last = Heard(subscriber, "@last")
+    wait_until(lambda: publisher.info.peers_zid(), what="the link of the apps")
+    wait_matching(publisher, "@last")
+    publisher.put("covered/a", "x")
     wait_until(lambda: local.samples and pair[0].asked, what="the sample")
     publisher.put("covered/end", "x")
     wait_until(lambda: "covered/end" in [event.key for event in pair[0].asked], what="the last sample")
     assert [event.key for event in pair[0].asked] == ["covered/a", "covered/end"]
+    assert not last.samples
 
 
 def test_what_nobody_wants_is_not_even_received(pair):
