@@ -135,9 +135,9 @@ def test_peers_on_the_app_side_are_heard_once(pair):
     subscriber, publisher = pair[0].node("peer"), pair[0].node("peer")
     local = Heard(subscriber, "covered/**")
     wait_until(lambda: "covered/**" in pair[0].bridge.describe()["subscriptions"], what="the subscription")
-    # The daemon matches what is covered, too; what begins with @ nobody but the other app does, which declares it later.
+    # The daemon matches what is covered, too; what begins with @ only the other app does, which declares it later.
     last = Heard(subscriber, "@last")
-    wait_until(lambda: publisher.info.peers_zid(), what="the link of the apps")
+    wait_until(publisher.info.peers_zid, what="the link of the apps")
     wait_matching(publisher, "@last")
     publisher.put("covered/a", "x")
     wait_until(lambda: local.samples and pair[0].asked, what="the sample")
