@@ -170,7 +170,7 @@ def test_passing_traffic_does_not_starve_decided_samples(stack):
 def test_what_passes_finds_a_place_up_to_a_bound(stack, most, most_bytes):
     """Of samples or bytes; what finds none is counted."""
     bench = Bench(stack, most=most, most_bytes=most_bytes)
-    held = bench.held(LARGE)
+    held = bench.held(LARGE, congestion_control=zenoh.CongestionControl.BLOCK)
     for _ in range(3):
         bench.egress.pass_on("passed:no-spec", held)
     assert bench.rooms.passing.describe() == {"samples": 2, "bytes": 2 * len(LARGE)}
