@@ -179,7 +179,9 @@ def test_a_field_of_another_kind_is_refused_or_harmless(digest, place, value):
     except MalformedWireError:
         return
     for field in dataclasses.fields(Digest):
-        assert type(getattr(read, field.name)) is type(getattr(digest, field.name))
+        # With a list in its third field it is an announcement, and such a one tells nothing of parts.
+        kinds = {type(getattr(digest, field.name)), *([type(None)] if field.name == "split" and read.brief else ())}
+        assert type(getattr(read, field.name)) in kinds
 
 
 @pytest.mark.parametrize(
