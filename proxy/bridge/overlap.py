@@ -33,7 +33,8 @@ class _Round:
         self.key = key
         self.left = left
         self.doubtful = doubtful
-        """Of those, who was only being declared: they are called for it or not."""
+        """Who was only being declared: they are called for it or not, so whose call one of theirs is stays unknown as
+        long as samples are equal."""
         self.contents = contents
 
     def lacks(self, number: int, key: str) -> bool:
@@ -43,8 +44,12 @@ class _Round:
     def leave(self, numbers: set[int]) -> None:
         """Expect no call of `numbers` any more."""
         self.left -= numbers
-        if not self.left:
+        if not self.left and not self.doubtful:
             self.contents = ()
+
+    def doubts(self, key: str, contents: tuple[object, ...]) -> set[int]:
+        """Who may have been called for the next sample already when that begins like this."""
+        return self.doubtful if self.doubtful and self.key == key and self.contents == contents else set()
 
 
 class Overlap(Generic[T]):
@@ -101,13 +106,17 @@ class Overlap(Generic[T]):
         thread = threading.get_ident()
         # Asked first: of the others some may be given up in the middle of a round, as soon as they were called.
         current = self._rounds.pop(thread, None) if len(matching) == 1 else self._rounds.get(thread)
-        if current is not None and current.lacks(number, key) and current.contents == self._contents(what):
+        if current is None and len(matching) == 1:
+            return True
+        contents = self._contents(what)
+        if current is not None and current.lacks(number, key) and current.contents == contents:
             current.leave({number})
             return False
         if len(matching) == 1:
             return True
         left = {other for other in matching if other != number and not (complete and not self._complete(other))}
-        self._rounds[thread] = _Round(key, left, left & self._declaring, self._contents(what))
+        doubtful = self._declaring if current is None else self._declaring | current.doubts(key, contents)
+        self._rounds[thread] = _Round(key, left, left & doubtful, contents)
         return True
 
     def _complete(self, number: int) -> bool:

@@ -79,6 +79,20 @@ def test_a_sample_that_came_while_another_was_only_being_declared_costs_the_next
     assert [seen[0], one.call("**")] == [True, True]
 
 
+@pytest.mark.parametrize("equal", range(4))
+def test_equal_samples_after_that_are_each_taken_once_and_so_is_the_first_without_the_other(equal):
+    """Whether its calls were the last ones of one sample or the first ones of the next cannot be seen; none is lost."""
+    one, seen = Zenoh(), []
+    one.declare("a/b")
+    one.overlap.declare(
+        "**", lambda number, contents: (number, contents), lambda handler: seen.extend([one.call("a/b"), handler])
+    )
+    one.handlers["**"] = seen[1]
+    assert [[one.call("**"), one.call("a/b")].count(True) for _ in range(equal)] == [1] * equal
+    one.undeclare("a/b")
+    assert [one.call("**") for _ in range(3)] == [True] * 3
+
+
 def test_what_is_under_way_to_one_that_was_undeclared_is_not_taken_twice(one):
     """Zenoh still calls both for a sample that came before; only then it gives the callback up."""
     assert [one.call("**"), one.call("a/b")] == [True, False]
