@@ -372,7 +372,7 @@ class Gate:
     def _undecided_in_time(self, now: float, pending: Pending) -> list[Command]:
         """Send what fits, unless something more urgent waits: what is not used now is lost."""
         sample, use = pending.sample, self._use(now, pending.sample)
-        if any(waiting.priority < sample.priority for waiting in self.inbox):
+        if pending.copy is not None or any(waiting.priority < sample.priority for waiting in self.inbox):
             return self._by_rule(now, pending)
         if lacking := self._budget.lacking(now, use):
             return [self._refuse(now, sample, "dropped:fallback", lacking)]

@@ -363,8 +363,14 @@ def test_where_decisions_are_not_enforced_copies_go_at_once(make, mode):
     assert talk.copies(talk.arrive(16.0)) == to_away(*samples)
 
 
-def test_while_the_planner_fails_a_copy_goes_where_there_is_room_to_spare(make):
-    """The static rule holds for it too."""
+@pytest.mark.parametrize("late", [False, True], ids=["fails", "is late"])
+def test_while_the_planner_fails_a_copy_goes_where_there_is_room_to_spare(make, late):
+    """The static rule holds for it too; it is a copy, and the sample itself is not counted twice."""
+
+    def unanswered(now, decide):
+        failed = ev.DecisionReady(now, decide.ticket, None, "broken")
+        return talk.tell(ev.DecisionLate(now, decide.ticket) if late else failed)
+
     talk = make(limit=LIMIT, horizon=10)
     for number in range(60):
         _, said = talk.publish(0.1 * number, "camera/a", size=5000)
@@ -373,9 +379,13 @@ def test_while_the_planner_fails_a_copy_goes_where_there_is_room_to_spare(make):
     talk.vanish(6.0)
     sample, said = talk.publish(6.1, "alarm/a", size=500, priority=1)
     for decide in only(said, Decide):
-        talk.tell(ev.DecisionReady(6.1, decide.ticket, None, "broken"))
+        said += unanswered(6.1, decide)
+    for command in only(said, Forward):
+        talk.tell(ev.SampleHanded(6.1, command.sample))
     (decide,) = only(talk.arrive(8.0), Decide)
-    assert talk.copies(talk.tell(ev.DecisionReady(8.1, decide.ticket, None, "broken"))) == to_away(sample)
+    said = unanswered(8.1, decide)
+    assert (talk.copies(said), only(said, Forward)) == (to_away(sample), [])
+    assert talk.core.counts.conserved
 
 
 def test_apps_are_asked_for_what_only_an_absent_robot_wants(make):
