@@ -112,6 +112,8 @@ def _decision(status: Status, key: str) -> Iterator[tuple[str, str]]:
     did, otherwise = ("sent", "dropped") if last.get("send") else ("dropped", "sent")
     plans = f"{number(last.get('utility'))} with it {did}, {_compared(last)} with it {otherwise}"
     yield ("", f"the team's best plan is worth {plans}")
+    if lead := _despite(last):
+        yield ("", f"with what follows the window that is {number(lead)} less")
     prices = {name: price for name, price in last.get("prices", {}).items() if price}
     if prices or last.get("binding"):
         scarce = dict.fromkeys([*prices, *last.get("binding", ())])
@@ -125,6 +127,14 @@ def _compared(last: Status) -> str:
         return UNKNOWN
     more = opposite - utility
     return f"{number(abs(more))} {'more' if more > 0.0 else 'less'}" if more else "the same"
+
+
+def _despite(last: Status) -> float:
+    """By how much a decision is better although its opposite is worth more in the window; 0.0 where it is not."""
+    utility, opposite, lead = last.get("utility"), last.get("opposite"), last.get("lead")
+    if utility is None or opposite is None or lead is None:
+        return 0.0
+    return max(0.0, lead) if opposite > utility else 0.0
 
 
 def _counts(status: Status) -> Iterator[tuple[str, str]]:

@@ -106,6 +106,17 @@ def test_the_opposite_of_a_decision_is_told_by_how_much_it_differs(opposite, tex
     assert f"              the team's best plan is worth 212 with it dropped, {text} with it sent" in lines
 
 
+@pytest.mark.parametrize(
+    ("opposite", "lead", "told"),
+    [(5.5, 0.03, True), (5.5, None, False), (5.5, -0.01, False), (5.35, 0.03, False), (None, 0.03, False)],
+)
+def test_why_the_plan_that_is_worth_less_in_the_window_was_taken_is_told(opposite, lead, told):
+    """It leaves more room for what follows; else the line before would speak against the decision."""
+    last = STATUS["decisions"]["last"] | {"opposite": opposite, "lead": lead}
+    lines = list(known(STATUS | {"decisions": {"last": last}}, "robot/r1/camera"))
+    assert ("              with what follows the window that is 0.03 less" in lines) is told
+
+
 def test_a_decision_to_send_is_told_the_other_way_round():
     """Without scarcity nothing is said of it."""
     last = STATUS["decisions"]["last"] | {"send": True, "reason": "forwarded", "prices": {}, "binding": []}
