@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from planner import Plan
 from proxy.core import events as ev
-from proxy.core.commands import Decide, Forget, Forward, Keep, Retain, SendCopy
+from proxy.core.commands import Decide, Drop, Forget, Forward, Keep, Retain, SendCopy
 from proxy.core.core import Core
 from proxy.core.kept import DOUBT, MOST_BYTES, MOST_ROBOTS
 from proxy.core.mode import Mode
@@ -157,25 +157,57 @@ def test_what_there_was_no_room_for_shortly_before_the_loss_was_noticed_is_kept(
     assert talk.kept["in"] == 12 - outcomes["dropped:planner"]
 
 
-def test_what_copies_leave_no_room_for_is_one_more(make):
-    """In its turn: the robot gets all, in order, though it was back when the last of them was published."""
+def test_what_there_is_no_room_for_beside_copies_is_one_more(make):
+    """In its turn: the robot gets all, in order, though it was back when the last one was published."""
+    talk = make(limit=LIMIT, backlog=64)
+    talk.vanish(1.0, "here", OTHER)
+    talk.arrive(1.0, "here", OTHER, KEYS[1:])
+    talk.vanish(1.0)
+    samples, _ = catch_up(talk, [30.3], [ev.SampleHeard(30.3, "camera/x", 9900, "zz-unknown", None, {})])
+    assert [sample for sample, _ in talk.copies()] == samples
+
+
+def test_copies_cost_who_was_never_away_nothing(make):
+    """Room that is booked for its samples is left to them; all of them are sent, and nothing twice."""
     talk = make(limit=LIMIT, backlog=64)
     talk.vanish(1.0)
-    samples = []
+    samples, live = catch_up(talk, [30.3 + 0.5 * number for number in range(8)])
+    assert (talk.all(Forward), talk.all(Drop)) == ([Forward(sample) for sample in samples], [])
+    assert [sample for sample, _ in talk.copies()] == [sample for sample in samples if sample not in live]
+
+
+def test_a_copy_too_large_to_go_beside_what_is_booked_goes_all_the_same(make):
+    """It takes that room where nothing else is in the window; else it would never go."""
+    talk = make(limit=LIMIT, backlog=64)
+    talk.vanish(1.0)
+    large = talk.alarm(1.5, "alarm/b", size=9500)
+    _, live = catch_up(talk, [42.0, 47.0, 52.0, 57.0], apart=2.5)
+    (copy,) = [place for place, each in enumerate(talk.said) if isinstance(each, SendCopy) and each.sample == large]
+    assert copy < talk.said.index(Forward(live[-1]))
+
+
+def catch_up(talk, times, events=(), apart=1.0):
+    """Alarms of 1 kB, `apart` [s], while a robot is away, and at `times`, when it gets its copies; all, and the latter.
+
+    Before the first of those there are `events`.
+    """
+    samples, live = [], []
     for number in range(15):
-        samples.append(talk.alarm(2.0 + number, size=1000))
-        talk.settle(2.0 + number, send=True)
-    now = 30.0
+        samples.append(talk.alarm(2.0 + apart * number, size=1000))
+        talk.settle(2.0 + apart * number, send=True)
+    now, due = max(30.0, 3.0 + apart * number), list(times)
     said = talk.arrive(now)
-    while (talk.kept["waiting"] or talk.core.gate.inbox) and now < 60.0:
-        if 30.3 < now < 30.4:
-            samples.append(talk.alarm(now, size=1000))
+    while talk.kept["waiting"] or talk.core.gate.inbox or due:
+        while due and due[0] <= now:
+            for event in () if live else events:
+                talk.tell(event)
+            live.append(talk.alarm(due.pop(0), size=1000))
         for sample, to in talk.copies(said):
             talk.tell(ev.CopyHanded(now, sample, to))
         now += 0.05
+        assert now < 99.0
         said = talk.tell(ev.TimePassed(now)) + talk.settle(now, send=True)
-    assert [sample for sample, _ in talk.copies()] == samples
-    assert len(samples) > 15
+    return [*samples, *live], live
 
 
 def test_a_copy_that_is_lost_with_the_link_again_is_offered_again(make):
