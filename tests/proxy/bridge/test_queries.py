@@ -249,7 +249,10 @@ def near_side(stack):
     """A voice that nobody else uses, and where its apps connect."""
     endpoint = free_endpoint()
     mesh = MeshConfig(listen=(free_endpoint(),), scouting=False)
-    return open_sides(AppConfig(listen=(endpoint,)), mesh, stack).apps, endpoint
+    voice = open_sides(AppConfig(listen=(endpoint,)), mesh, stack).apps
+    # Its routers have worked out their routes, which the bridge waits for, too: before, queries end without an answer.
+    assert voice.sourced
+    return voice, endpoint
 
 
 def open_fence():
