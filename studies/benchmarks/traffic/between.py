@@ -68,8 +68,19 @@ class Link:
 
     def __init__(self, near: socket.socket, far: socket.socket, ends: tuple[str, str], crossed: list[Crossing]) -> None:
         self._ends = near, far
-        for number, way in ((0, Way(*ends)), (1, Way(*ends[::-1]))):
-            threading.Thread(target=self._carry, args=(number, way, crossed), daemon=True).start()
+        carriers = [
+            threading.Thread(target=self._carry, args=(number, way, crossed), daemon=True)
+            for number, way in ((0, Way(*ends)), (1, Way(*ends[::-1])))
+        ]
+        for carrier in carriers:
+            carrier.start()
+        threading.Thread(target=self._close_after, args=(carriers,), daemon=True).start()
+
+    def _close_after(self, carriers: list[threading.Thread]) -> None:
+        for carrier in carriers:
+            carrier.join()
+        for end in self._ends:
+            end.close()
 
     def _carry(self, number: int, way: Way, crossed: list[Crossing]) -> None:
         source, sink = self._ends[number], self._ends[1 - number]
