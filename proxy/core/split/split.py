@@ -162,8 +162,8 @@ class Split:
         return True
 
     def begin(self, now: float) -> None:
-        """From now on digests tell of parts, though we may have met the others before."""
-        self._met = now
+        """From now on digests tell of parts; what was told while the team split before was long ago."""
+        self._met, self._told = now, None
 
     def set_members(self, now: float, tags: Collection[str]) -> None:
         """These robots take part, as far as we see."""

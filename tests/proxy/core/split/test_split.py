@@ -355,3 +355,13 @@ def test_a_bid_that_changes_nobodys_part_is_not_told():
     split = flight.splits["r0"]
     assert not split.bid(flight.clock("r0") + 60.0, (Segment(4000, 180),))
     assert split.bid(flight.clock("r0") + 60.0, (Segment(9000, 180),))
+
+
+def test_a_team_that_splits_again_says_so_at_once():
+    """Also where nobody asks for anything else than before."""
+    splits = team_of("ab")
+    for tag in "abab":
+        say(splits, 0.1, tag)
+    assert not splits["a"].has_news(9.0)
+    splits["a"].begin(9.0)
+    assert splits["a"].has_news(9.0)
