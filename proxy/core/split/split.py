@@ -17,7 +17,7 @@ PACE = 2.0
 """Nor does it sooner after all agreed than so many times what agreeing took: a third of the time is for that."""
 SILENT = 1.5
 """Who has nothing to ask for says so after so long, or when the bids of all others are known [s]."""
-ASKING, WAYS = 1.0, 3.0
+ASKING, WAYS = 1.0, 2.0
 """Who misses something asks for it after so long, and so many times what news take besides [s]; then twice as late."""
 MOST_ASKS = 3
 """So often at most: it is never more than eight times as late."""
