@@ -13,7 +13,6 @@ so. In between, who still plans for all counts only what it knows the others to 
 import math
 from collections import deque
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
 
 from proxy.core.demands import bid
 from proxy.core.limits import Limit, fingerprint, shortest_window
@@ -34,6 +33,8 @@ LASTING = 2.0
 IN_A_ROW = 3
 """So many digests that were long on their way, one after the other, say that a queue makes news late: four robots that
 began at once filled 2.8 times the limit for ever without it, and for two seconds with it."""
+FORMING = 5.0
+"""A team that begins has so long to agree on parts before all that it has to tell goes on [s]."""
 FEW = 16
 """Of more robots than these some have something to send, though nobody may have heard of it yet."""
 ALL = 0.95
@@ -59,8 +60,11 @@ class Coordination:
         self._kind: tuple[tuple[float, ...], int] = (), 0
         self._split: Split | None = None
         self._told: Told | None = None
+        self._forms_until, self._did_split = now + FORMING, self._always
+        self._formed_at = math.inf
+        """Since when parts are agreed on that take in what all ask for [s]."""
         self._established = self._always
-        """Whether parts were agreed on by all; until then all have equal ones at least."""
+        """Whether that was so for a window; until then all have equal parts, or what tables give them."""
         self.finds_due = self._always
         """Whether we find that the team has to split."""
         self._dear_since = math.inf
@@ -78,14 +82,16 @@ class Coordination:
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
 
-        Where a team changes over each robot takes an equal part at least until all have agreed on others.
+        Where a team changes over each robot takes an equal part, or what the table gives it that it tells the others,
+        until it has had what all have agreed on for a window.
         """
         if not self.splits or self._split is None:
             return 1.0 - self._settings.margin if self.rivals else 1.0
         ours = self._split.part(now, k)
         if self._established:
             return ours
-        return max(ours, (1.0 - self._settings.floor) / (len(self._members) + 1))
+        equal = (1.0 - self._settings.floor) / (len(self._members) + 1)
+        return max(ours, min(equal, self._split.least))
 
     def whole_turn(self, now: float, k: int) -> bool:
         """Whether a message may go now that is larger than all we may use: nobody else may send then."""
@@ -106,7 +112,7 @@ class Coordination:
         voting, told = digest.splits, digest.split
         (self._voting.add if voting else self._voting.discard)(digest.tag)
         if told is not None and self._split is not None:
-            self._split.heard(now, digest.tag, told)
+            self._split.heard(now, digest.tag, told, self._view.peers[digest.tag].offset.ours(digest.sent))
 
     def set_members(self, now: float, members: Collection[str]) -> None:
         """These robots take part, and we."""
@@ -141,14 +147,20 @@ class Coordination:
         News of others are `waiting` so long on a channel that is full [s]; `announcing` tells what part of the
         allowance announcements take.
         """
-        if now >= self._due:
+        due, split = now >= self._due, self._split
+        if due:
             self._due = now + PACE
             self._judge(now, limits, waiting, announcing)
-            if self.splits and self._split is not None:
-                self._split.bid(now, bid(self._view, now, limits))
-        if self.splits and self._split is not None:
-            self._split.look(now, max(self._longest_way(), waiting))
-            self._established |= self._split.settled and self._split.agreed and now >= self._settled_at
+        if self.splits and not self._did_split and split is not None:
+            split.begin(now)
+            due, self._forms_until = True, now + FORMING
+        self._did_split = self.splits
+        if self.splits and split is not None:
+            if due:
+                split.bid(now, bid(self._view, now, limits))
+            split.look(now, max(self._longest_way(), waiting))
+            self._formed_at = min(self._formed_at, now) if split.formed else math.inf
+            self._established |= now >= self._formed_at + max(self._kind[0])
         return self._news(now)
 
     def telling(self, now: float) -> Told | None:
@@ -157,8 +169,24 @@ class Coordination:
 
     def told(self, digest: Digest) -> None:
         """A digest of ours goes out."""
-        if not digest.brief:
-            self._told = digest.split
+        if digest.brief:
+            return
+        self._told = digest.split
+        if digest.split is not None and self._split is not None:
+            self._split.told(digest.sent, digest.split)
+
+    @property
+    def formed(self) -> bool:
+        """Whether parts were agreed on that take in what all ask for."""
+        return self._split is not None and self._split.formed
+
+    def begins(self, now: float) -> bool:
+        """Whether a team that splits from the beginning has just begun."""
+        return self._always and now < self._forms_until
+
+    def forming(self, now: float) -> bool:
+        """Whether the team splits, and agrees on parts for the first time: all else that is to tell has time."""
+        return self.splits and not self.formed and now < self._forms_until
 
     @property
     def settled(self) -> bool:
@@ -174,7 +202,9 @@ class Coordination:
     def _judge(self, now: float, limits: Sequence[Limit], waiting: float, announcing: Callable[[float], float]) -> None:
         window, still = shortest_window(limits), STILL if self.finds_due else 1.0
         sending = {stream.robot for stream in self._view.competition.all(now)} | self._unheard()
-        self.rivals = len(sending) > 1 or len(self._view.peers) > FEW
+        # Where each has its part, what a robot sends is told seldom, and its bid says that it does.
+        asked = self.splits and self._split is not None and self._split.rivals
+        self.rivals = asked or len(sending) > 1 or len(self._view.peers) > FEW
         if not self.rivals or math.isinf(window):
             self.finds_due = self._always
         else:
@@ -194,11 +224,10 @@ class Coordination:
         return {peer.robot for peer in new if any(self._view.specs.planned(key) for key in peer.told)}
 
     def _news(self, now: float) -> bool:
-        """Whether what a digest would say of parts is not what the last one said."""
-        now_told = self.telling(now)
-        if now_told is None or self._told is None:
-            return now_told is not self._told
-        return replace(now_told, unused=0.0) != replace(self._told, unused=0.0)
+        """Whether others wait to hear what a digest would say of parts, or that there are none any more."""
+        if not self.splits or self._split is None:
+            return self._told is not None
+        return self._split.has_news(now)
 
     def _longest_way(self) -> float:
         """What digests take from or to any robot at most, and took to us lately [s].

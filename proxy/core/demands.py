@@ -7,12 +7,16 @@ import numpy as np
 
 from planner import Aggregation
 from proxy.core.limits import Limit, use_of
+from proxy.core.prices import count_variance, rate_known
 from proxy.core.split import Bid, Demand, bid_for
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
 FOREVER = 3600.0
 """Messages are worth nothing any more after this [s]."""
+AGAIN = 4.0
+"""A new stream may generate so many times as much in a window as it has so far: of one sample nobody knows its period,
+and a robot whose first alarm came asked for two thirds of the limit."""
 SPREAD = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
 """Sizes of a stream are taken to be so many standard deviations from their mean."""
 
@@ -21,10 +25,10 @@ def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
     """Return what our streams ask for of the shared limit that they need most of."""
     shared = tuple(limit for limit in limits if limit.shared)
     window = max((limit.window for limit in shared), default=1.0)
-    return bid_for(_demands(view, now, shared), window, len(view.peers) + 1)
+    return bid_for(_demands(view, now, shared, window), window, len(view.peers) + 1)
 
 
-def _demands(view: SharedView, now: float, shared: tuple[Limit, ...]) -> Iterator[Demand]:
+def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: float) -> Iterator[Demand]:
     for stream in view.own():
         if not view.competes(now, stream):
             continue
@@ -34,8 +38,18 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...]) -> Iterato
             max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
             for size in sorted(sizes)
         ]
-        audience = view.audiences.of(now, stream)
-        yield Demand(parts, 1.0 / stream.period, partial(_value, stream, audience.share, audience.mean))
+        audience, interval = view.audiences.of(now, stream), _interval(now, stream, window)
+        count = window / interval
+        mean = sum(parts) / len(parts)
+        variance = count_variance(stream, count) * mean**2 + count * (mean * spread / max(stream.mean_size, 1.0)) ** 2
+        yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share, audience.mean), variance)
+
+
+def _interval(now: float, stream: Stream, window: float) -> float:
+    """Return the time between samples [s]; a new stream is taken to generate several times what it has."""
+    if rate_known(now, stream, window):
+        return stream.period
+    return max(stream.period, window / (AGAIN * max(stream.generated, 1)))
 
 
 def _value(stream: Stream, share: float, age: float, rate: float) -> float:

@@ -7,6 +7,7 @@ later, states, questions and answers. What is told goes in turn: of echoes and o
 digest has a few.
 """
 
+from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -52,6 +53,8 @@ REFRESH = 10.0
 """What was told of a stream is told again after this time: it may have been lost [s]."""
 MOST_REFRESHED = 2
 """Streams told again in one digest."""
+UNHURRIED = 60.0
+"""Where nobody plans with it ordinary news wait for the allowance of all for so long [s]."""
 SAVED = 10.0
 """So much of the allowance may be saved for states [s]."""
 
@@ -59,11 +62,14 @@ SAVED = 10.0
 class DigestPacer:
     """Spends the allowance of this robot."""
 
-    def __init__(self, now: float, turn: float = 0.0) -> None:
-        """Each robot begins with another `turn`, between 0 and 1."""
+    def __init__(self, now: float, turn: float = 0.0, saved: float = 0.0) -> None:
+        """Each robot begins with another `turn`, between 0 and 1; the allowance of so long was `saved` [s]."""
         self.revision = 0
         """How often what was told of streams changed."""
         self._rate, self._robots, self._ordinary = LEAST_ALLOWANCE, 1, ORDINARY
+        self._saved, self._splits, self._window = saved, False, 0.0
+        self._recent: deque[tuple[float, float]] = deque()
+        """What all told in the last window, and when."""
         self._common = 0.0
         """What is left of the allowance of all."""
         self._tokens = LEAST_ALLOWANCE
@@ -89,7 +95,21 @@ class DigestPacer:
         At least the `ordinary` part of it is for all but announcements.
         """
         self._tokens += max(0, robots - self._robots) * self._size
+        if self._saved:
+            self._common += max(0.0, rate - self._rate) * self._saved
         self._rate, self._robots, self._ordinary = rate, robots, ordinary
+
+    def follow(self, now: float, *, splits: bool, begins: bool, window: float) -> None:
+        """Each robot has its part or not, and the team `begins` or has done so; `window` is the shortest one [s].
+
+        Where each has its part nobody plans with ordinary news. Once a team has begun, what was saved for the first
+        agreement is not needed any more, and ordinary news go on, each robot in its turn.
+        """
+        self._splits, self._window = splits, window
+        if self._saved and not begins:
+            self._fill(now)
+            self._saved, self._common = 0.0, min(self._common, 0.0)
+            self._tokens = -self._turn * self._size * self._robots
 
     def unknown(self, streams: list[Stream]) -> bool:
         """Whether there is a stream that was never told of."""
@@ -111,7 +131,8 @@ class DigestPacer:
         affordable = now + max(0.0, cost - self._tokens) / self._rate_of_own
         # Where all have waited for the allowance, they do not go on at the same moment.
         room = now + max(0.0, cost * (1.0 + self._turn) - self._common) / self._rate
-        due = max(affordable, min(room, self._last + SLOW * (1.0 + self._turn)))
+        patience = UNHURRIED if self._splits else SLOW
+        due = max(affordable, min(room, self._last + patience * (1.0 + self._turn)), self._fits_at(now, cost))
         return due if news else max(due, self._last + SLOW)
 
     def due_ahead(self, now: float, seconds: float) -> float:
@@ -119,10 +140,16 @@ class DigestPacer:
         self._fill(now)
         return now + max(0.0, -seconds * self._rate - self._common) / self._rate
 
+    def due_in_turn(self, now: float, seconds: float, copies: int) -> float:
+        """When a digest may go out that spends so much ahead of time, if all robots have one: not at one moment [s]."""
+        return max(self.due_ahead(now, seconds * (1.0 - self._turn)), self._fits_at(now, self._size * copies))
+
     def spent(self, now: float, size: int, copies: int) -> None:
         """Another robot told something of so many bytes, in so many copies."""
         self._fill(now)
-        self._common = max(self._common - (size + OVERHEAD) * max(1, copies), -MOST_OWED * self._rate)
+        cost = (size + OVERHEAD) * max(1, copies)
+        self._common = max(self._common - cost, -MOST_OWED * self._rate)
+        self._recent.append((now, cost))
 
     def state_due(self, now: float) -> float:
         """When the next state may be published, in our clock [s]."""
@@ -134,6 +161,7 @@ class DigestPacer:
         self._fill(now)
         cost = (size + OVERHEAD) * max(1, copies)
         self._common -= cost
+        self._recent.append((now, cost))
         if announces:
             return
         self._size, self._last = float(size + OVERHEAD), now
@@ -226,13 +254,29 @@ class DigestPacer:
         told = self._told.get(stream.key)
         return float("inf") if told is None else abs(digest.scale - told[1].scale) + digest.scale
 
+    def _fits_at(self, now: float, cost: float) -> float:
+        """When so much can be told that no window holds more than its allowance, where each has its part [s].
+
+        Parts leave the limit no more than that. Who waits for the same moment goes on a little apart.
+        """
+        while self._recent and self._recent[0][0] <= now - self._window:
+            self._recent.popleft()
+        if not self._splits or self._saved:
+            return now
+        told, at = sum(each for _, each in self._recent), now
+        for t, each in self._recent:
+            if told + cost <= self._rate * self._window:
+                break
+            told, at = told - each, t + self._window + self._turn * cost / self._rate
+        return at
+
     def _fill(self, now: float) -> None:
         """What came in since then."""
         if now <= self._updated:
             return
         elapsed, self._updated = now - self._updated, now
         full = max(FULL * self._rate, 2.0 * self._size * self._robots)
-        self._common = min(self._common + elapsed * self._rate, full)
+        self._common = max(self._common, min(self._common + elapsed * self._rate, full))
         came = elapsed * self._rate_of_own
         most = max(3.0 * self._size * self._robots, self._rate_of_own)
         self._echoing = min(most, self._echoing + ECHOING * came)
@@ -247,7 +291,7 @@ class DigestPacer:
     @property
     def _rate_of_own(self) -> float:
         """Our part of what is for ordinary news [B/s]: of all, as long as announcements leave it."""
-        return (self._ordinary if self._common < 0.0 else 1.0) * self._rate / self._robots
+        return (self._ordinary if self._common < 0.0 or self._splits else 1.0) * self._rate / self._robots
 
 
 def _of(stream: Stream) -> StreamDigest | None:

@@ -64,6 +64,8 @@ class Disputes:
         view = self._view
         competing = [s for s in view.competition.all(now) if not alone or s.robot == view.settings.robot]
         rows = [self._row(now, stream) for stream in competing] if limits else []
+        if alone:  # what is larger than our part has no turn now, and sets no price for what is not
+            rows = [row for row in rows if all(use <= c.limit for use, c in zip(row.use, limits, strict=True))]
         places = [(row.stream.robot, row.stream.key) for row in rows]
         weighed = weigh(rows, limits, [self._weighed.get(place, UNKNOWN) for place in places]) if rows else []
         self._weighed = dict(zip(places, weighed, strict=True))

@@ -134,7 +134,7 @@ def reserve(
         for row, interval in zip(rows, apart, strict=True):
             count = limit.window / interval
             mean += count * row.use[k]
-            variance += _spread(row.stream, count) * row.use[k] ** 2 + count * row.deviation[k] ** 2
+            variance += count_variance(row.stream, count) * row.use[k] ** 2 + count * row.deviation[k] ** 2
         booked.append(mean + deviations * math.sqrt(variance))
     return tuple(booked)
 
@@ -167,7 +167,7 @@ def _standing(row: Row, before: Standing, last: float, first: float, *, small: b
     return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
 
 
-def _spread(stream: Stream, count: float) -> float:
+def count_variance(stream: Stream, count: float) -> float:
     """Return the variance of how many samples a stream generates in a window, `count` in the mean."""
     kind = stream.schedule.kind
     if kind.startswith("periodic"):

@@ -25,8 +25,12 @@ from proxy.core.wire import Digest, State, tag
 
 DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]..."""
-PARTS_DEBT, PARTS_PACE = 2.0, 0.05
+CHANGING_DEBT = 10.0
+"""... so much on the first agreement on parts..."""
+PARTS_DEBT, PARTS_PACE = 0.5, 0.05
 """... and so much on news of parts, which are told this far apart at least [s]."""
+FIRST = 15.0
+"""The first agreement on parts may take the allowance of so long [s]: nobody sends meanwhile, but for the floor."""
 IDLE = 1.0
 """Who is alone looks this often whether there is something to tell [s]."""
 APART = 1e-3
@@ -51,7 +55,9 @@ class Telling:
         self._coordination = coordination
         self._gate = gate
         self._channel = channel
-        self.pacer = DigestPacer(now, zlib.crc32(view.settings.zid.encode()) / 2**32)
+        # Before parts are agreed on nobody sends: the first agreement may use what samples leave.
+        saved = FIRST if view.settings.coordination == "split" else 0.0
+        self.pacer = DigestPacer(now, zlib.crc32(view.settings.zid.encode()) / 2**32, saved)
         self.asking = Asking(now)
         self.urgent = False
         self.parts_changed = False
@@ -164,12 +170,28 @@ class Telling:
             or self._view.messages != self._told_messages
             or self._channel.capacity.speak(now)
         )
+        begins = self._coordination.begins(now)
+        forming = begins or self._coordination.forming(now)
+        self.pacer.follow(now, splits=self._coordination.splits, begins=begins, window=self._window)
         due = self.pacer.due(now, news=news, copies=self._digest_copies())
+        if forming and not self.parts_changed:
+            return max(due, now + IDLE)
         if self._sent_much():
             return min(due, self.pacer.due_ahead(now, DEBT))
         if self.parts_changed:
-            return min(due, max(self.pacer.due_ahead(now, PARTS_DEBT), self._told_at + PARTS_PACE))
-        return min(due, self.pacer.due_ahead(now, 0.0)) if self.urgent else due
+            # Who changes over speaks among announcements, which are ahead of the allowance, and may be more so.
+            if not self._coordination.formed:
+                return min(due, max(self.pacer.due_ahead(now, CHANGING_DEBT), self._told_at + PARTS_PACE))
+            in_turn = self.pacer.due_in_turn(now, PARTS_DEBT, self._digest_copies())
+            return min(due, max(in_turn, self._told_at + PARTS_PACE))
+        urgent = self.urgent and not self._coordination.splits
+        return min(due, self.pacer.due_ahead(now, 0.0)) if urgent else due
+
+    @property
+    def _window(self) -> float:
+        """The shortest window of what robots share [s]; none where they share nothing."""
+        shortest = shortest_window(self._gate.limits)
+        return 0.0 if math.isinf(shortest) else shortest
 
     def announcing(self, now: float) -> float:
         """Return what part of the allowance it takes to announce all that the limits let the team send."""
@@ -212,7 +234,7 @@ class Telling:
             self._unknown, self._news = self.pacer.unknown(own), self.pacer.has_news(own)
 
     def _send_digest(self, now: float) -> Command:
-        copies = self._digest_copies()
+        copies, lean = self._digest_copies(), self._tells_parts(now)
         self._told_at = now
         if self._sent_much() and not (
             self.urgent or self.parts_changed or self._unknown or self._tells_all(now, copies)
@@ -224,8 +246,8 @@ class Telling:
             sent=now,
             messages=self._view.messages,
             bytes=self._view.bytes,
-            streams=self.pacer.changed(now, list(self._view.own())),
-            echoes=self.pacer.echoes(now, self._view.echoes(), copies),
+            streams=() if lean else self.pacer.changed(now, list(self._view.own())),
+            echoes=() if lean else self.pacer.echoes(now, self._view.echoes(), copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
             splits=self._coordination.finds_due,
@@ -234,7 +256,16 @@ class Telling:
         self._channel.capacity.told(digest)
         self._coordination.told(digest)
         self.urgent = self.parts_changed = False
-        return self._send(now, digest, copies)
+        return self._send(now, digest, copies, aside=lean)
+
+    def _tells_parts(self, now: float) -> bool:
+        """Whether a digest tells of parts alone: nobody plans with others' streams where each has its own part."""
+        coordination = self._coordination
+        if not coordination.splits or not self.parts_changed:
+            return False
+        if coordination.begins(now) or coordination.forming(now):
+            return True
+        return not self._tells_all(now, self._digest_copies())
 
     def _tells_all(self, now: float, copies: int) -> bool:
         """Whether it is time to tell all that is new: announcements never take the place of that."""
@@ -254,10 +285,11 @@ class Telling:
         self._channel.capacity.said(now, self._view.messages)
         return self._send(now, digest, copies)
 
-    def _send(self, now: float, digest: Digest, copies: int) -> Command:
+    def _send(self, now: float, digest: Digest, copies: int, *, aside: bool = False) -> Command:
+        """Send a digest; `aside`: ordinary news have their turn all the same."""
         self._told_messages, self._view.largest = self._view.messages, 0
         self._view.sent_digest(now)
-        self.pacer.sent(now, self._size_of(digest), copies, announces=digest.brief)
+        self.pacer.sent(now, self._size_of(digest), copies, announces=digest.brief or aside)
         return SendDigest(digest)
 
     def _size_of(self, digest: Digest) -> int:

@@ -39,6 +39,13 @@ table at once, and the others' parts grow when they have agreed on the table wit
 Only robots that take part the same way may be members: the same protocol, limits and floor. Any other would never tell
 the same hash. Parts would then stay as they are, and never grow.
 
+What is told is little, for each digest goes to everybody: in a team of ten two digests of each robot take the allowance
+of ten seconds. So a robot tells its bid once, and once more the name of its table when that holds the bids of all. What
+is lost is not told again by all: who misses something asks, after a while and for all who miss the same, and who is
+asked tells it again. A bid that would leave everybody about as it is is not told at all. Who passed a slot on tells it
+again when the next turn should long be over. With ten robots of equal messages (*uniform*) the first table is agreed on
+after 2 to 6 s, where it took 11 to 15, and they reach 58 to 98 % of a central decider instead of 0 to 29.
+
 Figures, by simulation. Two robots to a slot use it for 97, 93, 94 and 95 % of the time where news take 0.02, 0.1, 0.3
 and 1 windows. A table is agreed on once each robot has sent one digest after it heard the last change. A digest
 takes 7 bytes for it, 17 with two slots, 40 with a bid of six segments, which is told only until all know it.

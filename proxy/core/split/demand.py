@@ -9,11 +9,11 @@ from proxy.core.split.bid import MOST_SEGMENTS, QUARTERS, UNIT, Bid, Segment, le
 
 SMALL = 0.05
 """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
-SPARE = 16
-"""Levels by which room for one message more than the mean is worth less: it is used about once in sixteen windows.
-
-With four robots of *mixed* traffic, a second frame fits in a window only where such room comes after frames.
-"""
+DEVIATIONS = 3.0
+"""Room beside the mean is asked for as so many standard deviations of what is generated in a window..."""
+SPARE = 8
+"""... at so many levels less: half of the windows use some of it, one in a hundred all. With four robots of *mixed*
+traffic 83 % of small samples were sent where it was room for one message more, and 99 so."""
 MOST_DIVISIBLE = 3
 """Segments of small messages."""
 MOST_SIZES = 8
@@ -34,6 +34,8 @@ class Demand:
     """Messages that it generates [1/s]."""
     value: Callable[[float], float]
     """Utility per second when so many messages per second are sent; concave."""
+    variance: float = 0.0
+    """Of what it uses of the limit in a window."""
 
 
 def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
@@ -50,14 +52,17 @@ def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
 
 
 def _small(demands: Sequence[Demand], window: float) -> list[Segment]:
-    """Ask for what streams use in the mean, and for one large message more."""
+    """Ask for what streams use in the mean, and for what they vary by."""
     levels = []
     for demand in demands:
         amount = UNIT * sum(demand.sizes) / len(demand.sizes) * demand.rate * window
         levels.append((level_of(demand.value(demand.rate) / amount), amount))
     joined = [Segment(_units(amount), level) for level, amount in _joined(levels, MOST_DIVISIBLE)]
-    spare = max((max(demand.sizes) for demand in demands), default=0.0)
-    return [*joined, *(Segment(_units(UNIT * spare), max(0, least.level - SPARE)) for least in joined[-1:])]
+    spare = UNIT * DEVIATIONS * math.sqrt(sum(demand.variance for demand in demands))
+    if not spare:
+        return joined
+    usual = sum(level * amount for level, amount in levels) / sum(amount for _, amount in levels)
+    return [*joined, Segment(_units(spare), max(0, round(usual) - SPARE))]
 
 
 def _joined(rooms: Sequence[tuple[int, float]], most: int) -> list[tuple[int, float]]:

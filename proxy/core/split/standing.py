@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping
 
-from proxy.core.split.allocation import Allocation, allocate
+from proxy.core.split.allocation import RULES, Allocation, allocate
 from proxy.core.split.bid import Bid, packed
 from proxy.core.split.turns import Turn
 
@@ -51,7 +51,7 @@ class Standing:
 
 def _name(table: Mapping[str, Entry | None], members: int, kind: bytes) -> int:
     """Return four bytes that stand for a table; never 0, which stands for none."""
-    digest = hashlib.blake2b(kind + members.to_bytes(4, "big"), digest_size=4)
+    digest = hashlib.blake2b(b"%d " % RULES + kind + members.to_bytes(4, "big"), digest_size=4)
     for tag, entry in sorted(table.items()):
         version, bid = entry or (-1, ())
         told = packed(bid)

@@ -3,10 +3,10 @@
 import pytest
 
 from proxy.core import events as ev
-from proxy.core.coordination import AFFORDABLE, FEW, LASTING, LATE, PACE, STILL, Coordination
+from proxy.core.coordination import AFFORDABLE, FEW, FORMING, LASTING, LATE, PACE, STILL, Coordination
 from proxy.core.limits import limits_of
 from proxy.core.settings import CoreSettings
-from proxy.core.split import Told
+from proxy.core.split import Segment, Told
 from proxy.core.stream import Generated
 from proxy.core.view import SharedView
 from proxy.core.wire import Digest, State, StreamDigest, StreamState
@@ -188,3 +188,51 @@ def test_status_says_how_robots_keep_the_limit(make_talk):
     status = talk.core.status(now + 0.1)
     assert status["coordination"] == "split"
     assert status["budget"][0]["held"] < status["budget"][0]["limit"]
+
+
+def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_those_of_its_tables(make_team):
+    """So the union holds with those who have agreed already: who gives uses less from the moment it says so."""
+    team = make_team(("p1",))
+    team.look(waiting=99.0)
+    equal = (1.0 - team.view.settings.floor) / 2.0
+    assert team.coordination.part(team.now, 0) == pytest.approx(equal)
+    assert team.coordination.forming(team.now)
+    bid = (Segment(9_000, 250),)
+    team.say("p1", splits=True, split=Told(1, bid, 1, 0))
+    assert team.coordination.part(team.now, 0) < 0.5 * equal
+    ours = team.coordination.telling(team.now)
+    team.say("p1", splits=True, split=Told(1, None, ours.table, 0))
+    team.look(waiting=99.0)
+    assert team.coordination.formed
+    assert not team.coordination.forming(team.now)
+    assert 0.0 < team.coordination.part(team.now, 0) < 0.5 * equal
+
+
+def test_who_asks_for_a_part_is_a_rival_however_seldom_its_streams_are_told_of(make_team):
+    """Else a team would change back and forth."""
+    team = make_team(("p1",), send=1)
+    team.look(waiting=99.0)
+    assert not team.coordination.rivals
+    stream = team.view.stream(0.0, "p1", "robot/p1/camera")
+    for count in range(9):
+        stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
+    team.look(waiting=99.0)
+    assert team.coordination.splits
+    team.say("p1", splits=True, split=Told(1, (Segment(5_000, 120),), 1, 0))
+    team.now += 60.0
+    for count in range(9, 80):
+        team.view.stream(0.0, "r1", "robot/r1/camera").note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
+    team.look(waiting=99.0)
+    assert team.coordination.rivals
+    team.say("p1", splits=True, split=Told(2, (), 1, 0))
+    team.look(waiting=99.0)
+    assert not team.coordination.rivals
+
+
+def test_a_team_that_splits_from_the_beginning_begins_by_agreeing(make_team):
+    """For some seconds, whether it agrees or not."""
+    team = make_team(coordination="split")
+    assert team.coordination.begins(0.0)
+    assert team.coordination.forming(0.0)
+    assert not team.coordination.begins(FORMING)
+    assert not make_team().coordination.begins(0.0)

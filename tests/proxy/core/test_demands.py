@@ -14,13 +14,13 @@ from proxy.core.view import SharedView
 def make_view(make_specs):
     """A robot of a team of two with one stream of 10 Hz."""
 
-    def make(size, value=1.0, *, wanted=True):
+    def make(size, value=1.0, *, wanted=True, samples=50):
         view = SharedView(CoreSettings("r1", "z1"), make_specs(window=0.5))
         view.add_peer(0.0, "r2", "z2")
         stream = view.stream(0.0, "r1", "robot/r1/camera")
         stream.matching = wanted
-        for count in range(50):
-            stream.note_generated(count + 1, Generated(0.1 * count, size, value))
+        for count in range(samples):
+            stream.note_generated(count + 1, Generated(5.0 - 0.1 * (samples - count), size, value))
         return view
 
     return make
@@ -55,3 +55,10 @@ def test_what_nobody_wants_asks_for_nothing(make_view):
     assert asked(make_view(2_000, wanted=False)) == ()
     view = make_view(2_000)
     assert bid(view, 500.0, limits_of(view.specs, 0.02, 2)) == ()
+
+
+def test_a_new_stream_asks_for_a_few_messages(make_view):
+    """Of one sample nobody knows how soon the next one comes: it is not taken to come at once."""
+    view = make_view(10, samples=1)
+    (limit,) = limits_of(view.specs, 0.02, 2)
+    assert sum(segment.amount for segment in asked(view)) <= UNIT * 12 * 10 / limit.limit

@@ -282,3 +282,44 @@ def test_features_are_told_where_others_need_them(make_specs):
         stream.note_generated(1, Generated(1.0, 10, 2.0, {"red": 0.25}))
         (news,) = DigestPacer(0.0).changed(1.0, [stream])
         assert news.features == told
+
+
+def test_the_first_agreement_may_take_what_was_saved():
+    """Until the team has begun; what is left of it is not spent later."""
+    pacer = pacer_of(1000.0, robots=10, saved=15.0)
+    pacer.follow(0.0, splits=True, begins=True, window=2.0)
+    for _ in range(20):
+        assert pacer.due_ahead(0.0, 0.0) == 0.0
+        pacer.sent(0.0, SIZE, 9, announces=True)
+    pacer.follow(5.0, splits=True, begins=False, window=2.0)
+    pacer.sent(5.0, SIZE, 9, announces=True)
+    assert pacer.due_ahead(5.0, 0.0) > 5.0
+
+
+@given(st.lists(st.floats(0.0, 0.6), min_size=1, max_size=60), st.integers(20, 90))
+def test_where_each_has_its_part_no_window_holds_more_than_its_allowance(pauses, size):
+    """Of news of parts and of ordinary ones together: parts leave the limit no more than that."""
+    pacer, now, window, told = pacer_of(1000.0, robots=4, turn=0.3), 10.0, 2.0, []
+    pacer.follow(now, splits=True, begins=False, window=window)
+    pacer.sent(now, size, 3)
+    pacer.spent(now, size, 3)
+    told += [(now, (size + OVERHEAD) * 3)] * 2
+    for place, pause in enumerate(pauses):
+        now += pause
+        aside = place % 2 == 0
+        due = pacer.due_in_turn(now, 5.0, 3) if aside else pacer.due(now, news=True, copies=3)
+        if due <= now:
+            pacer.sent(now, size, 3, announces=aside)
+            told.append((now, (size + OVERHEAD) * 3))
+        assert sum(cost for t, cost in told if t > now - window) <= 1000.0 * window
+
+
+def test_robots_with_news_of_parts_do_not_speak_at_one_moment():
+    """Each waits for a bit more of the allowance than the last one."""
+    due = []
+    for turn in (0.0, 0.4, 0.8):
+        pacer = pacer_of(1000.0, robots=4, turn=turn)
+        pacer.follow(0.0, splits=True, begins=False, window=2.0)
+        pacer.spent(0.0, 400, 3)
+        due.append(pacer.due_in_turn(0.0, 0.5, 3))
+    assert due == sorted(set(due))

@@ -1,5 +1,7 @@
 """What is booked as load, and what is left to contested messages; seen at a core that talks."""
 
+from dataclasses import replace
+
 import pytest
 
 from proxy.core import events as ev
@@ -153,3 +155,14 @@ def test_nobody_waits_for_room_that_others_leave(talk):
     talk.tell(ev.SampleHeard(4.0, "robot/r2/camera", 60_000, "zz-unknown", None, {"red": 0.0}))
     sample, said = talk.publish(4.45, "robot/r1/camera", size=FRAME)
     assert Drop(sample, "dropped:constraint") in only(said)
+
+
+def test_what_is_larger_than_our_part_sets_no_price_for_what_is_not(talk):
+    """A frame waits for its turn; meanwhile every small sample goes that fits in our part."""
+    view, (limit,) = talk.core.view, talk.core.budget.limits
+    odometry = view.known("r1", "robot/r1/odometry")
+    part = (replace(limit, limit=3_000.0),)
+    for alone in (False, True):
+        disputes(talk).look(2.05, part, alone=alone)
+        standing = disputes(talk).weighed(odometry).standing
+        assert standing is (Standing.UNDISPUTED if alone else Standing.PRICED)

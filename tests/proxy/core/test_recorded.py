@@ -47,7 +47,14 @@ def read(kind, data):
 
 def meant(message, recorded):
     """What a message means, as far as that was known when it was recorded."""
-    return {name: value for name, value in plain(message).items() if name in recorded}
+    return known(plain(message), recorded)
+
+
+def known(message, recorded):
+    """What of it was recorded: later versions tell more, also inside."""
+    if not isinstance(message, dict) or not isinstance(recorded, dict):
+        return message
+    return {name: known(value, recorded[name]) for name, value in message.items() if name in recorded}
 
 
 def inflated(data):

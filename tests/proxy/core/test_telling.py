@@ -5,8 +5,9 @@ import pytest
 from proxy.core import events as ev
 from proxy.core.commands import Decide, Forward, SendDigest, SendState
 from proxy.core.limits import allowance_of
+from proxy.core.split import Segment, Told
 from proxy.core.telling import DEBT, STATE_PACE
-from proxy.core.wire import Digest, State, StreamState
+from proxy.core.wire import Digest, State, StreamDigest, StreamState
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly
 from studies.simulation.missions import draw, scenario
@@ -164,3 +165,38 @@ def test_all_digests_of_a_team_are_within_its_allowance_and_none_is_refused(how)
     assert 0 < team.digest_bytes <= rate * (WARM_UP + how.seconds + DEBT)
     assert sum(core.refused.total() for core in team.cores.values()) == 0
     assert all(core.counts.conserved for core in team.cores.values())
+
+
+def voting(now, **split):
+    """A digest of the other robot, which finds that the team has to split."""
+    return Digest("op", "zz-op", now, splits=True, split=Told(1, (Segment(5_000, 120),), 1, 0, **split), state=1)
+
+
+def test_news_of_parts_go_without_all_other_news(talk):
+    """Where each robot has its part nobody plans with the others' streams: what is told of these has time."""
+    talk.tell(ev.InterestChanged(5.0, ("robot/op/camera",)))
+    news = StreamDigest(1, 9, 0, 5.0, 0.0, 100, 1.0)
+    talk.tell(ev.DigestHeard(5.05, Digest("op", "zz-op", 5.05, streams=(news,), state=1), 60))
+    talk.publish(5.1, size=100, red=0.5)
+    talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
+    for k in range(20):
+        talk.publish(5.3 + 0.1 * k, size=100)
+    bids = [digest for digest in digests(talk, 5.2) if digest.split.bid]
+    assert bids
+    assert all((digest.streams, digest.echoes) == ((), ()) for digest in bids)
+    for k in range(100):
+        talk.publish(7.4 + 0.2 * k, size=100)
+    assert any(digest.streams for digest in digests(talk, 7.4))
+
+
+def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowance(talk):
+    """Its vote is what ends them: in a team of ten it waited for twelve seconds."""
+    talk.tell(ev.InterestChanged(5.0, ("robot/op/camera",)))
+    news = StreamDigest(1, 9, 0, 5.0, 0.0, 100, 1.0)
+    talk.tell(ev.DigestHeard(5.05, Digest("op", "zz-op", 5.05, streams=(news,), state=1), 60))
+    rate = talk.core.telling.pacer.rate
+    talk.tell(ev.DigestHeard(5.1, Digest("op", "zz-op", 5.1, brief=True, state=1), round(DEBT * rate)))
+    talk.publish(5.15, size=100)
+    talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
+    talk.tell(ev.TimePassed(5.3))
+    assert any(digest.split is not None for digest in digests(talk, 5.15))

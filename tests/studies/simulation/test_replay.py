@@ -9,14 +9,14 @@ from studies.simulation.missions import draw
 from studies.simulation.replay import Recorded, Relived, decided_alike
 from studies.workload import MIXED
 
-END = 5.0
+END = 20.0
 
 
 @pytest.fixture(scope="module", params=["announce", "split"])
 def flight(request):
     """Three robots under right clocks."""
     transport = "broadcast" if request.param == "announce" else "unicast"
-    how = Conditions(robots=3, limit=10, seconds=2.0, iterations=30, coordination=request.param, transport=transport)
+    how = Conditions(robots=3, limit=10, seconds=15.0, iterations=30, coordination=request.param, transport=transport)
     flown = draw(MIXED, 0, how)
     flying = crew(Recorded, flown, how, 0)
     flying.run(flown.frames, END)

@@ -94,3 +94,24 @@ def test_a_message_larger_than_the_limit_has_all_that_is_left_in_its_turn():
     assert allocation.parts == {"a": 5500, "b": 4200, "c": 200}
     allocation = allocate({"a": (small, huge), "b": (small, huge)}, 2, 100)
     assert [(slot.size, len(slot.ring)) for slot in allocation.slots] == [(9500, 2)]
+
+
+def test_who_gains_most_by_a_message_has_the_first_turn():
+    """Whatever the seed says; among those who gain about the same it decides."""
+    table = {"a": (Segment(6000, 100, 1),), "b": (Segment(6000, 101, 1),), "c": (Segment(6000, 140, 1),)}
+    firsts = {allocate(table, 3, 100, seed).slots[0].ring[:2] for seed in range(6)}
+    assert {ring[0][0] for ring in firsts} == {"c"}
+    assert {ring[1][0] for ring in firsts} == {"a", "b"}
+
+
+def test_allocations_resemble_each_other_where_amounts_are_nearly_the_same():
+    """And the same robots share the same slots."""
+
+    def made(size=4000, small=300, who="ab"):
+        return allocate({tag: (Segment(small, 150), Segment(size, 100, 2)) for tag in who}, len(who), 100)
+
+    assert made().resembles(made(4200, 320))
+    assert not made().resembles(made(5200))
+    assert not made(7000).resembles(made(7000, 1500))
+    assert not made().resembles(made(who="abc"))
+    assert not made(9000, who="ab").resembles(made(9000, who="ac"))

@@ -1,6 +1,7 @@
 """Bids out of streams."""
 
 import math
+from dataclasses import replace
 from statistics import fmean
 
 import pytest
@@ -27,10 +28,22 @@ def test_small_streams_come_first_and_large_messages_whole():
 
 
 def test_small_streams_get_what_they_need():
-    """Room for what they send in a window, and one message more."""
+    """Room for what they send in a window, and something of what is left."""
     parts = allocate({f"r{i}": bid_for(MIXED, 0.5, 4) for i in range(4)}, 4, 100).parts
     need = sum(fmean(d.sizes) * d.rate * 0.5 for d in MIXED[1:]) + max(LOG.sizes)
     assert all(part >= need * 10_000 for part in parts.values())
+
+
+def test_small_streams_ask_for_what_they_vary_by():
+    """Three standard deviations of what all together send in a window, in one segment."""
+    varying = [replace(demand, variance=0.25 * fmean(demand.sizes) ** 2) for demand in MIXED[1:]]
+    bid = bid_for([CAMERA, *varying], 0.5, 4)
+    (spare,) = set(bid) - set(bid_for(MIXED, 0.5, 4))
+    expected = 3.0 * math.sqrt(sum(demand.variance for demand in varying))
+    assert spare.amount == pytest.approx(10_000 * expected, abs=1)
+    parts = allocate({f"r{i}": bid for i in range(4)}, 4, 100).parts
+    need = sum(fmean(demand.sizes) * demand.rate * 0.5 for demand in varying)
+    assert all(part >= 10_000 * (need + expected) for part in parts.values())
 
 
 def test_four_robots_with_cameras_share_what_frames_there_is_room_for():
@@ -70,5 +83,5 @@ def test_many_streams_make_few_segments():
     demands = [Demand((0.001,), 1.0 + i, lambda rate, i=i: 2.0**i * rate) for i in range(20)]
     bid = bid_for(demands, 0.5, 4)
     assert len(bid) <= MOST_SEGMENTS
-    room = sum(0.001 * d.rate * 0.5 for d in demands) + 0.001
+    room = sum(0.001 * d.rate * 0.5 for d in demands)
     assert sum(s.amount for s in bid) == pytest.approx(10_000 * room, abs=len(bid))

@@ -220,7 +220,8 @@ def test_a_bid_changes_when_all_agree_and_it_differs_enough():
     flight = fleet(2)
     split, now = flight.splits["r0"], flight.clock("r0")
     assert not split.bid(now, (Segment(330, 151),))
-    flight.demand["r0"] = (Segment(900, 150),)
+    assert not split.bid(now, (Segment(900, 150),))  # there is room for it as it is
+    flight.demand["r0"] = (Segment(9000, 150),)
     assert split.bid(now, flight.demand["r0"])
     assert not split.bid(now + 9.0, SMALL)
     settle(flight, 1.5)
@@ -257,3 +258,110 @@ def test_each_limit_has_its_own_window():
     split.sent(3.0, (0.5, 0.25))
     assert [split.free(3.0, limit) for limit in (0, 1)] == pytest.approx([0.48, 0.73])
     assert [split.free(4.0, limit) for limit in (0, 1)] == pytest.approx([0.98, 0.73])
+
+
+def team_of(tags, bid=SMALL):
+    """Robots that know each other, each of which asks for something; nobody has told anything yet."""
+    splits = {tag: Split(tag, 0.0, (WINDOW,), floor=FLOOR, settled_at=1.0) for tag in tags}
+    for tag, split in splits.items():
+        split.set_members(0.0, set(tags) - {tag})
+        if bid:
+            split.bid(0.0, bid)
+    return splits
+
+
+def say(splits, now, by, *missed):
+    """A robot tells what there is to tell, and all but some hear it."""
+    told = splits[by].telling(now)
+    splits[by].told(now, told)
+    for tag, split in splits.items():
+        if tag != by and tag not in missed:
+            split.heard(now, by, told, now)
+    return told
+
+
+def test_agreeing_takes_two_digests_of_each_robot():
+    """One with its bid, and one once it has those of all; nothing in between is worth telling."""
+    splits = team_of("abcd")
+    for tag in "abc":
+        assert splits[tag].has_news(0.1)
+        say(splits, 0.1, tag)
+        assert not splits[tag].has_news(0.1)
+    told = [say(splits, 0.2, tag) for tag in "dabc"]
+    assert [each.bid for each in told] == [SMALL, None, None, None]
+    assert all(split.formed for tag, split in splits.items())
+    assert not any(split.has_news(0.3) for split in splits.values())
+
+
+def test_who_missed_a_digest_asks_and_only_who_is_asked_tells_again():
+    """After a while, and once where others miss the same."""
+    splits = team_of("abcd")
+    say(splits, 0.1, "a")
+    say(splits, 0.1, "b", "c", "d")
+    say(splits, 0.1, "c")
+    say(splits, 0.1, "d")
+    say(splits, 0.2, "a")
+    assert not any(splits[tag].has_news(0.5) for tag in "cd")
+    first = min(splits["c"].due_at(0.5), splits["d"].due_at(0.5))
+    asking = next(tag for tag in "cd" if splits[tag].has_news(5.0))
+    told = say(splits, 5.0, asking)
+    assert first < 5.0
+    assert told.missing == 0b0010
+    assert splits["b"].has_news(5.0)
+    assert not splits["d" if asking == "c" else "c"].has_news(5.0)
+    assert say(splits, 5.1, "b").bid == SMALL
+    for tag in "cdab":
+        say(splits, 5.2, tag)
+    assert all(split.formed for split in splits.values())
+
+
+def test_who_has_nothing_to_ask_for_speaks_once_it_knows_all_other_bids():
+    """Or after a while: others wait for it."""
+    splits = team_of("ab")
+    splits["op"] = Split("op", 0.0, (WINDOW,), floor=FLOOR, settled_at=1.0)
+    for tag, split in splits.items():
+        split.set_members(0.0, splits.keys() - {tag})
+    say(splits, 0.1, "a")
+    assert not splits["op"].has_news(0.2)
+    assert splits["op"].has_news(2.0)
+    say(splits, 0.2, "b")
+    assert splits["op"].has_news(0.2)
+    assert say(splits, 0.2, "op").bid == ()
+
+
+def test_a_slot_that_was_passed_on_unheard_is_passed_on_again():
+    """When its next turn should long be over."""
+    splits = team_of("ab", (Segment(6000, 100, 4),))
+    for tag in "abab":
+        say(splits, 0.1, tag)
+    (holder,) = [tag for tag, split in splits.items() if not split.waits_for_turn]
+    (other,) = splits.keys() - {holder}
+    now = 0.1
+    while not splits[holder].look(now, 0.01):
+        now += 0.1
+    say(splits, now, holder, other)
+    assert all(split.waits_for_turn for split in splits.values())
+    splits[holder].look(now + 1.0, 0.01)
+    assert not splits[holder].has_news(now + 1.0)
+    splits[holder].look(now + 8.0, 0.01)
+    assert splits[holder].has_news(now + 8.0)
+    say(splits, now + 8.0, holder)
+    assert not splits[other].waits_for_turn
+
+
+def test_a_bid_that_changes_nobodys_part_is_not_told():
+    """However else it differs."""
+    flight = fleet(2, (Segment(4000, 100),))
+    split = flight.splits["r0"]
+    assert not split.bid(flight.clock("r0") + 60.0, (Segment(4000, 180),))
+    assert split.bid(flight.clock("r0") + 60.0, (Segment(9000, 180),))
+
+
+def test_a_team_that_splits_again_says_so_at_once():
+    """Also where nobody asks for anything else than before."""
+    splits = team_of("ab")
+    for tag in "abab":
+        say(splits, 0.1, tag)
+    assert not splits["a"].has_news(9.0)
+    splits["a"].begin(9.0)
+    assert splits["a"].has_news(9.0)

@@ -17,6 +17,7 @@ tolds = st.builds(
     st.just(0) | names,
     st.lists(st.integers(0, 2**32 - 1), max_size=5).map(tuple),
     st.floats(0.0, 10.0),
+    st.integers(0, 2**64 - 1),
 )
 anything = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.binary(max_size=26) | st.text(max_size=3),
@@ -29,7 +30,7 @@ def test_what_is_told_survives_the_wire(told):
     """But for the time without use, which is rounded down: it may look shorter, never longer."""
     heard = told_of(msgpack.unpackb(msgpack.packb(fields(told))))
     assert (heard.version, heard.bid, heard.table) == (told.version, told.bid, told.table)
-    assert (heard.agreed, heard.turns) == (told.agreed, told.turns)
+    assert (heard.agreed, heard.turns, heard.missing) == (told.agreed, told.turns, told.missing)
     assert heard.unused <= told.unused + 1e-9
 
 
