@@ -123,10 +123,11 @@ def listen(dialer: str, target: str, port: int, crossed: list[Crossing], stop: t
     _small(listener)
 
     def accept() -> None:
-        while not stop.is_set():
-            near, _ = listener.accept()
-            far = _dial(port, stop)
-            Link(near, far, (dialer, target), crossed)
+        with listener:
+            while not stop.is_set():
+                near, _ = listener.accept()
+                far = _dial(port, stop)
+                Link(near, far, (dialer, target), crossed)
 
     threading.Thread(target=accept, daemon=True).start()
     return int(listener.getsockname()[1])
