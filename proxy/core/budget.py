@@ -7,12 +7,13 @@ energy, each has whole.
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 
 from proxy.core.coordination import Coordination
 from proxy.core.limits import Limit, Limits, Send, changes_plans, longest_window, use_of
 from proxy.core.room import opens
-from proxy.core.view import SharedView
+from proxy.core.view import Amount, SharedView
 
 LEAST = 1e-6
 """A constraint cannot be zero; this is as good."""
@@ -120,7 +121,8 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        own, others = (tuple(each for each in sent if each[0] >= since) for sent in (self._sent, self.others(now)))
+        own = tuple(each for each in self._sent if each[0] >= since)
+        others = () if self.alone else self._uses(self._view.sent_since(since))
         return Limits(self.usable(now), own, others, alone=self.alone)
 
     def _fits(self, now: float, k: int, amount: float, others: tuple[Send, ...]) -> bool:
@@ -131,7 +133,9 @@ class Budget:
         if limit.shared and not self._coordination.whole_turn(now, k):
             return False
         stretched = limit.window * min(amount / whole, MOST_STRETCHED)
-        return self._counted(now, k, stretched, others) <= 0.0
+        # What robots tell each other goes on beside it.
+        samples = () if self.alone else self._uses(self._view.sent_since(now - stretched))
+        return self._counted(now, k, stretched, samples) <= 0.0
 
     def _counted(self, now: float, k: int, window: float, others: tuple[Send, ...]) -> float:
         since = now - window
@@ -142,7 +146,10 @@ class Budget:
         return now - MOST_STRETCHED * longest_window(self.limits)
 
     def _sent_by_others(self, now: float) -> tuple[Send, ...]:
-        sent = self._view.sent_since(self._remembered_since(now))
+        return self._uses([*self._view.sent_since(self._remembered_since(now)), *self._view.talk])
+
+    def _uses(self, sent: Sequence[tuple[float, Amount]]) -> tuple[Send, ...]:
+        """Return what this used of each limit that others sent."""
         alike = {amount: use_of(*amount, self.limits, own=False) for amount in {amount for _, amount in sent}}
         return tuple([(t, alike[amount]) for t, amount in sent])
 

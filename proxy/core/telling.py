@@ -16,8 +16,9 @@ from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
 from proxy.core.coordination import Coordination
 from proxy.core.digests import ANNOUNCEMENT, ON_AIR, ON_CHANNEL, ORDINARY, OVERHEAD, QUESTION, DigestPacer
 from proxy.core.gate import Gate
-from proxy.core.limits import allowance_of, changes_plans, shortest_window, use_of
+from proxy.core.limits import LEAST_DIGEST, allowance_of, changes_plans, shortest_window, use_of
 from proxy.core.stating import differs, shortened, state_of, update_of
+from proxy.core.talk import Talk
 from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.ways import mean_loss
@@ -59,6 +60,9 @@ class Telling:
         saved = FIRST if view.settings.coordination == "split" else 0.0
         self.pacer = DigestPacer(now, zlib.crc32(view.settings.zid.encode()) / 2**32, saved)
         self.asking = Asking(now)
+        self._talk = Talk()
+        self._uncounted = 0.0
+        """What was told beyond the allowance and does not count against the limits yet [B]."""
         self.urgent = False
         self.parts_changed = False
         """Whether what we tell of parts is news."""
@@ -90,7 +94,7 @@ class Telling:
 
     def answered(self, now: float) -> None:
         """Somebody asked for our state and got it: all the rest is told by the next digest."""
-        self.pacer.owe(now, len(pack_state(self.state)), 1)
+        self._owe(now, len(pack_state(self.state)), 1)
         self.pacer.forget()
 
     def due(self, now: float) -> list[Command]:
@@ -99,7 +103,7 @@ class Telling:
         if now >= self._restate_at and now >= self._state_due(now):
             commands += self._send_state(now)
         if (name := self.asking.due(now)) is not None:
-            self.pacer.owe(now, QUESTION, 1)
+            self._owe(now, QUESTION, 1)
             commands.append(AskState(self._view.peers[name].name, name))
         self._tell(now, commands)
         return commands
@@ -129,7 +133,28 @@ class Telling:
     def heard(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came: it was paid for from the allowance of all."""
         # For each one that comes others are lost.
-        self.pacer.spent(now, round(size / (1.0 - mean_loss(self._view))), self._digest_copies())
+        told, copies = round(size / (1.0 - mean_loss(self._view))), self._digest_copies()
+        self.pacer.spent(now, told, copies)
+        self._count(now, told, copies)
+
+    def heard_state(self, now: float, state: State) -> None:
+        """A state of another robot came: an update is for all, a whole one mostly for us alone."""
+        self._count(now, len(pack_state(state)), self._copies() if state.since else 1)
+
+    def _owe(self, now: float, size: int, copies: int) -> None:
+        """We tell something that is no digest, of so many bytes, in so many copies."""
+        self.pacer.owe(now, size, copies)
+        self._count(now, size, copies)
+
+    def _count(self, now: float, size: int, copies: int) -> None:
+        """Count what is told against the limits, as far as it is more than they leave to that."""
+        window = shortest_window(self._gate.limits)
+        if math.isfinite(window):
+            told = (size + OVERHEAD) * max(1, copies)
+            self._uncounted += self._talk.note(now, told, window, self.pacer.rate * window)
+            if self._uncounted >= LEAST_DIGEST:  # where limits are of messages, each note is one
+                self._view.note_talk(now, round(self._uncounted))
+                self._uncounted = 0.0
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
@@ -144,7 +169,7 @@ class Telling:
             told.append(Notice("warning", f"{left} streams, subscriptions or origins are too many to tell the others"))
         self.untold = left
         self.state, self._state_at = state, now
-        self.pacer.owe(now, len(pack_state(update or state)), self._copies())
+        self._owe(now, len(pack_state(update or state)), self._copies())
         return [*told, SendState(state, update)]
 
     def _state_due(self, now: float) -> float:
@@ -289,7 +314,9 @@ class Telling:
         """Send a digest; `aside`: ordinary news have their turn all the same."""
         self._told_messages, self._view.largest = self._view.messages, 0
         self._view.sent_digest(now)
-        self.pacer.sent(now, self._size_of(digest), copies, announces=digest.brief or aside)
+        size = self._size_of(digest)
+        self.pacer.sent(now, size, copies, announces=digest.brief or aside)
+        self._count(now, size, copies)
         return SendDigest(digest)
 
     def _size_of(self, digest: Digest) -> int:

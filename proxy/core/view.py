@@ -58,8 +58,10 @@ class SharedView:
         """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
         """When and how much other robots sent within the longest window."""
+        self.talk: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
+        """The same of what robots told each other beyond what limits leave to that."""
         self.sends_noted = 0
-        """How often anything was added to that."""
+        """How often that changed."""
         self._tag = tag(settings.zid)
         self._evicted = 0
         self._interest = Interest()
@@ -156,6 +158,11 @@ class SharedView:
         """Something came of a stream that we know nothing of."""
         self.sends_noted += 1
         self.sends.append((now, (size, 1)))
+
+    def note_talk(self, now: float, size: int) -> None:
+        """So many bytes of what robots tell each other count against the limits like samples of other robots."""
+        self.sends_noted += 1
+        self.talk.append((now, (size, 1)))
 
     def sent_since(self, since: float) -> list[tuple[float, Amount]]:
         """When and how much other robots sent."""
@@ -374,8 +381,10 @@ class SharedView:
         """Forget silent streams of plain nodes, and sends that no window counts; cheap to call at every event."""
         self._table.sweep(now)
         longest = max((each.measure.window for each in self.specs.constraints), default=0.0)
-        while self.sends and self.sends[0][0] < now - longest:
-            self.sends.popleft()
+        for past in (self.sends, self.talk):
+            while past and past[0][0] < now - longest:
+                past.popleft()
+                self.sends_noted += 1
 
     def echoes(self, to: str = "") -> tuple[Echo, ...]:
         """What we tell every peer, or one of a tag, of its last digest and of its samples."""

@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 from planner import Aggregation, Message, Problem, Traffic
 from planner import Stream as PlannerStream
+from proxy.core.claims import Claim, claim
 from proxy.core.disputes import Disputes
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
@@ -139,7 +140,8 @@ class WindowBuilder:
         queued = int(min(len(waiting), most // 2))
         places = int(min(self._view.settings.horizon, most - queued))
         candidates = self._candidates(now, "" if current.to else current.key, limits, places)
-        end = self._forecast(now, candidates, limits)
+        stream = self._view.known(self._view.settings.robot, current.key)
+        end = self._forecast(now, candidates, limits, None if stream is None else claim(now, stream))
         demanded = [m for c in candidates if guaranteed(c.stream) for m in self._owed(c)]
         for c in candidates:
             if c.times and c.times[-1] > end:
@@ -187,26 +189,27 @@ class WindowBuilder:
         copies = 1 + view.settings.relayed
         return _Candidate(stream, place, copies, audience, own=True, markovian=False, times=[], copy=True)
 
-    def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits) -> float:
+    def _forecast(self, now: float, candidates: list[_Candidate], limits: Limits, ours: Claim | None) -> float:
         """Fill in the expected generation times of every candidate; return the end of the window.
 
-        Others' messages since we last heard of them have an unknown fate: they are decisions too.
+        Others' messages since we last heard of them have an unknown fate: they are decisions too, but for those with a
+        lesser claim than `ours`.
         """
         settings = self._view.settings
         longest = longest_window(limits.union)
         until = now + settings.horizon_time
         end = min(until, now + WINDOWS * longest)
         for c in candidates:
-            after = self._since(now, c, limits, longest)
+            after = self._since(now, c, limits, longest, ours)
             c.times = c.stream.schedule.forecast(after, end, MOST_AHEAD, now)
             if not c.times:
                 c.times = c.stream.schedule.forecast(after, until, 1, now)
         return max([end, *[c.times[0] for c in candidates if c.times]])
 
-    def _since(self, now: float, c: _Candidate, limits: Limits, longest: float) -> float:
+    def _since(self, now: float, c: _Candidate, limits: Limits, longest: float, ours: Claim | None) -> float:
         """Return when the first message of a stream was or will be generated whose fate is open."""
         view, stream = self._view, c.stream
-        if c.own:
+        if c.own or (ours is not None and claim(now, stream) < ours):
             return now
         schedule = stream.schedule
         heard = schedule.last or now

@@ -7,6 +7,9 @@ from typing import NamedTuple, Protocol
 
 from proxy.core.schedules.rhythm import Rhythm
 
+MEMORYLESS = "poisson"
+"""The kind of what comes at random moments."""
+
 
 class Span(NamedTuple):
     """The times that are asked for: after `after` and until `until`, at most `most`, as things are at `now` [s]."""
@@ -83,7 +86,7 @@ class Memoryless:
     @property
     def kind(self) -> str:
         """`poisson`."""
-        return "poisson"
+        return MEMORYLESS
 
     @property
     def period(self) -> float:

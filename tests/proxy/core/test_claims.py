@@ -1,8 +1,10 @@
 """Two robots that would send in the same moment: the one with the better claim does."""
 
+import math
+
 import pytest
 
-from proxy.core.claims import DECIDED, both, news_take, rivals
+from proxy.core.claims import CAUTION, DECIDED, both, claim, news_take, rivals
 from proxy.core.disputes import Disputes
 from proxy.core.limits import limits_of
 from proxy.core.settings import CoreSettings
@@ -70,6 +72,25 @@ def test_what_we_know_to_be_sent_is_counted_elsewhere(view):
     sent(view, "r2", 10.0)
     view.known("r2", "robot/r2/camera").renew(Generated(9.9, SIZE, 100.0))
     assert taken(view, 10.0 + 0.5 * DECIDED) == (0.0,)
+
+
+def test_what_comes_at_random_counts_by_how_likely_it_was_sent(view):
+    """Nobody knows when it is due: no more of it than would be taken of what was."""
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    view.known("r2", "robot/r2/camera").schedule.assume(PERIOD, "poisson")
+    likely = 1.0 - math.exp(-news_take(view) / PERIOD)
+    assert taken(view, 10.0) == (pytest.approx(likely**CAUTION * SIZE),)
+
+
+@pytest.mark.parametrize("later", [0.0, 0.2, 0.9])
+def test_others_never_take_our_claim_for_less_than_it_is(view, later):
+    """What they know of our sends is older: so no two robots find that their own claim is the best."""
+    ours = view.known("r1", "robot/r1/camera")
+    sent(view, "r1", 9.0)
+    before = claim(10.0, ours)
+    view.note_sent(ours, 2, Sent(9.0 + later, 9.0 + later, SIZE, 1.0))
+    assert claim(10.0, ours) <= before
 
 
 def test_two_messages_use_what_each_of_them_does():

@@ -79,7 +79,7 @@ def test_others_sends_leave_less(make_talk):
     """Where all plan for all, what others are known to have sent is not ours."""
     talk = make_talk(transport="broadcast")
     talk.want(0.0)
-    talk.tell(ev.SampleHeard(0.05, "robot/op/camera", 8000, "zz-op", None, {"red": 0.0}))
+    talk.tell(ev.SampleHeard(0.05, "robot/op/camera", 7800, "zz-op", None, {"red": 0.0}))
     outcomes = []
     for now, size in ((0.1, 900), (0.12, 400), (0.14, 400)):
         _, commands = talk.publish(now, size=size, priority=2 if size == 400 and now > 0.13 else 5)

@@ -47,6 +47,13 @@ def test_estimates_are_news_when_they_moved(changes, news):
     assert [stream.id for stream in update.streams] == ([1, 2] if news else [2])
 
 
+@pytest.mark.parametrize(("period", "news"), [(0.6, False), (0.4, False), (0.8, True)])
+def test_of_random_times_only_large_changes_are_news(period, news):
+    """The mean of a few dozen random gaps varies by itself."""
+    told, now = (replace(TOLD, streams=(replace(CAMERA, schedule="poisson", period=p),)) for p in (0.5, period))
+    assert differs(told, now) is news
+
+
 @pytest.mark.parametrize(
     "changes", [{"mode": "shadow"}, {"subscriptions": ()}, {"streams": ()}, {"origins": ("x",)}, {"clock_error": 0.1}]
 )

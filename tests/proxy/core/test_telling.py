@@ -200,3 +200,17 @@ def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowan
     talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
     talk.tell(ev.TimePassed(5.3))
     assert any(digest.split is not None for digest in digests(talk, 5.15))
+
+
+@pytest.mark.parametrize("coming", ["digest", "state"])
+def test_what_is_told_beyond_the_allowance_leaves_less_for_samples(talk, coming):
+    """Whoever tells it."""
+    before = talk.core.budget.free(5.5)
+    for number in range(30):
+        now = 5.01 + 0.01 * number
+        if coming == "digest":
+            talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, messages=number), 500))
+        else:
+            state = State("op", "zz-op", "", "", number=number + 2, since=number + 1)
+            talk.tell(ev.StateHeard(now, state))
+    assert talk.core.budget.free(5.5)[0] < before[0]

@@ -116,6 +116,23 @@ def test_others_messages_that_would_have_been_announced_are_decisions_only_as_lo
     assert past(10.5 + 1.1 * late) == []
 
 
+def test_what_a_lesser_claim_may_have_had_sent_is_no_decision(make_specs):
+    """It gives way to us: where all took each other's samples for sent nobody would send any."""
+    view = make_view(make_specs())
+    view.set_interest(("robot/**",))
+    ours, other = add_stream(view, "r1"), add_stream(view, "r2")
+
+    def past(now):
+        problem = WindowBuilder(view, 0.0).build(now, sample(now), (), union())
+        return [m.t_gen for m in problem.messages if m.t_gen < now and not m.sent]
+
+    view.note_sent(ours, 1, Sent(9.5, 9.5, 1000, 1.0))
+    view.note_sent(other, 1, Sent(9.0, 9.0, 1000, 1.0))
+    assert past(10.51) == [pytest.approx(10.5)]
+    view.note_sent(other, 2, Sent(9.6, 9.6, 1000, 1.0))
+    assert past(10.51) == []
+
+
 def test_times_before_zero_are_times_like_others(make_specs):
     """A clock may show anything: the window is the same, and only later or earlier."""
 
