@@ -2,7 +2,7 @@
 
 The allowance may be spent ahead of time (`digests.py`): then a window holds more digests than the limits for samples
 leave out. Ten robots with five messages to a window exceeded the limit in 9 to 20 % of their windows where that did not
-count, in unicast at 20 and 100 ms, and in 0 to 13 % where it does.
+count, in unicast at 20 and 100 ms, and in 0 to 13 % where it does (one seed).
 """
 
 from collections import deque
