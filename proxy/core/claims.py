@@ -4,9 +4,9 @@ A claim grows until its stream sends, and what others know of that is never newe
 take a claim for better than it is, if anything, and no two robots both find their own the best.
 
 Plans leave out what a lesser claim may just have had sent: four robots with cameras whose news took 100 ms filled 15 %
-of 1 Mbit/s, as each took the others' frames for sent, and fill 73 to 78 % now. What a better claim may just have had sent
-counts as taken until it is known what became of it: five robots with samples of random sizes exceeded the limit in 5
-to 9 % of their windows where a sample gave way only once, and do so in 0.4 to 4 %.
+of 1 Mbit/s, as each took the others' frames for sent, and fill 73 to 78 % now. What a better claim may just have had
+sent counts as taken until it is known what became of it: five robots with samples of random sizes exceeded the limit
+in 5 to 9 % of their windows where a sample gave way only once, and do so in 0.4 to 4 %.
 """
 
 import math
