@@ -34,7 +34,8 @@ AT_ONCE = 128
 CONSTRAINT = "dropped:constraint"
 GIVES_WAY = 3.0
 """A sample gives way to others' for so many times as long as it waits for room, and is dropped then. With random
-sizes 93.8 % of a central decider was reached with 1.0, 95.2 with 3.0, at 20 ms in unicast, and a point less in broadcast."""
+sizes 93.8 % of a central decider was reached with 1.0, 95.2 with 3.0, at 20 ms in unicast, but a point less
+in broadcast."""
 MANY_GONE = 64
 """When so many samples left that waited for room they are forgotten."""
 
