@@ -59,6 +59,14 @@ def test_of_equal_claims_one_is_better(view):
     assert taken(view, 10.0 + 0.5 * DECIDED) == (SIZE,)
 
 
+def test_a_better_claim_that_comes_before_it_can_have_heard_of_us_counts_as_taken(view):
+    """It would not wait for us; what comes later knows what we sent."""
+    sent(view, "r1", 9.85)
+    sent(view, "r2", 9.0)
+    assert taken(view, 10.0 - 0.9 * news_take(view)) == (SIZE,)
+    assert taken(view, 10.0 - 2.0 * news_take(view)) == (0.0,)
+
+
 def test_what_we_would_have_heard_of_by_now_was_not_sent(view):
     """News take as long as the way, and deciding."""
     sent(view, "r1", 9.9)
