@@ -103,6 +103,8 @@ class Peer:
     counted: tuple[float, int, int] | None = None
     """When it last told how many messages and bytes it had sent [s], and these; announcements do not."""
     pending: dict[int, StreamDigest] = field(default_factory=dict)
+    unnamed: dict[int, tuple[float, tuple[int, int]]] = field(default_factory=dict)
+    """Of those, when they were last sent [s], and what that counts as: bytes and copies."""
     wall_offset: float | None = None
     """Its wall clock minus its monotonic clock [s]; None until it said."""
     clock_error: float = 0.0
@@ -212,12 +214,13 @@ class Peer:
             self._read(now, before)
         self.wall_offset = state.wall_offset
 
-    def postpone(self, news: StreamDigest) -> None:
-        """Keep news of a stream whose key is not known yet."""
-        if len(self.pending) < PENDING or news.id in self.pending:
-            self.pending[news.id] = news
-        else:
+    def postpone(self, news: StreamDigest) -> bool:
+        """Keep news of a stream whose key is not known yet; return whether there is room for it."""
+        if len(self.pending) >= PENDING and news.id not in self.pending:
             self.evicted += 1
+            return False
+        self.pending[news.id] = news
+        return True
 
     def heard_digest(self, now: float, digest: Digest) -> None:
         """A digest of the peer arrived."""

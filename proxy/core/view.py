@@ -159,6 +159,17 @@ class SharedView:
         self.sends_noted += 1
         self.sends.append((now, (size, 1)))
 
+    def _note_unnamed(self, now: float, peer: Peer, news: StreamDigest) -> None:
+        """A sample was sent of a stream whose key is not known yet: until it is, as if one robot wanted it.
+
+        In a team that starts, states come seconds after the first frames: eight robots exceeded the limit meanwhile.
+        """
+        if not news.size or {peer.robot, self.settings.robot} <= self._broadcasting:
+            return  # it is not told how large it was, or heard from the air
+        sent = peer.unnamed[news.id] = min(peer.offset.ours(news.t_forwarded), now), (news.size, 1)
+        self.sends_noted += 1
+        self.sends.append(sent)
+
     def note_talk(self, now: float, size: int) -> None:
         """So many bytes of what robots tell each other count against the limits like samples of other robots."""
         self.sends_noted += 1
@@ -331,6 +342,10 @@ class SharedView:
             if (stream := self._table.known(peer.robot, key)) is not None:
                 stream.assume(told.period, told.schedule)
         for number in [n for n in peer.pending if n in peer.keys]:
+            sent = peer.unnamed.pop(number, None)
+            if sent is not None and sent in self.sends:
+                self.sends.remove(sent)
+                self.sends_noted += 1
             self._take(now, peer, peer.pending.pop(number))
         return True
 
@@ -450,7 +465,9 @@ class SharedView:
     def _take(self, now: float, peer: Peer, news: StreamDigest) -> None:
         key = peer.keys.get(news.id)
         if key is None:
-            peer.postpone(news)
+            earlier = peer.pending.get(news.id)
+            if peer.postpone(news) and news.forwarded > (0 if earlier is None else earlier.forwarded):
+                self._note_unnamed(now, peer, news)
             return
         stream = self._table.get(now, peer.robot, key)
         if stream is None:

@@ -57,6 +57,27 @@ def test_news_of_a_number_waits_for_its_key(view):
     assert [stream.key for stream in view.streams()] == [CAMERA]
 
 
+def test_what_was_sent_of_a_number_without_a_key_counts_once(view):
+    """Before the state that names it, and not twice after that; what is told again is no other sample."""
+    view.add_peer(0.0, "r2", "z-r2")
+    for at, forwarded, size in ((1.0, 0, 10), (1.1, 1, 10), (1.2, 1, 10), (1.3, 2, 30)):
+        view.heard_digest(at, digest(at, StreamDigest(7, 4, forwarded, at, at, size, 1.0)))
+    view.heard_digest(1.4, digest(1.4, StreamDigest(8, 1, 1, 1.4, 1.4, 0, 1.0)))
+    assert view.sent_since(0.0) == [(1.1, (10, 1)), (1.3, (30, 1))]
+    view.set_interest(("**",))
+    meet(view)
+    assert sorted(view.sent_since(0.0)) == [(1.1, (10, 1)), (1.3, (30, 1))]
+
+
+def test_what_is_heard_from_the_air_counts_by_that(make_specs):
+    """However late it is named."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport=broadcast("g")), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (), transport=broadcast("g")))
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0)))
+    assert view.sent_since(0.0) == []
+
+
 def test_a_robot_that_told_nothing_yet_may_want_everything(view):
     """Zenoh sends it a copy as soon as it is linked; who takes no part is a plain node, and costs nothing here."""
     own = view.stream(0.0, "r1", "robot/r1/camera")
