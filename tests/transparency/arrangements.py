@@ -6,6 +6,7 @@ Each robot is a host of its own. Applications are told where Zenoh is on their r
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from tests.system.network import RADIO
@@ -129,6 +130,17 @@ class Team:
             assert known, f"{self}: what was declared is not known to {app.name}"
         for thing in (*waiting.values(), *tokens):
             thing.undeclare()
+
+    def rest(self):
+        """Settle, and wait until what that took back is known everywhere, too: no declaration is under way then.
+
+        Zenoh's admin space answers while it holds the routing tables, and a router to which a declaration comes at that
+        moment takes no more of them, ever.
+        """
+        self.settle()
+        gone, until = f"**/settled/{self._rounds}/*", time.monotonic() + PATIENCE
+        while any(app.tokens(gone) for app in self.apps()):
+            assert time.monotonic() < until, f"{self}: what was taken back is still known"
 
     def flush(self):
         """Wait until what was published so far has arrived: what is published after it, and last in line, has."""

@@ -113,6 +113,7 @@ def scouting(team):
 )
 def admin_nodes(team):
     """The nodes that answer `@/*/*`, asked from robot b."""
+    team.rest()
     return {"nodes": sorted(team.b.app.get("@/*/*", target="ALL", timeout=5.0).heard("key", over=True))}
 
 
@@ -126,7 +127,7 @@ def admin_declared(team):
         app.subscriber(f"place/{name}")
         app.queryable(f"place/{name}", answers=[])
         app.token(f"place/{name}")
-    team.settle()
+    team.rest()
     (own,) = team.b.app.info()["routers"]
     seen = {}
     for kind in ("subscriber", "queryable", "token"):
@@ -139,6 +140,7 @@ def admin_declared(team):
 @feature(GROUP, "admin space: configuration")
 def admin_write(team):
     """The router's configuration can be read by applications, and not written."""
+    team.rest()
     (own,) = team.b.app.info()["routers"]
     replies = team.b.app.get(f"@/{own}/router/config/**", target="ALL", timeout=5.0)
     return {"readable": bool(replies.heard("key", over=True))}
