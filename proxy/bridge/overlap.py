@@ -49,7 +49,7 @@ class _Round:
 
     def doubts(self, key: str, contents: tuple[object, ...]) -> set[int]:
         """Who may have been called for the next sample already when that begins like this."""
-        return self.doubtful if self.doubtful and self.key == key and self.contents == contents else set()
+        return self.doubtful if self.key == key and self.contents == contents else set()
 
 
 class Overlap(Generic[T]):

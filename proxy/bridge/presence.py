@@ -247,7 +247,7 @@ class Presence:
         else:
             wrong = _wrong(state, name)
             if not wrong:
-                return StateHeard(now, state)
+                return StateHeard(now, state, len(data))
         self.floods.refuse(now, robot, wrong)
         return None
 

@@ -42,8 +42,9 @@ def rivals(
     ours, news, taken = claim(now, stream), news_take(view), (0.0,) * len(limits)
     for each in view.competition.all(now):
         better = each.robot != stream.robot and claim(now, each) > ours
-        if better and disputes.weighed(each).standing is Standing.CONTESTED:
-            part, use = _taken(now, each, news), use_of(round(each.mean_size), view.copies(each), limits, own=False)
+        contested = better and disputes.weighed(each).standing is Standing.CONTESTED
+        if contested and (part := _taken(now, each, news)) > 0.0:
+            use = use_of(round(each.mean_size), view.copies(each), limits, own=False)
             taken = both(taken, [part * amount for amount in use])
     return taken
 

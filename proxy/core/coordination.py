@@ -185,8 +185,8 @@ class Coordination:
         return self._always and now < self._forms_until
 
     def forming(self, now: float) -> bool:
-        """Whether the team splits, and agrees on parts for the first time: all else that is to tell has time."""
-        return self.splits and not self.formed and now < self._forms_until
+        """Whether the team begins so, or agrees on parts for the first time: all else that is to tell has time."""
+        return self.splits and (self._always or not self.formed) and now < self._forms_until
 
     @property
     def settled(self) -> bool:

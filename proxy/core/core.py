@@ -241,7 +241,7 @@ class Core:
         if wrong := objection_to_state(peer, event.state):
             self.refused[wrong] += 1
             return []
-        self.telling.heard_state(event.now, event.state)
+        self.telling.heard_state(event.now, event.state, event.size)
         before, subscriptions = transport_warnings(self.view), peer.subscriptions
         if self.view.heard_state(event.now, event.state):
             self.telling.look_for_state(event.now, name)

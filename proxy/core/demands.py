@@ -7,7 +7,7 @@ import numpy as np
 
 from planner import Aggregation
 from proxy.core.limits import Limit, use_of
-from proxy.core.prices import count_variance, rate_known
+from proxy.core.prices import interval_of, variance_of
 from proxy.core.split import Bid, Demand, bid_for
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
@@ -38,18 +38,10 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: fl
             max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
             for size in sorted(sizes)
         ]
-        audience, interval = view.audiences.of(now, stream), _interval(now, stream, window)
-        count = window / interval
+        audience, interval = view.audiences.of(now, stream), interval_of(now, stream, window, AGAIN)
         mean = sum(parts) / len(parts)
-        variance = count_variance(stream, count) * mean**2 + count * (mean * spread / max(stream.mean_size, 1.0)) ** 2
+        variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.mean_size, 1.0))
         yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share, audience.mean), variance)
-
-
-def _interval(now: float, stream: Stream, window: float) -> float:
-    """Return the time between samples [s]; a new stream is taken to generate several times what it has."""
-    if rate_known(now, stream, window):
-        return stream.period
-    return max(stream.period, window / (AGAIN * max(stream.generated, 1)))
 
 
 def _value(stream: Stream, share: float, age: float, rate: float) -> float:

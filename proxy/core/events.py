@@ -111,10 +111,11 @@ class DigestHeard:
 
 @dataclass(frozen=True, slots=True)
 class StateHeard:
-    """Another robot's state arrived (published on change, or fetched from a robot that was there before us)."""
+    """Another robot's state of so many bytes arrived (published on change, or fetched: it was there before us)."""
 
     now: float
     state: State
+    size: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, 
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
 from proxy.core.deletions import Deletions
+from proxy.core.disputes import Disputes
 from proxy.core.events import DecisionReady
 from proxy.core.fallback import TokenBuckets
 from proxy.core.fixed import rounded
@@ -333,8 +334,7 @@ class Gate:
         Else the copies for who was away cost the others their alarms: 21 and 26 of 60, where copies took half of a
         limit for 2 s.
         """
-        self._windows.disputes.look(now, self._budget.usable(now), alone=self._budget.alone)
-        return self._windows.disputes.besides(now, use)
+        return self._disputes(now).besides(now, use)
 
     def _use_of_copy(self, copy: Copy) -> tuple[float, ...]:
         """What a copy uses of the constraints: it goes to one robot, and when relayed to the router before."""
@@ -353,8 +353,12 @@ class Gate:
 
     def _standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """How a sample stands among all that competes with it."""
+        return self._disputes(now).standing(now, stream, sample)
+
+    def _disputes(self, now: float) -> Disputes:
+        """Return how streams stand, weighed anew if it is time to."""
         self._windows.disputes.look(now, self._budget.usable(now), alone=self._budget.alone)
-        return self._windows.disputes.standing(now, stream, sample)
+        return self._windows.disputes
 
     def _owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""

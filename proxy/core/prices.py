@@ -134,16 +134,21 @@ def reserve(
         for row, interval in zip(rows, apart, strict=True):
             count = limit.window / interval
             mean += count * row.use[k]
-            variance += count_variance(row.stream, count) * row.use[k] ** 2 + count * row.deviation[k] ** 2
+            variance += variance_of(row.stream, count, row.use[k], row.deviation[k])
         booked.append(mean + deviations * math.sqrt(variance))
     return tuple(booked)
 
 
-def interval_of(now: float, stream: Stream, window: float) -> float:
-    """Return the mean time between samples [s]; a new stream generates no more than as many again as so far."""
+def variance_of(stream: Stream, count: float, use: float, deviation: float) -> float:
+    """Return the variance of what a stream uses in a window: so many samples in the mean, each of such a use."""
+    return _spread(stream, count) * use**2 + count * deviation**2
+
+
+def interval_of(now: float, stream: Stream, window: float, most: float = 2.0) -> float:
+    """Return the mean time between samples [s]; a new stream generates at most so many times as many as so far."""
     if rate_known(now, stream, window):
         return stream.period
-    return max(stream.period, window / (2.0 * max(stream.generated, 1)))
+    return max(stream.period, window / (most * max(stream.generated, 1)))
 
 
 def rate_known(now: float, stream: Stream, window: float) -> bool:
@@ -167,7 +172,7 @@ def _standing(row: Row, before: Standing, last: float, first: float, *, small: b
     return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
 
 
-def count_variance(stream: Stream, count: float) -> float:
+def _spread(stream: Stream, count: float) -> float:
     """Return the variance of how many samples a stream generates in a window, `count` in the mean."""
     kind = stream.schedule.kind
     if kind.startswith("periodic"):

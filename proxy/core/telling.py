@@ -137,9 +137,9 @@ class Telling:
         self.pacer.spent(now, told, copies)
         self._count(now, told, copies)
 
-    def heard_state(self, now: float, state: State) -> None:
-        """A state of another robot came: an update is for all, a whole one mostly for us alone."""
-        self._count(now, len(pack_state(state)), self._copies() if state.since else 1)
+    def heard_state(self, now: float, state: State, size: int) -> None:
+        """A state of another robot, of so many bytes, came: an update is for all, a whole one mostly for us alone."""
+        self._count(now, size, self._copies() if state.since else 1)
 
     def _owe(self, now: float, size: int, copies: int) -> None:
         """We tell something that is no digest, of so many bytes, in so many copies."""
@@ -148,8 +148,7 @@ class Telling:
 
     def _count(self, now: float, size: int, copies: int) -> None:
         """Count what is told against the limits, as far as it is more than they leave to that."""
-        window = shortest_window(self._gate.limits)
-        if math.isfinite(window):
+        if window := self._window:
             told = (size + OVERHEAD) * max(1, copies)
             self._uncounted += self._talk.note(now, told, window, self.pacer.rate * window)
             if self._uncounted >= LEAST_DIGEST:  # where limits are of messages, each note is one
@@ -195,11 +194,10 @@ class Telling:
             or self._view.messages != self._told_messages
             or self._channel.capacity.speak(now)
         )
-        begins = self._coordination.begins(now)
-        forming = begins or self._coordination.forming(now)
-        self.pacer.follow(now, splits=self._coordination.splits, begins=begins, window=self._window)
+        splits, begins = self._coordination.splits, self._coordination.begins(now)
+        self.pacer.follow(now, splits=splits, begins=begins, window=self._window)
         due = self.pacer.due(now, news=news, copies=self._digest_copies())
-        if forming and not self.parts_changed:
+        if self._coordination.forming(now) and not self.parts_changed:
             return max(due, now + IDLE)
         if self._sent_much():
             return min(due, self.pacer.due_ahead(now, DEBT))
@@ -209,8 +207,7 @@ class Telling:
                 return min(due, max(self.pacer.due_ahead(now, CHANGING_DEBT), self._told_at + PARTS_PACE))
             in_turn = self.pacer.due_in_turn(now, PARTS_DEBT, self._digest_copies())
             return min(due, max(in_turn, self._told_at + PARTS_PACE))
-        urgent = self.urgent and not self._coordination.splits
-        return min(due, self.pacer.due_ahead(now, 0.0)) if urgent else due
+        return min(due, self.pacer.due_ahead(now, 0.0)) if self.urgent and not splits else due
 
     @property
     def _window(self) -> float:
@@ -288,9 +285,7 @@ class Telling:
         coordination = self._coordination
         if not coordination.splits or not self.parts_changed:
             return False
-        if coordination.begins(now) or coordination.forming(now):
-            return True
-        return not self._tells_all(now, self._digest_copies())
+        return coordination.forming(now) or not self._tells_all(now, self._digest_copies())
 
     def _tells_all(self, now: float, copies: int) -> bool:
         """Whether it is time to tell all that is new: announcements never take the place of that."""

@@ -154,10 +154,12 @@ class SharedView:
             self.sends_noted += 1
             self.sends.extend([(each.t_sent, amount) for each in noted])
 
-    def _note_other(self, now: float, size: int) -> None:
-        """Something came of a stream that we know nothing of."""
+    def _note_other(self, at: float, size: int) -> tuple[float, Amount]:
+        """Something was sent of a stream that we know nothing of; return how that is noted."""
+        sent = at, (size, 1)
         self.sends_noted += 1
-        self.sends.append((now, (size, 1)))
+        self.sends.append(sent)
+        return sent
 
     def _note_unnamed(self, now: float, peer: Peer, news: StreamDigest) -> None:
         """A sample was sent of a stream whose key is not known yet: until it is, as if one robot wanted it.
@@ -166,9 +168,7 @@ class SharedView:
         """
         if not news.size or {peer.robot, self.settings.robot} <= self._broadcasting:
             return  # it is not told how large it was, or heard from the air
-        sent = peer.unnamed[news.id] = min(peer.offset.ours(news.t_forwarded), now), (news.size, 1)
-        self.sends_noted += 1
-        self.sends.append(sent)
+        peer.unnamed[news.id] = self._note_other(min(peer.offset.ours(news.t_forwarded), now), news.size)
 
     def note_talk(self, now: float, size: int) -> None:
         """So many bytes of what robots tell each other count against the limits like samples of other robots."""

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from proxy.core import events as ev
+from proxy.core.codec import pack_state
 from proxy.core.wire import State
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Crash, Happening, Join, Leave, Merge, Partition
@@ -117,7 +118,7 @@ class Membership:
             self._feed(other, t, ev.StateAsked(other.now(t)))
 
     def _answer(self, one: Member, state: State, t: float) -> None:
-        self._feed(one, t, ev.StateHeard(one.now(t), state))
+        self._feed(one, t, ev.StateHeard(one.now(t), state, len(pack_state(state))))
 
     def _miss(self, one: Member, other: Member, t: float) -> None:
         if not self._together(one, other) and (one, other) in self._known:

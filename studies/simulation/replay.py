@@ -11,6 +11,7 @@ from functools import partial
 from planner import start
 from proxy.clock import PACE
 from proxy.core import events as ev
+from proxy.core.codec import pack_state
 from proxy.core.commands import Command, Decide, Drop, Forward, SendDigest
 from proxy.core.wire import Digest, tag
 from studies.simulation.clocks import BOOT, EPOCH, Clock
@@ -150,7 +151,7 @@ class _Retelling:
                 known = next((state for state in reversed(heard) if state.robot == robot), None)
                 if known is not None:
                     news = replace(known, streams=(), since=known.number)
-                    yield late, self._told(late, ev.StateHeard(BOOT + late, news))
+                    yield late, self._told(late, ev.StateHeard(BOOT + late, news, len(pack_state(news))))
 
     def _told(self, t: float, event: ev.Event) -> ev.Event:
         now = self._time(self.robot, event.now)

@@ -154,16 +154,17 @@ class Team:
         member.state = state
         others = self.membership.linked(member)
         told = state if update is None else update
-        self.on_air.append(OnAir(t, member.robot, len(pack_state(told)) * len(others)))
+        size = len(pack_state(told))
+        self.on_air.append(OnAir(t, member.robot, size * len(others)))
         for other in others:
             arrival = self.medium.reliable(t, member.robot, other.robot)
-            self.agenda.at(arrival, partial(self._hear_state, other, told))
+            self.agenda.at(arrival, partial(self._hear_state, other, told, size))
 
     def _hear_digest(self, member: Member, digest: Digest, size: int, t: float) -> None:
         self._feed(member, t, ev.DigestHeard(member.now(t), digest, size))
 
-    def _hear_state(self, member: Member, state: State, t: float) -> None:
-        self._feed(member, t, ev.StateHeard(member.now(t), state))
+    def _hear_state(self, member: Member, state: State, size: int, t: float) -> None:
+        self._feed(member, t, ev.StateHeard(member.now(t), state, size))
 
     def _transmit(self, member: Member, t: float, frame: Frame) -> None:
         linked = {other.robot: other for other in self.membership.linked(member)}

@@ -41,8 +41,8 @@ class Demand:
 def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
     """Return what streams ask for together of a limit with this window [s], among so many robots.
 
-    Small messages ask for what they use in the mean, and for one more. Large ones of one size ask for slots. Where
-    sizes vary, more room lets larger messages through, so what is asked for beyond the smallest ones is divisible.
+    Small messages ask for what they use in the mean, and for what they vary by. Large ones of one size ask for slots.
+    Where sizes vary, more room lets larger messages through, so what is asked for beyond the smallest is divisible.
     """
     small = min(SMALL, 0.5 / max(1, robots))
     asking = [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]

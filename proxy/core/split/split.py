@@ -73,11 +73,6 @@ class Split:
         return max(0.0, self._steady.least(now) - self._ledger.kept(now, limit)) / UNIT
 
     @property
-    def agreed(self) -> bool:
-        """Whether we have agreed on any table."""
-        return not self._agreement.newcomer
-
-    @property
     def formed(self) -> bool:
         """Whether we have ever agreed on a table with everybody's bid."""
         return self._agreement.formed

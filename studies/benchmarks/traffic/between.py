@@ -68,19 +68,9 @@ class Link:
 
     def __init__(self, near: socket.socket, far: socket.socket, ends: tuple[str, str], crossed: list[Crossing]) -> None:
         self._ends = near, far
-        carriers = [
-            threading.Thread(target=self._carry, args=(number, way, crossed), daemon=True)
-            for number, way in ((0, Way(*ends)), (1, Way(*ends[::-1])))
-        ]
-        for carrier in carriers:
-            carrier.start()
-        threading.Thread(target=self._close_after, args=(carriers,), daemon=True).start()
-
-    def _close_after(self, carriers: list[threading.Thread]) -> None:
-        for carrier in carriers:
-            carrier.join()
-        for end in self._ends:
-            end.close()
+        self._over = threading.Barrier(2)
+        for number, way in ((0, Way(*ends)), (1, Way(*ends[::-1]))):
+            threading.Thread(target=self._carry, args=(number, way, crossed), daemon=True).start()
 
     def _carry(self, number: int, way: Way, crossed: list[Crossing]) -> None:
         source, sink = self._ends[number], self._ends[1 - number]
@@ -92,6 +82,8 @@ class Link:
         for end in self._ends:
             with suppress(OSError):
                 end.shutdown(socket.SHUT_RDWR)
+        self._over.wait()
+        source.close()
 
 
 def _batch(source: socket.socket) -> tuple[float, bytes] | None:

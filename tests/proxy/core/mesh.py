@@ -91,7 +91,7 @@ class Mesh:
         self.feed(receiver, ev.DigestHeard(self.now, digest, len(data)))
 
     def _state(self, data, sender, receiver):
-        self.feed(receiver, ev.StateHeard(self.now, unpack_state(data, self.names[sender])))
+        self.feed(receiver, ev.StateHeard(self.now, unpack_state(data, self.names[sender]), len(data)))
 
     def _ask(self, sender, receiver):
         """The receiver answers."""

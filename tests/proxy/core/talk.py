@@ -2,6 +2,7 @@
 
 from planner import Plan
 from proxy.core import events as ev
+from proxy.core.codec import pack_state
 from proxy.core.commands import Decide, Drop, Forward
 from proxy.core.wire import State
 
@@ -82,7 +83,8 @@ class Talk:
     def want(self, now, robot="op", zid="zz-op", keys=("robot/*/camera",)):
         """Another robot is there and subscribes to the cameras."""
         self.tell(ev.PeerAppeared(now, robot, zid))
-        self.tell(ev.StateHeard(now, State(robot, zid, "enforce", "", (), keys)))
+        state = State(robot, zid, "enforce", "", (), keys)
+        self.tell(ev.StateHeard(now, state, len(pack_state(state))))
 
     def answer(self, now, decide, *, send, iterations=10):
         """The worker's plan: send the current message or not."""

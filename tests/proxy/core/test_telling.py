@@ -3,6 +3,7 @@
 import pytest
 
 from proxy.core import events as ev
+from proxy.core.codec import pack_state
 from proxy.core.commands import Decide, Forward, SendDigest, SendState
 from proxy.core.limits import allowance_of
 from proxy.core.split import Segment, Told
@@ -212,5 +213,5 @@ def test_what_is_told_beyond_the_allowance_leaves_less_for_samples(talk, coming)
             talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, messages=number), 500))
         else:
             state = State("op", "zz-op", "", "", number=number + 2, since=number + 1)
-            talk.tell(ev.StateHeard(now, state))
+            talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
     assert talk.core.budget.free(5.5)[0] < before[0]
