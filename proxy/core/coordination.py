@@ -71,6 +71,8 @@ class Coordination:
         """Since when announcements cost too much [s]."""
         self.rivals = False
         """Whether several robots have something to send."""
+        self.tells = False
+        """Whether others have to hear of what we send, as far as we know."""
         self.mute_until = now
         """When the allowance has room for announcements [s]."""
 
@@ -116,7 +118,7 @@ class Coordination:
 
     def set_members(self, now: float, members: Collection[str]) -> None:
         """These robots take part, and we."""
-        self._members = frozenset(members)
+        self._members, self._due = frozenset(members), now
         self._voting &= self._members
         if self._split is not None:
             self._split.set_members(now, self._members)
@@ -205,6 +207,8 @@ class Coordination:
         # Where each has its part, what a robot sends is told seldom, and its bid says that it does.
         asked = self.splits and self._split is not None and self._split.rivals
         self.rivals = asked or len(sending) > 1 or len(self._view.peers) > FEW
+        # Who has just been met may send before it can say so.
+        self.tells = self.rivals or bool(self._view.met_lately(now))
         if not self.rivals or math.isinf(window):
             self.finds_due = self._always
         else:

@@ -6,7 +6,6 @@
 The same events and settings give the same commands, whoever drives: the daemon, a simulation, a test.
 """
 
-import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,7 +13,6 @@ from functools import singledispatchmethod
 from typing import Any
 
 from planner import Aggregation
-from planner.utility import MessageUtility
 from proxy.core import events as ev
 from proxy.core.budget import Budget
 from proxy.core.channel import Channel
@@ -44,7 +42,6 @@ from proxy.core.warnings import namesake_warnings, transport_warnings
 from proxy.core.window import WindowBuilder
 from proxy.core.wire import Digest, StreamDigest, tag
 from utility_specs import Specs
-from utility_specs.lifetimes import Lifetime
 
 
 class Core:
@@ -72,8 +69,6 @@ class Core:
         """Of our samples that are not handed over yet."""
         self.retained: frozenset[str] = frozenset()
         """What apps publish on these is taken from them even if nobody who is here wants it."""
-        self._lifetimes: dict[int, tuple[MessageUtility, float]] = {}
-        """How long samples are worth anything [s], by utility."""
         self._tickets = 0
         self._wakes_at = now
         self._taking_in = dict(type(self).__dict__["_on"].dispatcher.registry)
@@ -178,16 +173,8 @@ class Core:
         """Keep a sample for robots that are away, if each sample of its stream counts; of `best` the best one does."""
         if self.settings.away and stream is not None and not stream.information_type.markovian:
             most = 1 if stream.information_type.aggregation is Aggregation.BEST else self.settings.backlog
-            self.kept.published(waiting, self._lifetime(stream), most, delete=delete)
-
-    def _lifetime(self, stream: Stream) -> float:
-        """How long samples of a stream are worth anything [s]."""
-        utility = stream.information_type.utility
-        known = self._lifetimes.get(id(utility))
-        if known is None:
-            end = Lifetime.of(utility).end
-            known = self._lifetimes[id(utility)] = utility, math.inf if end is None else end
-        return known[1]
+            lifetime = self.view.lifetimes.end(stream.information_type.utility)
+            self.kept.published(waiting, lifetime, most, delete=delete)
 
     @_on.register
     def _(self, event: ev.SamplesPassed) -> list[Command]:
@@ -355,7 +342,6 @@ class Core:
         self.telling.restate(event.now)
         self.view.restart_losses()
         self._adopt_limits(event.now)
-        self._lifetimes.clear()
         return [*self.gate.unsettle(), *self._retain()]
 
     @_on.register

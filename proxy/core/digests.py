@@ -8,7 +8,7 @@ digest has a few.
 """
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import replace
 
 from proxy.core.fixed import feature, rounded
@@ -120,6 +120,11 @@ class DigestPacer:
         """The allowance of all robots together [B/s]."""
         return self._rate
 
+    def in_debt(self, now: float) -> bool:
+        """Whether more was told than the allowance of all has room for."""
+        self._fill(now)
+        return self._common < 0.0
+
     def due(self, now: float, *, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
@@ -173,10 +178,12 @@ class DigestPacer:
         self._fill(now)
         self._debt += (size + OVERHEAD) * copies
 
-    def changed(self, now: float, streams: list[Stream], *, sent_only: bool = False) -> tuple[StreamDigest, ...]:
+    def changed(
+        self, now: float, streams: list[Stream], announced: Container[str] | None = None
+    ) -> tuple[StreamDigest, ...]:
         """News of own streams since they were last told of, the most changed first, and some that may be lost.
 
-        With `sent_only` news of those that sent something since.
+        Where anything is `announced` news of these keys that sent something since.
         """
         self.revision += 1
         known = {s.key for s in streams}
@@ -184,14 +191,13 @@ class DigestPacer:
         self._digests = {key: digest for key, digest in self._digests.items() if key in known}
         current = [(s, d) for s in streams if (d := self._digest(s)) is not None]
         news = [(s, d) for s, d in current if s.key not in self._told or self._told[s.key][1] != d]
-        if sent_only:
-            news = [(s, d) for s, d in news if s.key not in self._told or self._told[s.key][1].forwarded != d.forwarded]
+        if announced is not None:
+            news = [(s, d) for s, d in news if s.key in announced and self._sent_of(s.key) != d.forwarded]
         news.sort(key=lambda entry: -self._weight(*entry))
         old = [(s, d) for s, d in current if s.key in self._told and now >= self._told[s.key][0] + REFRESH]
         old.sort(key=lambda entry: self._told[entry[0].key][0])
-        chosen = (news + [entry for entry in old if not sent_only and entry not in news][:MOST_REFRESHED])[
-            :MOST_STREAMS
-        ]
+        refreshed = [entry for entry in old if entry not in news][:MOST_REFRESHED] if announced is None else []
+        chosen = (news + refreshed)[:MOST_STREAMS]
         self._told.update({s.key: (now, d) for s, d in chosen})
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)
@@ -249,6 +255,10 @@ class DigestPacer:
         if digest is not None:
             self._digests[stream.key] = stream, stream.changes, digest
         return digest
+
+    def _sent_of(self, key: str) -> int | None:
+        """How many samples of a stream were sent as was last told; None: nothing was told of it."""
+        return self._told[key][1].forwarded if key in self._told else None
 
     def _weight(self, stream: Stream, digest: StreamDigest) -> float:
         told = self._told.get(stream.key)

@@ -9,7 +9,7 @@ from itertools import chain
 from planner import Aggregation, Plan
 from proxy.core.ample import Ample
 from proxy.core.budget import Budget
-from proxy.core.claims import both, news_take, rivals
+from proxy.core.claims import both, leads, news_take, opening, rivals
 from proxy.core.commands import Command, Decide, Drop, Forward, Notice, Reread, SendCopy
 from proxy.core.counts import Counts
 from proxy.core.decisions import Decided, Decisions
@@ -389,7 +389,9 @@ class Gate:
         sample, use = pending.sample, self._use(now, pending.sample)
         if pending.copy is not None or any(waiting.priority < sample.priority for waiting in self.inbox):
             return self._by_rule(now, pending)
-        if lacking := self._budget.lacking(now, use):
+        needed, late = self._windows.disputes.besides(now, use), replace(sample, gave_way=True)
+        # Where decisions are late so are those of others, and their news.
+        if lacking := self._budget.lacking(now, needed) or self._lacking_beside_rivals(now, late, use):
             return [self._refuse(now, sample, "dropped:fallback", lacking)]
         return [self._send(now, sample, use, "passed:fallback")]
 
@@ -478,8 +480,10 @@ class Gate:
             return ()
         if any(amount > c.limit for amount, c in zip(use, self._budget.usable(now), strict=True)):
             return ()  # there never is room beside it
-        taken = rivals(now, self._view, self._windows.disputes, stream, self.limits)
-        return self._budget.lacking(now, self._windows.disputes.besides(now, both(use, taken))) if any(taken) else ()
+        disputes = self._windows.disputes
+        opened = self._budget.opens(now, disputes.besides(now, use), anybodys=True)
+        taken = rivals(now, self._view, disputes, stream, self.limits, opened=opened, again=sample.gave_way)
+        return self._budget.lacking(now, disputes.besides(now, both(use, taken))) if any(taken) else ()
 
     def _gives_way(self, now: float, sample: Waiting) -> bool:
         """Whether a sample waits until it is known what others have sent; not where a newer one is there by then."""
@@ -489,7 +493,7 @@ class Gate:
         if known_at > sample.t_gen + GIVES_WAY * self._windows.disputes.patience(stream):
             return False
         self._opening[sample.sample] = known_at, self.limits
-        self.inbox.put_back([sample])
+        self.inbox.put_back([replace(sample, gave_way=True)])
         return True
 
     def _waits(self, now: float, sample: Waiting) -> bool:
@@ -519,11 +523,15 @@ class Gate:
         if stream is None or self.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
             return -math.inf
         standing = self._standing(now, stream, sample)
-        until = sample.t_gen + disputes.patience(stream)
+        until = sample.t_gen + disputes.patience(stream, standing)
         if standing is Standing.HOPELESS or now >= until:
             return -math.inf
-        needed = self._use(now, sample)
+        needed, anybodys, later = self._use(now, sample), standing is Standing.UNDISPUTED, 0.0
         if standing is Standing.CONTESTED:
             needed = disputes.besides(now, needed)
-        room = self._budget.opens(now, needed, anybodys=standing is Standing.UNDISPUTED)
-        return room if room <= until else -math.inf
+            if not self._budget.alone and leads(now, self._view, disputes, stream, self.limits):
+                anybodys, later = True, opening(self._view)
+        room = self._budget.opens(now, needed, anybodys=anybodys)
+        if room > now:
+            room += later
+        return room if room < math.inf and room <= until else -math.inf

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from proxy.core.latency import Latency, LatencyFit, middle
 from proxy.core.loss import Loss
-from proxy.core.offset import ClockOffset
+from proxy.core.offset import DRIFT, ClockOffset
 from proxy.core.wire import MOST_TOLD, Digest, Echo, State, StreamDigest, StreamState
 
 PENDING = 1024
@@ -73,6 +73,19 @@ class _Heard(NamedTuple):
     stream: Incoming
 
 
+class HeardDigest(NamedTuple):
+    """A digest: `sent` then on its robot's clock, `received` then on ours [s], when `samples` had been heard of it."""
+
+    sent: float
+    received: float
+    samples: int
+
+    @property
+    def took(self) -> float:
+        """How long it was on its way, by two clocks that differ [s]."""
+        return self.received - self.sent
+
+
 @dataclass(slots=True)
 class Peer:
     """Another robot that runs Sendworthy."""
@@ -113,8 +126,10 @@ class Peer:
     """Its wall clock minus ours [s], when that is worth a warning."""
     samples: int = 0
     """Samples heard from it."""
-    samples_then: int = 0
-    """Those that were heard when its last digest came."""
+    last_heard: HeardDigest | None = None
+    """When its last digest came."""
+    quickest: HeardDigest | None = None
+    """The digest since the last echo that was on its way for the shortest time: its echo tells most of clocks."""
     implausible: int = 0
     """Samples of it whose timestamp could not be right."""
     received_of_ours: int = 0
@@ -224,7 +239,10 @@ class Peer:
 
     def heard_digest(self, now: float, digest: Digest) -> None:
         """A digest of the peer arrived."""
-        self.digest, self.digest_received, self.samples_then = digest, now, self.samples
+        self.digest, self.digest_received = digest, now
+        self.last_heard = heard = HeardDigest(digest.sent, now, self.samples)
+        if self.quickest is None or heard.took <= self.quickest.took + DRIFT * (now - self.quickest.received):
+            self.quickest = heard
         if not digest.brief:
             self.counted = now, digest.messages, digest.bytes
         self.offset.heard(digest.sent, now)

@@ -14,9 +14,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from planner import Aggregation
 from planner.received import integrals
@@ -101,27 +102,58 @@ class Row(NamedTuple):
         return all(u + d <= SMALL * c.limit for u, d, c in zip(self.use, self.deviation, limits, strict=True))
 
 
-def weigh(rows: Sequence[Row], limits: Sequence[Limit], before: Sequence[Weighed]) -> list[Weighed]:
-    """Weigh all streams that compete for the limits; how each stood `before` is what it stays where it is close."""
-    steady = _steady(rows)
-    price = clearing_prices(steady, OFFERED * np.array([c.limit / c.window for c in limits]))
-    cost = steady.use @ price
-    marginal, _ = steady.marginal()
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        last, first = (np.where(cost > 0.0, marginal[:, at] / cost, math.inf) for at in (0, -1))
-    net = steady.value - steady.rate * cost[:, None]
-    apart = np.where(net.max(axis=1) > 0.0, steady.apart[np.arange(len(rows)), net.argmax(axis=1)], math.inf)
-    most = reserve(rows, [row.interval for row in rows], limits, SURELY)
-    fits = all(a <= c.limit for a, c in zip(most, limits, strict=True))
-    return [
-        Weighed(
-            _standing(row, known.standing, float(last[at]), float(first[at]), small=row.small(limits), fits=fits),
-            row.stream.newest.scale,
-            row.interval,
-            float(apart[at]),
-        )
-        for at, (row, known) in enumerate(zip(rows, before, strict=True))
-    ]
+@dataclass(frozen=True, slots=True, eq=False)
+class Market:
+    """What a unit of each limit costs, and whether there is room for all; a new stream is weighed by the last one."""
+
+    limits: tuple[Limit, ...]
+    prices: npt.NDArray[np.float64]
+    fits: bool
+
+    @classmethod
+    def of(cls, rows: Sequence[Row], limits: tuple[Limit, ...]) -> tuple[Self, Steady]:
+        """Return the market of all that competes, and what each of these streams earns."""
+        steady = _steady(rows)
+        prices = clearing_prices(steady, OFFERED * np.array([c.limit / c.window for c in limits]))
+        most = reserve(rows, [row.interval for row in rows], limits, SURELY)
+        return cls(limits, prices, all(a <= c.limit for a, c in zip(most, limits, strict=True))), steady
+
+    def weigh(self, rows: Sequence[Row], steady: Steady, before: Sequence[Weighed]) -> list[Weighed]:
+        """Weigh streams that earn so much; how each stood `before` is what it stays where it is close."""
+        cost = steady.use @ self.prices
+        marginal, _ = steady.marginal()
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            last, first = (np.where(cost > 0.0, marginal[:, at] / cost, math.inf) for at in (0, -1))
+        net = steady.value - steady.rate * cost[:, None]
+        apart = np.where(net.max(axis=1) > 0.0, steady.apart[np.arange(len(rows)), net.argmax(axis=1)], math.inf)
+        return [
+            Weighed(
+                self._standing(row, known.standing, float(last[at]), float(first[at])),
+                row.stream.newest.scale,
+                row.interval,
+                float(apart[at]),
+            )
+            for at, (row, known) in enumerate(zip(rows, before, strict=True))
+        ]
+
+    def weigh_new(self, row: Row) -> Weighed:
+        """Weigh a stream that was not among those that make the prices."""
+        return self.weigh([row], _steady([row]), [UNKNOWN])[0]
+
+    def _standing(self, row: Row, before: Standing, last: float, first: float) -> Standing:
+        """Return how a stream stands whose last and first sample a second earn so many times their price."""
+        kind, new, small = row.stream.information_type, row.stream.generated < KNOWN, row.small(self.limits)
+        if self.fits and not new:
+            return Standing.UNDISPUTED
+        if not isinstance(kind.aggregation, Aggregation):
+            return Standing.CONTESTED
+        if small and last >= (NEW if new else 1.0 / STAY if before is Standing.UNDISPUTED else 1.0):
+            return Standing.UNDISPUTED
+        if row.stream.generated < RHYTHM or kind.guarantee.rate > 0.0:
+            return Standing.CONTESTED
+        if first <= SMALL_PART * (STAY if before is Standing.HOPELESS else 1.0):
+            return Standing.HOPELESS
+        return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
 
 
 def reserve(
@@ -154,22 +186,6 @@ def interval_of(now: float, stream: Stream, window: float, most: float = 2.0) ->
 def rate_known(now: float, stream: Stream, window: float) -> bool:
     """Whether it is known how often a stream generates: from several samples, over a window [s]."""
     return stream.generated >= KNOWN and now - stream.began >= window
-
-
-def _standing(row: Row, before: Standing, last: float, first: float, *, small: bool, fits: bool) -> Standing:
-    """Return how a stream stands whose last and first sample a second earn so many times their price."""
-    kind, new = row.stream.information_type, row.stream.generated < KNOWN
-    if fits and not new:
-        return Standing.UNDISPUTED
-    if not isinstance(kind.aggregation, Aggregation):
-        return Standing.CONTESTED
-    if small and last >= (NEW if new else 1.0 / STAY if before is Standing.UNDISPUTED else 1.0):
-        return Standing.UNDISPUTED
-    if row.stream.generated < RHYTHM or kind.guarantee.rate > 0.0:
-        return Standing.CONTESTED
-    if first <= SMALL_PART * (STAY if before is Standing.HOPELESS else 1.0):
-        return Standing.HOPELESS
-    return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
 
 
 def _spread(stream: Stream, count: float) -> float:

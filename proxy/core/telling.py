@@ -18,11 +18,12 @@ from proxy.core.digests import ANNOUNCEMENT, ON_AIR, ON_CHANNEL, ORDINARY, OVERH
 from proxy.core.gate import Gate
 from proxy.core.limits import LEAST_DIGEST, allowance_of, changes_plans, shortest_window, use_of
 from proxy.core.stating import differs, shortened, state_of, update_of
+from proxy.core.stream import Stream
 from proxy.core.talk import Talk
 from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.ways import mean_loss
-from proxy.core.wire import Digest, State, tag
+from proxy.core.wire import Digest, Echo, State, tag
 
 DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]..."""
@@ -234,18 +235,24 @@ class Telling:
     def announces_at(self, now: float) -> float:
         """When what is sent now could be announced [s]."""
         overheard = is_broadcast(self._view.settings.transport)
-        return self.pacer.due_ahead(now, DEBT) if self._announces and not overheard else now
+        waits = self._coordination.rivals and self._announces and not overheard
+        return self.pacer.due_ahead(now, DEBT) if waits else now
 
     @property
     def _announces(self) -> bool:
         """Whether others plan with what we send."""
-        return self._coordination.rivals and not self._coordination.splits
+        return self._coordination.tells and not self._coordination.splits
 
     def _sent_much(self) -> bool:
         """Whether we sent something since the last digest that changes what others plan."""
         if not self._announces or self._view.messages == self._told_messages:
             return False
         return changes_plans(use_of(self._view.largest, 1, self._gate.limits), self._gate.limits)
+
+    def _large(self, stream: Stream) -> bool:
+        """Whether the samples of a stream change what others plan."""
+        size = 0 if stream.sent is None else stream.sent.size
+        return changes_plans(use_of(size, self._view.copies(stream), self._gate.limits), self._gate.limits)
 
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""
@@ -269,7 +276,7 @@ class Telling:
             messages=self._view.messages,
             bytes=self._view.bytes,
             streams=() if lean else self.pacer.changed(now, list(self._view.own())),
-            echoes=() if lean else self.pacer.echoes(now, self._view.echoes(), copies),
+            echoes=() if lean else self._echoes(now, copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
             splits=self._coordination.finds_due,
@@ -279,6 +286,13 @@ class Telling:
         self._coordination.told(digest)
         self.urgent = self.parts_changed = False
         return self._send(now, digest, copies, aside=lean)
+
+    def _echoes(self, now: float, copies: int) -> tuple[Echo, ...]:
+        """Return some echoes. Where limits follow the channel they tell how long digests wait now."""
+        quickest = not self._channel.capacity.factors
+        echoes = self.pacer.echoes(now, self._view.echoes(now, quickest=quickest), copies)
+        self._view.echoed(echo.peer for echo in echoes)
+        return echoes
 
     def _tells_parts(self, now: float) -> bool:
         """Whether a digest tells of parts alone: nobody plans with others' streams where each has its own part."""
@@ -292,8 +306,10 @@ class Telling:
         return self.pacer.due(now, news=self._channel.capacity.speak(now), copies=copies) <= now
 
     def _announce(self, now: float, copies: int) -> Command:
-        """Tell all at once what was sent, in as few bytes as that takes."""
-        streams = self.pacer.changed(now, list(self._view.own()), sent_only=True)
+        """Tell all at once what was sent, in as few bytes as that takes; what is small only if there is room."""
+        own = list(self._view.own())
+        told = {s.key for s in own if self._large(s)} if self.pacer.in_debt(now) else {s.key for s in own}
+        streams = self.pacer.changed(now, own, told)
         digest = Digest(
             robot=self._view.settings.robot,
             tag=tag(self._view.settings.zid),

@@ -1,5 +1,6 @@
 """The shared view: every stream, every peer, and what the channel carries, as far as this robot knows."""
 
+import math
 from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -9,7 +10,8 @@ from proxy.core.competition import Competition
 from proxy.core.events import SampleHeard
 from proxy.core.interest import Interest
 from proxy.core.latency import Latency
-from proxy.core.peer import SET, Peer, latency_of
+from proxy.core.lifetimes import Lifetimes
+from proxy.core.peer import SET, HeardDigest, Peer, latency_of
 from proxy.core.schedules.told import heard
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream, usual_scale
@@ -29,6 +31,15 @@ LEAST_LATENCY = 1e-6
 """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
 UNTOLD = 2.5e-3
 """Two wall clocks may have moved so much against each other and nobody said so, because it is too little [s]."""
+NEW = 10.0
+"""In a large team it takes so long until all have told all what they send [s]."""
+MANY, STARTS = 4, 2.0
+"""Of more peers than these who was met so shortly ago is not echoed [s]: of nine robots that began at once two took
+each other's clocks to be 72 ms apart for 20 s, as all that was echoed was a digest that had waited for 145 ms."""
+DELAYS, MOST_OF_THEM = 64, 0.9
+"""How long news are delayed is seen by so many of the last digests: this part of them came sooner."""
+KEPT = 1.5
+"""Others' sends are remembered for so many of the longest windows: who waited for the room that they left may send."""
 MOST_PEERS = 256
 """Robots in the view; a robot that said nothing yet has to leave for a new one."""
 
@@ -60,6 +71,7 @@ class SharedView:
         """When and how much other robots sent within the longest window."""
         self.talk: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
         """The same of what robots told each other beyond what limits leave to that."""
+        self.lifetimes = Lifetimes()
         self.sends_noted = 0
         """How often that changed."""
         self._tag = tag(settings.zid)
@@ -71,6 +83,8 @@ class SharedView:
         self._broadcasting: set[str] = set()
         self._told_at: dict[str, float] = {}
         """When the last digest of each robot came [s]."""
+        self._delays: deque[float] = deque(maxlen=DELAYS)
+        """What the last digests took beyond the quickest of their robots [s]."""
         self._untold: set[str] = set()
         """Tags of the robots that did not tell yet what their apps subscribe to."""
         self._note_broadcasting()
@@ -225,6 +239,19 @@ class SharedView:
         """What digests take at least from or to any peer, at most [s]."""
         return max((peer.offset.latency for peer in self.peers.values()), default=0.0)
 
+    def met_lately(self, now: float) -> list[Peer]:
+        """Return the robots of which little may be known yet: they, or our own streams, have just come.
+
+        Teams are often switched on before anything is sent.
+        """
+        began = min((stream.began for stream in self.own()), default=-math.inf)
+        return [peer for peer in self.peers.values() if now < max(peer.since, began) + NEW and not peer.plain]
+
+    @property
+    def delay(self) -> float:
+        """What digests take beyond that, all but few [s]: they wait for others, and for processors."""
+        return sorted(self._delays)[int(MOST_OF_THEM * len(self._delays))] if self._delays else 0.0
+
     def peer_called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
         return self.peers.get(self._tags.get(robot, ""))
@@ -302,7 +329,9 @@ class SharedView:
         if peer.specs != self.specs.generation:
             peer.restart_losses()  # it may not count what we count
         peer.heard_digest(now, digest)
-        self._told_at[peer.robot] = min(now, peer.offset.ours(digest.sent))
+        self._delays.append(max(0.0, now - peer.offset.ours(digest.sent) - peer.offset.latency))
+        if not digest.brief:  # of streams that an announcement leaves out it does not tell that they are silent
+            self._told_at[peer.robot] = min(now, peer.offset.ours(digest.sent))
         if digest.state == peer.number:
             self._compare_walls(now, peer)
         for echo in digest.echoes:
@@ -395,16 +424,28 @@ class SharedView:
     def sweep(self, now: float) -> None:
         """Forget silent streams of plain nodes, and sends that no window counts; cheap to call at every event."""
         self._table.sweep(now)
-        longest = max((each.measure.window for each in self.specs.constraints), default=0.0)
+        longest = KEPT * max((each.measure.window for each in self.specs.constraints), default=0.0)
         for past in (self.sends, self.talk):
             while past and past[0][0] < now - longest:
                 past.popleft()
                 self.sends_noted += 1
 
-    def echoes(self, to: str = "") -> tuple[Echo, ...]:
-        """What we tell every peer, or one of a tag, of its last digest and of its samples."""
-        peers = self.peers.items() if not to else [(to, self.peers[to])]
-        return tuple(_echo(name, peer, peer.digest) for name, peer in peers if peer.digest is not None)
+    def echoes(self, now: float, *, quickest: bool = False) -> tuple[Echo, ...]:
+        """What we tell peers of their last digests, or of the `quickest` ones since they were told, and of samples.
+
+        In a large team, where an echo is rare, who has just been met is left out: while robots start all is slow.
+        """
+        few, echoes = len(self.peers) <= MANY, []
+        for name, peer in self.peers.items():
+            heard = (peer.quickest if quickest else None) or peer.last_heard
+            if heard is not None and (few or now >= peer.since + STARTS):
+                echoes.append(_echo(name, peer, heard))
+        return tuple(echoes)
+
+    def echoed(self, names: Iterable[str]) -> None:
+        """Echoes for robots with these tags go out."""
+        for name in names:
+            self.peers[name].quickest = None
 
     def sent_digest(self, at: float) -> None:
         """A digest of ours goes out."""
@@ -506,7 +547,7 @@ def _last_sent(news: StreamDigest, t_sent: float, last: Generated, before: Gener
     return Sent(t_sent, t_sent, like.size, like.scale, like.features)
 
 
-def _echo(name: str, peer: Peer, digest: Digest) -> Echo:
+def _echo(name: str, peer: Peer, heard: HeardDigest) -> Echo:
     line = peer.latency_in
     told = Latency(0.0) if line is None else Latency(max(line.fixed, LEAST_LATENCY), line.per_byte)
-    return Echo(name, digest.sent, peer.digest_received, peer.samples_then, told.fixed, told.per_byte)
+    return Echo(name, heard.sent, heard.received, heard.samples, told.fixed, told.per_byte)

@@ -4,12 +4,13 @@ import math
 
 import pytest
 
-from proxy.core.claims import CAUTION, DECIDED, both, claim, news_take, rivals
+from proxy.core.claims import AGAIN, CAUTION, DECIDED, both, claim, leads, news_take, rivals
 from proxy.core.disputes import Disputes
 from proxy.core.limits import limits_of
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
-from proxy.core.view import SharedView
+from proxy.core.view import NEW, SharedView
+from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
 
 PERIOD, SIZE = 0.1, 1_000
 
@@ -28,10 +29,11 @@ def view(make_specs):
     return view
 
 
-def taken(view, now):
+def taken(view, now, *, opened=-math.inf, again=False):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.look(now, limits, alone=False)
-    return rivals(now, view, disputes, view.known("r1", "robot/r1/camera"), limits)
+    stream = view.known("r1", "robot/r1/camera")
+    return rivals(now, view, disputes, stream, limits, opened=opened, again=again)
 
 
 def sent(view, robot, t):
@@ -104,3 +106,65 @@ def test_others_never_take_our_claim_for_less_than_it_is(view, later):
 def test_two_messages_use_what_each_of_them_does():
     """Of every limit."""
     assert both((1.0, 2.0), (3.0, 0.5)) == (4.0, 2.5)
+
+
+def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
+    """Two that gave way to a third do not send at once after that."""
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    now = 10.0 + (AGAIN - 0.1) * news_take(view)
+    assert taken(view, now) == (0.0,)
+    assert taken(view, now, again=True) == (SIZE,)
+    assert taken(view, 10.0 + (AGAIN + 0.1) * news_take(view), again=True) == (0.0,)
+
+
+@pytest.mark.parametrize(("robot", "size", "use"), [("r2", SIZE, SIZE), ("r0", SIZE, 0.0), ("r2", 10, 0.0)])
+def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_streams(make_specs, robot, size, use):
+    """A state tells that there is one, not when it is due."""
+    view = SharedView(CoreSettings("r1", "z1"), make_specs(window=0.25))
+    view.add_peer(9.0, robot, f"z-{robot}")
+    told = (StreamState(1, f"robot/{robot}/camera", "camera", PERIOD, size=size),)
+    view.heard_state(9.0, State(robot, f"z-{robot}", "enforce", "", told, ("robot/**",)))
+    stream = view.stream(9.0, "r1", "robot/r1/camera")
+    for count in range(10):
+        stream.note_generated(count + 1, Generated(9.0 + count * PERIOD, SIZE, 1.0))
+    assert taken(view, 10.0) == (use,)
+    assert taken(view, 9.0 + NEW) == (0.0,)
+    news = StreamDigest(1, 5, 0, 9.0, 0.0, size, 1.0)
+    view.heard_digest(10.0, Digest(robot, tag(f"z-{robot}"), 9.9, streams=(news,)))
+    assert taken(view, 10.5) == (0.0,)
+
+
+def test_the_best_claim_may_have_waited_for_the_room_that_opened(view):
+    """Its sample is older than news take then; lesser ones do not wait."""
+    sent(view, "r1", 9.5)
+    sent(view, "r2", 9.0)
+    now = 10.05
+    assert taken(view, now) == (0.0,)
+    assert taken(view, now, opened=now - 0.5 * DECIDED) == (SIZE,)
+    assert taken(view, now, opened=now - 2.0 * news_take(view)) == (0.0,)
+
+
+def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view):
+    """What is small is soon no part of any dispute; a stream without a rhythm waits for nobody's room."""
+    limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
+    disputes.look(10.0, limits, alone=False)
+    ours, theirs = (view.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
+    sent(view, "r1", 9.0)
+    sent(view, "r2", 9.5)
+    assert leads(10.0, view, disputes, ours, limits)
+    view.note_sent(ours, 2, Sent(9.8, 9.8, SIZE, 1.0))
+    assert not leads(10.0, view, disputes, ours, limits)
+    theirs.mean_size = SIZE / 40
+    assert leads(10.0, view, disputes, ours, limits)
+    ours.assume(0.1, "poisson")
+    assert not leads(10.0, view, disputes, ours, limits)
+
+
+def test_news_take_as_long_as_most_of_the_last_digests_did(view):
+    """They wait for others, and for processors; few are later."""
+    before = news_take(view)
+    for count in range(20):
+        late = 0.03 if count % 2 else 0.0
+        view.heard_digest(11.0 + count + late, Digest("r2", tag("z2"), 11.0 + count))
+    assert news_take(view) == pytest.approx(before + 0.03, abs=1e-3)

@@ -245,10 +245,9 @@ def test_an_announcement_tells_of_streams_that_sent_something_alone():
     for each in (sending, silent):
         each.note_generated(2, Generated(2.0, 100, 1.0))
     sending.note_sent(1, Sent(2.0, 2.0, 100, 1.0))
-    assert [(news.generated, news.forwarded) for news in pacer.changed(2.0, [sending, silent], sent_only=True)] == [
-        (2, 1)
-    ]
-    assert pacer.changed(2.0, [sending, silent], sent_only=True) == ()
+    both = {sending.key, silent.key}
+    assert [(news.generated, news.forwarded) for news in pacer.changed(2.0, [sending, silent], both)] == [(2, 1)]
+    assert pacer.changed(2.0, [sending, silent], both) == ()
     assert pacer.has_news([sending, silent])
     assert [(news.generated, news.forwarded) for news in pacer.changed(2.1, [sending, silent])] == [(2, 0)]
 

@@ -7,6 +7,8 @@ import pytest
 from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forward
 from proxy.core.prices import Standing
+from proxy.core.view import NEW
+from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
 from tests.proxy.core.talk import only
 
 SPEC = """
@@ -36,10 +38,10 @@ LIMIT, FRAME = 62_500, 26_000
 
 @pytest.fixture
 def talk(make_talk, make_specs):
-    """A robot with a camera of 10 Hz and odometry of 20 Hz whose samples somebody wants, known for 2 s."""
+    """A robot with a camera of 10 Hz and odometry of 20 Hz whose samples somebody wants, known for 12 s."""
     talk = make_talk(make_specs(text=SPEC))
-    talk.want(0.0, keys=("robot/**",))
-    run(talk, 0.01, 2.0)
+    talk.want(-10.0, keys=("robot/**",))
+    run(talk, -9.99, 2.0)
     return talk
 
 
@@ -87,8 +89,8 @@ def test_every_small_sample_finds_room_however_many_frames_go(talk):
     """All frames that fit are sent, and no odometry is dropped."""
     run(talk, 2.0, 10.0)
     odometry, camera = (talk.core.view.known("r1", f"robot/r1/{key}") for key in ("odometry", "camera"))
-    assert odometry.forwarded == odometry.generated == 200
-    assert 26 <= camera.forwarded <= 2 * 10 / 0.5
+    assert odometry.forwarded == odometry.generated == 400
+    assert 52 <= camera.forwarded <= 2 * 20 / 0.5
     assert talk.core.counts.conserved
 
 
@@ -97,6 +99,41 @@ def test_a_first_alarm_goes_at_once(talk):
     run(talk, 2.0, 3.0)
     alarm, said = talk.publish(3.0, "robot/r1/alarm", size=76)
     assert Forward(alarm) in only(said)
+
+
+def test_an_alarm_of_a_stream_that_is_new_is_not_lost_beside_what_is_booked(talk):
+    """It need not wait until all streams are weighed anew, and takes of what is left to small samples."""
+    run(talk, 2.0, 3.0)
+    talk.core.budget.use(3.0, (talk.core.budget.free(3.0)[0] - 400.0,))
+    first, said = talk.publish(3.0, "robot/r2/alarm", size=76)
+    second, more = talk.publish(3.0001, "robot/r3/alarm", size=76)
+    assert [Forward(first), Forward(second)] == only([*said, *more])
+
+
+def test_an_alarm_waits_for_room_for_as_long_as_it_is_worth_half_of_what_it_was(talk):
+    """Where others sent too much at once a sample of which each counts is not dropped; odometry gives way to newer."""
+    run(talk, 2.0, 3.0)
+    for k in range(4):
+        talk.core.budget.use(3.0 + 0.3 * k, (LIMIT,))
+    alarm, said = talk.publish(3.0, "robot/r1/alarm", size=76)
+    odometry, more = talk.publish(3.0, "robot/r1/odometry", size=116)
+    assert [Drop(odometry, "dropped:constraint")] == only([*said, *more])
+    later = [command for k in range(30) for command in talk.tell(ev.TimePassed(3.05 + 0.05 * k))]
+    assert only(later) == [Forward(alarm)]
+
+
+def test_who_was_met_lately_is_taken_to_send_as_many_small_samples_as_we_do(talk):
+    """Until its state tells; who says little is believed after a while."""
+    run(talk, 2.0, 4.0)
+    before, _ = disputes(talk).left(4.0)
+    talk.tell(ev.PeerAppeared(4.0, "r2", "z-r2"))
+    talk.tell(ev.StateHeard(4.0, State("r2", "z-r2", "enforce", "", (), (), number=1)))
+    run(talk, 4.05, 6.0)
+    after, _ = disputes(talk).left(6.0)
+    odometry = 10 * 116
+    assert before[0] - after[0] == pytest.approx(odometry, rel=0.2)
+    run(talk, 6.0, 4.5 + NEW)
+    assert disputes(talk).left(4.5 + NEW)[0] == pytest.approx(before, rel=0.01)
 
 
 def test_a_sample_that_is_worth_more_than_others_of_its_stream_is_decided(talk):
@@ -112,7 +149,7 @@ def test_streams_of_which_nothing_pays_are_dropped_without_a_search(make_talk, m
     """Beside frames that are worth ten thousand times as much."""
     spec = SPEC.replace('keys = ["robot/*/odometry"]', 'keys = ["robot/*/odometry"]\nweight = 1e-5')
     talk = make_talk(make_specs(text=spec))
-    talk.want(0.0, keys=("robot/**",))
+    talk.want(-10.0, keys=("robot/**",))
     for step in range(80):
         now = 0.01 + 0.05 * step
         settle(talk, now, talk.publish(now, "robot/r1/odometry", size=6_000)[1], send=True)
@@ -149,12 +186,23 @@ def test_a_sample_of_which_each_counts_waits_for_room(talk):
     assert Forward(alarm) in talk.all(Forward)
 
 
-def test_nobody_waits_for_room_that_others_leave(talk):
-    """Several would, and all send when it opens."""
+@pytest.mark.parametrize("worth", [0.1, 10.0])
+def test_only_who_has_the_best_claim_waits_for_room_that_others_leave(talk, worth):
+    """If all did several would send at once when it opens."""
     run(talk, 2.0, 3.0, send=False)
-    talk.tell(ev.SampleHeard(4.0, "robot/r2/camera", 60_000, "zz-unknown", None, {"red": 0.0}))
+    told = (StreamState(1, "robot/r2/camera", "camera", 0.1, size=FRAME),)
+    talk.tell(ev.PeerAppeared(3.0, "r2", "z-r2"))
+    talk.tell(ev.StateHeard(3.0, State("r2", "z-r2", "enforce", "", told, (), number=1)))
+    for k in range(10):
+        news = StreamDigest(1, k + 1, 0, 3.0 + 0.1 * k, 0.0, FRAME, worth)
+        talk.tell(ev.DigestHeard(3.05 + 0.1 * k, Digest("r2", tag("z-r2"), 3.04 + 0.1 * k, streams=(news,), state=1)))
+    talk.tell(ev.SampleHeard(4.0, "robot/r3/camera", 60_000, "zz-unknown", None, {"red": 0.0}))
     sample, said = talk.publish(4.45, "robot/r1/camera", size=FRAME)
-    assert Drop(sample, "dropped:constraint") in only(said)
+    if worth > 1.0:
+        assert Drop(sample, "dropped:constraint") in only(said)
+    else:
+        assert not only(said)
+        assert only(talk.tell(ev.TimePassed(4.52)), Decide)
 
 
 def test_what_is_larger_than_our_part_sets_no_price_for_what_is_not(talk):
@@ -166,3 +214,16 @@ def test_what_is_larger_than_our_part_sets_no_price_for_what_is_not(talk):
         disputes(talk).look(2.05, part, alone=alone)
         standing = disputes(talk).weighed(odometry).standing
         assert standing is (Standing.UNDISPUTED if alone else Standing.PRICED)
+
+
+def test_a_late_decision_leaves_small_samples_their_room(talk):
+    """A frame that fits beside what was sent, but not beside what is booked, does not go without a search either."""
+    run(talk, 2.0, 3.0, send=False)
+    free = talk.core.budget.free(3.0)[0]
+    talk.core.budget.use(3.0, (free - FRAME - 2_000.0,))
+    _, said = talk.publish(3.0, "robot/r1/camera", size=FRAME)
+    (decide,) = only(said, Decide)
+    talk.core.budget.use(3.001, (1_950.0,))
+    (late,) = only(talk.tell(ev.DecisionLate(3.02, decide.ticket)))
+    assert late.reason == "dropped:fallback"
+    assert talk.core.budget.free(3.02)[0] > FRAME

@@ -4,7 +4,7 @@ import pytest
 
 from planner import Throughput
 from proxy.core.limits import Limit
-from proxy.core.prices import KNOWN, UNKNOWN, Row, Standing, Weighed, interval_of, reserve, weigh
+from proxy.core.prices import KNOWN, UNKNOWN, Market, Row, Standing, Weighed, interval_of, reserve
 from proxy.core.stream import Generated, Stream
 
 LIMIT = Limit("throughput", 0.5, 62_500.0, Throughput(62_500.0, 0.5))
@@ -52,8 +52,13 @@ def make_row(make_specs):
     return make
 
 
+def weighed(*rows, before=None):
+    market, steady = Market.of(rows, (LIMIT,))
+    return market.weigh(rows, steady, before or [UNKNOWN] * len(rows))
+
+
 def standings(*rows, before=None):
-    return [each.standing for each in weigh(rows, (LIMIT,), before or [UNKNOWN] * len(rows))]
+    return [each.standing for each in weighed(*rows, before=before)]
 
 
 def test_small_samples_that_earn_their_price_are_undisputed_and_frames_contested(make_row):
@@ -71,9 +76,9 @@ def test_where_all_fits_nothing_is_contested(make_row):
 def test_small_samples_are_sent_as_often_as_pays(make_row):
     """A crowd of equal streams shares the limit by intervals."""
     rows = [make_row("odometry", 20.0, 1_000) for _ in range(20)]
-    weighed = weigh(rows, (LIMIT,), [UNKNOWN] * len(rows))
-    assert {each.standing for each in weighed} == {Standing.PRICED}
-    used = sum(1_000 / each.apart for each in weighed)
+    crowd = weighed(*rows)
+    assert {each.standing for each in crowd} == {Standing.PRICED}
+    used = sum(1_000 / each.apart for each in crowd)
     assert 0.6 * 125_000 <= used <= 1.3 * 125_000
 
 

@@ -103,7 +103,8 @@ def queries(core, now):
     limits = range(len(gate.limits))
     use = tuple(0.1 * limit.limit for limit in gate.limits)
     yield "core", lambda: (core.status(now), core.wake_at(now))
-    yield "view", lambda: (view.evicted, view.revision, view.tags(), view.longest_way, view.namesakes(), view.echoes())
+    yield "view", lambda: (view.evicted, view.revision, view.tags(), view.longest_way, view.namesakes())
+    yield "what is echoed", lambda: (view.echoes(now), view.echoes(now, quickest=True), view.met_lately(now))
     yield "view of robots", lambda: (view.all_told_at(PEERS.values(), now), view.robot_of("feed"))
     yield "view of streams", lambda: [(view.wanting(s), view.gaining(s), view.copies(s)) for s in view.streams()]
     yield "who competes", lambda: (view.competition.all(now), [view.competes(now, s) for s in view.own()])

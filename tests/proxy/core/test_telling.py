@@ -8,7 +8,8 @@ from proxy.core.commands import Decide, Forward, SendDigest, SendState
 from proxy.core.limits import allowance_of
 from proxy.core.split import Segment, Told
 from proxy.core.telling import DEBT, STATE_PACE
-from proxy.core.wire import Digest, State, StreamDigest, StreamState
+from proxy.core.view import NEW
+from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly
 from studies.simulation.missions import draw, scenario
@@ -215,3 +216,35 @@ def test_what_is_told_beyond_the_allowance_leaves_less_for_samples(talk, coming)
             state = State("op", "zz-op", "", "", number=number + 2, since=number + 1)
             talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
     assert talk.core.budget.free(5.5)[0] < before[0]
+
+
+def test_who_has_just_met_somebody_announces_what_it_sends(make_talk):
+    """The other one may send before it can say so; who turns out to send nothing need not know at once."""
+    talk = make_talk(allowance=0.05)
+    talk.want(0.0)
+    told = []
+    for begin in (1.0, 1.5 + NEW):
+        talk.tell(ev.TimePassed(begin - 0.1))
+        for now in (begin, begin + 0.05, begin + 0.1, begin + 0.15):
+            sends(talk, now, size=1500)
+            talk.tell(ev.TimePassed(now + 0.001))
+        told.append(len([d for d in digests(talk, begin) if d.sent < begin + 0.2 and d.brief]))
+    assert told[0] >= 2
+    assert told[1] == 0
+
+
+@pytest.mark.parametrize("spent", [0, 1500])
+def test_announcements_that_the_allowance_has_no_room_for_leave_out_what_is_small(talk, spent):
+    """What small streams send is booked by their rates."""
+    sends(talk, 5.1, key="robot/x/camera", size=50)
+    sends(talk, 5.2, size=1000)
+    talk.tell(ev.TimePassed(9.0))
+    if spent:
+        talk.tell(ev.DigestHeard(9.9, Digest("op", tag("zz-op"), 9.89), spent))
+    sends(talk, 10.0, key="robot/x/camera", size=50)
+    sends(talk, 10.0, size=1000)
+    talk.tell(ev.TimePassed(10.002))
+    small, large = (talk.core.view.known("r1", f"robot/{each}/camera").id for each in ("x", "r1"))
+    told = digests(talk, 10.0)
+    assert told[-1].brief
+    assert {stream.id for digest in told for stream in digest.streams} == ({large} if spent else {small, large})

@@ -1,5 +1,7 @@
 """The shared view: streams, peers, origins, bounded."""
 
+import math
+
 import pytest
 
 from planner import Video
@@ -8,7 +10,7 @@ from proxy.core.interest import intersects
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
 from proxy.core.transport import UNICAST, broadcast
-from proxy.core.view import SharedView
+from proxy.core.view import MANY, STARTS, SharedView
 from proxy.core.ways import latency
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState, tag
 
@@ -125,7 +127,7 @@ def test_echoes_give_offset_and_latency(view):
     assert (peer.received_of_ours, latency(view, "r1", 0.0)) == (12, 0.25)
     assert latency(view, "r2", 0.0) == pytest.approx(0.1)
     assert latency(view, "unknown", 0.0) == 0.0
-    (back,) = view.echoes()
+    (back,) = view.echoes(3.0)
     assert (back.peer, back.sent, back.received) == ("z-r2", -90.0, 10.1)
 
 
@@ -135,12 +137,36 @@ def test_samples_of_a_peer_are_counted_for_it(view):
     view.heard_sample(SampleHeard(4.0, CAMERA, 100, "z-r2", None, None))
     view.heard_digest(5.0, digest(5.0))
     view.heard_sample(SampleHeard(6.3, CAMERA, 100, "z-r2", None, None))
-    assert [echo.samples for echo in view.echoes()] == [0]
+    assert [echo.samples for echo in view.echoes(3.0)] == [0]
     view.heard_digest(7.0, digest(7.0))
-    assert [echo.samples for echo in view.echoes()] == [1]
-    assert view.echoes(to=view.echoes()[0].peer) == view.echoes()
+    assert [echo.samples for echo in view.echoes(3.0)] == [1]
     view.add_peer(11.0, "r3", "z-r3")
-    assert view.echoes(to=tag("z-r3")) == ()
+    assert [echo.peer for echo in view.echoes(11.0)] == ["z-r2"]
+
+
+def test_the_quickest_digest_since_the_last_echo_tells_most_of_clocks(view):
+    """Others waited somewhere; what came long ago says less, as clocks drift."""
+    meet(view)
+    for sent, took in ((5.0, 0.3), (6.0, 0.02), (7.0, 0.2)):
+        view.heard_digest(sent + took, digest(sent))
+    assert [echo.sent for echo in view.echoes(8.0)] == [7.0]
+    assert [echo.sent for echo in view.echoes(8.0, quickest=True)] == [6.0]
+    view.echoed(["z-r2"])
+    assert [echo.sent for echo in view.echoes(8.0, quickest=True)] == [7.0]
+    view.heard_digest(9.1, digest(9.0))
+    view.heard_digest(1009.2, digest(1009.0))
+    assert [echo.sent for echo in view.echoes(1010.0, quickest=True)] == [1009.0]
+
+
+def test_in_a_large_team_who_has_just_met_is_not_echoed(view):
+    """Its digests wait while it starts."""
+    meet(view)
+    for number in range(MANY):
+        view.add_peer(10.0, f"r{number + 3}", f"z-r{number + 3}")
+    for name, now in (("r2", 10.1), ("r3", 10.2)):
+        view.heard_digest(now, Digest(name, tag(f"z-{name}"), now))
+    assert [echo.peer for echo in view.echoes(10.5)] == [tag("z-r2")]
+    assert [echo.peer for echo in view.echoes(10.0 + STARTS)] == [tag("z-r2"), tag("z-r3")]
 
 
 def test_a_plain_node_is_estimated_from_what_is_heard(view):
@@ -319,6 +345,17 @@ def test_how_long_a_stream_is_silent_tells_when_its_robot_spoke_not_when_that_ca
     assert view.competes(sent + 3.0, view.known("r2", CAMERA))
     view.heard_digest(sent + 5.0, Digest("r2", "z-r2", sent + 1.9))
     assert not view.competes(sent + 5.0, view.known("r2", CAMERA))
+
+
+def test_an_announcement_does_not_tell_that_other_streams_are_silent(view):
+    """It leaves out what is small."""
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_digest(1.0, Digest("r2", tag("z-r2"), 0.9))
+    told = view.told_at("r2", math.inf)
+    view.heard_digest(2.0, Digest("r2", tag("z-r2"), 1.9, brief=True))
+    assert view.told_at("r2", math.inf) == told
+    view.heard_digest(3.0, Digest("r2", tag("z-r2"), 2.9))
+    assert view.told_at("r2", math.inf) > told
 
 
 def test_an_overheard_sample_counts_as_sent_and_leaves_its_number_to_the_digest(make_specs):

@@ -234,7 +234,7 @@ def test_all_waiting_samples_of_a_stream_are_decided_together(make_specs, aggreg
     assert past == [1.0, *(float(i) for i in range(1, 30))]
     assert problem.messages[problem.current].t_gen == 9.0
     coming = sum(m.t_gen > 10.0 for m in problem.messages)
-    assert coming == 40 if aggregation != '"best"' else MOST_OF_BEST // 2 < coming <= MOST_OF_BEST
+    assert coming in {39, 40} if aggregation != '"best"' else MOST_OF_BEST // 2 < coming <= MOST_OF_BEST
 
 
 def test_of_a_model_of_the_operators_few_messages_are_weighed(make_specs):

@@ -91,3 +91,21 @@ def test_a_rhythm_of_which_only_every_second_sample_comes_is_a_slower_one():
     for t in times[25:36]:
         tracker.hear(t)
     assert tracker.rhythm.period == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_period_of_a_tight_rhythm_is_known_better_the_longer_it_lasts():
+    """Forty-eight samples tell it five times as well as sixteen."""
+    errors = {}
+    for count in (16, 60):
+        off = [followed(periodic(count, period=0.1, jitter=0.04, seed=seed)).rhythm.period - 0.1 for seed in range(40)]
+        errors[count] = sum(abs(error) for error in off) / len(off)
+    assert errors[60] < 0.35 * errors[16]
+
+
+def test_a_period_that_drifts_is_followed():
+    """What is older than the rhythm holds is no evidence."""
+    times, t = [], 0.0
+    for k in range(120):
+        t += 0.1 * (1.0 + 0.0005 * k)
+        times.append(t)
+    assert followed(times).rhythm.due(121) == pytest.approx(t + 0.1 * 1.06, abs=0.003)
