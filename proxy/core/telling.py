@@ -27,7 +27,8 @@ from proxy.core.wire import Digest, Echo, State, tag
 
 DIGESTS = 0.95
 """This part of the allowance is for digests, the rest for states: with all of it for digests robots told 103 to 105 %
-of what they may, and tell 97 to 99 % now (four with cameras, five with samples of random sizes)."""
+of what they may, and tell 97 to 99 % now (four with cameras, five with samples of random sizes). Where limits follow
+the channel digests tell of it, and have all."""
 DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]..."""
 CHANGING_DEBT = 10.0
@@ -133,9 +134,10 @@ class Telling:
         """Take note of what all robots may tell each other, and how many they are."""
         robots = len(self._view.peers) + 1
         allowance = self._view.settings.allowance * self._channel.part
-        ordinary = ON_CHANNEL if self._channel.capacity.factors else ORDINARY
+        follows = bool(self._channel.capacity.factors)
+        ordinary, part = (ON_CHANNEL, 1.0) if follows else (ORDINARY, DIGESTS)
         self._allowance = allowance_of(self._view.specs, allowance, robots)
-        self.pacer.set_rate(DIGESTS * self._allowance, robots, ordinary)
+        self.pacer.set_rate(part * self._allowance, robots, ordinary)
 
     def heard(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came: it was paid for from the allowance of all."""
