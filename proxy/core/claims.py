@@ -79,11 +79,12 @@ def rivals(
     ours, news, taken = claim(now, stream), news_take(view), (0.0,) * len(limits)
     claims = [(claim(now, each), each) for each in _contested(now, view, disputes, stream, limits)]
     best, _ = max(claims, key=itemgetter(0), default=(ours, stream))
+    waited = now - opened < news + opening(view) + WOKEN * view.delay
     for theirs, each in claims:
         if theirs <= ours:
             continue
         back = news * (AGAIN if again else 1.0)
-        if theirs == best and _waits(each) and now - opened < news + opening(view) + WOKEN * view.delay:
+        if waited and theirs == best and _waits(each):
             back += disputes.patience(each)
         part, size = _taken(now, each, back, news)
         if part > 0.0:

@@ -68,9 +68,10 @@ class Disputes:
         if alone:  # what is larger than our part has no turn now, and sets no price for what is not
             rows = [row for row in rows if all(use <= c.limit for use, c in zip(row.use, limits, strict=True))]
         places = [(row.stream.robot, row.stream.key) for row in rows]
-        self._market, steady = Market.of(rows, limits) if rows else (None, None)
-        before = [self._weighed.get(place, UNKNOWN) for place in places]
-        weighed = self._market.weigh(rows, steady, before) if self._market and steady else []
+        self._market, weighed = None, list[Weighed]()
+        if rows:
+            self._market, steady = Market.of(rows, limits)
+            weighed = self._market.weigh(rows, steady, [self._weighed.get(place, UNKNOWN) for place in places])
         self._weighed = dict(zip(places, weighed, strict=True))
         self._book(now, list(zip(rows, weighed, strict=True)))
 

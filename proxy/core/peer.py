@@ -112,7 +112,6 @@ class Peer:
     plain: bool = False
     """Whether it takes no part: it is a plain Zenoh node to us until it says what we understand."""
     digest: Digest | None = None
-    digest_received: float = 0.0
     counted: tuple[float, int, int] | None = None
     """When it last told how many messages and bytes it had sent [s], and these; announcements do not."""
     pending: dict[int, StreamDigest] = field(default_factory=dict)
@@ -179,6 +178,11 @@ class Peer:
         return replace(self.state, streams=tuple(streams.values()), wall_offset=state.wall_offset, number=state.number)
 
     @property
+    def digest_received(self) -> float:
+        """When its last digest came [s]; 0.0 when none did."""
+        return 0.0 if self.last_heard is None else self.last_heard.received
+
+    @property
     def latency_in(self) -> Latency | None:
         """What samples of the peer take to us; as long as too few came, its digests; None while unknown."""
         return self._samples.line or self._digests.line
@@ -239,7 +243,7 @@ class Peer:
 
     def heard_digest(self, now: float, digest: Digest) -> None:
         """A digest of the peer arrived."""
-        self.digest, self.digest_received = digest, now
+        self.digest = digest
         self.last_heard = heard = HeardDigest(digest.sent, now, self.samples)
         if self.quickest is None or heard.took <= self.quickest.took + DRIFT * (now - self.quickest.received):
             self.quickest = heard

@@ -68,7 +68,7 @@ class SharedView:
         self.largest = 0
         """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
-        """When and how much other robots sent within the longest window."""
+        """When and how much other robots sent lately."""
         self.talk: deque[tuple[float, Amount]] = deque(maxlen=MOST_SENDS)
         """The same of what robots told each other beyond what limits leave to that."""
         self.lifetimes = Lifetimes()
@@ -239,6 +239,11 @@ class SharedView:
         """What digests take at least from or to any peer, at most [s]."""
         return max((peer.offset.latency for peer in self.peers.values()), default=0.0)
 
+    @property
+    def delay(self) -> float:
+        """What digests take beyond that, all but few [s]: they wait for others, and for processors."""
+        return sorted(self._delays)[int(MOST_OF_THEM * len(self._delays))] if self._delays else 0.0
+
     def met_lately(self, now: float) -> list[Peer]:
         """Return the robots of which little may be known yet: they, or our own streams, have just come.
 
@@ -246,11 +251,6 @@ class SharedView:
         """
         began = min((stream.began for stream in self.own()), default=-math.inf)
         return [peer for peer in self.peers.values() if now < max(peer.since, began) + NEW and not peer.plain]
-
-    @property
-    def delay(self) -> float:
-        """What digests take beyond that, all but few [s]: they wait for others, and for processors."""
-        return sorted(self._delays)[int(MOST_OF_THEM * len(self._delays))] if self._delays else 0.0
 
     def peer_called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
@@ -422,7 +422,7 @@ class SharedView:
         self._note_broadcasting()
 
     def sweep(self, now: float) -> None:
-        """Forget silent streams of plain nodes, and sends that no window counts; cheap to call at every event."""
+        """Forget silent streams of plain nodes, and sends no window counts for long; cheap to call at every event."""
         self._table.sweep(now)
         longest = KEPT * max((each.measure.window for each in self.specs.constraints), default=0.0)
         for past in (self.sends, self.talk):
