@@ -309,6 +309,17 @@ with plain_session("peer", connect=(sys.argv[1],)) as session:
 """
 
 
+def wait_for_jam(passing):
+    """Wait until samples wait at egress and none has left in ten looks at how many do: links and sockets are full."""
+    seen = []
+
+    def stands():
+        seen.append(passing())
+        return seen[-1] > 0 and len(seen) >= 10 and len(set(seen[-10:])) == 1
+
+    wait_until(stands, what="the jam")
+
+
 def test_a_mesh_that_stands_still_delays_nothing_local(stack, specs, caplog):
     """With a peer that stops reading, blocking samples pile up at egress; local apps, status and stop do not wait."""
     robot = Robot(stack, "r1", specs, mode=Mode.PASS, zenoh={"transport": {"link": {"tx": STEADFAST}}})
@@ -324,7 +335,7 @@ def test_a_mesh_that_stands_still_delays_nothing_local(stack, specs, caplog):
         for _ in range(100):
             publisher.put("free/x", b"x" * 100_000, congestion_control=zenoh.CongestionControl.BLOCK)
         wait_until(lambda: len(local.samples) >= before + 100, what="local delivery")
-        assert robot.status()["daemon"]["egress"]["passing"] > 0
+        wait_for_jam(lambda: robot.status()["daemon"]["egress"]["passing"])
         robot.daemon.stop()
         assert "leaving without" in caplog.text
     finally:
@@ -355,15 +366,15 @@ def test_the_process_ends_although_the_mesh_stands_still(stack):
         assert frozen.stdout.readline() == "ready\n"
         publisher = closing(stack, plain_session("client", connect=(daemon.endpoint,)))
 
-        def egress():
+        def status():
             (answer,) = answers(publisher, keys.status("*"))
             return json.loads(answer)["daemon"]
 
-        wait_until(lambda: publisher.put("free/x", "x") or egress()["wanted"], what="the demand")
+        wait_until(lambda: publisher.put("free/x", "x") or status()["wanted"], what="the demand")
         os.kill(frozen.pid, signal.SIGSTOP)
         for _ in range(100):
             publisher.put("free/x", b"x" * 100_000, congestion_control=zenoh.CongestionControl.BLOCK)
-        wait_until(lambda: egress()["egress"]["passing"] > 10, what="the jam")
+        wait_for_jam(lambda: status()["egress"]["passing"])
         assert daemon.end() == 0
         assert any("leaving without" in line for line in daemon.lines)
     finally:
