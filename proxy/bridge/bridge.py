@@ -13,6 +13,7 @@ from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.fence import Fence
+from proxy.bridge.half_open import HalfOpen
 from proxy.bridge.ingress import Ingress, Submit
 from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
@@ -102,6 +103,7 @@ class Bridge:
         self._inward = Queries(*far, fence, rules.out, dropped=self._dropped, numbered=self._ingress.numbered)
         self._links = Links(mesh, connect, clock.monotonic())
         routers = Links(app, app_connect, clock.monotonic(), "app")
+        self._half_open = HalfOpen(mesh)
         self._watch = Watch(
             apps=apps,
             others=others,
@@ -111,7 +113,7 @@ class Bridge:
             demand=self.demand,
             outward=self._outward,
             inward=self._inward,
-            links=(self._links, routers, recall, Silence(mesh, silent)),
+            links=(self._links, routers, recall, Silence(mesh, silent), self._half_open),
             headroom=self._egress.headroom,
             rules=rules,
             neighbours=neighbours,
@@ -131,6 +133,7 @@ class Bridge:
     def close(self) -> None:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
         self._watch.close(_PATIENCE)
+        self._half_open.close()
         self._ingress.close()
         for part in (self._delivery, self._outward, self._inward):
             part.close()

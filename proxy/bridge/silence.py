@@ -19,8 +19,11 @@ log = logging.getLogger(__name__)
 
 SILENT = 2.0
 """A robot whose kernel says nothing for this long, although it should, is gone [s]."""
-_UNACKED, _HEARD, _ACKED = (struct.Struct(f"@{at}x{kind}") for at, kind in ((24, "I"), (56, "I"), (120, "Q")))
-"""Places in `tcp_info` of <linux/tcp.h>: segments on their way, time since anything came [ms], bytes that arrived."""
+_PROBES, _UNACKED, _HEARD, _ACKED = (
+    struct.Struct(f"@{at}x{kind}") for at, kind in ((3, "B"), (24, "I"), (56, "I"), (120, "Q"))
+)
+"""Places in `tcp_info` of <linux/tcp.h>: probes without an answer, segments on their way, time since anything came
+[ms], bytes that arrived. Where the radio is off, nothing gets on its way: the kernel probes instead."""
 
 
 def longest_silence(zenoh_options: Mapping[str, Any]) -> float:
@@ -33,7 +36,7 @@ class Answers(NamedTuple):
     """What the kernel knows of the other end of a link."""
 
     awaited: bool
-    """Whether something was sent that it did not acknowledge."""
+    """Whether something was sent, or could not be, that it did not acknowledge."""
     acknowledged: int
     """What it acknowledged so far [B]."""
     heard: float
@@ -73,5 +76,5 @@ def _answers(number: int) -> Answers | None:
     info = tcp_info(number)
     if info is None:
         return None
-    unacked, heard, acknowledged = (place.unpack_from(info)[0] for place in (_UNACKED, _HEARD, _ACKED))
-    return Answers(unacked > 0, acknowledged, heard / 1000)
+    probes, unacked, heard, acknowledged = (place.unpack_from(info)[0] for place in (_PROBES, _UNACKED, _HEARD, _ACKED))
+    return Answers(unacked > 0 or probes > 0, acknowledged, heard / 1000)

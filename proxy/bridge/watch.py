@@ -12,6 +12,7 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.fence import Fence
+from proxy.bridge.half_open import HalfOpen
 from proxy.bridge.headroom import Headroom
 from proxy.bridge.ingress import Ingress
 from proxy.bridge.keys import CROSSING, INGRESS
@@ -58,7 +59,7 @@ class Watch:
         demand: Demand,
         outward: Queries,
         inward: Queries,
-        links: tuple[Links | Recall | Silence, ...],
+        links: tuple[Links | Recall | Silence | HalfOpen, ...],
         headroom: Headroom,
         rules: Rules,
         neighbours: Neighbours,

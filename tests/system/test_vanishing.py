@@ -34,3 +34,15 @@ def test_a_robot_that_vanishes_is_gone_and_comes_back(team, vanish, come_back):
     t = time.monotonic()
     wait_until_met(robots, 30)
     print("back", time.monotonic() - t)
+
+
+@pytest.mark.parametrize(
+    "vanish",
+    [lambda host: host.radio("down"), lambda host: host.range(within=False)],
+    ids=["radio off", "out of range"],
+)
+def test_who_vanishes_misses_the_others_as_soon(team, vanish):
+    """Neither end may take the link for alive much longer than the other: that is how connections become half open."""
+    lost, *_ = team()
+    vanish(lost.host)
+    wait_until(lambda: not lost.peers(), SOON, "that the others are gone")
