@@ -6,7 +6,7 @@ import socket
 
 _FIRST, _LAST = 12_000, 32_000
 """Below those that the kernel gives to outgoing connections: they could take a port before its listener does."""
-_EACH = 250
+_EACH = 500
 """Ports that one process has for itself."""
 
 

@@ -46,6 +46,7 @@ class HalfOpen:
         """Hear no more of links and transports."""
         for each in self._listeners:
             each.undeclare()
+        self._listeners = ()
 
     def _end(self, outlived: list[str]) -> None:
         self._sockets.refresh()
