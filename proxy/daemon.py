@@ -105,10 +105,11 @@ class Daemon:
             self._open(opening)
             self._closing = opening.pop_all()
 
-    def stop(self) -> None:
+    def stop(self) -> bool:
         """Stop in order: what comes in first, the sessions last. Does nothing the second time.
 
-        Takes no longer than `STOP` even when the mesh stands still: Zenoh would wait 10 s for it.
+        Takes no longer than `STOP` even when the mesh stands still: Zenoh would wait 10 s for it. Returns whether all
+        is closed; if not, a thread goes on closing, and an interpreter that ends meanwhile aborts the process.
         """
         stopping = threading.Thread(target=self._close, name="stop", daemon=True)
         stopping.start()
@@ -116,6 +117,7 @@ class Daemon:
         if stopping.is_alive():
             log.warning("the mesh stands still and takes no farewell; leaving without")
         self._stopped.set()
+        return not stopping.is_alive()
 
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until somebody stops the daemon, at most `timeout` [s]; whether it is stopped."""

@@ -13,12 +13,12 @@ ROOT = Path(__file__).parent.parent
 
 
 class Running:
-    """A daemon process. `endpoint` is its application side, `lines` what it has logged so far."""
+    """A daemon process of a `program` of Python. `endpoint` is its application side, `lines` what it logged so far."""
 
-    def __init__(self, *arguments, endpoint=None, **environ):
+    def __init__(self, *arguments, endpoint=None, program=("-m", "proxy.cli"), **environ):
         self.endpoint = endpoint or f"tcp/127.0.0.1:{free_port()}"
         command = [
-            *(sys.executable, "-m", "proxy.cli", "run"),
+            *(sys.executable, *program, "run"),
             *("--app.listen", f'["{self.endpoint}"]'),
             *("--mesh.listen", "[]", "--mesh.scouting", "false"),
             *arguments,

@@ -107,10 +107,13 @@ def run(arguments: argparse.Namespace) -> int:
     if not raise_priority():  # before there are other threads: each takes after the one that starts it
         log.debug("not allowed to raise the priority of the daemon: beside busy processes it hears and decides late")
     try:
-        serve(config, specs, asked, arguments.config, read)
+        closed = serve(config, specs, asked, arguments.config, read)
     except ProxyError as error:
         log.error("%s", error)
         return exit_codes.UNAVAILABLE
+    if not closed:  # a thread that comes back from Zenoh while the interpreter ends would abort the process
+        logging.shutdown()
+        os._exit(exit_codes.OK)
     return exit_codes.OK
 
 
@@ -122,8 +125,8 @@ def requests() -> SimpleQueue[str]:
     return asked
 
 
-def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | None, read: Callable[[], Config]) -> None:
-    """Run the daemon until it is `asked` to stop. Raises ProxyError when it cannot start."""
+def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | None, read: Callable[[], Config]) -> bool:
+    """Run the daemon until it is `asked` to stop; whether all is closed then. Raises ProxyError at start."""
     from proxy.daemon import Daemon  # noqa: PLC0415 - Zenoh only when the configuration is right
 
     daemon, service = Daemon(config, specs, file, read), Service(os.environ)
@@ -145,7 +148,8 @@ def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | No
         log.info("stopping on %s", request)
     finally:
         service.stopping()
-        daemon.stop()
+        closed = daemon.stop()
+    return closed
 
 
 def settle() -> None:

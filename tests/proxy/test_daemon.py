@@ -383,6 +383,23 @@ def test_the_process_ends_although_the_mesh_stands_still(stack):
         frozen.communicate()
 
 
+IMPATIENT = """
+import sys
+from proxy import cli, daemon
+daemon.STOP = 0.0
+sys.exit(cli.main())
+"""
+
+
+def test_a_process_that_is_not_done_closing_ends_in_order():
+    """It does not wait for what still closes, and is no crash to whoever started it."""
+    for _ in range(3):
+        daemon = Running("--mode", "pass", program=("-c", IMPATIENT))
+        daemon.wait_for("sendworthy: sendworthy")
+        assert daemon.end() == 0
+        assert "leaving without" in daemon.lines[-1]
+
+
 def broadcasting(stack, specs, size):
     """So many daemons that broadcast on loopback, linked each to each, and their group."""
     group = f"224.0.0.226:{free_port()}"
