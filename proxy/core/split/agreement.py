@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-from proxy.core.split.allocation import allocate
+from proxy.core.split.allocation import Allocation, allocate
 from proxy.core.split.bid import UNIT, Bid
 from proxy.core.split.standing import Entry, Standing
 from proxy.core.split.turns import Turn
@@ -93,10 +93,24 @@ class Agreement:
 
     def indifferent(self, bid: Bid) -> bool:
         """Whether we have everybody's bid, and with this one of ours each would have about what it has."""
+        allocation = self._with(bid)
+        return allocation is not None and allocation.resembles(self.standings[-1].allocation)
+
+    def starves(self, bid: Bid) -> bool:
+        """Whether no message fits what we have, though one would with this bid: what we asked for was a bit too small.
+
+        One of four robots with cameras was silent so for 12 s, with its part unused.
+        """
+        now, then = self.standings[-1].allocation, self._with(bid)
+        return then is not None and then.carries(self.own, bid) and not now.carries(self.own, bid)
+
+    def _with(self, bid: Bid) -> Allocation | None:
+        """Return what each would have with this bid of ours, if we have everybody's."""
         newest = self.standings[-1]
         bids = {tag: entry[1] for tag, entry in newest.table.items() if entry is not None} | {self.own: bid}
-        same = newest.complete and bids.keys() == self.members
-        return same and allocate(bids, len(bids), self._floor, newest.name).resembles(newest.allocation)
+        if not newest.complete or bids.keys() != self.members:
+            return None
+        return allocate(bids, len(bids), self._floor, newest.name)
 
     def ask(self, now: float, bid: Bid) -> None:
         """This is our bid from now on."""

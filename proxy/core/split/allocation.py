@@ -52,6 +52,12 @@ class Allocation:
         """All of it together [units]."""
         return sum(self.parts.values()) + sum(slot.size for slot in self.slots)
 
+    def carries(self, tag: str, bid: Bid) -> bool:
+        """Whether the smallest message that a robot asks to have served whole fits what it has."""
+        least = min((segment.amount for segment in bid if segment.quarters), default=0)
+        slots = (slot.size for slot in self.slots if any(tag == each for each, _ in slot.ring))
+        return max(self.parts.get(tag, 0), *slots, 0) >= (WHOLE if least == UNIT else least)
+
     def resembles(self, other: "Allocation") -> bool:
         """Whether the same robots share the same slots, and all amounts are about the same."""
         if [sorted(slot.ring) for slot in self.slots] != [sorted(slot.ring) for slot in other.slots]:

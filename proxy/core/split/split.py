@@ -149,7 +149,8 @@ class Split:
     def bid(self, now: float, bid: Bid) -> bool:
         """Ask for this from now on, if it differs enough and it is time; return whether we do."""
         agreement = self._agreement
-        if alike(agreement.bid[1], bid) or not self._may_ask(now) or agreement.indifferent(bid):
+        same = alike(agreement.bid[1], bid)
+        if not self._may_ask(now) or ((same or agreement.indifferent(bid)) and not agreement.starves(bid)):
             return False
         self._asked = now
         agreement.ask(now, bid)
