@@ -4,34 +4,42 @@ A robot may take a link for lost when the other one does not yet: the connection
 again and begins with nothing; Zenoh 1.10 at the other end adds the new link to the transport that it still has, and
 tells nothing of what it declared before. When the old link ends at last, both are linked for good, and one knows
 neither tokens nor subscribers of the other. Seen from the end that kept its transport: a link goes and the transport
-stays, although robots have but one link each way.
+stays, although robots have but one link each way. Where two dial each other at once, both transports have both links
+from the beginning, and Zenoh soon ends one.
 """
 
 import logging
+import math
 import socket
 import threading
 
 import zenoh
 
+from proxy import clock
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.sockets import Sockets, libc
 
 log = logging.getLogger(__name__)
 
+YOUNG = 1.0
+"""A link that ends sooner is one of two that were dialled at once [s]."""
+
 
 class HalfOpen:
-    """Ends such links of `session`."""
+    """Ends such links of `session`; a link that lasted less than `young` [s] says nothing."""
 
-    def __init__(self, session: zenoh.Session) -> None:
-        self._session = session
+    def __init__(self, session: zenoh.Session, young: float = YOUNG) -> None:
+        self._young = young
         self._sockets = Sockets(session)
         self._lock = threading.Lock()
         self._lost: dict[str, bool] = {}
         """Who lost a link since its transport was made or ended, and whether that was known at the last look."""
+        self._since: dict[tuple[str, str], float] = {}
+        """When each link began that we saw begin [s]."""
         events, links = session.info.declare_transport_events_listener, session.info.declare_link_events_listener
         self._listeners: tuple[Declaration, ...] = (
             events(zenoh.handlers.Callback(self._turn, indirect=False)),
-            links(zenoh.handlers.Callback(self._lose, indirect=False)),
+            links(zenoh.handlers.Callback(self._change, indirect=False)),
         )
 
     def check(self, _now: float) -> None:
@@ -59,7 +67,10 @@ class HalfOpen:
         with self._lock:
             self._lost.pop(str(event.transport.zid), None)
 
-    def _lose(self, event: zenoh.LinkEvent) -> None:
-        if event.kind == zenoh.SampleKind.DELETE:
-            with self._lock:
-                self._lost.setdefault(str(event.link.zid), False)
+    def _change(self, event: zenoh.LinkEvent) -> None:
+        now, link = clock.monotonic(), event.link
+        with self._lock:
+            if event.kind == zenoh.SampleKind.PUT:
+                self._since[link.src, link.dst] = now
+            elif now - self._since.pop((link.src, link.dst), -math.inf) >= self._young:
+                self._lost.setdefault(str(link.zid), False)

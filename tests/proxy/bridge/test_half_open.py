@@ -117,6 +117,23 @@ def test_who_kept_its_transport_ends_it_when_its_first_link_goes(stack):
     wait_until(lambda: loser.put("sample", "x") or heard.samples, what="a sample")
 
 
+def test_a_link_that_ends_soon_says_nothing(stack):
+    """It is one of two that were dialled at once, and the other one is good."""
+    keeper, loser, _, there, open_back = half_opened(stack)
+    half_open = HalfOpen(keeper, young=60.0)
+    stack.callback(half_open.close)
+    there.end_far()
+    wait_until(lambda: not loser.info.peers_zid(), what="the loss, at one end")
+    first = [link.dst for link in keeper.info.links()]
+    back = open_back()
+    wait_until(lambda: len(keeper.info.links()) == 2, what="the link from the other end")
+    back.end_all()
+    wait_until(lambda: len(keeper.info.links()) == 1, what="its end")
+    for _ in range(3):
+        half_open.check(clock.monotonic())
+    assert [link.dst for link in keeper.info.links()] == first
+
+
 def test_links_that_end_with_their_transport_leave_nothing_to_do(stack, caplog):
     """Whoever goes and comes back is left alone."""
     port = free_port()
