@@ -114,10 +114,11 @@ class Daemon:
         stopping = threading.Thread(target=self._close, name="stop", daemon=True)
         stopping.start()
         stopping.join(STOP)
-        if stopping.is_alive():
+        closed = not stopping.is_alive()
+        if not closed:
             log.warning("the mesh stands still and takes no farewell; leaving without")
         self._stopped.set()
-        return not stopping.is_alive()
+        return closed
 
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until somebody stops the daemon, at most `timeout` [s]; whether it is stopped."""

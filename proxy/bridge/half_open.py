@@ -5,24 +5,23 @@ again and begins with nothing; Zenoh 1.10 at the other end adds the new link to 
 tells nothing of what it declared before. When the old link ends at last, both are linked for good, and one knows
 neither tokens nor subscribers of the other. Seen from the end that kept its transport: a link goes and the transport
 stays, although robots have but one link each way. Where two dial each other at once, both transports have both links
-from the beginning, and Zenoh soon ends one.
+from the beginning: one of these that ends soon is no sign.
 """
 
 import logging
 import math
-import socket
 import threading
 
 import zenoh
 
 from proxy import clock
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.sockets import Sockets, libc
+from proxy.bridge.sockets import Sockets
 
 log = logging.getLogger(__name__)
 
 YOUNG = 1.0
-"""A link that ends sooner is one of two that were dialled at once [s]."""
+"""A link that ends sooner may be one of two that were dialled at once [s]."""
 
 
 class HalfOpen:
@@ -59,9 +58,8 @@ class HalfOpen:
     def _end(self, outlived: list[str]) -> None:
         self._sockets.refresh()
         for zid, number in self._sockets.ends:
-            if zid in outlived and self._sockets.owns(number):
+            if zid in outlived and self._sockets.end(number):
                 log.info("%s may have met us anew over a link that was half open: it is ended", zid)
-                libc.shutdown(number, socket.SHUT_RDWR)
 
     def _turn(self, event: zenoh.TransportEvent) -> None:
         with self._lock:

@@ -6,14 +6,13 @@ that for `SILENT` is gone, or out of reach. So Zenoh's lease can be long.
 """
 
 import logging
-import socket
 import struct
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import zenoh
 
-from proxy.bridge.sockets import Sockets, libc, tcp_info
+from proxy.bridge.sockets import Sockets, tcp_info
 
 log = logging.getLogger(__name__)
 
@@ -60,9 +59,8 @@ class Silence:
             link: (silent_since(now, *self._last.get(link, (now, this)), this), this) for link, this in found.items()
         }
         for (zid, number), (since, _) in self._last.items():
-            if now - since >= self._longest and self._sockets.owns(number):
+            if now - since >= self._longest and self._sockets.end(number):
                 log.debug("nothing was heard from %s for %.1f s: its link is ended", zid, now - since)
-                libc.shutdown(number, socket.SHUT_RDWR)
 
 
 def silent_since(now: float, before: float, last: Answers, this: Answers) -> float:

@@ -45,9 +45,12 @@ class Sockets:
         self.unknown = None in numbers
         return True
 
-    def owns(self, number: int) -> bool:
-        """Whether a socket still is that of the link that it was found for: numbers are used again."""
-        return number in self._places and _sockets().get(self._places[number]) == number
+    def end(self, number: int) -> bool:
+        """End the link that a socket was found for; whether it still is its socket, as numbers are used again."""
+        owns = number in self._places and _sockets().get(self._places[number]) == number
+        if owns:
+            libc.shutdown(number, socket.SHUT_RDWR)
+        return owns
 
 
 def tcp_info(number: int) -> ctypes.Array[ctypes.c_char] | None:

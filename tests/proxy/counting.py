@@ -17,7 +17,7 @@ class Counting:
         self.carried = 0
         self._cut = cut
         self._server = socket.create_server(("127.0.0.1", port))
-        self._ends, self._lost = [], set()
+        self._ends, self._lost, self._halved = [], set(), set()
 
     def __enter__(self):
         threading.Thread(target=self._accept, daemon=True).start()
@@ -40,6 +40,13 @@ class Counting:
         """Carry nothing from now on, which nobody is told: as a radio out of reach."""
         self._cut = True
         self._lost |= set(self._ends)
+
+    def halve(self):
+        """Let `endpoint` see the end of each connection; whoever dialled does not, for nothing comes any more."""
+        near, far = self._ends[::2], self._ends[1::2]
+        self._halved |= set(near)
+        for end in far:
+            end.shutdown(socket.SHUT_RDWR)
 
     def mend(self):
         """Carry again."""
@@ -65,7 +72,8 @@ class Counting:
                 if source not in self._lost:
                     self.carried += len(data) * counted
                     sink.sendall(data)
-        _close(sink)
+        if sink not in self._halved:
+            _close(sink)
 
 
 def _close(end):

@@ -101,8 +101,10 @@ class Agreement:
 
         One of four robots with cameras was silent so for 12 s, with its part unused.
         """
-        now, then = self.standings[-1].allocation, self._with(bid)
-        return then is not None and then.carries(self.own, bid) and not now.carries(self.own, bid)
+        if self.standings[-1].allocation.carries(self.own, bid):
+            return False
+        allocation = self._with(bid)
+        return allocation is not None and allocation.carries(self.own, bid)
 
     def _with(self, bid: Bid) -> Allocation | None:
         """Return what each would have with this bid of ours, if we have everybody's."""
