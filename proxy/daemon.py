@@ -18,6 +18,7 @@ from proxy.bridge.air import Broadcast
 from proxy.bridge.bridge import Bridge
 from proxy.bridge.control import Control
 from proxy.bridge.fleet import Fleet
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lane import Lane
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
 from proxy.bridge.neighbours import Neighbours
@@ -46,6 +47,7 @@ from proxy.core.commands import (
     SendDigest,
     SendState,
     SetPace,
+    TellBacklog,
 )
 from proxy.core.core import Core
 from proxy.core.events import ModeChanged, SampleRefused, SampleReread, SpecsChanged
@@ -183,6 +185,7 @@ class Daemon:
         self._extractor = Extractor(loop.post_at, self._match)
         self._neighbours = Neighbours(sides.app, robot, self._zids["mesh"], sides.wake.set)
         opening.callback(self._neighbours.close)
+        hold_back = HoldBack(core.view.tag_of)
         self._bridge = Bridge(
             app=sides.app,
             mesh=sides.mesh,
@@ -199,6 +202,7 @@ class Daemon:
             relayed=config.mesh.relayed,
             recall=sides.recall,
             rooms=rooms(config.queue.samples, config.queue.bytes),
+            hold_back=hold_back,
             silent=longest_silence(config.mesh.zenoh),
             submit=self._extractor.submit,
             post=loop.post,
@@ -212,6 +216,7 @@ class Daemon:
             loop.offer,
             later=loop.post_at,
             old=lambda now, name, sent: is_old(now, core.view.peers.get(name), sent),
+            hold_back=hold_back,
             air=sides.air if isinstance(sides.air, Broadcast) and core.settings.digests_on_air else None,
         )
         for part in (self._planning, self._extractor, loop):
@@ -260,7 +265,7 @@ class Daemon:
                 self._bridge.forward(sample)
             case Drop(sample):
                 self._bridge.drop(sample)
-            case Keep() | Forget() | SendCopy() | Retain():
+            case Keep() | Forget() | SendCopy() | TellBacklog() | Retain():
                 self._keep(command)
             case Reread(sample, key):
                 self._reread(sample, key)
@@ -273,7 +278,7 @@ class Daemon:
             case SendDigest() | SendState() | AskState():
                 self._speak(command)
 
-    def _keep(self, command: Keep | Forget | SendCopy | Retain) -> None:
+    def _keep(self, command: Keep | Forget | SendCopy | TellBacklog | Retain) -> None:
         match command:
             case Keep(sample):
                 self._bridge.keep(sample)
@@ -281,6 +286,8 @@ class Daemon:
                 self._bridge.forget(sample)
             case SendCopy(sample, to):
                 self._bridge.send_copy(sample, to)
+            case TellBacklog(to, number, keys, grows):
+                self._presence.tell_backlog(to, number, keys, grows=grows)
             case Retain(expressions):
                 self._bridge.retain(expressions)
 

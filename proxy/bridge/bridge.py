@@ -14,6 +14,7 @@ from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.fence import Fence
 from proxy.bridge.half_open import HalfOpen
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.ingress import Ingress, Submit
 from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
@@ -43,7 +44,8 @@ class Bridge:
     What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by
     itself. `post` gets what the core must know, `offer` what arrived, as far as it keeps up. In mode `enforce`
     forwarded samples are paced to the specs' rate. The voices must have been opened with `wake.set` as what to call
-    when something changed. Links to robots that are silent for `silent` [s] are ended.
+    when something changed. Links to robots that are silent for `silent` [s] are ended. `hold_back` puts what comes anew
+    from robots that were lost after what they kept for us.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class Bridge:
         relayed: bool,
         rooms: Rooms,
         recall: Recall,
+        hold_back: HoldBack,
         silent: float = SILENT,
         submit: Submit,
         post: Callable[[Event], None],
@@ -93,7 +96,16 @@ class Bridge:
             sourced=sourced,
             room=rooms.covered,
         )
-        self._delivery = Delivery(app, mesh, self._match, rules, offer, numbered=sourced, counts_each=self._counts_each)
+        self._delivery = Delivery(
+            app,
+            mesh,
+            self._match,
+            rules,
+            offer,
+            numbered=sourced,
+            counts_each=self._counts_each,
+            hold_back=hold_back,
+        )
         if isinstance(air, Broadcast):
             air.listen(self._delivery.overhear)
         self.lanes = (Lane("queries out"), Lane("queries in"))
@@ -113,7 +125,7 @@ class Bridge:
             demand=self.demand,
             outward=self._outward,
             inward=self._inward,
-            links=(self._links, routers, recall, Silence(mesh, silent), self._half_open),
+            links=(self._links, routers, recall, Silence(mesh, silent), self._half_open, hold_back),
             headroom=self._egress.headroom,
             rules=rules,
             neighbours=neighbours,
@@ -216,6 +228,7 @@ class Bridge:
             "queue": self._rooms.describe(),
             "delivered": self._delivery.delivered,
             "repeated": self._delivery.repeated,
+            "held_back": self._delivery.hold_back.held,
             "subscriptions": list(self._delivery.expressions),
             "observed": sorted(self._ingress.declared),
             "wanted": self.demand.wanted,

@@ -1,4 +1,4 @@
-"""Hands what arrives from the mesh to the apps: at once, in full, each sample once."""
+"""Hands what arrives from the mesh to the apps: in full, each sample once, at once but for what `hold_back` keeps."""
 
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
@@ -9,6 +9,7 @@ from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.mirror import GRACE, Mirror
 from proxy.bridge.overlap import Overlap, of_sample
 from proxy.bridge.received import Received
@@ -26,7 +27,7 @@ class Delivery:
 
     `covered` says whether an information type covers a key; for such samples `offer` gets a `SampleHeard`. `numbered`:
     samples keep the numbers of their publishers. `counts_each`: each sample of a key counts, so that other robots keep
-    copies for us while we are away.
+    copies for us while we are away, and what is new waits in `hold_back` for these.
     """
 
     def __init__(
@@ -39,6 +40,7 @@ class Delivery:
         *,
         numbered: bool = True,
         counts_each: Callable[[str], bool] = lambda _: False,
+        hold_back: HoldBack | None = None,
     ) -> None:
         self._app = app
         self._mesh = mesh
@@ -48,6 +50,7 @@ class Delivery:
         self._numbered = numbered
         self._counts_each = counts_each
         self._received = Received()
+        self.hold_back = HoldBack(lambda _: "") if hold_back is None else hold_back
         self._copies: Declaration | None = None
         self._overlap = Overlap(of_sample)
         self._mirror = Mirror(self._subscribe, GRACE)
@@ -81,8 +84,9 @@ class Delivery:
         return self._mirror.update(wanted)
 
     def close(self) -> None:
-        """Subscribe to nothing."""
+        """Subscribe to nothing, and hand on what is held back."""
         self._mirror.close()
+        self.hold_back.close()
         copies, self._copies = self._copies, None
         if copies is not None:
             copies.undeclare()
@@ -112,7 +116,10 @@ class Delivery:
 
     def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None, *, copy: bool = False) -> None:
         verdict, stamp = self._rules.into.verdict(key), sample.timestamp
-        if (copy or self._counts_each(key)) and not self._received.takes(key, stamp, copy=copy):
+        ordered = copy or self._counts_each(key)
+        if copy:
+            self.hold_back.copied(key, stamp)
+        if ordered and not self._received.takes(key, stamp, copy=copy):
             self.repeated += 1
             return
         if verdict is Verdict.COMPANION and not self._numbered:
@@ -120,10 +127,15 @@ class Delivery:
         if verdict is Verdict.DENIED:
             self._rules.into.count("samples")  # it was on the air all the same
         else:
-            publish(self._app, sample, stamp, renamed, source=sample.source_info if self._numbered else None)
-            self.delivered += 1
+            hand = partial(self._publish, sample, renamed)
+            if copy or not ordered or not self.hold_back.takes(key, stamp, len(sample.payload), hand):
+                hand()
         if not copy and self._covered(key) is not None:  # how long a copy took says nothing about the way
             self._offer(_heard(key, sample))
+
+    def _publish(self, sample: zenoh.Sample, renamed: str | None) -> None:
+        publish(self._app, sample, sample.timestamp, renamed, source=sample.source_info if self._numbered else None)
+        self.delivered += 1
 
 
 def _heard(key: str, sample: zenoh.Sample) -> SampleHeard:

@@ -45,6 +45,11 @@ def kept(to: str, key: str) -> str:
     return f"{PREFIX}/{to}/kept/{key}"
 
 
+def backlog(to: str, tag: str) -> str:
+    """Where the robot with this `tag` tells the one with the tag `to` of which keys copies wait for it."""
+    return f"{PREFIX}/{to}/backlog/{tag}"
+
+
 def kept_of(key: str) -> str:
     """Return the key of the sample of which something on such a key is a copy."""
     return key.split("/", 3)[3]

@@ -19,15 +19,19 @@ from proxy.bridge.air import Broadcast
 from proxy.bridge.budget import Budget
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.floods import Floods
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lane import Lane
 from proxy.bridge.tokens import MOST, Later, Tokens
 from proxy.core.codec import (
+    MAX_BACKLOG,
     MAX_BYTES,
     MAX_DIGEST,
     digest_head,
+    pack_backlog,
     pack_digest,
     pack_state,
     state_version,
+    unpack_backlog,
     unpack_digest,
     unpack_state,
 )
@@ -48,6 +52,8 @@ USUAL = 500.0
 """... this counts as so many more of them [B]."""
 STATES, ALL_STATES = 10.0, 40.0
 """States that one robot may say in a second, and all together. What is told of robots that nobody knows is not read."""
+WORDS, ALL_WORDS = 100.0, 400.0
+"""Words on backlogs that one robot may say in a second, and all together."""
 ANSWERS = 50
 """Questions answered per second."""
 
@@ -81,7 +87,7 @@ class Presence:
     `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread; `later` gets them
     with the time when they are due [s]. `offer` gets what may be left out when the loop is behind. `old` tells whether
     the core has heard a digest of a tag that was sent then [s], or a later one; from any thread. With `air` digests
-    are broadcast.
+    are broadcast. `hold_back` is told who vanishes, returns, and has copies for us.
     """
 
     def __init__(
@@ -94,6 +100,7 @@ class Presence:
         *,
         later: Later,
         old: Old,
+        hold_back: HoldBack,
         air: Broadcast | None = None,
     ) -> None:
         self._mesh = mesh
@@ -108,10 +115,12 @@ class Presence:
         self._answered: deque[float] = deque(maxlen=ANSWERS)
         self._old = old
         self.floods = Floods(offer)
-        self._tokens = Tokens(self._zid, post, later, self.floods.refuse)
+        self._hold_back = hold_back
+        self._tokens = Tokens(self._zid, post, later, self.floods.refuse, lost=hold_back.lost, found=hold_back.found)
         self._looking = threading.Lock()
         self._digests = Budget(DIGESTS, ALL_DIGESTS, lambda: len(self._tokens.tags))
         self._states = Budget(STATES, ALL_STATES, lambda: len(self._tokens.tags))
+        self._words = Budget(WORDS, ALL_WORDS, lambda: len(self._tokens.tags))
         self._versions: dict[str, int] = {}
         """What each robot speaks, as the core was told."""
         self._declared: list[Declaration] = []
@@ -126,6 +135,7 @@ class Presence:
         self._declared = [
             mesh.declare_subscriber(keys.ALL_DIGESTS, direct(self._hear_digest), allowed_origin=remote),
             mesh.declare_subscriber(keys.ALL_STATES, direct(self._hear_state), allowed_origin=remote),
+            mesh.declare_subscriber(keys.backlog(self._tag, "*"), direct(self._hear_backlog), allowed_origin=remote),
             mesh.declare_queryable(keys.state(robot, self._tag), direct(self._tell), allowed_origin=remote),
             # Nobody asks for digests: but what is declared has a number, which travels instead of the key.
             mesh.declare_queryable(keys.digest(robot, self._tag), direct(_ignore), allowed_origin=remote),
@@ -154,10 +164,20 @@ class Presence:
         """Ask the robot with this name and tag for its state: it was published before we were linked, or got lost."""
         self._lane.offer(partial(self._fetch, robot, name))
 
-    def _put(self, key: str, payload: bytes, announce: Callable[[str, bytes], None] | None = None) -> None:
+    def tell_backlog(self, to: str, number: int, named: tuple[str, ...] | None, *, grows: bool) -> None:
+        """Tell the robot with the tag `to` of which keys copies wait for it, after those that were sent unless `grows`.
+
+        Zenoh keeps the order of what has one priority, and takes what has a higher one first.
+        """
+        priority = keys.ANNOUNCED["priority"] if grows else zenoh.Priority.BACKGROUND
+        self._put(keys.backlog(to, self._tag), pack_backlog(number, named), priority=priority)
+
+    def _put(
+        self, key: str, payload: bytes, announce: Callable[[str, bytes], None] | None = None, **how: object
+    ) -> None:
         try:
             if announce is None:
-                self._mesh.put(key, payload, **keys.ANNOUNCED)
+                self._mesh.put(key, payload, **{**keys.ANNOUNCED, **how})
             else:
                 announce(key, payload)
         except zenoh.ZError as error:
@@ -212,6 +232,22 @@ class Presence:
             self.floods.refuse(now, robot, "state:flood")
         else:
             self._offer(partial(self._learn, now, robot, name, sample.payload.to_bytes()))
+
+    def _hear_backlog(self, sample: zenoh.Sample) -> None:
+        """Each changes what is held back by itself, so as many are read as states."""
+        now, key = clock.monotonic(), str(sample.key_expr)
+        name = keys.zid_of(key)
+        if name not in self._tokens.tags:
+            return
+        if len(sample.payload) > MAX_BACKLOG or not self._admits(self._words, now, name):
+            self.floods.refuse(now, name, "backlog:flood")
+            return
+        try:
+            number, named = unpack_backlog(sample.payload.to_bytes())
+        except (MalformedWireError, OtherVersionError):
+            self.floods.refuse(now, name, "backlog:malformed")
+        else:
+            self._hold_back.told(name, number, named)
 
     def _admits(self, budget: Budget, now: float, name: str, cost: float = 1.0) -> bool:
         with self._looking:

@@ -28,19 +28,23 @@ Job = Callable[[], Event | None]
 Post = Callable[[Event | Job], object]
 Later = Callable[[float, Job], object]
 Refuse = Callable[[float, str, str], object]
+Turned = Callable[[str], object]
 
 
 class Tokens:
     """Tells the core by `post` what became of each token; `own` is the session that shows ours.
 
-    `later` posts at a time [s, our clock]. `refuse` gets the robot and the kind of what is no presence token.
+    `later` posts at a time [s, our clock]. `refuse` gets the robot and the kind of what is no presence token. `lost`
+    and `found` get the tag of who vanished or is there, at once.
     """
 
-    def __init__(self, own: str, post: Post, later: Later, refuse: Refuse) -> None:
+    def __init__(self, own: str, post: Post, later: Later, refuse: Refuse, *, lost: Turned, found: Turned) -> None:
         self._own = own
         self._post = post
         self._later = later
         self._refuse = refuse
+        self._lost = lost
+        self._found = found
         self._changes = Bucket(clock.monotonic(), CHANGES, AT_ONCE)
         self._own_changes: dict[tuple[str, str], Bucket] = {}
         self._lock = threading.Lock()
@@ -76,12 +80,15 @@ class Tokens:
                 self.tags[name] -= 1
                 if not self.tags[name]:
                     del self.tags[name]
+                    self._lost(name)
             return known
         if len(self._there) >= MOST or len(self._news) >= 2 * MOST:
             return False
         if place not in self._there:
             self._there.add(place)
             self.tags[name] += 1
+            if self.tags[name] == 1:
+                self._found(name)
         return True
 
     def _tell(self, place: tuple[str, str]) -> Event | None:

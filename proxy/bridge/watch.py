@@ -14,6 +14,7 @@ from proxy.bridge.demand import Demand
 from proxy.bridge.fence import Fence
 from proxy.bridge.half_open import HalfOpen
 from proxy.bridge.headroom import Headroom
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.ingress import Ingress
 from proxy.bridge.keys import CROSSING, INGRESS
 from proxy.bridge.links import Links
@@ -59,7 +60,7 @@ class Watch:
         demand: Demand,
         outward: Queries,
         inward: Queries,
-        links: tuple[Links | Recall | Silence | HalfOpen, ...],
+        links: tuple[Links | Recall | Silence | HalfOpen | HoldBack, ...],
         headroom: Headroom,
         rules: Rules,
         neighbours: Neighbours,

@@ -55,6 +55,8 @@ MAX_LATENCY = 3600.0
 MAX_SCALE = 1e15
 MAX_ENTRY = 32
 """Fields of what a state or an announcement tells of a stream; later versions may have more of them."""
+MAX_BACKLOG = 131_072
+"""Largest word on a backlog [B]."""
 MAX_VERSION = 64
 """Letters in the version of a daemon."""
 _HEAD = 32
@@ -106,6 +108,17 @@ def pack_state(state: State) -> bytes:
 def unpack_state(data: bytes, robot: str) -> State:
     """Return the state in `data` of `robot`; raise `MalformedWireError` when it is none."""
     return _state(_fields(_inflated(data), MAX_BYTES, 6), robot)
+
+
+def pack_backlog(number: int, keys: tuple[str, ...] | None) -> bytes:
+    """Return the wire form of the word with that number on which keys copies wait; None: of too many to name."""
+    return _pack([VERSION, number, keys])
+
+
+def unpack_backlog(data: bytes) -> tuple[int, frozenset[str] | None]:
+    """Return what `pack_backlog` was given; raise `MalformedWireError` when it is none."""
+    number, keys = _fields(data, MAX_BACKLOG, 3)[1:3]
+    return _count(number), None if keys is None else frozenset(map(_key, _list(keys)))
 
 
 def digest_head(data: bytes) -> tuple[int, float]:

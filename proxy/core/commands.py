@@ -61,6 +61,20 @@ class SendCopy:
 
 
 @dataclass(frozen=True, slots=True)
+class TellBacklog:
+    """Tell the robot with the tag `to` of which keys copies wait for it: what is new of these comes before its turn.
+
+    `keys` are None where there are too many to name. The word with the greatest `number` holds. With `grows` there are
+    keys that the last one did not name; else it must not overtake copies that were sent before.
+    """
+
+    to: str
+    number: int
+    keys: tuple[str, ...] | None
+    grows: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Retain:
     """Take what apps publish on these key expressions (all of them), even if nobody who is here wants it."""
 
@@ -128,6 +142,7 @@ Command = (
     | Keep
     | Forget
     | SendCopy
+    | TellBacklog
     | Retain
     | Reread
     | SendDigest

@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from proxy.core.commands import Command, Forget, Keep
+from proxy.core.commands import Command, Forget, Keep, TellBacklog
 from proxy.core.inbox import Waiting
 from proxy.core.interest import intersects
 
@@ -31,6 +31,10 @@ MOST_COPIES = 8192
 """Copies in all."""
 MOST_BYTES = 16 * 1024 * 1024
 """Bytes of the samples kept, each counted once [B]."""
+AGAIN = 1.0
+"""A robot that is back is told this often that copies still wait for it [s]."""
+MOST_NAMED = 64
+"""A robot that is back is told the names of so many keys of which copies wait."""
 
 EXPIRED, OVERFLOW, GONE = "dropped:expired", "dropped:overflow", "dropped:gone"
 UNWANTED, ONCE, NO_SPEC = "dropped:unwanted", "dropped:once", "dropped:no-spec"
@@ -85,6 +89,10 @@ class _Away:
     """By key, the oldest first."""
     handing: dict[int, Copy] = field(default_factory=dict)
     """Those on their way to the mesh session, by sample."""
+    named: frozenset[str] = frozenset()
+    """The keys of which it knows that copies wait for it..."""
+    named_at: float = -math.inf
+    """... and when that was told last [s]."""
 
     def wants(self, key: str) -> bool:
         return any(intersects(expression, key) for expression in self.robot.subscriptions)
@@ -96,6 +104,11 @@ class _Away:
     @property
     def count(self) -> int:
         return len(self.handing) + sum(map(len, self.copies.values()))
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """Those of which not all copies are handed over."""
+        return frozenset(self.copies) | {copy.waiting.key for copy in self.handing.values()}
 
 
 class Kept:
@@ -120,6 +133,11 @@ class Kept:
         self._new: set[int] = set()
         self._freed: set[int] = set()
         """Samples that the driver is to keep from now on, and those that it may forget."""
+        self._lost: dict[str, None] = {}
+        """Robots that vanished, by tag, and are not back."""
+        self._words = 0
+        self._said: list[Command] = []
+        """What robots that are back are told."""
         self._swept = -math.inf
 
     def __bool__(self) -> bool:
@@ -173,6 +191,9 @@ class Kept:
 
     def lost(self, now: float, robot: Leaving) -> None:
         """A robot has vanished: what it may not have got is kept for it, and what comes from now on."""
+        self._lost[robot.tag] = None
+        if len(self._lost) > MOST_ROBOTS:
+            del self._lost[next(iter(self._lost))]
         if not self.longest:
             return
         away = self._away.pop(robot.tag, None)
@@ -181,7 +202,7 @@ class Kept:
             away = _Away(robot, now)
         elif away.known:
             away.robot, away.since = robot, now
-        away.back = away.known = False
+        away.back, away.known, away.named = False, False, frozenset()
         self._away[robot.tag] = away
         held = {copy.waiting.sample for copy in away.all()} | away.handing.keys()
         doubtful = [sent.copy for sent in self._doubtful(now, robot)]
@@ -210,14 +231,24 @@ class Kept:
         return frozenset() if away is None else away.robot.reached - away.copies.keys()
 
     def told(self, tag: str, subscriptions: Iterable[str]) -> None:
-        """A robot that is back subscribes to this: all else is not wanted any more, and new samples reach it."""
+        """A robot that is back subscribes to this: all else is not wanted any more, and new samples reach it.
+
+        It waits to be told whether anything is kept for it.
+        """
+        waits = tag in self._lost
+        self._lost.pop(tag, None)
         away = self._away.get(tag)
         if away is None:
+            if waits:
+                self._say(tag, frozenset(), grows=True)
             return
         wanted = tuple(subscriptions)
         for copy in [c for c in away.all() if not any(intersects(each, c.waiting.key) for each in wanted)]:
             self.give_up(copy, UNWANTED)
         away.known = True
+        if waits:
+            away.named = away.keys
+            self._say(tag, away.keys, grows=True)
         self._done(tag)
 
     def foremost(self, now: float) -> Copy | None:
@@ -278,6 +309,9 @@ class Kept:
         for away in list(self._away.values()):
             for copy in [copy for copy in away.all() if copy.until <= now]:
                 self.give_up(copy, EXPIRED)
+            if away.named and now >= away.named_at + AGAIN:
+                away.named_at = now
+                self._say(away.robot.tag, away.named, grows=True)
         gone = [away for away in self._away.values() if not away.back and now >= away.since + self.longest]
         for away in gone:
             self._leave(away)
@@ -292,7 +326,11 @@ class Kept:
             keep, forget = map(Keep, sorted(self._new)), map(Forget, sorted(self._freed))
             commands = [*keep, *commands, *forget]
             self._new, self._freed = set(), set()
-        return commands
+        for away in self._away.values():
+            if away.known and (keys := away.keys) != away.named:
+                self._name(away, keys)
+        said, self._said = self._said, []
+        return [*commands, *said]
 
     def described(self, now: float) -> dict[str, Any]:
         """Return what the status says: the copies, and who is away."""
@@ -401,7 +439,20 @@ class Kept:
         """Look whether a robot that is back has got all: then it is one as any other."""
         away = self._away.get(tag)
         if away is not None and away.known and not away.copies and not away.handing:
+            if away.named:
+                self._name(away, frozenset())
             del self._away[tag]
+
+    def _name(self, away: _Away, keys: frozenset[str]) -> None:
+        """Tell a robot that is back for which keys copies wait now."""
+        grows = not keys <= away.named
+        away.named = keys
+        self._say(away.robot.tag, keys, grows=grows)
+
+    def _say(self, tag: str, keys: frozenset[str], *, grows: bool) -> None:
+        self._words += 1
+        named = tuple(sorted(keys)) if len(keys) <= MOST_NAMED else None
+        self._said.append(TellBacklog(tag, self._words, named, grows))
 
 
 def _age(copy: Copy) -> tuple[float, int]:

@@ -262,6 +262,10 @@ class SharedView:
             return self.settings.robot
         return self._robots.get(origin) or f"{PLAIN}{origin}"
 
+    def tag_of(self, origin: str) -> str:
+        """The tag of the robot that claims an origin; empty: nobody does. From any thread."""
+        return self._tags.get(self._robots.get(origin, ""), "")
+
     def set_wall_clock(self, offset: float, error: float) -> None:
         """Our wall clock shows so much more than the monotonic one, wrong by `error` at most; 0.0: unknown [s]."""
         if abs(offset - self.wall_offset) > SET:

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 import zenoh
 
 from proxy.bridge.bridge import Bridge
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.room import rooms
 from proxy.bridge.rules import Rules
@@ -74,6 +75,7 @@ class Robot:
             relayed=False,
             rooms=self.rooms,
             recall=sides.recall,
+            hold_back=HoldBack(lambda _: ""),
             submit=self._submit,
             post=self.events.append,
             offer=self.events.append,

@@ -5,6 +5,7 @@ import zenoh
 
 from proxy.bridge import keys
 from proxy.bridge.delivery import Delivery
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.rules import Rules
 from proxy.config import BridgeConfig
 from proxy.core.events import SampleHeard
@@ -125,3 +126,34 @@ def test_a_copy_is_delivered_as_what_it_is_a_copy_of(stack):
     assert (str(sample.encoding), sample.priority) == ("text/plain;s", zenoh.Priority.DATA_HIGH)
     assert (sample.timestamp, deletion.kind) == (missed, zenoh.SampleKind.DELETE)
     assert (delivery.delivered, delivery.repeated, len(events)) == (3, 1, 1)
+
+
+def test_what_is_new_waits_for_the_copies_of_a_robot_that_is_back(stack):
+    """Where each sample counts; the core hears of it when it arrives. Nothing that waits is lost at the end."""
+    endpoint, inside = free_endpoint(), free_endpoint()
+    mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
+    app = closing(stack, plain_session("router", listen=(inside,)))
+    events, waiting = [], HoldBack(lambda _: "")
+    each = {"alarm/a"}.__contains__
+    rules = Rules(BridgeConfig())
+    delivery = Delivery(app, mesh, lambda key: key, rules, events.append, counts_each=each, hold_back=waiting)
+    delivery.open()
+    delivery.update({"*/a": False})
+    node = closing(stack, plain_session("client", connect=(inside,)))
+    heard = Heard(node, "**")
+    pass_fence(node, app)
+    other = closing(stack, plain_session("peer", connect=(endpoint,)))
+    copies = keys.kept(tag(str(mesh.zid())), "alarm/a")
+    for key in ("alarm/a", copies):
+        wait_matching(other, key)
+    waiting.lost("back")
+    waiting.found("back")
+    block = zenoh.CongestionControl.BLOCK
+    missed = other.new_timestamp()
+    for key, text, stamp in (("alarm/a", "new", None), ("image/a", "free", None), (copies, "missed", missed)):
+        other.put(key, text, timestamp=stamp or other.new_timestamp(), congestion_control=block)
+    wait_until(lambda: len(heard.samples) == 2, what="what does not wait")
+    assert (delivery.delivered, [event.key for event in events]) == (2, ["alarm/a", "image/a"])
+    delivery.close()
+    wait_until(lambda: len(heard.samples) == 3, what="the rest")
+    assert [sample.payload.to_string() for sample in heard.samples] == ["free", "missed", "new"]

@@ -9,9 +9,10 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lane import Lane
 from proxy.bridge.presence import ANSWERS, DIGESTS, STATES, Presence, free_name
-from proxy.core.codec import MAX_BYTES, MAX_DIGEST, VERSION, pack_digest, pack_state
+from proxy.core.codec import MAX_BACKLOG, MAX_BYTES, MAX_DIGEST, VERSION, pack_backlog, pack_digest, pack_state
 from proxy.core.digests import OVERHEAD
 from proxy.core.events import (
     DigestHeard,
@@ -24,8 +25,10 @@ from proxy.core.events import (
 )
 from proxy.core.wire import Digest, Echo, State, StreamState, tag
 from tests.proxy.counting import Counting
-from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
+from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
+
+BLOCK = zenoh.CongestionControl.BLOCK
 
 
 class Voiced:
@@ -41,6 +44,7 @@ class Voiced:
         stack.callback(lane.close, 1.0)
         self.heard = {}
         """When the last digest of a tag was sent that the core has taken in."""
+        self.hold_back = HoldBack(lambda _: "")
         self.presence = Presence(
             self.mesh,
             robot,
@@ -49,6 +53,7 @@ class Voiced:
             self._post,
             later=self._post_later,
             old=lambda _, name, sent: sent <= self.heard.get(name, -1.0),
+            hold_back=self.hold_back,
         )
         stack.callback(self.presence.close)
 
@@ -112,6 +117,29 @@ def test_digests_arrive_at_high_priority_and_not_at_their_sender(two):
     assert (sample.priority, sample.express) == (zenoh.Priority.INTERACTIVE_HIGH, True)
     assert sample.congestion_control == zenoh.CongestionControl.DROP
     assert not first.of(DigestHeard)
+
+
+def test_who_has_copies_for_us_tells_of_which_keys(two):
+    """What is new of these waits; the word that lets it go on overtakes nothing. Of who is not known none is read."""
+    first, second = two
+    raw, handed = Heard(second.mesh, keys.backlog(tag(second.zid), "*")), []
+    wait_matching(first.mesh, keys.backlog(tag(second.zid), tag(first.zid)))
+    second.hold_back.lost(tag(first.zid))
+    second.hold_back.found(tag(first.zid))
+    first.presence.tell_backlog(tag(second.zid), 1, ("a",), grows=True)
+    wait_until(lambda: raw.samples, what="the first word")
+    assert second.hold_back.takes("a", None, 1, lambda: handed.append("a"))
+    for payload in (b"\xc1", pack_backlog(0, ()), bytes(MAX_BACKLOG + 1)):
+        first.mesh.put(keys.backlog(tag(second.zid), tag(first.zid)), payload, congestion_control=BLOCK)
+    first.mesh.put(keys.backlog(tag(second.zid), "stranger"), pack_backlog(9, ()), congestion_control=BLOCK)
+    wait_until(lambda: len(raw.samples) == 5, what="what changes nothing")
+    assert handed == []
+    first.presence.tell_backlog(tag(second.zid), 2, (), grows=False)
+    wait_until(lambda: handed == ["a"], what="its turn")
+    assert [str(sample.priority) for sample in (raw.samples[0], raw.samples[-1])] == [
+        str(zenoh.Priority.INTERACTIVE_HIGH),
+        str(zenoh.Priority.BACKGROUND),
+    ]
 
 
 def test_a_state_is_told_to_who_asks(stack):

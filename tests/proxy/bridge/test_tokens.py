@@ -26,11 +26,24 @@ def now(monkeypatch):
 
 
 @pytest.fixture
-def made(posted, refused, now):
+def turns():
+    """The tags of robots that vanished or came back, as told at once."""
+    return []
+
+
+@pytest.fixture
+def made(posted, refused, now, turns):
     def later(when, job):
         posted.append(lambda: job() if now[0] >= when else posted.append(lambda: later(when, job)))
 
-    return Tokens("0a", posted.append, later, lambda _now, *what: refused.append(what))
+    return Tokens(
+        "0a",
+        posted.append,
+        later,
+        lambda _now, *what: refused.append(what),
+        lost=lambda tag: turns.append((tag, False)),
+        found=lambda tag: turns.append((tag, True)),
+    )
 
 
 def events(posted):
@@ -51,6 +64,21 @@ def test_robots_come_and_go(made, posted):
     assert told(posted) == [(PeerGone, "r2", "0b")]
     made.note(keys.alive("r2", "0b"), there=False)
     assert told(posted) == []
+
+
+def test_that_a_robot_vanished_or_is_back_is_told_at_once(made, turns):
+    """Whatever becomes of the event; a second token of a robot is nothing new, our own never."""
+    other = keys.alive("r3", "0b")
+    for token, there in ((keys.alive("r2", "0b"), True), (other, True), (keys.alive("r1", "0a"), True)):
+        made.note(token, there=there)
+    assert turns == [("0b", True)]
+    for there in (False, True):
+        made.note(other, there=there)
+    assert turns == [("0b", True)]
+    for token in (other, keys.alive("r2", "0b"), keys.alive("r2", "0b")):
+        made.note(token, there=False)
+    made.note(other, there=True)
+    assert turns == [("0b", True), ("0b", False), ("0b", True)]
 
 
 def test_what_came_and_went_meanwhile_is_one_piece_of_news(made, posted):

@@ -15,8 +15,10 @@ from proxy.core.codec import (
     MAX_SAMPLES,
     MAX_SIZE,
     VERSION,
+    pack_backlog,
     pack_digest,
     pack_state,
+    unpack_backlog,
     unpack_digest,
     unpack_state,
 )
@@ -136,6 +138,19 @@ def test_a_state_survives_the_wire(state):
     assert unpack_state(pack_state(dataclasses.replace(state, since=1)), "r1") == update
 
 
+@given(count, st.none() | st.lists(st.text(st.characters(exclude_characters="*"), min_size=1, max_size=5)).map(tuple))
+def test_a_word_on_copies_that_wait_survives_the_wire(number, keys):
+    """Without names, where there are too many, too."""
+    assert unpack_backlog(pack_backlog(number, keys)) == (number, None if keys is None else frozenset(keys))
+
+
+@pytest.mark.parametrize("fields", [[1], [-1, []], [1, "a"], [1, ["a/*"]], [1, [1]], ["1", None]])
+def test_a_word_that_is_none_is_refused(fields):
+    """Keys of samples are without wildcards."""
+    with pytest.raises(MalformedWireError):
+        unpack_backlog(msgpack.packb([VERSION, *fields]))
+
+
 def test_echoes_are_those_of_our_digests():
     """Only the last digits of a time travel: what we did not send, or sent twice with them, is no echo."""
     echoes = (Echo("own", 77.0, 5.0, 1, 0.0), Echo("other", 77.0, 5.0, 1, 0.0))
@@ -160,6 +175,8 @@ def test_noise_is_malformed(data, compressed):
         heard(data)
     with pytest.raises(MalformedWireError):
         unpack_state(data, "r1")
+    with pytest.raises(MalformedWireError):
+        unpack_backlog(data)
 
 
 NONSENSE = st.one_of(st.none(), st.text(max_size=3), st.integers(), st.floats(), st.lists(st.none()), st.booleans())

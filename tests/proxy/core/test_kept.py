@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 
 from planner import Plan
 from proxy.core import events as ev
-from proxy.core.commands import Decide, Drop, Forget, Forward, Keep, Retain, SendCopy
+from proxy.core.commands import Decide, Drop, Forget, Forward, Keep, Retain, SendCopy, TellBacklog
 from proxy.core.core import Core
-from proxy.core.kept import DOUBT, MOST_BYTES, MOST_ROBOTS
+from proxy.core.kept import DOUBT, MOST_BYTES, MOST_NAMED, MOST_ROBOTS
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
 from proxy.core.wire import State, tag
@@ -102,6 +102,34 @@ def test_what_is_published_while_a_robot_is_away_goes_to_it_alone_when_it_is_bac
     assert talk.core.counts.by_reason == {"forwarded": 3}
     assert talk.core.counts.conserved
     assert talk.core.kept.conserved
+
+
+def test_a_robot_that_is_back_is_told_of_which_keys_copies_wait(make):
+    """Once when it says what it wants, whenever that changes, and now and then; one that was never away, nothing."""
+    talk, to = make(), tag(ZID)
+    assert talk.all(TellBacklog) == []
+    talk.vanish(10.0)
+    first, second = talk.alarm(10.0, "alarm/a"), talk.alarm(10.1, "alarm/b")
+    assert only(talk.arrive(20.0), TellBacklog) == [TellBacklog(to, 1, ("alarm/a", "alarm/b"), grows=True)]
+    assert only(talk.tell(ev.CopyHanded(20.1, first, to)), TellBacklog) == [
+        TellBacklog(to, 2, ("alarm/b",), grows=False)
+    ]
+    assert only(talk.tell(ev.TimePassed(21.5)), TellBacklog) == [TellBacklog(to, 3, ("alarm/b",), grows=True)]
+    assert only(talk.tell(ev.CopyHanded(22.0, second, to)), TellBacklog) == [TellBacklog(to, 4, (), grows=False)]
+    talk.tell(ev.StateHeard(23.0, State("away", ZID, "enforce", talk.specs.generation, (), KEYS, number=2)))
+    assert len(talk.all(TellBacklog)) == 4
+
+
+def test_a_robot_for_which_nothing_is_kept_is_told_so(make):
+    """It waits to hear that; of too many keys no names are told."""
+    talk = make(backlog=1)
+    talk.vanish(10.0)
+    assert only(talk.arrive(11.0), TellBacklog) == [TellBacklog(tag(ZID), 1, (), grows=True)]
+    talk.vanish(12.0)
+    for number in range(MOST_NAMED + 1):
+        talk.alarm(12.0, f"alarm/{number}")
+    (word,) = only(talk.arrive(13.0), TellBacklog)
+    assert word == TellBacklog(tag(ZID), 2, None, grows=True)
 
 
 def test_of_what_a_newer_sample_supersedes_nothing_is_kept(make):

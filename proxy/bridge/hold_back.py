@@ -1,0 +1,200 @@
+"""The hold-back queue: what a robot sends anew waits until the copies that it kept for us are here.
+
+A robot whose link was down sends us copies of what we missed, one by one, and meanwhile what its applications publish.
+So that each stream comes in order, new samples of a robot that was lost are held back: from its return until it tells
+of which keys copies wait, and of those until it tells that there are none any more. That is for streams of which each
+sample counts. Nothing is held back for long: a robot that tells nothing, and sends no copies, is not waited for.
+"""
+
+import math
+import threading
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import zenoh
+
+from proxy import clock
+from proxy.bridge.budget import Bucket
+from proxy.bridge.sample import origin_of
+
+PATIENCE = 2.0
+"""A robot is waited for so long after its return, its last word or its last copy [s]."""
+LONGEST = 10.0
+"""No sample is held back for longer [s]."""
+MOST, MOST_BYTES = 4096, 16 * 1024 * 1024
+"""Samples held back, and their bytes [B]; where there are more, streams are not in order."""
+MOST_ROBOTS = 64
+"""Robots that are waited for, or will be when they return."""
+MOST_ORIGINS = 1024
+RETURNS, AT_ONCE = 0.2, 16.0
+"""Robots that are waited for in a second, and at once: tokens that come and go hold up nobody."""
+
+
+@dataclass(slots=True)
+class _Return:
+    """A robot that was lost. Since `since` [s] it is waited for; `keys` are those of its copies, None: any.
+
+    `number` is that of its last word, 0: it said nothing yet.
+    """
+
+    since: float = math.inf
+    back: bool = False
+    number: int = 0
+    keys: frozenset[str] | None = None
+
+    def concerns(self, key: str) -> bool:
+        return self.keys is None or key in self.keys
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    since: float
+    size: int
+    stamp: zenoh.Timestamp | None
+    hand: Callable[[], None]
+
+    def comes_before(self, stamp: zenoh.Timestamp) -> bool:
+        return self.stamp is None or self.stamp <= stamp
+
+
+class HoldBack:
+    """Hands samples on in order; `sender` tells the tag of the robot whose stamp has an origin, empty: nobody knows.
+
+    From any thread.
+    """
+
+    def __init__(self, sender: Callable[[str], str]) -> None:
+        self._sender = sender
+        self._lock = threading.Lock()
+        self._returns: OrderedDict[str, _Return] = OrderedDict()
+        self._senders: OrderedDict[str, str] = OrderedDict()
+        """Who stamps with an origin, known from before it was lost."""
+        self._streams: dict[tuple[str, str], deque[_Held]] = {}
+        """By key and origin, the oldest first."""
+        self._count = self._bytes = 0
+        self._budget = Bucket(clock.monotonic(), RETURNS, AT_ONCE)
+        self.held = 0
+        """Samples that were held back."""
+
+    def lost(self, tag: str) -> None:
+        """A robot has vanished."""
+        with self._lock:
+            holding = any(self._tag(origin) == tag for _, origin in self._streams)
+            self._returns.pop(tag, None)
+            self._returns[tag] = _Return(clock.monotonic() if holding else math.inf)
+            if len(self._returns) > MOST_ROBOTS:
+                self._returns.popitem(last=False)
+            self._release()
+
+    def found(self, tag: str) -> None:
+        """A robot is there, or back. Called before anything is heard that it sends from now on."""
+        now = clock.monotonic()
+        with self._lock:
+            known = self._returns.pop(tag, None)
+            if known is not None and self._budget.take(now):
+                self._returns[tag] = replace(known, since=now, back=True, keys=known.keys if known.number else None)
+            self._release()
+
+    def told(self, tag: str, number: int, keys: frozenset[str] | None) -> None:
+        """A robot tells, for the time `number`, of which keys copies wait for us; None: of too many to name."""
+        with self._lock:
+            known = self._returns.get(tag)
+            if known is None or number <= known.number:
+                return
+            known.number, known.keys = number, keys
+            if known.back:
+                known.since = clock.monotonic()
+                if keys is not None and not keys:
+                    del self._returns[tag]
+            self._release()
+
+    def takes(self, key: str, stamp: zenoh.Timestamp | None, size: int, hand: Callable[[], None]) -> bool:
+        """Whether a new sample is held back; then `hand` is called when its turn comes."""
+        origin = "" if stamp is None else origin_of(stamp)
+        with self._lock:
+            tag = self._tag(origin)
+            if not self._returns and not self._streams:
+                return False
+            waiting = self._streams.get((key, origin))
+            if waiting is None and not self._waits(key, tag):
+                return False
+            now = clock.monotonic()
+            if self._count >= MOST or self._bytes + size > MOST_BYTES:
+                self._hand_all((key, origin))
+                return False
+            if (known := self._returns.get(tag)) is not None:
+                known.since = min(known.since, now)
+            self._streams.setdefault((key, origin), deque()).append(_Held(now, size, stamp, hand))
+            self._count, self._bytes, self.held = self._count + 1, self._bytes + size, self.held + 1
+            return True
+
+    def copied(self, key: str, stamp: zenoh.Timestamp | None) -> None:
+        """A copy arrives: what is held back of its stream and not younger comes first, that very sample included."""
+        if stamp is None or not self._returns:
+            return
+        with self._lock:
+            now = clock.monotonic()
+            for known in self._returns.values():
+                if known.back and known.concerns(key):
+                    known.since = now
+            stream = key, origin_of(stamp)
+            while stream in self._streams and self._streams[stream][0].comes_before(stamp):
+                self._hand_first(stream)
+
+    def check(self, now: float) -> None:
+        """Wait no more for robots that say nothing; let go what is held back for too long."""
+        if not self._returns and not self._streams:
+            return
+        with self._lock:
+            for tag, known in list(self._returns.items()):
+                if now >= known.since + PATIENCE:
+                    known.since, known.keys = math.inf, frozenset()
+                    if known.back:
+                        del self._returns[tag]
+            for stream in list(self._streams):
+                while stream in self._streams and now >= self._streams[stream][0].since + LONGEST:
+                    self._hand_first(stream)
+            self._release()
+
+    def close(self) -> None:
+        """Hand on all that is held back."""
+        with self._lock:
+            self._returns.clear()
+            self._release()
+
+    def _tag(self, origin: str) -> str:
+        tag = self._sender(origin) or self._senders.get(origin, "")
+        if tag:
+            self._senders[origin] = tag
+            self._senders.move_to_end(origin)
+            if len(self._senders) > MOST_ORIGINS:
+                self._senders.popitem(last=False)
+        return tag
+
+    def _waits(self, key: str, tag: str) -> bool:
+        """Whether a sample has to wait; one that nobody knows the sender of for any robot that is back."""
+        if tag:
+            return (known := self._returns.get(tag)) is not None and known.concerns(key)
+        return any(known.back and known.concerns(key) for known in self._returns.values())
+
+    def _release(self) -> None:
+        """Hand on what need not wait any more."""
+        for key, origin in list(self._streams):
+            if not self._waits(key, self._tag(origin)):
+                self._hand_all((key, origin))
+
+    def _hand_all(self, stream: tuple[str, str]) -> None:
+        while stream in self._streams:
+            self._hand_first(stream)
+
+    def _hand_first(self, stream: tuple[str, str]) -> _Held:
+        waiting = self._streams[stream]
+        held = waiting.popleft()
+        self._count, self._bytes = self._count - 1, self._bytes - held.size
+        try:
+            held.hand()
+        finally:
+            if not waiting:
+                del self._streams[stream]
+        return held
