@@ -91,8 +91,10 @@ def test_the_medium_carries_its_rate_and_no_more(make_medium, monkeypatch):
         near.shutdown(socket.SHUT_RDWR)
 
 
-def test_chunks_of_all_connections_are_served_in_the_order_of_arrival(make_medium):
+def test_chunks_of_all_connections_are_served_in_the_order_of_arrival(make_medium, monkeypatch):
     """Both directions of every pair wait in one queue."""
+    clock = Clock()
+    monkeypatch.setattr(relay_module, "time", clock)
     medium = make_medium(SLOW)
     ends = {name: medium.pair(name) for name in ("a", "b", "c")}
     ends["a"][0].sendall(bytes(DEPTH))
@@ -102,6 +104,7 @@ def test_chunks_of_all_connections_are_served_in_the_order_of_arrival(make_mediu
         waiting = medium.relay.backlog
         ends[name][end].sendall(bytes(1000))
         medium.step_until(lambda waiting=waiting: medium.relay.backlog == waiting + 1000, "the arrival")
+    clock.now += 4000 / SLOW
     medium.step_until(lambda: len(medium.served) == 4, "the queue to be served")
     assert medium.order() == ["c", "a-target", "b", "a"]
     assert ends["a"][0].recv(2000) == bytes(1000)
