@@ -98,24 +98,23 @@ class Reloading:
         try:
             loaded, changed = self._next()
         except (ConfigError, SpecsError) as error:
-            problems = tuple(map(str, error.problems))
-            if problems != self._problems:
-                log.error("%s, nothing is reloaded: %s", why, "; ".join(problems))
-            self._problems = problems
+            known, self._problems = self._problems, tuple(map(str, error.problems))
             self._refused += 1
+            if self._problems != known:
+                log.error("%s, nothing is reloaded: %s", why, "; ".join(self._problems))
             return
         if changed or loaded.specs.generation != self.loaded.specs.generation:
             try:
                 self._apply(loaded, changed)
             except TimeoutError:
                 log.warning("the daemon is busy and will do it later")
+        before, self.loaded, self._problems = self.loaded, loaded, ()
+        self._done += 1  # the status says it before the log does: who reads that may ask at once
         specs = f"specs {loaded.specs.generation} in force" if loaded.specs.types else "no specs, everything passes"
         log.info("%s: %s%s", why, specs, "".join(map(_told, changed)))
         for outdated in loaded.config.outdated:
-            if outdated not in self.loaded.config.outdated:
+            if outdated not in before.config.outdated:
                 log.warning("%s", outdated)
-        self.loaded, self._problems = loaded, ()
-        self._done += 1
 
     def _next(self) -> tuple[Loaded, tuple[Change, ...]]:
         """Read everything; raises ConfigError or SpecsError, also for what cannot change now."""

@@ -5,9 +5,12 @@ import signal
 import subprocess
 import sys
 import threading
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from proxy.commands.client import NoAnswerError, connected
 from tests.ports import free_port
+from tests.waiting import wait_until
 
 ROOT = Path(__file__).parent.parent
 
@@ -38,6 +41,29 @@ class Running:
         finally:
             patience.cancel()
         raise AssertionError(f'no "{text}" in the log:\n{"".join(self.lines)}')
+
+    def status(self):
+        """What the daemon says of itself, as soon as it answers: a busy machine may need longer than operators wait."""
+        found = []
+
+        def answered():
+            with suppress(NoAnswerError), connected(self.endpoint) as client:
+                found.extend(client.status(None))
+            return found
+
+        wait_until(answered, what="an answer of the daemon")
+        (status,) = found
+        return status
+
+    @contextmanager
+    def paused(self):
+        """Stop the daemon for a while: it finds all that is done meanwhile as if it had been done at once."""
+        self.process.send_signal(signal.SIGSTOP)
+        os.waitpid(self.process.pid, os.WUNTRACED)
+        try:
+            yield
+        finally:
+            self.process.send_signal(signal.SIGCONT)
 
     def end(self, number=signal.SIGTERM):
         """Ask the daemon to stop; return its exit code."""

@@ -7,7 +7,6 @@ import subprocess
 
 import pytest
 
-from proxy.commands.client import connected
 from tests.daemons import ROOT, Running
 from tests.ports import free_port
 from tests.proxy.nodes import Heard, plain_session
@@ -31,9 +30,7 @@ def certify(folder):
 
 
 def peers(daemon):
-    with connected(daemon.endpoint) as client:
-        (found,) = client.status(None)
-    return {peer["robot"] for peer in found["peers"]}
+    return {peer["robot"] for peer in daemon.status()["peers"]}
 
 
 @pytest.fixture

@@ -343,14 +343,12 @@ def test_a_real_daemon_tells_of_its_live_samples(explained, start, tmp_path):
     key, live = "robot/r1/battery", ("--live", "robot/*/battery", "--connect", daemon.endpoint)
     with (
         plain_session("peer", connect=[mesh]) as other,
-        connected(daemon.endpoint) as client,
         publishing(daemon.endpoint, key, [b'{"charge": 0.1}']),
     ):
         heard = Heard(other, "robot/*/battery")
 
         def fates():
-            (status,) = client.status("r1")
-            return next((each["by_reason"] for each in status["streams"] if each["key"] == key), {})
+            return next((each["by_reason"] for each in daemon.status()["streams"] if each["key"] == key), {})
 
         wait_until(lambda: "forwarded" in fates() and len(fates()) > 1, what="samples that were sent and dropped")
         out = explained(*live).out

@@ -7,7 +7,6 @@ import pytest
 
 from proxy import exit_codes
 from proxy.cli import main
-from proxy.commands.client import connected
 from tests.daemons import ROOT, specs_file
 from tests.ports import free_port
 from tests.proxy.nodes import Heard, plain_session
@@ -29,32 +28,26 @@ def team(start, tmp_path):
         daemon = start("--robot", name, "--specs.path", str(folder), *options)
         daemon.wait_for("sendworthy ")
         daemons.append(daemon)
-    wait_until(lambda: all(status(daemon)["peers"] for daemon in daemons), what="the robots to meet")
+    wait_until(lambda: all(daemon.status()["peers"] for daemon in daemons), what="the robots to meet")
     return daemons
-
-
-def status(daemon):
-    with connected(daemon.endpoint) as client:
-        (found,) = client.status(None)
-    return found
 
 
 def test_specs_and_modes_reach_the_team(team, tmp_path, capsys):
     """Each robot answers for itself; who may not be ordered says so and keeps what it has."""
     new = specs_file(tmp_path)
     new.write_text(new.read_text().replace("2 Mbit/s", "1 Mbit/s"))
-    before = status(team[0])["specs"]
+    before = team[0].status()["specs"]
     assert main(["push", str(new), "--connect", team[0].endpoint]) == exit_codes.FAILED
     out, err = capsys.readouterr()
     assert err == "r1: fleet.specs is false in its configuration\n"
-    assert out == f"r2: specs {status(team[1])['specs']} in force\n"
-    assert status(team[0])["specs"] == before != status(team[1])["specs"]
+    assert out == f"r2: specs {team[1].status()['specs']} in force\n"
+    assert team[0].status()["specs"] == before != team[1].status()["specs"]
     assert (tmp_path / "r2" / "specs.d" / new.name).read_text() == new.read_text()
     assert main(["mode", "shadow", "--fleet", "--connect", team[0].endpoint]) == exit_codes.OK
     assert capsys.readouterr().out == "r1: mode shadow\nr2: mode shadow\n"
-    assert [status(daemon)["mode"] for daemon in team] == ["shadow", "shadow"]
+    assert [daemon.status()["mode"] for daemon in team] == ["shadow", "shadow"]
     team[1].end(signal.SIGTERM)
-    wait_until(lambda: not status(team[0])["peers"], what="the other one to be gone")
+    wait_until(lambda: not team[0].status()["peers"], what="the other one to be gone")
     assert main(["mode", "pass", "--fleet", "--connect", team[0].endpoint]) == exit_codes.OK
     assert capsys.readouterr().out == "r1: mode pass\n"
 
@@ -113,7 +106,7 @@ def guarded(start, tmp_path):
         daemons.append(start("--config", str(file), "--robot", name, *options))
     for daemon in daemons:
         daemon.wait_for("sendworthy ")
-    wait_until(lambda: [len(status(daemon)["peers"]) for daemon in daemons] == [2, 1, 1], what="the robots to meet")
+    wait_until(lambda: [len(daemon.status()["peers"]) for daemon in daemons] == [2, 1, 1], what="the robots to meet")
     return daemons
 
 
@@ -122,15 +115,15 @@ def test_access_control_lets_one_operator_order_and_no_other(guarded, tmp_path, 
     new = specs_file(tmp_path)
     new.write_text(new.read_text().replace("2 Mbit/s", "1 Mbit/s"))
     r1, ground, visitor = guarded
-    before = status(r1)["specs"]
+    before = r1.status()["specs"]
     main(["push", str(new), "--connect", visitor.endpoint])
     assert "r1: no answer: it is out of reach, or fleet.specs is false" in capsys.readouterr().err
-    assert status(r1)["specs"] == before
+    assert r1.status()["specs"] == before
     main(["push", str(new), "--connect", ground.endpoint])
-    assert f"r1: specs {status(r1)['specs']} in force\n" in capsys.readouterr().out
-    assert status(r1)["specs"] != before
+    assert f"r1: specs {r1.status()['specs']} in force\n" in capsys.readouterr().out
+    assert r1.status()["specs"] != before
     main(["mode", "shadow", "--fleet", "--connect", visitor.endpoint])
-    assert status(r1)["mode"] == "enforce"
+    assert r1.status()["mode"] == "enforce"
     main(["mode", "shadow", "--fleet", "--connect", ground.endpoint])
     assert "r1: mode shadow\n" in capsys.readouterr().out
     assert not [line for robot in guarded for line in robot.lines if "ERROR" in line]
