@@ -14,6 +14,9 @@ import zenoh
 from tests.ports import free_port
 from tests.waiting import wait_until
 
+STEADFAST = {"lease": 60_000, "queue": {"congestion_control": {"block": {"wait_before_close": 60_000_000}}}}
+"""What links send: nobody gives one up while it stands still. It is the other end that is told the lease."""
+
 
 def free_endpoint() -> str:
     """A TCP endpoint on loopback that was free a moment ago."""
@@ -28,14 +31,19 @@ def plain_session(
     stamps: bool = False,
     gossip: bool = False,
     retry: dict[str, int] | None = None,
+    steadfast: bool = False,
 ) -> zenoh.Session:
-    """An unmodified Zenoh node that knows nothing of Sendworthy and dials only what it is told."""
+    """An unmodified Zenoh node that knows nothing of Sendworthy and dials only what it is told.
+
+    Nobody takes a `steadfast` one for lost that is silent for less than a minute.
+    """
     again = {"retry": retry} if retry else {}
     options = {
         "mode": mode,
         "listen": {"endpoints": list(listen)},
         "connect": {"endpoints": list(connect), "timeout_ms": 5000, "exit_on_failure": False} | again,
         "timestamping": {"enabled": stamps},
+        "transport": {"link": {"tx": STEADFAST if steadfast else {}}},
         "scouting": {
             "delay": 0,
             "multicast": {"enabled": False},

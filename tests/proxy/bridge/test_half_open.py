@@ -14,12 +14,15 @@ AGAIN = {"period_init_ms": 100, "period_max_ms": 100, "period_increase_factor": 
 def half_opened(stack):
     """Return two peers that are linked, what the second sees of the first, and a way each to the other.
 
-    The first has dialled; the way back is closed.
+    The first has dialled; the way back is closed. A connection that is half open stays so: the second, which loses it,
+    has promised to be heard of once a minute.
     """
     first, second = free_endpoint(), free_endpoint()
     there = stack.enter_context(Counting(second))
     back = stack.enter_context(Counting(first, cut=True))
-    loser = closing(stack, plain_session("peer", listen=(second,), connect=(back.endpoint,), retry=AGAIN))
+    loser = closing(
+        stack, plain_session("peer", listen=(second,), connect=(back.endpoint,), retry=AGAIN, steadfast=True)
+    )
     keeper = closing(stack, plain_session("peer", listen=(first,), connect=(there.endpoint,)))
     stack.callback(keeper.liveliness().declare_token("token/keeper").undeclare)
     seen = Seen(loser)
