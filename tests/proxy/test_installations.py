@@ -1,5 +1,6 @@
 """Daemons in installations that have Zenoh routers already, on real sessions; routers are processes of their own."""
 
+import itertools
 import json
 
 import zenoh
@@ -38,8 +39,10 @@ class Robot:
         return node(self._stack, self.at)
 
     def status(self):
-        (answer,) = answers(self.operator, keys.status(self.name))
-        return json.loads(answer)
+        """What the daemon says, as soon as the operator reaches it: both come back after a restart of their router."""
+        said = []
+        wait_until(lambda: said.extend(answers(self.operator, keys.status(self.name))) or said, what="an answer")
+        return json.loads(said[-1])
 
     def warnings(self):
         return " ".join(self.status()["warnings"])
@@ -186,9 +189,14 @@ def test_links_that_appear_under_traffic_start_no_storm(stack):
 
     wait_until(say, what="a daemon to stand aside")
     everything_crosses(*apps, "joined")
-    counts = [len(each.samples) for each in heard]
-    everything_crosses(*apps, "still")
-    assert [len(each.samples) for each in heard] == counts
+    rounds = itertools.count()
+
+    def ended():
+        counts = [len(each.samples) for each in heard]
+        everything_crosses(*apps, f"still/{next(rounds)}")
+        return [len(each.samples) for each in heard] == counts
+
+    wait_until(ended, what="the end of what was said meanwhile")
     joint.kill()
     wait_until(lambda: not any(robot.daemon._neighbours.aside for robot in robots), what="both to bridge again")
     everything_crosses(*apps, "apart")
