@@ -84,6 +84,7 @@ def test_matching_follows_the_subscribers(stack, mesh, demand, events, follow):
     assert demand.wanted == 2
     heard.subscriber.undeclare()
     wait_until(lambda: demand.copies("k") == demand.copies("free") == 0, what="its end")
+    wait_until(lambda: len(events) >= 4, what="the core to be told")
     assert [(event.key, event.matching) for event in events] == [("k", wanted) for wanted in (True, False) * 2]
 
 

@@ -45,7 +45,7 @@ class Robot:
 @pytest.fixture
 def team(stack, monkeypatch):
     """Three robots; the third obeys nothing."""
-    monkeypatch.setattr(fleet_module, "PATIENCE", 1.0)
+    monkeypatch.setattr(fleet_module, "PATIENCE", 30.0)  # a busy machine needs longer than operators wait
     first = Robot(stack, "r1", members=("r2", "r3"))
     second = Robot(stack, "r2", connect=(first.mesh_endpoint,))
     third = Robot(stack, "r3", allowed=(), connect=(first.mesh_endpoint,))

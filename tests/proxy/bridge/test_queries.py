@@ -98,7 +98,8 @@ def test_local_and_remote_queryables_of_one_key_both_answer(pair):
     """An app that asks everybody gets its own robot's answer and the other's, each once."""
     for n, robot in enumerate(pair):
         serve(robot.node(), "service/both", lambda query, n=n: query.reply("service/both", str(n)))
-    wait_answering(pair[0], 1)
+    for robot in pair:
+        wait_answering(robot, 1)
     assert sorted(answers(pair[0].node(), "service/both", consolidation=NONE, target=ALL)) == ["0", "1"]
 
 

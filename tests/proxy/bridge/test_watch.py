@@ -51,8 +51,9 @@ def test_tokens_of_a_vanished_app_do_not_keep_each_other_alive(pair):
 
 def test_a_liveliness_subscriber_learns_of_remote_tokens(pair):
     """Declaring and dropping a token is told to subscribers of other robots' apps."""
-    told = []
-    subscriber = pair[1].node().liveliness().declare_subscriber("alive/*", lambda s: told.append(s.kind))
+    told, app = [], pair[1].node()
+    subscriber = app.liveliness().declare_subscriber("alive/*", lambda s: told.append(s.kind))
+    pass_fence(app, pair[1].app)
     token = pair[0].node().liveliness().declare_token("alive/c")
     wait_until(lambda: len(told) == 1, what="the token")
     token.undeclare()
