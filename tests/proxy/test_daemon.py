@@ -25,6 +25,7 @@ from proxy.daemon import Daemon
 from proxy.errors import PortInUseError
 from tests.daemons import Running
 from tests.ports import free_port
+from tests.proxy.jam import wait_for_jam
 from tests.proxy.nodes import STEADFAST, Heard, answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 from utility_specs import Specs, load_specs
@@ -313,17 +314,6 @@ with plain_session("peer", connect=(sys.argv[1],), steadfast=True) as session:
 """
 
 
-def wait_for_jam(passing):
-    """Wait until samples wait at egress and none has left in ten looks at how many do: links and sockets are full."""
-    seen = []
-
-    def stands():
-        seen.append(passing())
-        return seen[-1] > 0 and len(seen) >= 10 and len(set(seen[-10:])) == 1
-
-    wait_until(stands, what="the jam")
-
-
 def test_a_mesh_that_stands_still_delays_nothing_local(stack, specs, caplog):
     """With a peer that stops reading, blocking samples pile up at egress; local apps, status and stop do not wait."""
     robot = Robot(stack, "r1", specs, mode=Mode.PASS, zenoh={"transport": {"link": {"tx": STEADFAST}}})
@@ -339,7 +329,8 @@ def test_a_mesh_that_stands_still_delays_nothing_local(stack, specs, caplog):
         for _ in range(100):
             publisher.put("free/x", b"x" * 100_000, congestion_control=zenoh.CongestionControl.BLOCK)
         wait_until(lambda: len(local.samples) >= before + 100, what="local delivery")
-        wait_for_jam(lambda: robot.status()["daemon"]["egress"]["passing"])
+        wait_for_jam()
+        assert robot.status()["daemon"]["egress"]["passing"] > 0
         robot.daemon.stop()
         assert "leaving without" in caplog.text
     finally:
@@ -357,11 +348,21 @@ def test_waiting_ends_with_a_stop(stack, specs):
     stopper.join()
 
 
+WATCHED = """
+import sys, threading
+from proxy import cli
+from tests.proxy.jam import wait_for_jam
+threading.Thread(target=lambda: wait_for_jam() or print("jammed", file=sys.stderr), daemon=True).start()
+sys.exit(cli.main())
+"""
+
+
 def test_the_process_ends_although_the_mesh_stands_still(stack):
     """A daemon process with a frozen peer obeys SIGTERM at once."""
     mesh = free_endpoint()
     steadfast = json.dumps({"transport": {"link": {"tx": STEADFAST}}}).replace(":", " =")
-    daemon = Running("--mesh.listen", f'["{mesh}"]', "--mode", "pass", "--mesh.zenoh", steadfast)
+    options = ("--mesh.listen", f'["{mesh}"]', "--mode", "pass", "--mesh.zenoh", steadfast)
+    daemon = Running(*options, program=("-c", WATCHED))
     frozen = subprocess.Popen(
         [sys.executable, "-c", FROZEN, mesh], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
@@ -378,7 +379,7 @@ def test_the_process_ends_although_the_mesh_stands_still(stack):
         os.kill(frozen.pid, signal.SIGSTOP)
         for _ in range(100):
             publisher.put("free/x", b"x" * 100_000, congestion_control=zenoh.CongestionControl.BLOCK)
-        wait_for_jam(lambda: status()["egress"]["passing"])
+        daemon.wait_for("jammed")
         assert daemon.end() == 0
         assert any("leaving without" in line for line in daemon.lines)
     finally:
