@@ -58,13 +58,17 @@ class Counting:
                 near, _ = self._server.accept()
             except OSError:
                 return
-            if self._cut:
+            far = None if self._cut else self._reach()
+            if far is None:
                 near.close()
                 continue
-            far = socket.create_connection(("127.0.0.1", self._target))
             self._ends += [near, far]
             threading.Thread(target=self._pump, args=(near, far, False), daemon=True).start()
             threading.Thread(target=self._pump, args=(far, near, True), daemon=True).start()
+
+    def _reach(self):
+        with suppress(OSError):  # nobody listens yet, or any more
+            return socket.create_connection(("127.0.0.1", self._target))
 
     def _pump(self, source, sink, counted):
         with suppress(OSError):
