@@ -5,8 +5,9 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
+
+import zenoh
 
 from tests.system.ros_node import RosNode
 from tests.waiting import wait_until
@@ -65,14 +66,29 @@ class Robot:
         return self._log.read_text()
 
     def status(self):
-        """What `sendworthy status --json` says here."""
-        asked = self.host.run(*SENDWORTHY, "status", "--json")
-        assert asked.returncode == 0, asked.stderr
-        return json.loads(asked.stdout)
+        """What `sendworthy status --json` says here, as soon as the daemon answers it: a busy one takes a while."""
+        said = []
+
+        def answered():
+            assert self.daemon.poll() is None, self.log()
+            asked = self.host.run(*SENDWORTHY, "status", "--json")
+            said.append(asked.stdout)
+            return asked.returncode == 0
+
+        wait_until(answered, what=f"an answer of {self.name}")
+        return json.loads(said[-1])
 
     def peers(self):
         """The names of the robots that this one knows."""
         return {peer["robot"] for peer in self.status()["peers"]}
+
+    def wait_wanted(self, key):
+        """Wait until the daemon takes `key` from its applications, as some on another robot want it."""
+        wait_until(lambda: _covered(key, self.status()["daemon"]["observed"]), what=f"demand for {key} on {self.name}")
+
+    def wait_subscribed(self, key):
+        """Wait until the daemon knows that an application of its own wants `key`."""
+        wait_until(lambda: _covered(key, self.status()["daemon"]["subscriptions"]), what=f"a subscription to {key}")
 
     def looked(self):
         """Whether the daemon has looked for applications that others find, twice since it started."""
@@ -100,12 +116,11 @@ class Robot:
         """Start a process with a node of ROS 2."""
         return self._started(RosNode(self.host, self._output(), name))
 
-    def stop(self, number=signal.SIGTERM):
-        """Ask the daemon to stop; return its exit code and how long it took [s]."""
-        asked = time.monotonic()
+    def stop(self, number=signal.SIGTERM, timeout=10.0):
+        """Ask the daemon to stop; return its exit code. It has to end within `timeout` seconds of a usual machine."""
         self.daemon.send_signal(number)
-        code = self.daemon.wait(10)
-        return code, time.monotonic() - asked
+        wait_until(lambda: self.daemon.poll() is not None, timeout, what=f"the end of {self.name}")
+        return self.daemon.returncode
 
     def kill(self):
         """End the daemon as a power cut does."""
@@ -199,6 +214,10 @@ class Speaker(Application):
         """Let it end; return how many samples it published."""
         self._process.communicate(timeout=10)
         return self.told()[-1]
+
+
+def _covered(key, expressions):
+    return any(zenoh.KeyExpr(expression).includes(key) for expression in expressions)
 
 
 def _setting(setting):

@@ -22,14 +22,21 @@ def test_one_transmission_reaches_all(team, names, transport, copies):
     """A sample is on the air once however many robots hear it; in unicast once for each of them."""
     speaking, *hearing = robots = team(names, options=("--mesh.transport", transport))
     listeners = [robot.hear("bulk") for robot in hearing]
-    speaking.say("bulk", size=SIZE, rate=10)
-    wait_until(lambda: all(listener.numbers("bulk") for listener in listeners), what="a sample everywhere")
-    before, first = sent(robots), max(listener.numbers("bulk")[-1] for listener in listeners)
-    wait_until(lambda: all(listener.numbers("bulk")[-1] >= first + 25 for listener in listeners), what="25 samples")
-    last = max(listener.numbers("bulk")[-1] for listener in listeners)
-    on_air = (sent(robots) - before) / (last - first)
-    print(f"{len(names)} robots, {transport}: {on_air:.0f} B on the air for a sample of {SIZE} B")
-    assert 0.95 * copies * SIZE < on_air < (copies + 0.4) * SIZE
+    for robot in hearing:
+        robot.wait_subscribed("bulk")
+    speaking.wait_wanted("bulk")
+    before = sent(robots)
+    speaker = speaking.say("bulk", size=SIZE, rate=10)
+    wait_until(lambda: all(len(listener.numbers("bulk")) >= 25 for listener in listeners), what="25 samples")
+    total = speaker.stop()
+    assert_conserved(speaking, total)
+
+    def on_air():
+        return (sent(robots) - before) / total
+
+    wait_until(lambda: on_air() > 0.95 * copies * SIZE, what="all of it on the air")
+    print(f"{len(names)} robots, {transport}: {on_air():.0f} B on the air for a sample of {SIZE} B")
+    assert on_air() < (copies + 0.4) * SIZE
 
 
 def test_a_covered_stream_is_thinned_to_the_limit(team):
@@ -38,6 +45,8 @@ def test_a_covered_stream_is_thinned_to_the_limit(team):
     robots = team(limit="400 kbit/s", options=BROADCAST)
     key = "robot/a/camera"
     local, *remote = (robot.hear(key) for robot in robots)
+    robots[0].wait_subscribed(key)
+    robots[0].wait_wanted(key)
     speaker = robots[0].say(key, size=5000, rate=40)
     wait_until(lambda: all(listener.numbers(key) for listener in remote), what="the first sample")
     began, before = time.monotonic(), sent(robots)
