@@ -103,6 +103,19 @@ def test_others_never_take_our_claim_for_less_than_it_is(view, later):
     assert claim(10.0, ours) <= before
 
 
+def test_a_stream_of_little_worth_never_holds_a_better_one_back(view):
+    """However long it was silent: a new sample gains no more than it is worth itself."""
+    ours, theirs = (view.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
+    ours.renew(Generated(9.9, SIZE, 5.0))
+    lasts = view.lifetimes.end(theirs.information_type.utility)
+    sent(view, "r1", 10.0)
+    sent(view, "r2", 10.0)
+    now = 10.0 + lasts
+    assert claim(now + 1000.0, theirs)[0] == pytest.approx(claim(now, theirs)[0])
+    view.note_sent(ours, 2, Sent(now, now, SIZE, 5.0))
+    assert claim(now + 0.5 * lasts, ours) > claim(now + 0.5 * lasts, theirs)
+
+
 def test_two_messages_use_what_each_of_them_does():
     """Of every limit."""
     assert both((1.0, 2.0), (3.0, 0.5)) == (4.0, 2.5)
