@@ -212,12 +212,16 @@ class DigestPacer:
         known = {echo.peer: echo for echo in echoes}
         self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
         due = [peer for peer in known if now >= self._echoed.get(peer, now - SLOW) + SLOW]
-        self._fill(now)
-        most = min(MOST_ECHOES, int(self._echoing / (ECHO * max(1, copies))))
-        chosen = sorted(due, key=lambda peer: (self._echoed.get(peer, -1e18), peer))[:most]
+        most = self.affordable_echoes(now, copies)
+        chosen = sorted(due, key=lambda peer: self._echoed.get(peer, -1e18))[:most]
         self._echoing -= ECHO * copies * len(chosen)
         self._echoed.update(dict.fromkeys(chosen, now))
         return tuple(known[peer] for peer in chosen)
+
+    def affordable_echoes(self, now: float, copies: int) -> int:
+        """Return how many echoes a digest of so many copies has room for."""
+        self._fill(now)
+        return min(MOST_ECHOES, int(self._echoing / (ECHO * max(1, copies))))
 
     def has_news(self, streams: list[Stream]) -> bool:
         """Whether any stream changed since it was last told of."""
@@ -289,7 +293,7 @@ class DigestPacer:
         self._common = max(self._common, min(self._common + elapsed * self._rate, full))
         came = elapsed * self._rate_of_own
         most = max(3.0 * self._size * self._robots, self._rate_of_own)
-        self._echoing = min(most, self._echoing + ECHOING * came)
+        self._echoing = min(max(most, HEAD_START), self._echoing + ECHOING * came)
         self._tokens = min(most, self._tokens + came)
         self._debt = max(self._debt - elapsed * self._rate_of_states, -SAVED * self._rate_of_states)
 

@@ -36,6 +36,8 @@ class ClockOffset:
         self._last: _Bound | None = None
         self._shown: tuple[_Bound, float] | None = None
         """What wall clocks showed last, and how wrong that may be [s]."""
+        self._presumed = 0.0
+        """What the way here takes as long as no echo came [s]."""
         self._offset: float | None = 0.0
         """The estimate; None when it is to be worked out anew."""
         self._range = (-math.inf, math.inf)
@@ -59,6 +61,10 @@ class ClockOffset:
             self._least = new
         self._agree()
 
+    def presume(self, latency: float) -> None:
+        """Until the first echo the way here is taken to be so long [s]."""
+        self._presumed, self._offset = latency, None
+
     def shown(self, now: float, offset: float, error: float) -> None:
         """By the wall clocks of both, the offset is this at `now`, and wrong by `error` at most [s]."""
         self._shown = _Bound(now, offset), error
@@ -76,7 +82,7 @@ class ClockOffset:
 
     @property
     def offset(self) -> float:
-        """Our clock minus the peer's [s] at the last digest; without echoes, as if the way here took no time.
+        """Our clock minus the peer's [s] at the last digest; without echoes, as if the way here took what is presumed.
 
         What wall clocks show counts in any case.
         """
@@ -93,9 +99,9 @@ class ClockOffset:
 
     @property
     def latency(self) -> float:
-        """One-way time of the quickest digests [s], mean of both directions; 0.0 until both were seen."""
+        """One-way time of the quickest digests [s], mean of both directions; until both were seen, what is presumed."""
         if self._most is None or self._least is None:
-            return 0.0
+            return self._presumed
         return max(0.0, (self._most.offset - self._least.offset) / 2.0)
 
     def ours(self, theirs: float) -> float:
@@ -111,7 +117,7 @@ class ClockOffset:
         if self._last is None or self._most is None:
             return 0.0
         least, most = self._range
-        return most if math.isinf(least) else (most + least) / 2.0
+        return most - self._presumed if math.isinf(least) else (most + least) / 2.0
 
     def _agree(self) -> None:
         """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""

@@ -129,6 +129,8 @@ class Peer:
     """When its last digest came."""
     quickest: HeardDigest | None = None
     """The digest since the last echo that was on its way for the shortest time: its echo tells most of clocks."""
+    echoed: bool = False
+    """Whether anybody has echoed a digest of it, so that it knows of one way how long it is."""
     implausible: int = 0
     """Samples of it whose timestamp could not be right."""
     received_of_ours: int = 0
@@ -200,12 +202,17 @@ class Peer:
     @property
     def line_out(self) -> Latency | None:
         """What our samples take to the peer, else digests; None while unknown."""
-        return self.latency_out or (Latency(self.offset.latency) if self.offset.known else None)
+        return self.latency_out or self._line_of_digests
 
     @property
     def line_in(self) -> Latency | None:
         """What samples of the peer take to us, else digests there and back; None while unknown."""
-        return self.latency_in or (Latency(self.offset.latency) if self.offset.known else None)
+        return self.latency_in or self._line_of_digests
+
+    @property
+    def _line_of_digests(self) -> Latency | None:
+        """What digests take there and back; None while nobody can say."""
+        return Latency(self.offset.latency) if self.offset.known or self.offset.latency else None
 
     def take_state(self, now: float, state: State) -> None:
         """The peer's state replaces what it said before."""

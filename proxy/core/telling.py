@@ -274,7 +274,11 @@ class Telling:
         copies, lean = self._digest_copies(), self._tells_parts(now)
         self._told_at = now
         if self._sent_much() and not (
-            self.urgent or self.parts_changed or self._unknown or self._tells_all(now, copies)
+            self.urgent
+            or self.parts_changed
+            or self._unknown
+            or self._tells_all(now, copies)
+            or (self._view.awaits_echo(now) and self.pacer.affordable_echoes(now, copies))
         ):
             return self._announce(now, copies)
         digest = Digest(

@@ -397,6 +397,7 @@ class SharedView:
             self.gone(silent.zid)
         self.peers[tag(zid)] = Peer(self._free_name(robot, zid), zid, now, name=robot)
         self._untold.add(tag(zid))
+        self._presume_ways()
         self._note_origins()
         return True
 
@@ -439,17 +440,36 @@ class SharedView:
 
         In a large team, where an echo is rare, who has just been met is left out: while robots start all is slow.
         """
-        few, echoes = len(self.peers) <= MANY, []
-        for name, peer in self.peers.items():
+        echoes = []
+        for name, peer in sorted(self.peers.items(), key=self._echo_order):
             heard = (peer.quickest if quickest else None) or peer.last_heard
-            if heard is not None and (few or now >= peer.since + STARTS):
+            if heard is not None and self._has_started(now, peer):
                 echoes.append(_echo(name, peer, heard))
         return tuple(echoes)
+
+    def awaits_echo(self, now: float) -> bool:
+        """Whether we have heard of a robot whose digests nobody has echoed yet: it cannot know how long news take."""
+        return any(
+            not peer.echoed and peer.last_heard is not None and self._has_started(now, peer)
+            for peer in self.peers.values()
+        )
+
+    def _has_started(self, now: float, peer: Peer) -> bool:
+        return len(self.peers) <= MANY or now >= peer.since + STARTS
+
+    def _echo_order(self, entry: tuple[str, Peer]) -> tuple[bool, bool, str]:
+        """Who knows no way yet is echoed first; of several each robot begins with another one.
+
+        Where all began with the same one nine of ten robots did not know after 25 s that news took 300 ms.
+        """
+        name, peer = entry
+        return peer.echoed, name < self._tag, name
 
     def echoed(self, names: Iterable[str]) -> None:
         """Echoes for robots with these tags go out."""
         for name in names:
             self.peers[name].quickest = None
+            self.peers[name].echoed = True
 
     def sent_digest(self, at: float) -> None:
         """A digest of ours goes out."""
@@ -473,8 +493,21 @@ class SharedView:
     def _heard_echo(self, now: float, peer: Peer, echo: Echo) -> None:
         if echo.peer == self._tag:
             peer.heard_echo(now, echo)
-        elif echo.peer in self.peers and (line := latency_of(echo)) is not None:
-            self.peers[echo.peer].heard_by[tag(peer.zid)] = line
+            self._presume_ways()
+        elif echo.peer in self.peers:
+            self.peers[echo.peer].echoed = True
+            if (line := latency_of(echo)) is not None:
+                self.peers[echo.peer].heard_by[tag(peer.zid)] = line
+
+    def _presume_ways(self) -> None:
+        """Ways without an echo are taken to be as long as the shortest one that is known.
+
+        Where they counted as no time, ten robots with equal messages exceeded the limit in 4 to 16 % of the windows at
+        100 and 300 ms though each knew one way, and in 1 to 11 % do so now.
+        """
+        known = [peer.offset.latency for peer in self.peers.values() if peer.offset.known]
+        for peer in self.peers.values():
+            peer.offset.presume(min(known, default=0.0))
 
     def _note_origins(self) -> None:
         """Who claims an origin first has it, unless it is a robot's own id; no plain node has its streams any more."""

@@ -69,6 +69,18 @@ def test_before_the_first_echo_the_way_here_counts_as_no_time():
     assert clock.uncertainty(7.5) == math.inf
 
 
+def test_what_is_presumed_of_the_way_holds_until_an_echo_tells():
+    """The offset and the latency go by it, but nobody knows."""
+    clock = ClockOffset()
+    clock.presume(0.1)
+    assert clock.latency == 0.1
+    clock.heard(sent=100.0, received=7.5)
+    assert (clock.offset, clock.latency, clock.known) == (pytest.approx(-92.6), 0.1, False)
+    assert clock.uncertainty(7.5) == math.inf
+    clock.echoed(sent=8.0, received=100.9)
+    assert (clock.offset, clock.latency, clock.known) == (pytest.approx(-92.7, abs=0.001), pytest.approx(0.2), True)
+
+
 def test_uncertainty_is_half_the_best_round_trip_and_grows_as_clocks_drift():
     """Until a better round trip comes."""
     clock = ClockOffset()

@@ -82,6 +82,20 @@ def test_what_takes_much_of_a_limit_is_announced_when_it_is_sent(talk):
     assert any(digest.brief for digest in digests(talk, 5.2))
 
 
+@pytest.mark.parametrize("echoed", [False, True])
+def test_a_robot_that_nobody_echoed_yet_is_echoed_where_else_an_announcement_would_do(talk, echoed):
+    """Until then it cannot know how long news take; what was sent is told with it, as soon."""
+    sends(talk, 5.2, size=1000)
+    talk.tell(ev.TimePassed(9.0))
+    talk.tell(ev.DigestHeard(9.9, Digest("op", tag("zz-op"), 9.89), 1500))
+    if echoed:
+        talk.core.view.echoed([tag("zz-op")])
+    sends(talk, 10.0, size=1000)
+    (told,) = digests(talk, 10.0)
+    assert [news.forwarded for news in told.streams] == [3]
+    assert (told.brief, [echo.peer for echo in told.echoes]) == ((True, []) if echoed else (False, [tag("zz-op")]))
+
+
 def test_traffic_that_nobody_decides_on_is_not_announced(talk):
     """However large: others can learn nothing of it but how much it is, which the next digest tells."""
     for k in range(20):
@@ -241,6 +255,7 @@ def test_announcements_that_the_allowance_has_no_room_for_leave_out_what_is_smal
     talk.tell(ev.TimePassed(9.0))
     if spent:
         talk.tell(ev.DigestHeard(9.9, Digest("op", tag("zz-op"), 9.89), spent))
+        talk.core.view.echoed([tag("zz-op")])
     sends(talk, 10.0, key="robot/x/camera", size=50)
     sends(talk, 10.0, size=1000)
     talk.tell(ev.TimePassed(10.002))

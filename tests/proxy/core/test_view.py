@@ -169,6 +169,37 @@ def test_in_a_large_team_who_has_just_met_is_not_echoed(view):
     assert [echo.peer for echo in view.echoes(10.0 + STARTS)] == [tag("z-r2"), tag("z-r3")]
 
 
+def test_who_knows_no_way_yet_is_echoed_first(view):
+    """By what all echo, so that soon everybody knows one; of equal ones each robot begins with another one."""
+    for name in ("r0", "r2", "r3"):
+        view.add_peer(0.0, name, f"z-{name}")
+    assert not view.awaits_echo(3.0)
+    for name in ("r0", "r2", "r3"):
+        view.heard_digest(1.0, Digest(name, tag(f"z-{name}"), 1.0))
+    assert [echo.peer for echo in view.echoes(3.0)] == [tag("z-r2"), tag("z-r3"), tag("z-r0")]
+    view.heard_digest(3.0, Digest("r3", tag("z-r3"), 3.0, echoes=(Echo(tag("z-r2"), 1.0, 1.0, 0, 0.0),)))
+    assert [echo.peer for echo in view.echoes(3.0)] == [tag("z-r3"), tag("z-r0"), tag("z-r2")]
+    assert view.awaits_echo(3.0)
+    view.echoed([tag("z-r3"), tag("z-r0")])
+    assert not view.awaits_echo(3.0)
+
+
+def test_ways_that_nobody_echoed_are_taken_to_be_as_long_as_the_shortest_one_known(view):
+    """What others sent was sent before it was heard of, and what they send takes as long."""
+    for name in ("r2", "r3", "r4"):
+        view.add_peer(0.0, name, f"z-{name}")
+    for name, took in (("r2", 0.1), ("r3", 0.3)):
+        echo = Echo("z-r1", 9.0, 9.0 + took, 0, 0.0)
+        view.heard_digest(10.0, Digest(name, tag(f"z-{name}"), 10.0 - took, echoes=(echo,)))
+    view.heard_digest(10.0, Digest("r4", tag("z-r4"), 10.0))
+    view.add_peer(10.0, "r5", "z-r5")
+    ways = {peer.robot: (peer.offset.latency, peer.offset.known) for peer in view.peers.values()}
+    assert ways["r4"] == ways["r5"] == (pytest.approx(0.1), False)
+    assert ways["r3"] == (pytest.approx(0.3), True)
+    assert view.peers[tag("z-r4")].offset.ours(10.0) == pytest.approx(9.9)
+    assert latency(view, "r4", 0.0) == pytest.approx(0.1)
+
+
 def test_a_plain_node_is_estimated_from_what_is_heard(view):
     """Its id is no robot's, so every sample of it counts as generated and sent."""
     for now in (1.0, 1.5, 2.0):

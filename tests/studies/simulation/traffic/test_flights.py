@@ -29,6 +29,15 @@ def test_a_team_flies_real_traffic(transport):
     assert len({delivery.receiver for delivery in flight.deliveries}) == (4 if how.broadcasts else 1)
 
 
+@pytest.mark.parametrize("latency", [0.1, 0.3])
+def test_a_large_team_soon_knows_how_long_news_take(latency):
+    """However few digests hold echoes: those who know no way come first, and announcements make room for them."""
+    mission = draw("uniform-most", 10, 0, 12.0, latency=latency)
+    flight = fly(mission, How(latency=latency, loss=0.0), 0)
+    known = [core.view.longest_way for core in flight.cores.values()]
+    assert known == pytest.approx([latency] * 11, rel=0.01)
+
+
 def test_further_settings_are_the_cores():
     """By their names; one that the core does not have is refused."""
     mission = draw("random", 2, 0, 2.0, latency=0.02)
