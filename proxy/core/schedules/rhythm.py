@@ -19,8 +19,9 @@ EXACT = 1e-4
 """Deviations below this part of the period are never too far: clocks and the wire round."""
 LEAST_PERIOD = 1e-4
 """What is faster than times travel is no rhythm [s]."""
-WANDERING = 0.75
-"""Jitter's variance over that of its steps: about 1/2 where deviations are independent, 1 where they add up."""
+WANDERING, WALK = 0.75, 96.0
+"""Jitter's variance over that of its steps: about 1/2 where deviations are independent; where they add up it is 1 with
+16 samples and grows as these do, so that the bound does: by one in so many."""
 
 
 class Rhythm(NamedTuple):
@@ -79,7 +80,7 @@ def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:
     start = sum(rest) / len(rest)
     square = sum([(e - start) ** 2 for e in rest]) / max(len(rest) - 2, 1)
     steps = sum([(b - a) ** 2 for a, b in pairwise(rest)]) / max(len(rest) - 1, 1)
-    wanders = len(rest) > 4 and square > WANDERING * steps and kept[-1][0] == 0
+    wanders = len(rest) > 4 and square > max(WANDERING, 0.5 + len(rest) / WALK) * steps and kept[-1][0] == 0
     if wanders:
         start, square = rest[-1], steps
     return Rhythm(slope, last + start, number, sqrt(square), len(points), wanders)
