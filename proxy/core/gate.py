@@ -389,9 +389,8 @@ class Gate:
         sample, use = pending.sample, self._use(now, pending.sample)
         if pending.copy is not None or any(waiting.priority < sample.priority for waiting in self.inbox):
             return self._by_rule(now, pending)
-        needed, late = self._windows.disputes.besides(now, use), replace(sample, gave_way=True)
-        # Where decisions are late so are those of others, and their news.
-        if lacking := self._budget.lacking(now, needed) or self._lacking_beside_rivals(now, late, use):
+        needed = self._windows.disputes.besides(now, use)
+        if lacking := self._budget.lacking(now, needed) or self._lacking_beside_rivals(now, sample, use):
             return [self._refuse(now, sample, "dropped:fallback", lacking)]
         return [self._send(now, sample, use, "passed:fallback")]
 
@@ -482,7 +481,7 @@ class Gate:
             return ()  # there never is room beside it
         disputes = self._windows.disputes
         opened = self._budget.opens(now, disputes.besides(now, use), anybodys=True)
-        taken = rivals(now, self._view, disputes, stream, self.limits, opened=opened, again=sample.gave_way)
+        taken = rivals(now, self._view, disputes, stream, self.limits, opened=opened)
         return self._budget.lacking(now, disputes.besides(now, both(use, taken))) if any(taken) else ()
 
     def _gives_way(self, now: float, sample: Waiting) -> bool:
@@ -493,7 +492,7 @@ class Gate:
         if known_at > sample.t_gen + GIVES_WAY * self._windows.disputes.patience(stream):
             return False
         self._opening[sample.sample] = known_at, self.limits
-        self.inbox.put_back([replace(sample, gave_way=True)])
+        self.inbox.put_back([sample])
         return True
 
     def _waits(self, now: float, sample: Waiting) -> bool:

@@ -13,7 +13,7 @@ OVERFLOW = "dropped:overflow"
 class Waiting:
     """A sample in the inbox. `worth` orders evictions: value per byte; `priority` is Zenoh's, 1 the highest.
 
-    `to` is the tag of the only robot that it is for, if it is a copy. One that `gave_way` did so to another robot's.
+    `to` is the tag of the only robot that it is for, if it is a copy.
     """
 
     sample: int
@@ -25,7 +25,6 @@ class Waiting:
     markovian: bool
     features: Mapping[str, float] = field(default_factory=dict)
     to: str = ""
-    gave_way: bool = False
 
     @property
     def worth(self) -> float:

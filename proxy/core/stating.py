@@ -67,6 +67,12 @@ def differs(told: State, state: State) -> bool:
     )
 
 
+def as_told(told: State, state: State) -> State:
+    """Return a state with the sizes told of streams of which nothing is news: who hears it all knows what others do."""
+    news, sizes = {stream.id for stream in _news(told, state)}, {stream.id: stream.size for stream in told.streams}
+    return replace(state, streams=tuple(s if s.id in news else replace(s, size=sizes[s.id]) for s in state.streams))
+
+
 def update_of(told: State, state: State) -> State | None:
     """Return what is news of a state, if that is of its streams and its clock alone; None: all of it must be told."""
     if told.number == 0 or _apart_from_streams(told) != _apart_from_streams(state) or _lost(told, state):

@@ -12,6 +12,7 @@ from proxy.core.features import Outlook
 from proxy.core.fixed import rounded
 from proxy.core.schedule import Schedule
 from proxy.core.schedules.rhythm import Rhythm
+from proxy.core.wire import StreamState
 from utility_specs import InformationType
 
 SCALE = "scale"
@@ -79,6 +80,8 @@ class Stream:
     """Mean size of the samples generated, the recent ones counting more [B]."""
     size_variance: float = 0.0
     """The variance of these sizes [B²]."""
+    usual_size: int = 0
+    """What its robot last told of its size, so that all robots know the same; 0: nothing yet [B]."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
     wanting: tuple[str, ...] = ()
@@ -117,7 +120,7 @@ class Stream:
         if count <= self.generated:
             return
         if not self.generated:
-            self.began = last.t_gen
+            self.began = last.t_gen - (0.0 if told is None else (count - 1) * told.period)
         self.generated = count
         self.changes += 1
         self.schedule.observe(count if numbered else None, last.t_gen, told)
@@ -212,9 +215,10 @@ class Stream:
         self.changes += 1
         self.matching = matching
 
-    def assume(self, period: float, kind: str) -> None:
-        """The stream's robot tells of its schedule."""
-        if self.schedule.assume(period, kind):
+    def assume(self, told: StreamState) -> None:
+        """The stream's robot tells of its schedule and its size."""
+        self.usual_size = told.size
+        if self.schedule.assume(told.period, told.schedule):
             self.changes += 1
 
     def expected(self, t_gen: float) -> Generated:

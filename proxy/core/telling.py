@@ -17,7 +17,7 @@ from proxy.core.coordination import Coordination
 from proxy.core.digests import ANNOUNCEMENT, ON_AIR, ON_CHANNEL, ORDINARY, OVERHEAD, QUESTION, DigestPacer
 from proxy.core.gate import Gate
 from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST, allowance_of, changes_plans, shortest_window, use_of
-from proxy.core.stating import differs, shortened, state_of, update_of
+from proxy.core.stating import as_told, differs, shortened, state_of, update_of
 from proxy.core.stream import Stream
 from proxy.core.talk import Talk
 from proxy.core.transport import is_broadcast
@@ -170,13 +170,16 @@ class Telling:
         state, left = shortened(state_of(self._view, self._gate.mode))
         if self.state.number and not differs(self.state, state):
             return []
-        state = replace(state, number=self.state.number + 1)
+        state = replace(as_told(self.state, state), number=self.state.number + 1)
         update = update_of(self.state, state)
         told: list[Command] = []
         if left > self.untold:
             told.append(Notice("warning", f"{left} streams, subscriptions or origins are too many to tell the others"))
         self.untold = left
         self.state, self._state_at = state, now
+        for each in state.streams:
+            if (stream := self._view.known(state.robot, each.key)) is not None:
+                stream.usual_size = each.size
         self._owe(now, len(pack_state(update or state)), self._copies())
         return [*told, SendState(state, update)]
 

@@ -33,6 +33,8 @@ UNTOLD = 2.5e-3
 """Two wall clocks may have moved so much against each other and nobody said so, because it is too little [s]."""
 NEW = 10.0
 """In a large team it takes so long until all have told all what they send [s]."""
+SILENT = 2.0
+"""A robot that has sent nothing for so long since we do is not about to [s]."""
 MANY, STARTS = 4, 2.0
 """Of more peers than these who was met so shortly ago is not echoed [s]: of nine robots that began at once two took
 each other's clocks to be 72 ms apart for 20 s, as all that was echoed was a digest that had waited for 145 ms."""
@@ -249,8 +251,18 @@ class SharedView:
 
         Teams are often switched on before anything is sent.
         """
-        began = min((stream.began for stream in self.own()), default=-math.inf)
+        began = self._began()
         return [peer for peer in self.peers.values() if now < max(peer.since, began) + NEW and not peer.plain]
+
+    def silent(self, peer: Peer) -> bool:
+        """Whether a robot has sent nothing although we have for a while: an operator only listens."""
+        if peer.counted is None:
+            return False
+        told_at, messages, _ = peer.counted
+        return messages == 0 and told_at >= max(peer.since, self._began()) + SILENT
+
+    def _began(self) -> float:
+        return min((stream.began for stream in self.own()), default=-math.inf)
 
     def peer_called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
@@ -373,7 +385,7 @@ class SharedView:
             self._note_origins()
         for key, told in peer.told.items():
             if (stream := self._table.known(peer.robot, key)) is not None:
-                stream.assume(told.period, told.schedule)
+                stream.assume(told)
         for number in [n for n in peer.pending if n in peer.keys]:
             sent = peer.unnamed.pop(number, None)
             if sent is not None and sent in self.sends:
@@ -554,7 +566,7 @@ class SharedView:
         peer.heard_news(key, news, wanted=wanted)
         told = peer.told.get(key)
         if told is not None:
-            stream.assume(told.period, told.schedule)
+            stream.assume(told)
         t_gen = min(peer.offset.ours(news.t_generated), now)
         before, kind = stream.last, stream.information_type
         # Announcements leave features out, and what is as usual.

@@ -7,6 +7,7 @@ import pytest
 from proxy.core.claims import AGAIN, CAUTION, DECIDED, both, claim, leads, news_take, rivals
 from proxy.core.disputes import Disputes
 from proxy.core.limits import limits_of
+from proxy.core.schedules.rhythm import Rhythm
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
 from proxy.core.view import NEW, SharedView
@@ -29,11 +30,11 @@ def view(make_specs):
     return view
 
 
-def taken(view, now, *, opened=-math.inf, again=False):
+def taken(view, now, *, opened=-math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.look(now, limits, alone=False)
     stream = view.known("r1", "robot/r1/camera")
-    return rivals(now, view, disputes, stream, limits, opened=opened, again=again)
+    return rivals(now, view, disputes, stream, limits, opened=opened)
 
 
 def sent(view, robot, t):
@@ -122,13 +123,38 @@ def test_two_messages_use_what_each_of_them_does():
 
 
 def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
-    """Two that gave way to a third do not send at once after that."""
+    """Two that gave way to a third do not send at once after that; who has the best claim gives way to nobody."""
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
     now = 10.0 + (AGAIN - 0.1) * news_take(view)
     assert taken(view, now) == (0.0,)
-    assert taken(view, now, again=True) == (SIZE,)
-    assert taken(view, 10.0 + (AGAIN + 0.1) * news_take(view), again=True) == (0.0,)
+    third = view.stream(0.0, "r3", "robot/r3/camera")
+    third.matching = True
+    for count in range(100):
+        third.note_generated(count + 1, Generated(count * PERIOD + 0.04, SIZE, 1.0))
+    sent(view, "r3", 8.0)
+    assert taken(view, now) == (SIZE,)
+    assert taken(view, 10.0 + (AGAIN + 0.1) * news_take(view)) == (0.0,)
+
+
+def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view):
+    """The best claim waits for the room that anybody leaves; what it told meanwhile does not say what became of it."""
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    theirs = view.known("r2", "robot/r2/camera")
+    now = 10.0 + 4.0 * news_take(view)
+    theirs.note_generated(101, Generated(10.0, SIZE, 1.0))
+    assert taken(view, now) == (0.0,)
+    assert taken(view, now, opened=now) == (SIZE,)
+
+
+def test_a_stream_that_never_sent_has_the_claim_of_its_whole_life(view):
+    """All know since when it generates, whenever they heard of it first."""
+    ours = view.stream(0.0, "r1", "robot/r3/camera")
+    theirs = view.stream(0.0, "r2", "robot/r3/camera")
+    ours.note_generated(1, Generated(0.1, SIZE, 1.0))
+    theirs.note_generated(50, Generated(5.0, SIZE, 1.0), told=Rhythm(0.1, 5.0, 50, 0.001, 16))
+    assert theirs.began == pytest.approx(ours.began)
 
 
 @pytest.mark.parametrize(("robot", "size", "use"), [("r2", SIZE, SIZE), ("r0", SIZE, 0.0), ("r2", 10, 0.0)])
@@ -170,7 +196,7 @@ def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view)
     assert not leads(10.0, view, disputes, ours, limits)
     theirs.mean_size = SIZE / 40
     assert leads(10.0, view, disputes, ours, limits)
-    ours.assume(0.1, "poisson")
+    ours.schedule.assume(0.1, "poisson")
     assert not leads(10.0, view, disputes, ours, limits)
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
-from proxy.core.stating import differs, shortened, state_of, update_of
+from proxy.core.stating import as_told, differs, shortened, state_of, update_of
 from proxy.core.stream import Generated
 from proxy.core.view import SharedView
 from proxy.core.wire import MOST_SUBSCRIPTIONS, State, StreamState
@@ -63,6 +63,15 @@ def test_other_changes_are_told_whole(changes):
     assert differs(TOLD, state)
     assert update_of(TOLD, state) is None
     assert update_of(replace(TOLD, number=0), TOLD) is None
+
+
+def test_a_state_has_the_sizes_that_were_told_unless_they_are_news():
+    """Who asks for it knows of a stream what those know that heard the updates."""
+    streams = (replace(CAMERA, size=1100, jitter=0.02), replace(CAMERA, id=2, size=900))
+    after = as_told(TOLD, replace(TOLD, streams=streams))
+    assert [(s.size, s.jitter) for s in after.streams] == [(1000, 0.02), (900, 0.01)]
+    grown = replace(TOLD, streams=(replace(CAMERA, size=3000),))
+    assert as_told(TOLD, grown) == grown
 
 
 def test_what_is_too_much_is_left_out_and_counted():
