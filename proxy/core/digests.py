@@ -136,8 +136,10 @@ class DigestPacer:
         affordable = now + max(0.0, cost - self._tokens) / self._rate_of_own
         # Where all have waited for the allowance, they do not go on at the same moment.
         room = now + max(0.0, cost * (1.0 + self._turn) - self._common) / self._rate
-        patience = UNHURRIED if self._splits else SLOW
-        due = max(affordable, min(room, self._last + patience * (1.0 + self._turn)), self._fits_at(now, cost))
+        fits, patience = self._fits_at(now, cost), UNHURRIED if self._splits else SLOW
+        due = max(affordable, min(max(room, fits), self._last + patience * (1.0 + self._turn)))
+        if self._splits:
+            due = max(due, fits)
         return due if news else max(due, self._last + SLOW)
 
     def due_ahead(self, now: float, seconds: float) -> float:
@@ -269,13 +271,13 @@ class DigestPacer:
         return float("inf") if told is None else abs(digest.scale - told[1].scale) + digest.scale
 
     def _fits_at(self, now: float, cost: float) -> float:
-        """When so much can be told that no window holds more than its allowance, where each has its part [s].
+        """When so much can be told that no window holds more than its allowance [s].
 
-        Parts leave the limit no more than that. Who waits for the same moment goes on a little apart.
+        The limits leave no more than that to digests. Who waits for the same moment goes on a little apart.
         """
         while self._recent and self._recent[0][0] <= now - self._window:
             self._recent.popleft()
-        if not self._splits or self._saved:
+        if self._saved:
             return now
         told, at = sum(each for _, each in self._recent), now
         for t, each in self._recent:

@@ -21,7 +21,11 @@ from proxy.core.stream import Stream
 from proxy.core.view import SharedView
 
 MOST_BOOKED = 0.9
-"""No more than this part of a limit is booked, nor what the largest contested message needs."""
+"""No more than this part of a limit is booked, nor what the largest contested messages need..."""
+SMALLER = 0.4
+"""... of which those are sent that are so many deviations smaller than the mean: with frames of 60 kB that nearly fill
+the limit, two robots exceeded it in 2.8 % of the windows and lost 1 % of the small samples where it was the mean, and
+0.7 and 0.05 % now."""
 PATIENCE = 0.75
 """A sample waits for room for this part of its stream's period: with random sizes and times 95.5 % of the bound instead
 of 94.2; where each sample counts for the longest window."""
@@ -160,7 +164,10 @@ class Disputes:
         apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
         booked = reserve([row for row, _ in load], apart, limits)
         presumed = self._presumed(now, [row for row, _ in load], apart)
-        kept = [max((r.use[k] for r in contested if r.use[k] <= c.limit), default=0.0) for k, c in enumerate(limits)]
+        kept = [
+            max((r.use[k] - SMALLER * r.deviation[k] for r in contested if r.use[k] <= c.limit), default=0.0)
+            for k, c in enumerate(limits)
+        ]
         self._reserve = tuple(
             [
                 min(amount + more, MOST_BOOKED * c.limit, c.limit - keep)
@@ -176,10 +183,11 @@ class Disputes:
         """What robots that were met lately use of each limit, besides what is known of them, if they are like us.
 
         Their states come late in large teams: eight robots that met had 20 to 40 % of the windows of the first 6 s over
-        the limit without it, 1 to 5 % with it.
+        the limit without it, 1 to 5 % with it. Who is known to send nothing is left out: an operator cost four robots
+        2 % of their bytes for 10 s.
         """
         limits, me = self._for[0], self._view.settings.robot
-        met = [] if self._for[1] else self._view.met_lately(now)
+        met = [] if self._for[1] else [p for p in self._view.met_lately(now) if not self._view.silent(p)]
         uses = {robot: [0.0] * len(limits) for robot in (me, *(peer.robot for peer in met))}
         for row, interval in zip(load, apart, strict=True):
             if (use := uses.get(row.stream.robot)) is not None:

@@ -177,10 +177,13 @@ def variance_of(stream: Stream, count: float, use: float, deviation: float) -> f
 
 
 def interval_of(now: float, stream: Stream, window: float, most: float = 2.0) -> float:
-    """Return the mean time between samples [s]; a new stream generates at most so many times as many as so far."""
+    """Return the mean time between samples [s].
+
+    A new stream generates in a window at most so many times as many as so far, and no faster than it did with two more.
+    """
     if rate_known(now, stream, window):
         return stream.period
-    return max(stream.period, window / (most * max(stream.generated, 1)))
+    return max(stream.period, window / (most * max(stream.generated, 1)), (now - stream.began) / (stream.generated + 2))
 
 
 def rate_known(now: float, stream: Stream, window: float) -> bool:

@@ -322,6 +322,20 @@ def test_where_each_has_its_part_no_window_holds_more_than_its_allowance(pauses,
         assert sum(cost for t, cost in told if t > now - window) <= 1000.0 * window
 
 
+def test_where_robots_announce_ordinary_news_wait_until_the_window_has_room_for_them():
+    """Not for ever: who announces much does not take the place of all other news. Announcements do not wait."""
+    pacer = pacer_of(1000.0, robots=4)
+    pacer.follow(0.0, splits=False, begins=False, window=0.5)
+    assert pacer.due(10.0, news=True, copies=3) == 10.0
+    for k in range(60):
+        pacer.spent(10.0 + 0.1 * k, 68, 1)
+    assert pacer.due_ahead(16.0, 5.0) == 16.0
+    assert pacer.due(16.0, news=True, copies=3) == 16.0
+    pacer.sent(16.0, SIZE, 3)
+    pacer.spent(16.0, 300, 1)
+    assert 16.0 < pacer.due(16.0, news=True, copies=3) <= 16.0 + 2.0 * SLOW
+
+
 def test_robots_with_news_of_parts_do_not_speak_at_one_moment():
     """Each waits for a bit more of the allowance than the last one."""
     due = []

@@ -136,6 +136,38 @@ def test_who_was_met_lately_is_taken_to_send_as_many_small_samples_as_we_do(talk
     assert disputes(talk).left(4.5 + NEW)[0] == pytest.approx(before, rel=0.01)
 
 
+@pytest.mark.parametrize(("messages", "presumed"), [(0, 0.0), (1, 10 * 116)])
+def test_a_robot_that_only_listens_is_soon_believed(talk, messages, presumed):
+    """An operator: after a while its digests say that it has sent nothing."""
+    run(talk, 2.0, 4.0)
+    before, _ = disputes(talk).left(4.0)
+    talk.tell(ev.PeerAppeared(4.0, "r2", "z-r2"))
+    talk.tell(ev.StateHeard(4.0, State("r2", "z-r2", "enforce", "", (), (), number=1)))
+    run(talk, 4.05, 6.5)
+    digest = Digest("r2", tag("z-r2"), 6.5, messages, 100 * messages, state=1)
+    settle(talk, 6.5, talk.tell(ev.DigestHeard(6.5, digest, 40)), send=True)
+    run(talk, 6.5, 7.5)
+    after, _ = disputes(talk).left(7.5)
+    assert before[0] - after[0] == pytest.approx(presumed, abs=300)
+
+
+def test_room_is_kept_for_small_samples_beside_frames_that_nearly_fill_the_limit(make_talk, make_specs):
+    """Of such frames those go that are smaller than usual."""
+    talk = make_talk(make_specs(text=SPEC))
+    talk.want(-10.0, keys=("robot/**",))
+    sizes, sent = (55_000, 58_500, 62_000, 56_000, 61_000, 60_000, 58_500), []
+    for step in range(400):
+        now = 0.05 * step
+        for key, size in (("odometry", 400), *[("camera", sizes[step // 2 % 7])] * (step % 2 == 0)):
+            _, said = talk.publish(now, f"robot/r1/{key}", size=size)
+            if any(isinstance(each, Forward) for each in settle(talk, now, said, send=True)) and key == "camera":
+                sent.append(size)
+    assert len(sent) > 10
+    assert set(sent[5:]) <= {55_000, 56_000}
+    odometry = talk.core.view.known("r1", "robot/r1/odometry")
+    assert odometry.forwarded == odometry.generated
+
+
 def test_a_sample_that_is_worth_more_than_others_of_its_stream_is_decided(talk):
     """Its stream was weighed by what its last sample was worth."""
     stream = talk.core.view.known("r1", "robot/r1/camera")

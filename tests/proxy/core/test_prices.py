@@ -122,3 +122,5 @@ def test_a_new_stream_generates_no_more_than_as_many_again(make_row):
     """A burst ends; a stream that is known goes on as it does."""
     assert interval_of(0.1, make_row("odometry", 100.0, 116, generated=2).stream, 0.5) == pytest.approx(0.125)
     assert interval_of(9.0, make_row("odometry", 20.0, 116).stream, 0.5) == pytest.approx(0.05)
+    seldom = make_row("odometry", 100.0, 116, generated=2).stream  # twice in so long
+    assert interval_of(seldom.began + 8.0, seldom, 0.5) == pytest.approx(8.0 / 4)
