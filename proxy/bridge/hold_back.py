@@ -188,7 +188,7 @@ class HoldBack:
         while stream in self._streams:
             self._hand_first(stream)
 
-    def _hand_first(self, stream: tuple[str, str]) -> _Held:
+    def _hand_first(self, stream: tuple[str, str]) -> None:
         waiting = self._streams[stream]
         held = waiting.popleft()
         self._count, self._bytes = self._count - 1, self._bytes - held.size
@@ -197,4 +197,3 @@ class HoldBack:
         finally:
             if not waiting:
                 del self._streams[stream]
-        return held

@@ -234,7 +234,7 @@ class Presence:
             self._offer(partial(self._learn, now, robot, name, sample.payload.to_bytes()))
 
     def _hear_backlog(self, sample: zenoh.Sample) -> None:
-        """Each changes what is held back by itself, so as many are read as states."""
+        """Take in of which keys copies wait for us: each word is read at once, of who is known, within its part."""
         now, key = clock.monotonic(), str(sample.key_expr)
         name = keys.zid_of(key)
         if name not in self._tokens.tags:
@@ -244,7 +244,7 @@ class Presence:
             return
         try:
             number, named = unpack_backlog(sample.payload.to_bytes())
-        except (MalformedWireError, OtherVersionError):
+        except MalformedWireError:
             self.floods.refuse(now, name, "backlog:malformed")
         else:
             self._hold_back.told(name, number, named)

@@ -63,7 +63,8 @@ class ClockOffset:
 
     def presume(self, latency: float) -> None:
         """Until the first echo the way here is taken to be so long [s]."""
-        self._presumed, self._offset = latency, None
+        if latency != self._presumed:
+            self._presumed, self._offset = latency, None
 
     def shown(self, now: float, offset: float, error: float) -> None:
         """By the wall clocks of both, the offset is this at `now`, and wrong by `error` at most [s]."""

@@ -13,3 +13,11 @@ def team(stack, tmp_path):
 def pair(stack, tmp_path):
     """Two linked robots."""
     return robots.team(stack, tmp_path, size=2)
+
+
+@pytest.fixture
+def now(monkeypatch):
+    """What the clock shows."""
+    shown = [100.0]
+    monkeypatch.setattr("proxy.clock.monotonic", lambda: shown[0])
+    return shown

@@ -10,14 +10,13 @@ BACK, HERE = "back0000", "here0000"
 
 
 class Order:
-    """A queue in which samples of `robot` and `other` arrive, what is handed on, and what the clock shows."""
+    """A queue in which samples of `robot` and `other` arrive, and what is handed on."""
 
-    def __init__(self, robot, other, now):
+    def __init__(self, robot, other):
         self.stamper = {BACK: robot, HERE: other}
         self.names = {origin_of(session.new_timestamp()): tag for tag, session in self.stamper.items()}
         self.queue = HoldBack(lambda origin: self.names.get(origin, ""))
         self.handed = []
-        self.now = now
 
     def new(self, what, key="alarm/a", sender=BACK, size=1):
         """A new sample arrives; return its stamp."""
@@ -38,16 +37,8 @@ class Order:
 
 
 @pytest.fixture
-def now(monkeypatch):
-    shown = [100.0]
-    monkeypatch.setattr("proxy.clock.monotonic", lambda: shown[0])
-    return shown
-
-
-@pytest.fixture
-def order(stack, now):
-    robot, other = (closing(stack, plain_session("peer")) for _ in range(2))
-    return Order(robot, other, now)
+def order(stack, now):  # noqa: ARG001 - the clock stands still
+    return Order(*(closing(stack, plain_session("peer")) for _ in range(2)))
 
 
 def test_nothing_is_held_back_of_robots_that_were_there_all_the_time(order):

@@ -73,10 +73,9 @@ def test_the_number_of_declarations_is_bounded(monkeypatch, caplog):
     assert "c is not mirrored" in caplog.text
 
 
-def test_what_is_new_stands_for_a_while_before_what_is_stale_goes(monkeypatch):
+def test_what_is_new_stands_for_a_while_before_what_is_stale_goes(now):
     """While one replaces the other both are there; what is wanted again meanwhile stays."""
-    made, now = Made(), [100.0]
-    monkeypatch.setattr("proxy.clock.monotonic", lambda: now[0])
+    made = Made()
     mirror = Mirror(made, grace=0.05)
     mirror.update({"a/*": False, "b": False})
     mirror.update({"a/b": False})

@@ -18,14 +18,6 @@ def refused():
 
 
 @pytest.fixture
-def now(monkeypatch):
-    """What the clock shows."""
-    shown = [100.0]
-    monkeypatch.setattr("proxy.clock.monotonic", lambda: shown[0])
-    return shown
-
-
-@pytest.fixture
 def turns():
     """The tags of robots that vanished or came back, as told at once."""
     return []
