@@ -26,11 +26,13 @@ class Life:
 
     events: list[tuple[float, ev.Event]] = field(default_factory=list)
     sends: dict[int, bool] = field(default_factory=dict)
-    """What became of each sample; of those that were searched for, what the search said."""
+    """What became of each sample; of those that were searched for, what the last search said."""
     told: list[float] = field(default_factory=list)
     """When it sent digests, which others echo."""
-    tickets: dict[int, int] = field(default_factory=dict)
-    """Of those that were searched for, the ticket."""
+    tickets: dict[int, list[int]] = field(default_factory=dict)
+    """Of those that were searched for, the ticket of each search: who gives way is searched for again."""
+    answers: dict[int, list[bool]] = field(default_factory=dict)
+    """What each of these searches said."""
 
     @property
     def weighed(self) -> set[int]:
@@ -41,6 +43,11 @@ class Life:
         """Take in what became of a sample."""
         if isinstance(command, Forward | Drop):
             self.sends.setdefault(command.sample, isinstance(command, Forward))
+
+    def answered(self, sample: int, *, send: bool) -> None:
+        """Take in what a search said."""
+        self.answers.setdefault(sample, []).append(send)
+        self.sends[sample] = send
 
 
 class Recorded(Team):
@@ -55,7 +62,7 @@ class Recorded(Team):
         if not isinstance(event, ev.DecisionReady | ev.SampleHanded | ev.TimePassed):
             life.events.append((t, event))
         elif isinstance(event, ev.DecisionReady) and event.plan and pending and pending.ticket == event.ticket:
-            life.sends[pending.sample.sample] = event.plan.send
+            life.answered(pending.sample.sample, send=event.plan.send)
         super()._feed(member, t, event)
 
     def _execute(self, member: Member, t: float, command: Command) -> None:
@@ -64,7 +71,7 @@ class Recorded(Team):
         if isinstance(command, SendDigest):
             life.told.append(t)
         if isinstance(command, Decide) and pending is not None and pending.ticket == command.ticket:
-            life.tickets[pending.sample.sample] = command.ticket
+            life.tickets.setdefault(pending.sample.sample, []).append(command.ticket)
         super()._execute(member, t, command)
 
 
@@ -122,15 +129,17 @@ class Relived(Team):
 
     def _decide(self, member: Member, t: float, command: Decide) -> None:
         """Search as then, and go on with what was decided then."""
-        pending, before = member.core.gate.pending, self._before
-        sample = pending.sample.sample if pending is not None and pending.ticket == command.ticket else None
-        seed = command.seed if sample is None else before.tickets.get(sample, command.seed)
+        pending, before, now = member.core.gate.pending, self._before, self._now
+        sample = pending.sample.sample if pending is not None and pending.ticket == command.ticket else -1
+        again = len(now.tickets.get(sample, []))
+        seed = ([*before.tickets.get(sample, [])[again:], command.seed])[0]
         search = start(command.problem, self.search, seed)
         search.run(command.iterations)
         plan = search.plan()
-        if sample is not None:
-            self._now.tickets[sample], self._now.sends[sample] = command.ticket, plan.send
-            plan = replace(plan, send=before.sends.get(sample, plan.send))
+        if sample >= 0:
+            now.tickets.setdefault(sample, []).append(command.ticket)
+            now.answered(sample, send=plan.send)
+            plan = replace(plan, send=[*before.answers.get(sample, [])[again:], plan.send][0])
         self.agenda.at(t + self.decision_time, partial(self._decided, member, command.ticket, plan))
 
 
