@@ -78,6 +78,10 @@ class Schedule:
         """Standard deviation of a generation time from what is expected [s]; 0.0 while not known."""
         return 0.0 if self._pattern is None else self._pattern.jitter
 
+    def unsure(self, t: float) -> float:
+        """Standard deviation of a generation time at about `t` from what is expected [s]; 0.0 while not known."""
+        return self.jitter if self.rhythm is None else self.rhythm.unsure(t)
+
     @property
     def kind(self) -> str:
         """How the stream generates, in a word for other robots; empty while not known."""

@@ -47,6 +47,15 @@ class Rhythm(NamedTuple):
         """When a sample was or is due [s]."""
         return self.origin + (number - self.number) * self.period
 
+    def unsure(self, t: float) -> float:
+        """The standard deviation of the time of a sample that is due at about `t` from when it is due [s].
+
+        Period and phase are known from so many samples, so it grows with the time since.
+        """
+        known = max(self.known, 2)
+        along = max(0.0, t - self.origin) / self.period + 0.5 * (known - 1)
+        return self.jitter * sqrt(1.0 + 1.0 / known + 12.0 * along * along / (known * (known * known - 1.0)))
+
     def nudged(self, number: int, t: float, step: float = 1.0) -> "Rhythm":
         """Return the rhythm with one more sample, weighed as least squares over those `known` would.
 

@@ -7,10 +7,11 @@ from collections.abc import Callable
 
 from proxy.core.fixed import rounded
 from proxy.core.schedules.rhythm import LEAST_PERIOD, Rhythm
+from proxy.core.schedules.tracker import LONG
 from proxy.core.wire import PHASES, StreamDigest
 
-KNOWN = 16
-"""So many samples are taken to tell it."""
+FEWEST = 4
+"""At least so many samples are taken to tell it; at most as many as it is found from."""
 
 
 def told(rhythm: Rhythm | None, number: int, t: float) -> tuple[float, int, int]:
@@ -26,4 +27,5 @@ def heard(news: StreamDigest, ours: Callable[[float], float]) -> Rhythm | None:
     if news.period < LEAST_PERIOD:
         return None
     part = news.period / PHASES
-    return Rhythm(news.period, ours(news.t_generated) - news.late * part, news.generated, news.jitter * part, KNOWN)
+    known = min(max(news.generated, FEWEST), LONG)
+    return Rhythm(news.period, ours(news.t_generated) - news.late * part, news.generated, news.jitter * part, known)

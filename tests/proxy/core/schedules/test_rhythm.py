@@ -1,5 +1,6 @@
 """Periods and phases by robust straight lines."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -74,3 +75,15 @@ def test_there_is_no_period_that_is_none():
     """Times that stand still or fall tell none."""
     assert fit([(0, 1.0), (1, 1.0)]) is None
     assert fit([(0, 2.0), (1, 1.0), (2, 0.0)]) is None
+
+
+def test_the_longer_ago_a_rhythm_was_found_and_from_the_fewer_samples_the_less_sure_it_is():
+    """As far as a line through so many times, each off by the jitter, is known: its end best, by sampling."""
+    random = np.random.default_rng(7)
+    for known, ahead in ((8, 1), (8, 30), (48, 30)):
+        times = np.arange(known) + random.normal(0.0, 0.01, (4000, known))
+        off = [
+            np.polyval(np.polyfit(np.arange(known), each, 1), known - 1 + ahead) - known + 1 - ahead for each in times
+        ]
+        rhythm = Rhythm(1.0, 0.0, known, 0.01, known)
+        assert rhythm.unsure(ahead) == pytest.approx(np.hypot(np.std(off), 0.01), rel=0.1)

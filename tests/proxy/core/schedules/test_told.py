@@ -1,11 +1,14 @@
 """Rhythms as digests tell them."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core.schedules.rhythm import Rhythm
-from proxy.core.schedules.told import heard, told
+from proxy.core.schedules.told import FEWEST, heard, told
+from proxy.core.schedules.tracker import LONG
 from proxy.core.wire import PHASES, StreamDigest
 
 
@@ -27,3 +30,9 @@ def test_without_a_rhythm_nothing_is_told():
     assert told(None, 20, 1.0) == told(Rhythm(1e-5, 1.0, 20, 0.0, 16), 20, 1.0) == (0.0, 0, 0)
     assert heard(news(1.0), float) is None
     assert heard(news(1.0, 1e-9, 5, 5), float) is None
+
+
+def test_who_is_told_of_a_rhythm_knows_from_how_many_samples_at_most_it_was_found():
+    """So it is the less sure of it the younger the stream was."""
+    told_of = [heard(replace(news(1.0, 0.1, 0, 5), generated=generated), float) for generated in (1, 20, 900)]
+    assert [rhythm.known for rhythm in told_of] == [FEWEST, 20, LONG]
