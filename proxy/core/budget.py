@@ -98,6 +98,13 @@ class Budget:
         """When the room opens for a message that our sends, or `anybodys`, leave [s]; −∞ where it is there, else ∞."""
         return opens(self.usable(now), self._sent, self.others(now), use, anybodys=anybodys)
 
+    def grew(self, now: float) -> float:
+        """When a window was left last by a send that changes plans [s]; −∞ where none was."""
+        longest = longest_window(limit for limit in self.limits if limit.shared)
+        sends = (*self._sent, *self.others(now))
+        gone = [t + longest for t, use in sends if t + longest <= now and changes_plans(use, self.limits)]
+        return max(gone, default=-math.inf)
+
     def use(self, now: float, use: tuple[float, ...]) -> None:
         """A message with this use is sent now."""
         self._sent.append((now, use))

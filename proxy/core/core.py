@@ -119,7 +119,7 @@ class Core:
         stream = self.view.stream(event.now, robot, event.key)
         # A stream that is there may have another period by and by; a new one is news.
         known = stream is None or stream.generated
-        self.telling.restate(event.now, soon=not known)
+        self.telling.restate_stream(event.now, event.size, new=not known)
         deletes = event.delete and (stream is None or stream.information_type.deletes == "bypass")
         if stream is None or deletes:
             self._uncovered(event.now, 1, event.size)

@@ -129,15 +129,19 @@ class DigestPacer:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
         It is as large as the last one, and we tell no more than an equal part. For what the others tell we wait a
-        second or two at most.
+        second or two at most, and where windows are shorter than that for one window at least: of eight robots with
+        cameras each tells something every ten seconds, and where two did at one moment 1.1 % of the windows were over
+        the limit.
         """
         cost = self._size * copies
         self._fill(now)
-        affordable = now + max(0.0, cost - self._tokens) / self._rate_of_own
+        affordable = now + (cost - self._tokens) / self._rate_of_own
         # Where all have waited for the allowance, they do not go on at the same moment.
         room = now + max(0.0, cost * (1.0 + self._turn) - self._common) / self._rate
         fits, patience = self._fits_at(now, cost), UNHURRIED if self._splits else SLOW
-        due = max(affordable, min(max(room, fits), self._last + patience * (1.0 + self._turn)))
+        waits = self._window if self._window < SLOW else 0.0
+        until = max(affordable + waits * (1.0 + self._turn), self._last + patience * (1.0 + self._turn))
+        due = max(now, affordable, min(max(room, fits), until))
         if self._splits:
             due = max(due, fits)
         return due if news else max(due, self._last + SLOW)

@@ -47,6 +47,9 @@ STATE_PACE = 0.2
 """States follow each other at least this far apart [s]."""
 ON_ITS_WAY = 0.3
 """An update of a state may come so much later than a digest that speaks of it [s]."""
+GATHER = 0.25
+"""New streams that are not large are told of so late, together with others that begin with them [s]: where each was
+told of at once the next state of eight robots waited 1 to 6 s for the allowance, and nobody knew of their cameras."""
 RESTATE = 1.0
 """While samples come, our state is looked at this often: whether the periods are still right [s]."""
 
@@ -95,9 +98,18 @@ class Telling:
         # Where the rest is due sooner it does not matter when the allowance has paid for a state.
         return due if due <= self._restate_at else min(due, max(self._restate_at, self._state_due(now)))
 
-    def restate(self, now: float, *, soon: bool = True) -> None:
-        """Our state may be news; look at once, or when it is time to."""
-        self._restate_at = min(self._restate_at, now if soon else self._restated + RESTATE)
+    def restate(self, now: float) -> None:
+        """Our state may be news; look at once."""
+        self._restate_at = min(self._restate_at, now)
+
+    def restate_stream(self, now: float, size: int, *, new: bool) -> None:
+        """A stream has a sample of so many bytes: its period may be another one, or it is `new`.
+
+        Look at once where it is news that others plan with, else when it is time to.
+        """
+        large = changes_plans(use_of(size, 1, self._gate.limits), self._gate.limits)
+        later = now + GATHER if new else self._restated + RESTATE
+        self._restate_at = min(self._restate_at, now if new and large else later)
 
     def answered(self, now: float) -> None:
         """Somebody asked for our state and got it: all the rest is told by the next digest."""

@@ -28,8 +28,9 @@ from proxy.core.claims import Claim, claim
 from proxy.core.disputes import Disputes
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import Waiting
-from proxy.core.limits import Limits, changes_plans, longest_window, use_of
-from proxy.core.stream import Sent, Stream
+from proxy.core.limits import Limit, Limits, changes_plans, longest_window, use_of
+from proxy.core.schedules.patterns import MEMORYLESS
+from proxy.core.stream import LEAST_PERIOD, Sent, Stream
 from proxy.core.view import SharedView
 from proxy.core.ways import Audience
 
@@ -46,6 +47,17 @@ MOST_FACTS = 16
 """So many of the messages last sent of a stream are facts where more than one counts."""
 MOST_OF_BEST = 24
 """So many forecasts of a stream are planned for where the best message counts: time grows with their square."""
+CHOICE = 1.5
+"""Where streams offer more than this times what the limits carry, plans expect the smallest samples to be sent, as many
+as that: else a frame is sent beside which no other one fits, although two smaller ones come by and by. Two, four and
+eight robots with frames of 26 kB sent 6, 9 and 3 % more bytes so, and two with frames of 60 kB 22 %."""
+LEAST_CHOSEN = 0.05
+"""No smaller part of the samples is expected to be sent."""
+BULKY = 0.25
+"""That is so of messages that take more than this part of a limit..."""
+VARIED = 0.05
+"""... whose sizes deviate by more than this part, and which come by a rhythm: of five robots with samples of random
+sizes, worths and times twice as many windows were over the limit, with 2 % less utility."""
 OVERHEARD = 0.05
 """What was sent we have overheard so much later at most, besides the latency and the stream's jitter [s]."""
 MOST_OF_OWN = 3
@@ -69,6 +81,8 @@ class _Candidate:
     own: bool
     markovian: bool
     times: list[float]
+    size: int = 0
+    """The size that its samples to come are planned with [B]."""
     copy: bool = False
     """Whether these are messages for one robot alone, which was away when they were generated."""
 
@@ -204,6 +218,8 @@ class WindowBuilder:
             c.times = c.stream.schedule.forecast(after, end, MOST_AHEAD, now)
             if not c.times:
                 c.times = c.stream.schedule.forecast(after, until, 1, now)
+            c.size = c.stream.likely_size
+        _choose(candidates, limits.union)
         return max([end, *[c.times[0] for c in candidates if c.times]])
 
     def _since(self, now: float, c: _Candidate, limits: Limits, longest: float, ours: Claim | None) -> float:
@@ -301,7 +317,7 @@ def _open(waiting: Waiting, c: _Candidate, *, current: bool = False) -> _Open:
 
 def _expect(c: _Candidate, t_gen: float) -> _Open:
     like = c.stream.expected(t_gen)
-    return _Open(t_gen, c, c.stream.likely_size, like.scale, like.features)
+    return _Open(t_gen, c, c.size, like.scale, like.features)
 
 
 def _sent(m: _Open, now: float) -> Sent:
@@ -352,6 +368,21 @@ def _bounded(c: _Candidate, times: list[float]) -> list[float]:
     while len(times) > most:
         times = times[::2]
     return times
+
+
+def _choose(candidates: list[_Candidate], limits: tuple[Limit, ...]) -> None:
+    """Where far more is offered than can be sent expect only the smallest samples of bulky streams to be sent."""
+    uses = [use_of(round(c.stream.mean_size), c.copies, limits, own=c.own) for c in candidates]
+    periods = [max(c.stream.schedule.period, LEAST_PERIOD) for c in candidates]
+    offered = [sum([use[k] / period for use, period in zip(uses, periods, strict=True)]) for k in range(len(limits))]
+    carried = [CHOICE * c.limit / c.window / rate for c, rate in zip(limits, offered, strict=True) if rate > 0.0]
+    part = max(LEAST_CHOSEN, min(carried, default=1.0))
+    for c, use in zip(candidates, uses, strict=True):
+        stream, bulky = c.stream, any(u > BULKY * limit.limit for u, limit in zip(use, limits, strict=True))
+        varied = stream.size_deviation > VARIED * stream.mean_size and stream.schedule.kind != MEMORYLESS
+        if part < 1.0 and bulky and varied and not guaranteed(stream):
+            chosen = [t for i, t in enumerate(c.times) if int((i + 1) * part) > int(i * part)]
+            c.times, c.size = chosen or c.times[-1:], stream.smallest(part)
 
 
 def _thin(candidates: list[_Candidate], horizon: int) -> None:

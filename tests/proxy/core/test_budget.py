@@ -205,3 +205,14 @@ def test_whoever_sends_what_fits_keeps_every_limit(make_budget, coordination, st
         for k, limit in enumerate((BYTES, COUNT) if ours else ()):
             window = sum(use[k] for t, use, _ in sent if end - limit.window <= t <= end and (t < end or _))
             assert window <= budget.whole(end, k) + 1e-6
+
+
+def test_room_grew_last_when_a_large_send_left_the_window(make_budget):
+    """Ours or another robot's; what is small makes no room that anybody waits for."""
+    budget, view = make_budget()
+    budget.use(1.0, (300.0,))
+    heard(view, 1.2, 300)
+    budget.use(1.3, (5.0,))
+    assert budget.grew(1.9) == -math.inf
+    assert budget.grew(2.1) == pytest.approx(2.0)
+    assert budget.grew(2.5) == pytest.approx(2.2)

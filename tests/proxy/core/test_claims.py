@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from proxy.core.claims import AGAIN, CAUTION, DECIDED, both, claim, leads, news_take, rivals
+from proxy.core.claims import CAUTION, CLOSE, DECIDED, both, claim, leads, news_take, rivals
 from proxy.core.disputes import Disputes
 from proxy.core.limits import limits_of
 from proxy.core.schedules.rhythm import Rhythm
@@ -30,11 +30,15 @@ def view(make_specs):
     return view
 
 
-def taken(view, now, *, opened=-math.inf):
+def taken(view, now, *, grew=-math.inf):
+    return judged(view, now, grew=grew)[0]
+
+
+def judged(view, now, *, grew=-math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.look(now, limits, alone=False)
     stream = view.known("r1", "robot/r1/camera")
-    return rivals(now, view, disputes, stream, limits, opened=opened)
+    return rivals(now, view, disputes, stream, limits, grew=grew)
 
 
 def sent(view, robot, t):
@@ -126,15 +130,41 @@ def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
     """Two that gave way to a third do not send at once after that; who has the best claim gives way to nobody."""
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
-    now = 10.0 + (AGAIN - 0.1) * news_take(view)
-    assert taken(view, now) == (0.0,)
+    news = news_take(view)
+    assert taken(view, 10.0 + 2.0 * news) == (0.0,)
     third = view.stream(0.0, "r3", "robot/r3/camera")
     third.matching = True
     for count in range(100):
-        third.note_generated(count + 1, Generated(count * PERIOD + 0.04, SIZE, 1.0))
+        third.note_generated(count + 1, Generated(count * PERIOD + 0.5 * news, SIZE, 1.0))
     sent(view, "r3", 8.0)
-    assert taken(view, now) == (SIZE,)
-    assert taken(view, 10.0 + (AGAIN + 0.1) * news_take(view)) == (0.0,)
+    assert taken(view, 10.0 + 1.2 * news) == (3 * SIZE,)  # what the third one sends goes to two
+    assert judged(view, 10.0 + 1.2 * news)[1] == pytest.approx(10.0 + 1.5 * news)
+    assert taken(view, 10.0 + 2.0 * news) == (SIZE,)
+    assert judged(view, 10.0 + 2.0 * news)[1] == pytest.approx(10.0 + 2.5 * news)
+    assert taken(view, 10.0 + 2.6 * news) == (0.0,)
+
+
+def test_a_sample_may_come_later_than_it_is_due(view):
+    """By as much as its rhythm is unsure: more, the longer nothing of it was told."""
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    theirs, late = view.known("r2", "robot/r2/camera"), 10.0 + 1.5 * news_take(view)
+    theirs.schedule.observe(101, 9.9, Rhythm(PERIOD, 9.9, 101, 0.0, 16))
+    assert taken(view, late) == (0.0,)
+    theirs.schedule.observe(102, 9.9, Rhythm(PERIOD, 9.9, 102, 0.5 * news_take(view), 16))
+    assert taken(view, late) == (SIZE,)
+
+
+def test_of_two_that_are_as_long_silent_one_leads(view):
+    """Though what each knows of the other is off by a bit: clocks and the wire round."""
+    limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
+    disputes.look(10.0, limits, alone=False)
+    sent(view, "r1", 9.0)
+    sent(view, "r2", 9.0 + 0.5 * CLOSE)
+    assert not leads(10.0, view, disputes, view.known("r1", "robot/r1/camera"), limits)
+    assert taken(view, 10.0 + 0.5 * DECIDED) == (SIZE,)
+    view.note_sent(view.known("r2", "robot/r2/camera"), 2, Sent(9.1, 9.1, SIZE, 1.0))
+    assert leads(10.0, view, disputes, view.known("r1", "robot/r1/camera"), limits)
 
 
 def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view):
@@ -145,7 +175,7 @@ def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view)
     now = 10.0 + 4.0 * news_take(view)
     theirs.note_generated(101, Generated(10.0, SIZE, 1.0))
     assert taken(view, now) == (0.0,)
-    assert taken(view, now, opened=now) == (SIZE,)
+    assert taken(view, now, grew=now) == (SIZE,)
 
 
 def test_a_stream_that_never_sent_has_the_claim_of_its_whole_life(view):
@@ -180,8 +210,8 @@ def test_the_best_claim_may_have_waited_for_the_room_that_opened(view):
     sent(view, "r2", 9.0)
     now = 10.05
     assert taken(view, now) == (0.0,)
-    assert taken(view, now, opened=now - 0.5 * DECIDED) == (SIZE,)
-    assert taken(view, now, opened=now - 2.0 * news_take(view)) == (0.0,)
+    assert taken(view, now, grew=now - 0.5 * DECIDED) == (SIZE,)
+    assert taken(view, now, grew=now - 2.0 * news_take(view)) == (0.0,)
 
 
 def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view):

@@ -22,7 +22,7 @@ from proxy.core.commands import (
 )
 from proxy.core.fixed import rounded, single
 from proxy.core.mode import Mode
-from proxy.core.telling import ON_ITS_WAY
+from proxy.core.telling import GATHER, ON_ITS_WAY
 from proxy.core.view import MOST_PEERS
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
 from tests.proxy.core.streams import periodic, poisson
@@ -641,6 +641,22 @@ def test_updates_of_the_state_name_what_is_new(make_talk):
     assert (states[-1].update, states[-1].state.subscriptions) == (None, ("k",))
     talk.tell(ev.TimePassed(5.0))
     assert talk.all(SendDigest)[-1].digest.state == states[-1].state.number
+
+
+def test_small_streams_that_begin_together_are_told_of_together(make_talk, make_specs):
+    """A large one is told of at once, with those that are there: others plan with it."""
+    talk = make_talk(make_specs(limit="1 MB/s"))
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(0.9))
+    for late, name in ((0.0, "a"), (0.1, "b")):
+        talk.publish(1.0 + late, key=f"robot/{name}/camera", size=100)
+    talk.tell(ev.TimePassed(1.2))
+    assert [len(sent.state.streams) for sent in talk.all(SendState)][-1] == 0
+    talk.tell(ev.TimePassed(1.0 + GATHER))
+    assert [len(sent.state.streams) for sent in talk.all(SendState)][-1] == 2
+    talk.publish(3.0, key="robot/c/camera", size=100)
+    talk.publish(3.1, key="robot/d/camera", size=100_000)
+    assert [len(sent.state.streams) for sent in talk.all(SendState)][-1] == 4
 
 
 def test_who_asks_for_the_state_is_told_everything_in_the_next_digest(make_talk):

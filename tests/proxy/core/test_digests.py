@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -334,6 +335,18 @@ def test_where_robots_announce_ordinary_news_wait_until_the_window_has_room_for_
     pacer.sent(16.0, SIZE, 3)
     pacer.spent(16.0, 300, 1)
     assert 16.0 < pacer.due(16.0, news=True, copies=3) <= 16.0 + 2.0 * SLOW
+
+
+def test_who_could_afford_nothing_for_long_waits_for_room_all_the_same():
+    """One short window at most: else all that may tell something do at one moment."""
+    pacer = pacer_of(1000.0, robots=4)
+    pacer.follow(0.0, splits=False, begins=False, window=0.5)
+    pacer.due(10.0, news=True, copies=3)
+    pacer.sent(10.0, 300, 3)
+    affordable = next(t for t in map(float, np.arange(10.0, 40.0, 0.01)) if pacer.due(t, news=True, copies=3) <= t)
+    assert affordable > 10.0 + 2.0 * SLOW
+    pacer.spent(affordable, 450, 1)
+    assert affordable < pacer.due(affordable, news=True, copies=3) <= affordable + 2.0 * 0.5
 
 
 def test_robots_with_news_of_parts_do_not_speak_at_one_moment():

@@ -18,7 +18,7 @@ from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent
 from proxy.core.transport import broadcast
 from proxy.core.view import SharedView
-from proxy.core.window import MOST_OF_BEST, MOST_OF_OWN, OVERHEARD, WindowBuilder
+from proxy.core.window import CHOICE, MOST_OF_BEST, MOST_OF_OWN, OVERHEARD, WindowBuilder
 from proxy.core.wire import Echo, State
 from utility_specs import ConstraintSpec, Specs
 
@@ -540,3 +540,37 @@ def test_a_window_with_room_enough_is_whole(crowd):
     problem, full = builder.within(10.0, sample(10.0), waiting, union(), 61)
     assert problem == whole
     assert full == sum(not m.sent for m in whole.messages) - 1
+
+
+def offered(make_specs, sizes, *, robots=4, kind=""):
+    """Robots with frames of 10 Hz of these sizes, in turn, under a limit of 4 kB/s; the forecasts of each, by size."""
+    view = make_view(make_specs(), horizon=400)
+    for robot in range(robots):
+        stream = view.stream(10.0, f"r{robot + 1}", f"robot/r{robot + 1}/camera")
+        stream.matching = True
+        for count in range(100):
+            stream.note_generated(count + 1, Generated(0.1 * count + 0.02 * robot, sizes[count % len(sizes)], 1.0))
+        if kind:
+            stream.schedule.assume(0.1, kind)
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), [], union())
+    return [m for m in problem.messages if not m.sent and m.t_gen > 10.0]
+
+
+def test_where_far_more_is_offered_than_fits_only_the_smallest_samples_are_expected_to_be_sent(make_specs):
+    """So few as are needed to use the limit up, and as small: no frame of usual size takes the room of two of them."""
+    messages = offered(make_specs, (1800, 2000, 2200))
+    carried = 4_000.0 / (4 * 10 * 2_000.0)
+    until = max(m.t_gen for m in messages)
+    assert len(messages) == pytest.approx(CHOICE * carried * 40 * (until - 10.0), rel=0.2)
+    assert [m.use[0] for m in messages] == pytest.approx([1690.0] * len(messages), abs=30.0)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "robots", "kind"),
+    [((2000,), 4, ""), ((180, 200, 220), 4, ""), ((900, 1000, 1100), 1, ""), ((1800, 2000, 2200), 4, "poisson")],
+    ids=["alike", "small", "few", "at random"],
+)
+def test_else_all_samples_are(make_specs, sizes, robots, kind):
+    """Where sizes are alike, or small beside the limit, or where most of them fit, nothing is gained by waiting."""
+    messages = offered(make_specs, sizes, robots=robots, kind=kind)
+    assert len(messages) >= 0.9 * robots * 10 * (max(m.t_gen for m in messages) - 10.0) - robots
