@@ -37,7 +37,7 @@ SPREAD = 2.0
 bytes, and 20 times as many windows were over the limit; with three, four robots sent 1 % less..."""
 MOST_SPREAD = 0.2
 """... but by no more than this part of the period: where little is known of a rhythm nobody would send for long. With
-half of it ten robots with equal messages at loose rhythms reached one percent less (20 ms)."""
+half of the period ten robots with equal messages at loose rhythms reached one percent less (20 ms)."""
 AGAIN = 2.0
 """What generates at random and may have given way is undecided for so many times as long as news take."""
 UNSURE = 0.25
@@ -70,9 +70,7 @@ def news_take(view: SharedView) -> float:
 def leads(now: float, view: SharedView, disputes: Disputes, stream: Stream, limits: tuple[Limit, ...]) -> bool:
     """Whether a periodic stream of ours has the best claim of all: the others leave it the room that opens next."""
     ours = claim(now, stream)
-    return _waits(stream) and all(
-        _theirs(now, each, stream) < ours for each in _contested(now, view, disputes, stream, limits)
-    )
+    return _waits(stream) and all(theirs < ours for theirs, _ in _claims(now, view, disputes, stream, limits))
 
 
 def opening(view: SharedView) -> float:
@@ -95,7 +93,7 @@ def rivals(
     last; each of the others may have given way to those before it until it was known what became of them.
     """
     ours, news = claim(now, stream), news_take(view)
-    claims = [(_theirs(now, each, stream), each) for each in _contested(now, view, disputes, stream, limits)]
+    claims = _claims(now, view, disputes, stream, limits)
     better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
     taken, until, decided = _taken_by_new(now, view, stream.robot, limits), math.inf, -math.inf
     for rank, (_, each) in enumerate(better):
@@ -137,12 +135,15 @@ def _spread(now: float, stream: Stream) -> float:
     return min(SPREAD * stream.schedule.unsure(now), MOST_SPREAD * stream.schedule.period)
 
 
-def _contested(
+def _claims(
     now: float, view: SharedView, disputes: Disputes, stream: Stream, limits: tuple[Limit, ...]
-) -> list[Stream]:
-    """Return the contested streams of other robots that are large; small ones that are new are soon something else."""
+) -> list[tuple[Claim, Stream]]:
+    """Return the contested streams of other robots that are large, with their claims as these are compared with ours.
+
+    Small ones that are new are soon something else.
+    """
     return [
-        each
+        (_theirs(now, each, stream), each)
         for each in view.competition.all(now)
         if each.robot != stream.robot
         and disputes.weighed(each).standing is Standing.CONTESTED

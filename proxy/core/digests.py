@@ -137,10 +137,11 @@ class DigestPacer:
         self._fill(now)
         affordable = now + (cost - self._tokens) / self._rate_of_own
         # Where all have waited for the allowance, they do not go on at the same moment.
-        room = now + max(0.0, cost * (1.0 + self._turn) - self._common) / self._rate
+        apart = 1.0 + self._turn
+        room = now + max(0.0, cost * apart - self._common) / self._rate
         fits, patience = self._fits_at(now, cost), UNHURRIED if self._splits else SLOW
-        waits = self._window if self._window < SLOW else 0.0
-        until = max(affordable + waits * (1.0 + self._turn), self._last + patience * (1.0 + self._turn))
+        window = self._window if self._window < SLOW else 0.0
+        until = max(affordable + window * apart, self._last + patience * apart)
         due = max(now, affordable, min(max(room, fits), until))
         if self._splits:
             due = max(due, fits)

@@ -78,8 +78,6 @@ class Gate:
         self._deletions = Deletions()
         self.wakes_at = math.inf
         """When a sample that waits for room can be taken up [s]."""
-        self._until = math.inf
-        """When it is known what became of a sample that another one gives way to, as seen last [s]."""
         self._opening: dict[int, tuple[float, tuple[Limit, ...]]] = {}
         """When there is room for samples that wait for it [s], under which limits."""
         self._unsettled: dict[int, Waiting] = {}
@@ -223,8 +221,8 @@ class Gate:
         use = self._use(now, pending.sample)
         lacking = self._budget.lacking(now, self._windows.disputes.besides(now, use)) if plan.send else ()
         if plan.send and not lacking:
-            lacking = self._lacking_beside_rivals(now, pending.sample, use)
-            if lacking and self._gives_way(now, pending.sample):
+            lacking, until = self._lacking_beside_rivals(now, pending.sample, use)
+            if lacking and self._gives_way(now, pending.sample, until):
                 return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, pending.sample.key, plan, pending.constraints, reason))
@@ -394,7 +392,7 @@ class Gate:
         if pending.copy is not None or any(waiting.priority < sample.priority for waiting in self.inbox):
             return self._by_rule(now, pending)
         needed = self._windows.disputes.besides(now, use)
-        if lacking := self._budget.lacking(now, needed) or self._lacking_beside_rivals(now, sample, use):
+        if lacking := self._budget.lacking(now, needed) or self._lacking_beside_rivals(now, sample, use)[0]:
             return [self._refuse(now, sample, "dropped:fallback", lacking)]
         return [self._send(now, sample, use, "passed:fallback")]
 
@@ -476,22 +474,27 @@ class Gate:
         stream = self._own(now, sample)
         return use_of(sample.size, self._view.copies(stream) if stream is not None else 1, self.limits)
 
-    def _lacking_beside_rivals(self, now: float, sample: Waiting, use: tuple[float, ...]) -> tuple[str, ...]:
-        """Name the limits that have no room for a sample beside what others with a better claim may just have sent."""
+    def _lacking_beside_rivals(
+        self, now: float, sample: Waiting, use: tuple[float, ...]
+    ) -> tuple[tuple[str, ...], float]:
+        """Name the limits that have no room for a sample beside what others with a better claim may just have sent.
+
+        And say until when at least, as far as nothing is heard of them [s].
+        """
         stream = self._own(now, sample)
         if stream is None or self._budget.alone or not self._view.peers:
-            return ()
+            return (), math.inf
         if any(amount > c.limit for amount, c in zip(use, self._budget.usable(now), strict=True)):
-            return ()  # there never is room beside it
+            return (), math.inf  # there never is room beside it
         disputes = self._windows.disputes
         grew = self._budget.grew(now)
-        taken, self._until = rivals(now, self._view, disputes, stream, self.limits, grew=grew)
-        return self._budget.lacking(now, disputes.besides(now, both(use, taken))) if any(taken) else ()
+        taken, until = rivals(now, self._view, disputes, stream, self.limits, grew=grew)
+        return self._budget.lacking(now, disputes.besides(now, both(use, taken))) if any(taken) else (), until
 
-    def _gives_way(self, now: float, sample: Waiting) -> bool:
+    def _gives_way(self, now: float, sample: Waiting, until: float) -> bool:
         """Whether a sample waits until it is known what others have sent; not where a newer one is there by then."""
-        stream, news = self._own(now, sample), now + news_take(self._view)
-        known_at = max(now + LEAST_WAIT, min(self._until, news))
+        stream = self._own(now, sample)
+        known_at = max(now + LEAST_WAIT, min(until, now + news_take(self._view)))
         if stream is None or any(waiting.key == sample.key for waiting in self.inbox):
             return False
         if known_at > sample.t_gen + GIVES_WAY * self._windows.disputes.patience(stream):

@@ -98,18 +98,19 @@ class Telling:
         # Where the rest is due sooner it does not matter when the allowance has paid for a state.
         return due if due <= self._restate_at else min(due, max(self._restate_at, self._state_due(now)))
 
-    def restate(self, now: float) -> None:
-        """Our state may be news; look at once."""
-        self._restate_at = min(self._restate_at, now)
+    def restate(self, at: float) -> None:
+        """Our state may be news; look then [s]."""
+        self._restate_at = min(self._restate_at, at)
 
     def restate_stream(self, now: float, size: int, *, new: bool) -> None:
         """A stream has a sample of so many bytes: its period may be another one, or it is `new`.
 
         Look at once where it is news that others plan with, else when it is time to.
         """
-        large = changes_plans(use_of(size, 1, self._gate.limits), self._gate.limits)
-        later = now + GATHER if new else self._restated + RESTATE
-        self._restate_at = min(self._restate_at, now if new and large else later)
+        if not new:
+            self.restate(self._restated + RESTATE)
+        else:
+            self.restate(now if self._changes_plans(size, 1) else now + GATHER)
 
     def answered(self, now: float) -> None:
         """Somebody asked for our state and got it: all the rest is told by the next digest."""
@@ -270,12 +271,16 @@ class Telling:
         """Whether we sent something since the last digest that changes what others plan."""
         if not self._announces or self._view.messages == self._told_messages:
             return False
-        return changes_plans(use_of(self._view.largest, 1, self._gate.limits), self._gate.limits)
+        return self._changes_plans(self._view.largest, 1)
 
     def _large(self, stream: Stream) -> bool:
         """Whether the samples of a stream change what others plan."""
         size = 0 if stream.sent is None else stream.sent.size
-        return changes_plans(use_of(size, self._view.copies(stream), self._gate.limits), self._gate.limits)
+        return self._changes_plans(size, self._view.copies(stream))
+
+    def _changes_plans(self, size: int, copies: int) -> bool:
+        """Whether others plan with so many bytes in so many copies."""
+        return changes_plans(use_of(size, copies, self._gate.limits), self._gate.limits)
 
     def _look_for_news(self) -> None:
         """See whether there is news of our streams, when something was noted of them or told."""

@@ -191,7 +191,7 @@ class WindowBuilder:
     def _candidate(self, now: float, place: int, stream: Stream) -> _Candidate:
         view, own = self._view, stream.robot == self._view.settings.robot
         markovian, audience = stream.information_type.markovian, view.audiences.of(now, stream)
-        return _Candidate(stream, place, view.copies(stream), audience, own, markovian, [])
+        return _Candidate(stream, place, view.copies(stream), audience, own, markovian, [], stream.likely_size)
 
     def _copied(self, now: float, place: int, current: Waiting) -> _Candidate:
         """Return the stream of a copy, as it is for the one robot that the copy is for."""
@@ -218,7 +218,6 @@ class WindowBuilder:
             c.times = c.stream.schedule.forecast(after, end, MOST_AHEAD, now)
             if not c.times:
                 c.times = c.stream.schedule.forecast(after, until, 1, now)
-            c.size = c.stream.likely_size
         _choose(candidates, limits.union)
         return max([end, *[c.times[0] for c in candidates if c.times]])
 
@@ -377,10 +376,12 @@ def _choose(candidates: list[_Candidate], limits: tuple[Limit, ...]) -> None:
     offered = [sum([use[k] / period for use, period in zip(uses, periods, strict=True)]) for k in range(len(limits))]
     carried = [CHOICE * c.limit / c.window / rate for c, rate in zip(limits, offered, strict=True) if rate > 0.0]
     part = max(LEAST_CHOSEN, min(carried, default=1.0))
+    if part >= 1.0:
+        return
     for c, use in zip(candidates, uses, strict=True):
         stream, bulky = c.stream, any(u > BULKY * limit.limit for u, limit in zip(use, limits, strict=True))
         varied = stream.size_deviation > VARIED * stream.mean_size and stream.schedule.kind != MEMORYLESS
-        if part < 1.0 and bulky and varied and not guaranteed(stream):
+        if bulky and varied and not guaranteed(stream):
             chosen = [t for i, t in enumerate(c.times) if int((i + 1) * part) > int(i * part)]
             c.times, c.size = chosen or c.times[-1:], stream.smallest(part)
 

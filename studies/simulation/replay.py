@@ -4,9 +4,10 @@ Flights under different clocks part for good once a single decision falls differ
 compared by itself: the robot goes on with what was decided in the flight.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import TypeVar
 
 from planner import start
 from proxy.clock import PACE
@@ -18,6 +19,8 @@ from studies.simulation.clocks import BOOT, EPOCH, Clock
 from studies.simulation.medium import RELIABLE, Medium
 from studies.simulation.member import Member
 from studies.simulation.team import Team
+
+T = TypeVar("T")
 
 
 @dataclass(slots=True)
@@ -131,16 +134,19 @@ class Relived(Team):
         """Search as then, and go on with what was decided then."""
         pending, before, now = member.core.gate.pending, self._before, self._now
         sample = pending.sample.sample if pending is not None and pending.ticket == command.ticket else -1
-        again = len(now.tickets.get(sample, []))
-        seed = ([*before.tickets.get(sample, [])[again:], command.seed])[0]
-        search = start(command.problem, self.search, seed)
+        again = len(now.tickets.get(sample, ()))
+        search = start(command.problem, self.search, _at(again, before.tickets.get(sample, ()), command.seed))
         search.run(command.iterations)
         plan = search.plan()
         if sample >= 0:
             now.tickets.setdefault(sample, []).append(command.ticket)
             now.answered(sample, send=plan.send)
-            plan = replace(plan, send=[*before.answers.get(sample, [])[again:], plan.send][0])
+            plan = replace(plan, send=_at(again, before.answers.get(sample, ()), plan.send))
         self.agenda.at(t + self.decision_time, partial(self._decided, member, command.ticket, plan))
+
+
+def _at(place: int, found: Sequence[T], otherwise: T) -> T:
+    return found[place] if place < len(found) else otherwise
 
 
 @dataclass(frozen=True, slots=True)

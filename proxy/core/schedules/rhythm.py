@@ -84,7 +84,7 @@ def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:
         return None
     kept = _near(x, y, slope)
     if len(kept) > 2 and not period:
-        slope = max(LEAST_PERIOD, _least_squares(kept) or slope)
+        slope = max(LEAST_PERIOD, max(0.0, least_squares(kept)) or slope)
     rest = [b - slope * a for a, b in kept]
     start = sum(rest) / len(rest)
     square = sum([(e - start) ** 2 for e in rest]) / max(len(rest) - 2, 1)
@@ -110,11 +110,11 @@ def _near(x: list[int], y: list[float], slope: float) -> list[Numbered]:
     return [(a, b) for a, b, e in zip(x, y, off, strict=True) if e <= most]
 
 
-def _least_squares(points: list[Numbered]) -> float:
-    """Return the slope; 0.0 when there is none above 0."""
+def least_squares(points: Sequence[Numbered]) -> float:
+    """Return the slope of the best line through points; 0.0 where they have one place."""
     count = len(points)
     sum_x = sum([a for a, _ in points])
     sum_y = sum([b for _, b in points])
     over = sum([a * b for a, b in points]) - sum_x * sum_y / count
     under = sum([a * a for a, _ in points]) - sum_x * sum_x / count
-    return max(0.0, over / under) if under > 0.0 else 0.0
+    return over / under if under > 0.0 else 0.0

@@ -11,7 +11,7 @@ from itertools import pairwise
 from math import gcd, sqrt
 
 from proxy.core.schedules.gaps import RUN, base_of, faster, gaps_of, numbered, slower
-from proxy.core.schedules.rhythm import EXACT, LEAST_PERIOD, Numbered, Rhythm, fit
+from proxy.core.schedules.rhythm import EXACT, LEAST_PERIOD, Numbered, Rhythm, fit, least_squares
 
 MEMORY = 16
 """Generation times that tell the rhythm..."""
@@ -215,12 +215,11 @@ def _gate(rhythm: Rhythm) -> float:
 def _holds(rhythm: Rhythm, points: Sequence[Numbered]) -> bool:
     """Whether these times, but for those far off, are about as near to the rhythm as to the best line through them."""
     most = GATE * rhythm.jitter + EXACT * rhythm.period
-    off = [(n, e) for n, t in points if abs(e := t - rhythm.due(n)) <= most]
+    off = [(n - rhythm.number, e) for n, t in points if abs(e := t - rhythm.due(n)) <= most]
     if len(off) <= len(points) // 2:
         return False
     x, y = (sum(each) / len(off) for each in zip(*off, strict=True))
-    along = sum([(n - x) ** 2 for n, _ in off])
-    slope = sum([(n - x) * (e - y) for n, e in off]) / along
+    slope = least_squares(off)
     own = sum([(e - y - slope * (n - x)) ** 2 for n, e in off])
     return bool(sum([e * e for _, e in off]) <= BETTER * own + len(off) * (EXACT * rhythm.period) ** 2)
 
