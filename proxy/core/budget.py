@@ -70,6 +70,11 @@ class Budget:
         since = now - self.limits[k].window
         return sum(use[k] for t, use in self._sent if t >= since)
 
+    def using(self, now: float) -> float:
+        """What part our own sends of the windows that end now take of what we may use of shared constraints."""
+        shared = (k for k, limit in enumerate(self.limits) if limit.shared)
+        return max((self.used(now, k) / self.whole(now, k) for k in shared), default=0.0)
+
     def free(self, now: float) -> list[float]:
         """What may still be sent now of each constraint; less than nothing where too much was sent."""
         others = self.others(now)

@@ -276,7 +276,7 @@ class Core:
         for other in known.keys() - self.view.peers.keys():  # it had to leave for the new one
             self._forget(other)
         self._membership(event.now)
-        self.telling.pacer.forget()
+        self.telling.met(event.now)
         self.telling.asking.want(event.now, name)
         robot = self.view.peers[name].robot
         notices: list[Command] = [Notice("info", f"robot {robot} is on the mesh")]
@@ -376,7 +376,8 @@ class Core:
             self._membership(now)
             new = self.outsiders.found - before
             commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
-        looked = self.coordination.look(now, self.budget.limits, self.channel.waiting, self.telling.announcing)
+        limits, waiting = self.budget.limits, self.channel.waiting
+        looked = self.coordination.look(now, limits, waiting, self.telling.announcing, self.budget.using)
         self.telling.parts_changed |= looked
         self.coordination.mute_until = self.telling.announces_at(now)
         if self.gate.pending is None:

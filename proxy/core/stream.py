@@ -73,6 +73,8 @@ class Stream:
     last: Generated | None = None
     sent: Sent | None = None
     recent: deque[Sent] = field(default_factory=lambda: deque(maxlen=512))
+    overheard: bool = False
+    """Whether it is known from the air alone: how many were generated and sent its robot has not told yet."""
     matching: bool = False
     touched: float = 0.0
     fates: Counter[str] = field(default_factory=Counter)
@@ -200,6 +202,14 @@ class Stream:
         self.recent.extend(noted)
         self.sent = sent
         return noted
+
+    def number(self, count: int, *, heard: bool) -> None:
+        """Its robot tells for the first time how many it sent of what we overheard, and whether we `heard` the last.
+
+        What was sent before we heard any counts for nothing.
+        """
+        self.overheard = False
+        self.forwarded = max(self.forwarded, count if heard else count - 1)
 
     def reach(self, names: tuple[str, ...]) -> None:
         """Those robots were sent a sample; mostly they are the same as those before."""

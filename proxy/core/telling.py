@@ -9,7 +9,7 @@ import zlib
 from dataclasses import replace
 from operator import attrgetter
 
-from proxy.core.asking import Asking
+from proxy.core.asking import PACE, Asking
 from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
@@ -50,6 +50,8 @@ ON_ITS_WAY = 0.3
 GATHER = 0.25
 """New streams that are not large are told of so late, together with others that begin with them [s]: where each was
 told of at once the next state of eight robots waited 1 to 6 s for the allowance, and nobody knew of their cameras."""
+PUSHED_APART = 2.0
+"""Who comes to a large team hears of subscriptions together with all who come within so long [s]."""
 RESTATE = 1.0
 """While samples come, our state is looked at this often: whether the periods are still right [s]."""
 
@@ -74,8 +76,8 @@ class Telling:
         self._uncounted = 0.0
         """What was told beyond the allowance and does not count against the limits yet [B]."""
         self.urgent = False
-        self.parts_changed = False
-        """Whether what we tell of parts is news."""
+        self.parts_changed, self._parts_since = False, math.inf
+        """Whether what we tell of parts is news, and since when [s]."""
         self.untold = 0
         """Streams, subscriptions and origins that did not fit into our state."""
         self.state = State(view.settings.robot, view.settings.zid, "", "")
@@ -86,6 +88,8 @@ class Telling:
         self._state_at = self._restated = now - STATE_PACE
         self._restate_at = now
         """When to look whether our state is news."""
+        self._push_at, self._pushed = math.inf, -math.inf
+        """When our state is told to all who have come, and when it is, or was, for the last time [s]."""
         self._next_digest = -math.inf
         """When the next digest is due, as things are since the last event [s]."""
         self._looked_at = (0, 0, -1)
@@ -94,7 +98,7 @@ class Telling:
 
     def next_at(self, now: float) -> float:
         """When something is due at the latest, as far as that is known."""
-        due = min(self._next_digest, self.asking.next_at())
+        due = min(self._next_digest, self.asking.next_at(), self._push_at)
         # Where the rest is due sooner it does not matter when the allowance has paid for a state.
         return due if due <= self._restate_at else min(due, max(self._restate_at, self._state_due(now)))
 
@@ -112,6 +116,12 @@ class Telling:
         else:
             self.restate(now if self._changes_plans(size, 1) else now + GATHER)
 
+    def met(self, now: float) -> None:
+        """Somebody came: of a large team, where it may ask only a few, it hears from us what our apps subscribe to."""
+        self.pacer.forget()
+        if self._coordination.large and self.state.subscriptions and math.isinf(self._push_at):
+            self._push_at = self._pushed = max(now + GATHER, self._pushed + PUSHED_APART)
+
     def answered(self, now: float) -> None:
         """Somebody asked for our state and got it: all the rest is told by the next digest."""
         self._owe(now, len(pack_state(self.state)), 1)
@@ -122,7 +132,12 @@ class Telling:
         commands: list[Command] = []
         if now >= self._restate_at and now >= self._state_due(now):
             commands += self._send_state(now)
-        if (name := self.asking.due(now)) is not None:
+        if now >= self._push_at:
+            self._push_at = math.inf
+            self._owe(now, len(pack_state(self.state)), self._copies())
+            commands.append(SendState(self.state, None))
+        pace = self.pacer.question_takes() if self._coordination.large else PACE
+        if (name := self.asking.due(now, pace)) is not None:
             self._owe(now, QUESTION, 1)
             commands.append(AskState(self._view.peers[name].name, name))
         self._tell(now, commands)
@@ -150,7 +165,8 @@ class Telling:
         follows = bool(self._channel.capacity.factors)
         ordinary, part = (ON_CHANNEL, 1.0) if follows else (ORDINARY, DIGESTS)
         self._allowance = allowance_of(self._view.specs, allowance, robots)
-        self.pacer.set_rate(part * self._allowance, robots, ordinary)
+        copies = 1 if self._view.settings.digests_on_air else robots
+        self.pacer.set_rate(part * self._allowance, robots, copies, ordinary)
 
     def heard(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came: it was paid for from the allowance of all."""
@@ -185,6 +201,9 @@ class Telling:
             return []
         state = replace(as_told(self.state, state), number=self.state.number + 1)
         update = update_of(self.state, state)
+        if update is not None and (until := self._state_at + self._takes(update)) > now:
+            self._restate_at = until
+            return []
         told: list[Command] = []
         if left > self.untold:
             told.append(Notice("warning", f"{left} streams, subscriptions or origins are too many to tell the others"))
@@ -195,6 +214,12 @@ class Telling:
                 stream.usual_size = each.size
         self._owe(now, len(pack_state(update or state)), self._copies())
         return [*told, SendState(state, update)]
+
+    def _takes(self, update: State) -> float:
+        """Return how long news of our streams wait: nobody plans with them where a large team has equal parts [s]."""
+        if not self._coordination.quiet:
+            return 0.0
+        return self.pacer.state_takes(len(pack_state(update)), self._copies())
 
     def _state_due(self, now: float) -> float:
         return max(self._state_at + STATE_PACE, self.pacer.state_due(now))
@@ -220,17 +245,19 @@ class Telling:
             or self._channel.capacity.speak(now)
         )
         splits, begins = self._coordination.splits, self._coordination.begins(now)
-        self.pacer.follow(now, splits=splits, begins=begins, window=self._window)
+        self.pacer.follow(now, splits=splits, quiet=self._coordination.quiet, begins=begins, window=self._window)
         due = self.pacer.due(now, news=news, copies=self._digest_copies())
         if self._coordination.forming(now) and not self.parts_changed:
             return max(due, now + IDLE)
         if self._sent_much():
             return min(due, self.pacer.due_ahead(now, DEBT))
+        self._parts_since = min(self._parts_since, now) if self.parts_changed else math.inf
         if self.parts_changed:
             # Who changes over speaks among announcements, which are ahead of the allowance, and may be more so.
             if not self._coordination.formed:
                 return min(due, max(self.pacer.due_ahead(now, CHANGING_DEBT), self._told_at + PARTS_PACE))
-            in_turn = self.pacer.due_in_turn(now, PARTS_DEBT, self._digest_copies())
+            since = -math.inf if self._coordination.passes_on else self._parts_since
+            in_turn = self.pacer.due_in_turn(now, since, PARTS_DEBT, self._digest_copies())
             return min(due, max(in_turn, self._told_at + PARTS_PACE))
         return min(due, self.pacer.due_ahead(now, 0.0)) if self.urgent and not splits else due
 

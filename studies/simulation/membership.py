@@ -5,6 +5,7 @@ from functools import partial
 
 from proxy.core import events as ev
 from proxy.core.codec import pack_state
+from proxy.core.digests import QUESTION
 from proxy.core.wire import State
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Crash, Happening, Join, Leave, Merge, Partition
@@ -27,12 +28,16 @@ class Membership:
         members: dict[str, Member],
         feed: Callable[[Member, float, ev.Event], None],
         make: Callable[[str, float], Member],
+        *,
+        count: Callable[[float, str, int], None],
     ) -> None:
+        """`count` takes the time [s], the robot and the bytes of what it says to another one."""
         self._agenda = agenda
         self._medium = medium
         self._members = members
         self._feed = feed
         self._make = make
+        self._count = count
         self._groups: tuple[frozenset[str], ...] | None = None
         self._known: dict[tuple[Member, Member], None] = {}
         self._met: set[tuple[Member, Member]] = set()
@@ -109,11 +114,13 @@ class Membership:
         """`one` asks a robot for its state, which arrives later if the robot is there."""
         other = self._members.get(robot)
         if other is not None:
+            self._count(t, one.robot, QUESTION)
             self._agenda.at(self._medium.reliable(t, one.robot, robot), partial(self._asked, one, other))
 
     def _asked(self, one: Member, other: Member, t: float) -> None:
         if self._together(one, other) and other.state is not None:
             told = partial(self._answer, one, other.state)
+            self._count(t, other.robot, len(pack_state(other.state)))
             self._agenda.at(self._medium.reliable(t, other.robot, one.robot), told)
             self._feed(other, t, ev.StateAsked(other.now(t)))
 

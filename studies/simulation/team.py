@@ -58,7 +58,8 @@ class Team:
         self._starts: dict[str, int] = {}
         absent = joining(self.happenings)
         self.members = {robot: self._member(robot, 0.0) for robot in self.interests if robot not in absent}
-        self.membership = Membership(self.agenda, self.medium, self.members, self._feed, self._member)
+        meeting = self.agenda, self.medium, self.members, self._feed, self._member
+        self.membership = Membership(*meeting, count=self._count)
 
     @property
     def cores(self) -> dict[str, Core]:
@@ -159,6 +160,10 @@ class Team:
         for other in others:
             arrival = self.medium.reliable(t, member.robot, other.robot)
             self.agenda.at(arrival, partial(self._hear_state, other, told, size))
+
+    def _count(self, t: float, robot: str, size: int) -> None:
+        """A robot says so many bytes to another one that are neither a sample nor a digest."""
+        self.on_air.append(OnAir(t, robot, size))
 
     def _hear_digest(self, member: Member, digest: Digest, size: int, t: float) -> None:
         self._feed(member, t, ev.DigestHeard(member.now(t), digest, size))

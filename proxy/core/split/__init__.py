@@ -11,7 +11,7 @@ constraint window uses at most its part, so the union of all robots holds when p
 3. *Agreement* (`agreement.py`). Each digest tells a hash of the sender's table (`standing.py`). A robot has *agreed* on
    a table once all others whose bids are in it have told its hash. Robots hear of bids at different times, so their
    tables differ for a moment. Meanwhile a robot's part is the least that any of its tables gives it, from the last one
-   agreed on to the newest one.
+   agreed on to the newest one, those left out that it has not told: nobody can have agreed on them.
 4. *Waiting.* A part shrinks at once. A part that grows is used one constraint window later, when what others sent
    before they shrank has left the window (`steady.py`). What was sent in room that is given up does not count against
    what is kept, for nobody else uses that room before it has left the window (`ledger.py`).
@@ -31,13 +31,17 @@ once this is certain.)
 Two teams that meet have no table in common. Each reserves equal parts for the other as soon as it sees them, so
 the union exceeds a limit only until each has seen all of the other, and one window more.
 
-A newcomer has agreed on nothing. Until it does, it uses a kept part: `floor / NEWCOMERS`. It agrees on its first table
-when it knows everybody's bid; or, when it has been there for so long that all must have seen it, on one in which those
-that it did not hear have equal parts. If it sees nobody then, everything is its own. A robot that is gone leaves the
-table at once, and the others' parts grow when they have agreed on the table without it.
+A newcomer has agreed on nothing. At first it uses a kept part: `floor / NEWCOMERS`. When it has been there for so long
+that all must have seen it, it uses the equal part that they leave it. It agrees on its first table when it knows
+everybody's bid; or, from then on, on one in which those that it did not hear have equal parts. If it sees nobody then,
+everything is its own. A robot that is gone leaves the table at once, and the others' parts grow when they have agreed
+on the table without it.
 
 Only robots that take part the same way may be members: the same protocol, limits and floor. Any other would never tell
 the same hash. Parts would then stay as they are, and never grow.
+
+A large team asks for nothing, as agreeing would take it a minute: each robot keeps its equal part, of which nobody has
+to tell. Only who could not send any of its messages in that bids.
 
 What is told is little, for each digest goes to everybody: in a team of ten two digests of each robot take the allowance
 of ten seconds. So a robot tells its bid once, and once more the name of its table when that holds the bids of all. What

@@ -29,6 +29,8 @@ class Agreement:
         self._known_by: set[str] = set()
         self.newcomer = True
         """Whether we have agreed on nothing yet."""
+        self._seen, self._kept = False, floor // NEWCOMERS
+        """Whether all who are there have seen us, and what we may use until then [units]."""
         self.formed = False
         """Whether we have ever agreed on a table with everybody's bid."""
         self.since, self.took, self._formed = now, 0.0, now
@@ -77,14 +79,29 @@ class Agreement:
     @property
     def entitled(self) -> int:
         """What all tables that count give us now [units]."""
-        if self.newcomer:
-            return self._floor // NEWCOMERS
-        return min([self._folded, *(standing.total for standing in self.standings)])
+        if self.newcomer and not self._seen:
+            return self._kept
+        return min([self._folded, self._first, *(standing.total for standing in self._counting)])
 
     @property
     def own_part(self) -> int:
         """What they give us without slots [units]."""
-        return min([self._folded, *(standing.part for standing in self.standings)])
+        return min([self._folded, self._first, *(standing.part for standing in self._counting)])
+
+    @property
+    def equal(self) -> int:
+        """An equal part: the others leave it to us until they know what we ask for [units]."""
+        return (UNIT - self._floor) // len(self.members)
+
+    @property
+    def _first(self) -> int:
+        """What a newcomer has at most that all have seen [units]."""
+        return self.equal if self.newcomer else UNIT
+
+    @property
+    def _counting(self) -> list[Standing]:
+        """The table that we agreed on, and those that others may have: not before we told that we have them."""
+        return [standing for standing in self.standings if standing.counts]
 
     @property
     def turns(self) -> list[Turn]:
@@ -120,6 +137,14 @@ class Agreement:
         self._known_by = set()
         self._form(now)
 
+    def restart(self, now: float, settled_at: float) -> None:
+        """All give up what they agreed on for equal parts, and have by then [s]: until then we use no more."""
+        self._kept = min(self.entitled, self.equal)
+        self.newcomer, self.formed, self._seen, self._settled_at = True, False, False, settled_at
+        self._bids = {self.own: (self.bid[0] + 1, ())}
+        self._known_by, self._last, self._folded, self.since, self._formed = set(), {}, UNIT, now, now
+        self.standings = [self._standing(dict(self._bids))]
+
     def set_members(self, now: float, tags: Collection[str]) -> None:
         """These robots take part, as far as we see."""
         before, self.members = self.members, {*tags, self.own}
@@ -142,8 +167,14 @@ class Agreement:
             self._form(now)
         self._last[peer] = names
 
+    def told(self, name: int) -> None:
+        """A digest of ours tells that we have the table of this name: from now on others may agree on it."""
+        for standing in self.standings:
+            standing.counts |= standing.name == name
+
     def settle(self, now: float) -> None:
         """Look what has been agreed on."""
+        self._seen |= now >= self._settled_at and len(self.members) > 1
         for standing in self.standings:
             standing.told |= {tag for tag, names in self._last.items() if standing.name in names}
             if standing.table[self.own] == self.bid:
@@ -152,7 +183,8 @@ class Agreement:
         if agreed and (agreed[-1] > 0 or self.newcomer):
             self._agree(now, agreed[-1])
         while len(self.standings) > MOST_STANDING:
-            self._folded = min(self._folded, self.standings.pop(1).part)
+            least = self.standings.pop(1)
+            self._folded = min(self._folded, least.part) if least.counts else self._folded
 
     def _counts(self, now: float, standing: Standing) -> bool:
         """Whether a table is agreed on: by a newcomer, with all bids, or a part for everybody once all see it."""
@@ -163,6 +195,7 @@ class Agreement:
     def _agree(self, now: float, index: int) -> None:
         """Leave out all tables before this one."""
         self.standings = self.standings[index:]
+        self.standings[0].counts = True
         self.newcomer, self._folded, self.since, self.took = False, UNIT, now, now - self._formed
         self.formed |= self.standings[0].complete and len(self.members) > 1
         for turn in self.turns:
@@ -184,6 +217,7 @@ class Agreement:
         agreed = self.standings[0].table
         if unknown := self.members - agreed.keys():
             self.standings.append(self._standing(agreed | dict.fromkeys(unknown)))
+            self.standings[-1].counts = True
 
     def _forget_some(self) -> None:
         gone = [tag for tag in self._bids if tag not in self.members]

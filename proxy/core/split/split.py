@@ -58,6 +58,10 @@ class Split:
         """When we last heard what is news, or asked for it [s], and how often we did since."""
         self._again = False
         """Whether we have to tell again, because we were asked to, or a slot was passed on and not taken."""
+        self.passes_on = False
+        """Whether that is for a slot: one robot waits for us alone."""
+        self._quiet, self._settle_time = False, settled_at - now
+        """Whether the team is too large to agree; how long it takes until all have seen that, or us [s]."""
         self._ledger = Ledger(windows)
         self._steady = Steady(now, self._agreement.entitled, self._window)
 
@@ -96,7 +100,20 @@ class Split:
     @property
     def settled(self) -> bool:
         """Whether all have agreed on the newest table, as far as we know; until then digests are worth sending."""
-        return self._agreement.settled
+        return self.silent or self._agreement.settled
+
+    def set_quiet(self, now: float, *, quiet: bool) -> None:
+        """The team is too large to agree, or is not: we ask for nothing if any of our messages fits an equal part."""
+        if quiet and not self._quiet:
+            self._agreement.restart(now, now + self._settle_time)
+            self._told, self._again = None, False
+            self._entitle(now)
+        self._quiet = quiet
+
+    @property
+    def silent(self) -> bool:
+        """Whether we ask for nothing and tell nothing: the others leave us an equal part."""
+        return self._quiet and not self._agreement.bid[1]
 
     def due_at(self, now: float) -> float:
         """Return when our part changes by time alone, or a turn ends [s]."""
@@ -129,7 +146,9 @@ class Split:
         """This goes out in a digest."""
         if told.missing:
             self._heard_at, self._asks = now, min(self._asks + 1, MOST_ASKS)
-        self._told, self._told_at, self._again = told, now, False
+        self._told, self._told_at, self._again, self.passes_on = told, now, False, False
+        self._agreement.told(told.table)
+        self._entitle(now)
         if told.bid is not None:
             self._bid_told = told.version, now
 
@@ -139,6 +158,8 @@ class Split:
         A table that lacks bids is no news yet, for nobody else has it; nor is what others know sooner than we.
         """
         agreement, told = self._agreement, self._told
+        if self.silent:
+            return False
         if self._again or now >= self._asks_at:
             return True
         if told is None:
@@ -149,6 +170,8 @@ class Split:
     def bid(self, now: float, bid: Bid) -> bool:
         """Ask for this from now on, if it differs enough and it is time; return whether we do."""
         agreement = self._agreement
+        if self.silent and any(not segment.quarters or segment.amount <= agreement.equal for segment in bid):
+            return False
         same = alike(agreement.bid[1], bid)
         if not self._may_ask(now) or ((same or agreement.indifferent(bid)) and not agreement.starves(bid)):
             return False
@@ -201,13 +224,14 @@ class Split:
         over = [turn for turn in self._held if self._is_over(now, turn)]
         for turn in over:
             self._pass_on(now, turn)
-        self._again |= bool(over) or any(self._is_lost(now, turn) for turn in self._agreement.turns)
+        self.passes_on |= bool(over) or any(self._is_lost(now, turn) for turn in self._agreement.turns)
+        self._again |= self.passes_on
         return bool(over)
 
     @property
     def _asks_at(self) -> float:
         """When we ask for what we miss [s]; never where we miss nothing."""
-        if not self._agreement.missing:
+        if self._quiet or not self._agreement.missing:
             return math.inf
         if self._told is None:
             return self._met + SILENT

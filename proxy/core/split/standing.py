@@ -27,6 +27,8 @@ class Standing:
         """Whose bids it holds, without us. One whose bid is not known cannot have this table, and needs not."""
         self.told: set[str] = set()
         """Who told that it had it."""
+        self.counts = False
+        """Whether what it gives us is the most that we may use: we agreed on it, or others may have."""
 
     @property
     def agreed(self) -> bool:

@@ -2,7 +2,9 @@
 
 from itertools import pairwise
 
-from proxy.core.asking import FIRST, LONGEST, PACE, Asking
+import pytest
+
+from proxy.core.asking import AT_ONCE, FIRST, LONGEST, PACE, Asking
 
 
 def test_each_is_asked_in_turn_and_again_more_and_more_slowly():
@@ -30,3 +32,17 @@ def test_who_has_answered_is_asked_no_more():
     asking.done("a")
     asking.done("b")
     assert asking.due(1.0) is None
+
+
+def test_of_many_a_few_are_asked_at_once_and_the_others_in_time():
+    """What questions take is spread, as it is for all who ask."""
+    asking, asked, now = Asking(0.0), [], 0.0
+    for tag in range(20):
+        asking.want(0.0, f"{tag:02d}")
+    while len(asked) < 20:
+        if (tag := asking.due(now, 1.5)) is not None:
+            asked.append(now)
+            asking.done(tag)
+        now += 0.01
+    assert asked[AT_ONCE - 1] < 1.0
+    assert asked[-1] == pytest.approx(1.5 * (20 - AT_ONCE), rel=0.1)

@@ -3,8 +3,9 @@
 import pytest
 
 from proxy.core import events as ev
-from proxy.core.coordination import AFFORDABLE, FEW, FORMING, LASTING, LATE, PACE, STILL, Coordination
+from proxy.core.coordination import AFFORDABLE, FEW, FORMING, LARGE, LASTING, LATE, PACE, STILL, Coordination
 from proxy.core.limits import limits_of
+from proxy.core.overbooking import MOST
 from proxy.core.settings import CoreSettings
 from proxy.core.split import Segment, Told
 from proxy.core.stream import Generated
@@ -34,9 +35,9 @@ class Team:
             for count in range(9):
                 stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
 
-    def look(self, *, waiting=0.0, announcing=0.0):
+    def look(self, *, waiting=0.0, announcing=0.0, using=0.0):
         self.now += PACE
-        return self.coordination.look(self.now, self.limits, waiting, lambda _: announcing)
+        return self.coordination.look(self.now, self.limits, waiting, lambda _: announcing, lambda _: using)
 
     def say(self, peer, **digest):
         self.now += 0.01
@@ -113,7 +114,7 @@ def test_it_is_looked_at_now_and_then(make_team):
     team = make_team()
     team.look()
     assert team.coordination.due_at(team.now) == team.now + PACE
-    team.coordination.look(team.now + 0.5 * PACE, team.limits, 99.0, lambda _: 99.0)
+    team.coordination.look(team.now + 0.5 * PACE, team.limits, 99.0, lambda _: 99.0, lambda _: 0.0)
     assert not team.coordination.finds_due
     alone = make_team(())
     assert not alone.look(waiting=99.0, announcing=99.0)
@@ -199,8 +200,10 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     assert team.coordination.forming(team.now)
     bid = (Segment(9_000, 250),)
     team.say("p1", splits=True, split=Told(1, bid, 1, 0))
-    assert team.coordination.part(team.now, 0) < 0.5 * equal
+    assert team.coordination.part(team.now, 0) == pytest.approx(equal)
     ours = team.coordination.telling(team.now)
+    team.coordination.told(Digest("us", "zz-us", team.now, splits=True, split=ours))
+    assert team.coordination.part(team.now, 0) < 0.5 * equal
     team.say("p1", splits=True, split=Told(1, None, ours.table, 0))
     team.look(waiting=99.0)
     assert team.coordination.formed
@@ -236,3 +239,46 @@ def test_a_team_that_splits_from_the_beginning_begins_by_agreeing(make_team):
     assert team.coordination.forming(0.0)
     assert not team.coordination.begins(FORMING)
     assert not make_team().coordination.begins(0.0)
+
+
+def names(count):
+    return tuple(f"p{number:02d}" for number in range(count))
+
+
+def test_a_large_team_agrees_on_nothing_and_uses_more_than_equal_parts(make_team):
+    """Nobody has to tell of them. A message that is larger goes where nothing went for as many windows."""
+    team = make_team(names(LARGE), coordination="announce")
+    team.look(waiting=99.0, using=0.6)
+    assert team.coordination.splits
+    assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (LARGE + 1))
+    for _ in range(30):
+        assert not team.look(waiting=99.0, using=0.1)
+    assert team.coordination.part(team.now, 0) == pytest.approx(MOST / (LARGE + 1))
+    assert team.coordination.telling(team.now) is None
+    assert team.coordination.settled
+    assert team.coordination.whole_turn(team.now, 0)
+    team.coordination.set_members(team.now, names(LARGE - 1))
+    team.look(waiting=99.0)
+    assert team.coordination.telling(team.now) is not None
+
+
+def test_where_a_large_team_splits_strictly_each_has_an_equal_part(make_team):
+    """However little it uses of it."""
+    team = make_team(names(LARGE), coordination="split")
+    for _ in range(200):
+        team.look(using=0.1)
+    equal = (1.0 - team.view.settings.floor) / (LARGE + 1)
+    assert team.coordination.part(team.now, 0) == pytest.approx(equal, rel=0.06)
+    assert not team.coordination.whole_turn(team.now, 0)
+    assert team.coordination.telling(team.now) is None
+
+
+def test_very_many_that_send_at_once_split_though_each_hears_all(make_team):
+    """News come too late where fifty send; until far fewer do."""
+    team = make_team(names(LARGE), send=LARGE - 1)
+    team.look()
+    assert not team.coordination.splits
+    team = make_team(names(LARGE), send=LARGE)
+    team.look()
+    assert team.coordination.splits
+    assert team.coordination.large

@@ -1,5 +1,6 @@
 """When digests go out, and what is in them, within the allowance of the team."""
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -41,7 +42,7 @@ def echo(peer):
 
 def pacer_of(rate, robots=1, **rest):
     made = DigestPacer(0.0, **rest)
-    made.set_rate(rate, robots)
+    made.set_rate(rate, robots, robots)
     return made
 
 
@@ -244,7 +245,7 @@ def test_a_robot_that_begins_has_room_for_a_few_echoes():
     """Before it knows how many there are, too: without any nobody knows how long the way is."""
     pacer = DigestPacer(0.0)
     pacer.due(0.1, news=False, copies=1)
-    pacer.set_rate(1_000.0, 11)
+    pacer.set_rate(1_000.0, 11, 11)
     assert pacer.affordable_echoes(0.2, 10) == 2
 
 
@@ -296,11 +297,11 @@ def test_features_are_told_where_others_need_them(make_specs):
 def test_the_first_agreement_may_take_what_was_saved():
     """Until the team has begun; what is left of it is not spent later."""
     pacer = pacer_of(1000.0, robots=10, saved=15.0)
-    pacer.follow(0.0, splits=True, begins=True, window=2.0)
+    pacer.follow(0.0, splits=True, quiet=False, begins=True, window=2.0)
     for _ in range(20):
         assert pacer.due_ahead(0.0, 0.0) == 0.0
         pacer.sent(0.0, SIZE, 9, announces=True)
-    pacer.follow(5.0, splits=True, begins=False, window=2.0)
+    pacer.follow(5.0, splits=True, quiet=False, begins=False, window=2.0)
     pacer.sent(5.0, SIZE, 9, announces=True)
     assert pacer.due_ahead(5.0, 0.0) > 5.0
 
@@ -309,14 +310,14 @@ def test_the_first_agreement_may_take_what_was_saved():
 def test_where_each_has_its_part_no_window_holds_more_than_its_allowance(pauses, size):
     """Of news of parts and of ordinary ones together: parts leave the limit no more than that."""
     pacer, now, window, told = pacer_of(1000.0, robots=4, turn=0.3), 10.0, 2.0, []
-    pacer.follow(now, splits=True, begins=False, window=window)
+    pacer.follow(now, splits=True, quiet=False, begins=False, window=window)
     pacer.sent(now, size, 3)
     pacer.spent(now, size, 3)
     told += [(now, (size + OVERHEAD) * 3)] * 2
     for place, pause in enumerate(pauses):
         now += pause
         aside = place % 2 == 0
-        due = pacer.due_in_turn(now, 5.0, 3) if aside else pacer.due(now, news=True, copies=3)
+        due = pacer.due_in_turn(now, -math.inf, 5.0, 3) if aside else pacer.due(now, news=True, copies=3)
         if due <= now:
             pacer.sent(now, size, 3, announces=aside)
             told.append((now, (size + OVERHEAD) * 3))
@@ -326,7 +327,7 @@ def test_where_each_has_its_part_no_window_holds_more_than_its_allowance(pauses,
 def test_where_robots_announce_ordinary_news_wait_until_the_window_has_room_for_them():
     """Not for ever: who announces much does not take the place of all other news. Announcements do not wait."""
     pacer = pacer_of(1000.0, robots=4)
-    pacer.follow(0.0, splits=False, begins=False, window=0.5)
+    pacer.follow(0.0, splits=False, quiet=False, begins=False, window=0.5)
     assert pacer.due(10.0, news=True, copies=3) == 10.0
     for k in range(60):
         pacer.spent(10.0 + 0.1 * k, 68, 1)
@@ -340,7 +341,7 @@ def test_where_robots_announce_ordinary_news_wait_until_the_window_has_room_for_
 def test_who_could_afford_nothing_for_long_waits_for_room_all_the_same():
     """One short window at most: else all that may tell something do at one moment."""
     pacer = pacer_of(1000.0, robots=4)
-    pacer.follow(0.0, splits=False, begins=False, window=0.5)
+    pacer.follow(0.0, splits=False, quiet=False, begins=False, window=0.5)
     pacer.due(10.0, news=True, copies=3)
     pacer.sent(10.0, 300, 3)
     affordable = next(t for t in map(float, np.arange(10.0, 40.0, 0.01)) if pacer.due(t, news=True, copies=3) <= t)
@@ -354,7 +355,47 @@ def test_robots_with_news_of_parts_do_not_speak_at_one_moment():
     due = []
     for turn in (0.0, 0.4, 0.8):
         pacer = pacer_of(1000.0, robots=4, turn=turn)
-        pacer.follow(0.0, splits=True, begins=False, window=2.0)
+        pacer.follow(0.0, splits=True, quiet=False, begins=False, window=2.0)
         pacer.spent(0.0, 400, 3)
-        due.append(pacer.due_in_turn(0.0, 0.5, 3))
+        due.append(pacer.due_in_turn(0.0, -math.inf, 0.5, 3))
     assert due == sorted(set(due))
+
+
+def test_digests_that_go_to_all_at_once_are_paid_for_once():
+    """On the air a newcomer has what one digest takes, not one for each robot."""
+    spent = {}
+    for copies in (1, 50):
+        pacer, now = DigestPacer(0.0), 0.0
+        pacer.set_rate(5_000.0, 51, copies)
+        spent[copies] = 0
+        while now < 5.0:
+            if pacer.due(now, news=True, copies=copies) <= now:
+                pacer.sent(now, 200, copies)
+                spent[copies] += (200 + OVERHEAD) * copies
+            now += 0.01
+    assert spent[1] <= 5.0 * 5_000.0 / 51 + 4 * (200 + OVERHEAD)
+
+
+def test_a_large_team_tells_in_turn():
+    """Of fifty that begin to split at one moment no two tell at once."""
+    due = []
+    for number in range(50):
+        pacer = DigestPacer(0.0, number / 50)
+        pacer.set_rate(5_000.0, 50, 49)
+        pacer.follow(0.0, splits=True, quiet=True, begins=False, window=0.5)
+        due.append(pacer.due(0.0, news=True, copies=49))
+    assert min(after - before for before, after in pairwise(sorted(due))) > 0.5
+
+
+def test_robots_that_answer_one_do_so_within_the_allowance():
+    """One after the other, in the time that it has room for all; who passes a slot on does not wait."""
+    due, cost = [], 4 * (SIZE + OVERHEAD)
+    for number in range(10):
+        pacer = pacer_of(1_000.0, robots=10, turn=number / 10)
+        pacer.follow(0.0, splits=True, quiet=False, begins=False, window=2.0)
+        pacer.sent(0.0, SIZE, 4, announces=True)
+        due.append(pacer.due_in_turn(20.0, 20.0, 0.5, 4) - 20.0)
+        assert pacer.due_in_turn(20.0, -math.inf, 0.5, 4) == 20.0
+    late = sorted(due)
+    assert min(after - before for before, after in pairwise(late)) > cost / 1_000.0
+    assert late[-1] - late[0] < 2.0 * 10 * cost / 1_000.0

@@ -5,9 +5,10 @@ import pytest
 from proxy.core import events as ev
 from proxy.core.codec import pack_state
 from proxy.core.commands import Decide, Forward, SendDigest, SendState
+from proxy.core.coordination import LARGE
 from proxy.core.limits import allowance_of
 from proxy.core.split import Segment, Told
-from proxy.core.telling import DEBT, STATE_PACE
+from proxy.core.telling import DEBT, GATHER, STATE_PACE
 from proxy.core.view import NEW
 from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
 from studies.simulation.conditions import WARM_UP, Conditions
@@ -263,3 +264,44 @@ def test_announcements_that_the_allowance_has_no_room_for_leave_out_what_is_smal
     told = digests(talk, 10.0)
     assert told[-1].brief
     assert {stream.id for digest in told for stream in digest.streams} == ({large} if spent else {small, large})
+
+
+def many(talk, now, count=LARGE):
+    """So many robots appear, and each answers."""
+    for number in range(count):
+        talk.tell(ev.PeerAppeared(now, f"x{number}", f"{number:08x}"))
+        state = State(f"x{number}", f"{number:08x}", "enforce", "", (), (), number=1)
+        talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
+
+
+def test_a_large_team_hears_of_subscriptions_unasked(make_talk):
+    """Together, whoever comes about then; who subscribes to nothing waits until it is asked."""
+    talk = make_talk()
+    talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
+    many(talk, 5.0)
+    talk.said.clear()
+    talk.tell(ev.TimePassed(5.0 + GATHER))
+    (told,) = talk.all(SendState)
+    assert (told.state.subscriptions, told.update) == (("robot/*/camera",), None)
+    silent = make_talk()
+    many(silent, 5.0)
+    silent.said.clear()
+    silent.tell(ev.TimePassed(5.0 + GATHER))
+    assert silent.all(SendState) == []
+
+
+def test_where_a_large_team_has_equal_parts_news_of_streams_wait_for_the_allowance(make_talk):
+    """Nobody plans with them."""
+    talk = make_talk(coordination="split")
+    many(talk, 0.0)
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(1.0))
+    talk.said.clear()
+    talk.publish(2.0, size=100)
+    for step in range(20):
+        talk.tell(ev.TimePassed(2.0 + 0.5 * step))
+    assert talk.all(SendState) == []
+    for step in range(200):
+        talk.tell(ev.TimePassed(12.0 + step))
+    (told,) = [each for each in talk.all(SendState) if each.update is not None]
+    assert [stream.key for stream in told.update.streams] == ["robot/r1/camera"]

@@ -410,6 +410,24 @@ def test_an_overheard_sample_counts_as_sent_and_leaves_its_number_to_the_digest(
     assert len(view.sent_since(5.0)) == 1
 
 
+@pytest.mark.parametrize("told_at", [5.0, 5.6])
+def test_a_stream_is_known_from_the_air_before_any_digest_tells_of_it(make_specs, told_at):
+    """What it sent before nobody knows; what was heard and what is told of it then counts once."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 0.6),)))
+    name = next(iter(view.peers))
+    view.heard_digest(1.0, Digest("r2", name, 0.99))
+    view.heard_sample(SampleHeard(5.0, CAMERA, 100, "z-r2", None, None))
+    view.heard_sample(SampleHeard(5.0, "no/spec", 100, "z-r2", None, None))
+    stream = view.known("r2", CAMERA)
+    assert (stream.generated, stream.forwarded, stream.period) == (1, 1, 0.6)
+    told = StreamDigest(1, 80, 40, told_at - 0.01, told_at - 0.01, 100, 1.0)
+    view.heard_digest(told_at + 0.02, Digest("r2", name, told_at + 0.01, 0, 0, (told,)))
+    assert (stream.generated, stream.forwarded) == (80, 40)
+    assert len(view.sent_since(4.0)) == (2 if told_at == 5.0 else 3)
+
+
 PYTHON = """
 [[information_type]]
 name = "camera"

@@ -76,7 +76,11 @@ class Flight:
 
     def speak(self, name):
         self.spoken[name] = self.now
+        if self.splits[name].silent:
+            return
         told, self.number = self.splits[name].telling(self.clock(name)), self.number + 1
+        self.splits[name].told(self.clock(name), told)
+        self.splits[name]._bid_told = -1, self.now  # each digest tells the bid again: nobody has to ask
         for to in self.splits:
             for _ in range(self.rng.choice([1, 1, 2])):
                 if to != name and name not in self.mute and self.rng.random() >= self.loss:

@@ -100,3 +100,31 @@ def test_a_bid_of_an_older_version_changes_nothing():
     a.heard(0.2, "b", 3, (), (1, 1))
     a.settle(0.2)
     assert a.standings[-1].name == name
+
+
+def test_a_table_counts_once_we_have_told_that_we_have_it():
+    """Before, nobody can have agreed on it."""
+    a, b, c = robot("a", "bc"), robot("b", "ac"), robot("c", "ab")
+    agree(0.1, a, b, c)
+    before = a.entitled
+    b.ask(0.2, (Segment(9000, 250),))
+    tell(0.2, b, a)
+    assert a.standings[-1].total < before
+    assert a.entitled == before
+    a.told(a.standings[-1].name)
+    assert a.entitled == a.standings[-1].total
+
+
+def test_a_newcomer_that_all_have_seen_uses_the_equal_part_that_they_leave_it():
+    """Though it can agree on no table yet, as of so many bids each changed the newest one."""
+    others = "bcdefghijklmn"
+    a = robot("a", others)
+    for number, peer in enumerate(others[:-1]):
+        a.heard(0.9, peer, 1, (Segment(9000, 200 + number),), (1, 0))
+        a.settle(0.9)
+    assert a.entitled == 200 // NEWCOMERS
+    a.settle(1.0)
+    assert a.newcomer
+    assert a.entitled == a.equal == (UNIT - 200) // (len(others) + 1)
+    a.told(a.standings[-1].name)
+    assert a.entitled == a.standings[-1].total < a.equal

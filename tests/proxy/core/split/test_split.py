@@ -376,3 +376,39 @@ def test_a_team_that_splits_again_says_so_at_once():
     assert not splits["a"].has_news(9.0)
     splits["a"].begin(9.0)
     assert splits["a"].has_news(9.0)
+
+
+def test_a_large_team_keeps_equal_parts_and_says_nothing():
+    """But for who could not send any of its messages in that."""
+    flight = Flight(1, 4, bids=lambda _: (Segment(2000, 120), Segment(9000, 120, 4)), rest=0.0)
+    quieten(flight)
+    settle(flight, 4.0)
+    assert all(split.silent and split.settled and not split.has_news(0.0) for split in flight.splits.values())
+    assert set(parts(flight).values()) == {(UNIT - UNIT * FLOOR) // 4}
+    (split, *_) = flight.splits.values()
+    assert split.bid(flight.now + 60.0, (Segment(4000, 120, 4),))
+    assert not split.silent
+
+
+@some
+@given(seeds, st.integers(2, 6), st.sampled_from([0.02, 0.3]))
+def test_a_team_that_gets_large_has_equal_parts_soon_and_no_window_over_the_limit(seed, robots, delay):
+    """Whatever its robots had agreed on; those that see it first use no more of what they had."""
+    flight = Flight(seed, robots, delay=delay)
+    for _ in range(STEPS // 2):
+        flight.step()
+    seen = {name: flight.now + flight.rng.uniform(0.0, 0.9) for name in flight.splits}
+    flight.demand = dict.fromkeys(flight.demand, SMALL)
+    flight.bids = lambda _: SMALL
+    for _ in range(STEPS):
+        for name in [name for name, at in seen.items() if at <= flight.now]:
+            flight.splits[name].set_quiet(flight.clock(name), quiet=True)
+            del seen[name]
+        flight.step()
+        assert flight.union() <= 1.0 + 1e-6
+    assert set(parts(flight).values()) == {(UNIT - round(UNIT * FLOOR)) // robots}
+
+
+def quieten(flight):
+    for name, split in flight.splits.items():
+        split.set_quiet(flight.clock(name), quiet=True)

@@ -38,6 +38,19 @@ def test_a_large_team_soon_knows_how_long_news_take(latency):
     assert known == pytest.approx([latency] * 11, rel=0.01)
 
 
+@pytest.mark.full
+@pytest.mark.parametrize("team", ["announce/unicast", "announce/broadcast", "split/unicast"])
+def test_a_large_team_keeps_the_limit_and_the_allowance_and_nobody_is_silent(team):
+    """From the first seconds on, when each robot knows but its own streams."""
+    how = How(*team.split("/"))
+    mission = draw("crowd", 30, 0, WARM_UP + 5.0, latency=0.02, everybody=how.broadcasts)
+    found = score(mission, fly(mission, how, 0), how.loss)
+    assert found.over <= 0.02
+    assert found.told <= found.allowed
+    assert found.sent > (0.65 if how.coordination == "announce" else 0.4) * found.room
+    assert max(found.silence.values()) < 4.0
+
+
 def test_further_settings_are_the_cores():
     """By their names; one that the core does not have is refused."""
     mission = draw("random", 2, 0, 2.0, latency=0.02)
