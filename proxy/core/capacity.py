@@ -378,7 +378,7 @@ class Capacity:
             if words.follows:
                 estimate.follow(others, agrees=estimate.part >= FELL * self._others_told[k])
             elif words.leads and others < FELL * estimate.part:
-                estimate.heed(now, others)
+                estimate.heed(now, others, self._queue.delay if self._queue else 0.0)
             self._others_told[k] = others
             self._lasting[k] = min(estimate.part, others)
             self._drained[k] = min(estimate.told(now), others, words.draining(now, k, len(self._limits)))

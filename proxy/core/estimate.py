@@ -76,23 +76,17 @@ class Estimate:
         """Another robot says what is in force: that is ours, too, if we agree with it, or if it is less."""
         self.part = max(self.floor, word if agrees else min(self.part, word))
 
-    def heed(self, now: float, word: float) -> None:
-        """Others say that the channel bears less."""
+    def heed(self, now: float, word: float, delay: float) -> None:
+        """Others say that the channel bears less; here, too, a queue of `delay` [s] may be seen, which is to drain."""
         self.part = max(self.floor, min(self.part, word))
-        self.bounded, self._probing = True, False
-        self._cut_at = now
+        self._drain(now, delay)
 
     def cut(self, now: float, used: float, share: float, delay: float) -> None:
         """A queue of `delay` [s] grew while `used` was sent, of which `share` came through."""
         failed = not self._probing and now < self._settled_at + AGAIN_WITHIN
         factor = min(max(LESS * share, DEEPEST_CUT), LEAST_CUT)
         self.part = max(self.floor, min(factor * used, (AGAIN if failed else factor) * self.part))
-        self.bounded, self._probing = True, False
-        self._cut_at = now
-        self._cut_for = delay
-        self._draining = max(LEFT, 1.0 - delay / DRAIN)
-        self._drained_at = now + min(max(DRAIN, delay / (1.0 - LEFT)), LONGEST_DRAIN)
-        self._settled_at = self._drained_at + SETTLE
+        self._drain(now, delay)
 
     def linger(self, now: float, delay: float) -> None:
         """A queue still stands: if we decreased for it, it drains longer, and once more if it has doubled since."""
@@ -118,6 +112,15 @@ class Estimate:
         """Nothing was heard for too long; when something is, it may grow fast."""
         self.part = max(self.floor, AGAIN * self.part)
         self.bounded = self._probing = True
+
+    def _drain(self, now: float, delay: float) -> None:
+        """Less is sent for as long as the queue needs to drain."""
+        self.bounded, self._probing = True, False
+        self._cut_at = now
+        self._cut_for = delay
+        self._draining = max(LEFT, 1.0 - delay / DRAIN)
+        self._drained_at = now + min(max(DRAIN, delay / (1.0 - LEFT)), LONGEST_DRAIN)
+        self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
 
     def restore(self, part: float) -> None:
         """A decrease was for nothing."""

@@ -310,6 +310,19 @@ def test_who_sees_a_queue_that_its_leader_does_not_objects():
     assert channel.factor == pytest.approx(0.8)
 
 
+def test_who_leads_drains_a_queue_that_others_noticed_first():
+    """Beside what they object to: at what the channel bears a queue stands for as long as it is full."""
+    channel = Channel(peers=("a", "b"), receivers=())
+    channel.leader = "us"
+    queue_of(channel.run(20.0), *[0.045] * 10, peers=("a", "b"))
+    assert channel.factor == 1.0
+    channel.tells |= {"a": 0.5, "b": 0.5}
+    queue_of(channel, 0.3, peers=("a", "b"))
+    lasting, _, draining = channel.capacity.telling(channel.now)
+    assert lasting <= 0.5
+    assert draining == channel.factor < 0.95 * lasting
+
+
 @pytest.mark.parametrize(("peers", "later"), [(("a", "b"), True), (("x", "y"), False)])
 def test_robots_begin_anew_one_after_the_other(peers, later):
     """By their names, within a window."""
