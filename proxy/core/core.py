@@ -186,7 +186,7 @@ class Core:
     @_on.register
     def _(self, event: ev.SampleHanded) -> list[Command]:
         self.counts.hand(event.sample)
-        self.gate.handed(event.sample)
+        self.gate.handed(event.now, event.sample)
         key = self._keys.pop(event.sample, None)
         if key is not None:
             self.view.handed(key)

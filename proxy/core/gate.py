@@ -194,12 +194,14 @@ class Gate:
         self.decisions.late += 1
         return [*self._undecided_in_time(now, pending), *self._delete()]
 
-    def handed(self, sample: int) -> None:
+    def handed(self, now: float, sample: int) -> None:
         """The mesh session took the sample."""
         self._first.pop(sample, None)
+        self._budget.handed(now, sample)
 
     def refused(self, sample: int) -> None:
         """The mesh session did not take the sample: if it is the first one that counts, the next one is."""
+        self._budget.refused(sample)
         first = self._first.pop(sample, None)
         if first is not None:
             stream, names = first
@@ -419,7 +421,7 @@ class Gate:
             self._view.note_sent(stream, stream.forwarded + 1, sent)
             stream.fates[reason] += 1
         self._tell(stream, sample.size)
-        self._budget.use(now, use)
+        self._budget.use(now, use, sample.sample)
         return self.pass_on(sample.sample, reason)
 
     def _refuse(self, now: float, sample: Waiting, reason: str, lacking: tuple[str, ...] = ()) -> Command:
