@@ -131,7 +131,7 @@ class Budget:
     def handed(self, now: float, sample: int) -> None:
         """The mesh took a sample: a large one counts for a window from now on, not from when it was decided.
 
-        Where the next one was sent a window after the decision, one window in each of three flights of a robot alone
+        Where the next one was sent a window after the decision, one window in four of ten flights of a robot alone
         held 1.23 to 1.31 limits, as this one had taken some ms longer to leave.
         """
         send = self._leaving.pop(sample, None)
