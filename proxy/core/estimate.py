@@ -113,6 +113,10 @@ class Estimate:
         self.part = max(self.floor, AGAIN * self.part)
         self.bounded = self._probing = True
 
+    def restore(self, part: float) -> None:
+        """A decrease was for nothing."""
+        self.part = max(self.part, min(part, 1.0))
+
     def _drain(self, now: float, delay: float) -> None:
         """Less is sent for as long as the queue needs to drain."""
         self.bounded, self._probing = True, False
@@ -121,7 +125,3 @@ class Estimate:
         self._draining = max(LEFT, 1.0 - delay / DRAIN)
         self._drained_at = now + min(max(DRAIN, delay / (1.0 - LEFT)), LONGEST_DRAIN)
         self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
-
-    def restore(self, part: float) -> None:
-        """A decrease was for nothing."""
-        self.part = max(self.part, min(part, 1.0))
