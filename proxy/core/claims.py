@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from operator import itemgetter
 
 from proxy.core.disputes import Disputes
-from proxy.core.limits import Limit, changes_plans, use_of
+from proxy.core.limits import Limit, changes_plans, shortest_window, use_of
 from proxy.core.prices import Standing
 from proxy.core.schedules.patterns import MEMORYLESS
 from proxy.core.stream import Stream
@@ -50,6 +50,12 @@ CAUTION = 0.3
 random sizes reached 94.6 to 97.1 % of a central decider with 0.6 to 2.5 % of windows over at 0.25, 95.3 to 97.8 with
 1.3 to 3.0 at 0.3, and 95.6 to 98.8 with 2.1 to 3.4 at 0.5 (four seeds; 20 and 100 ms, unicast and broadcast)."""
 
+LATE, SMALL, SELDOM = 0.03, 0.2, 0.25
+"""Where news take such a part of the shortest window, a message that is so small a part of each limit does not give way
+to one alike, if its stream generates that seldom [windows]: it would wait for as long as news take, and again behind
+each better claim, and no newer one comes meanwhile. With equal messages ten robots reached 84 to 95 % of a central
+decider at 300 ms in unicast, and 90 to 96 now, in broadcast 90 to 100, and 96 to 100, with twice as many windows over
+the limit (by one message)."""
 CLOSE = 0.003
 """Clocks and the wire round: who has the later name counts as silent for so much longer, or two take their own claim
 for the best that are as long silent as each other [s]. Where nothing of a stream was sent it is one period: when it
@@ -85,17 +91,21 @@ def rivals(
     stream: Stream,
     limits: tuple[Limit, ...],
     *,
+    own: tuple[float, ...],
     grew: float,
 ) -> tuple[tuple[float, ...], float]:
     """Return what samples of others with a better claim than ours of a stream use that may be sent about now.
 
-    And until when at least, as far as they are not heard of [s]. The best of them may have waited until the room `grew`
-    last; each of the others may have given way to those before it until it was known what became of them.
+    And until when at least, as far as they are not heard of [s]. `own` is what our sample uses. The best of them may
+    have waited until the room `grew` last; each of the others may have given way to those before it until it was known
+    what became of them.
     """
     ours, news = claim(now, stream), news_take(view)
     claims = _claims(now, view, disputes, stream, limits)
     better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
     taken, until, decided = _taken_by_new(now, view, stream, limits), math.inf, -math.inf
+    nothing = (0.0,) * len(own)
+    let_off = own if _may_collide(stream, news, own, limits) else nothing
     for rank, (_, each) in enumerate(better):
         if _waits(each):
             since = _due(now, each, news)
@@ -112,8 +122,17 @@ def rivals(
             part = float((-math.expm1(-back / each.schedule.period)) ** CAUTION)
         if part > 0.0:
             use = use_of(round(size), view.copies(each), limits, own=False)
-            taken, until = both(taken, [part * amount for amount in use]), min(until, ends)
+            more = [max(0.0, part * amount - less) for amount, less in zip(use, let_off, strict=True)]
+            taken, until, let_off = both(taken, more), min(until, ends), nothing
     return taken, until
+
+
+def _may_collide(stream: Stream, news: float, own: tuple[float, ...], limits: tuple[Limit, ...]) -> bool:
+    """Whether one message that may just have been sent matters less than waiting for news of it."""
+    window = shortest_window(limits)
+    seldom = stream.schedule.kind != MEMORYLESS and stream.schedule.period >= max(SELDOM * window, news)
+    small = all(amount <= SMALL * limit.limit for amount, limit in zip(own, limits, strict=True))
+    return news >= LATE * window and seldom and small
 
 
 def _due(now: float, stream: Stream, news: float) -> float:

@@ -21,7 +21,7 @@ from proxy.core.fixed import rounded
 from proxy.core.guarantees import guaranteed, owed
 from proxy.core.inbox import SUPERSEDED, Evicted, Inbox, Waiting
 from proxy.core.kept import NO_SPEC, ONCE, Copy, Kept
-from proxy.core.limits import Limit, use_of
+from proxy.core.limits import Limit, changes_plans, use_of
 from proxy.core.mode import Mode, in_force
 from proxy.core.prices import Standing
 from proxy.core.settings import CoreSettings
@@ -490,7 +490,7 @@ class Gate:
             return (), math.inf  # there never is room beside it
         disputes = self._windows.disputes
         grew = self._budget.grew(now)
-        taken, until = rivals(now, self._view, disputes, stream, self.limits, grew=grew)
+        taken, until = rivals(now, self._view, disputes, stream, self.limits, own=use, grew=grew)
         return self._budget.lacking(now, disputes.besides(now, both(use, taken))) if any(taken) else (), until
 
     def _gives_way(self, now: float, sample: Waiting, until: float) -> bool:
@@ -509,7 +509,19 @@ class Gate:
         """Whether a sample is not taken up yet: something goes before it, or room for it opens soon."""
         if self._deletions.holds(sample):
             return True
-        return bool(self.limits) and self._waits_for_room(now, sample)
+        return bool(self.limits) and (self._waits_for_greetings(now, sample) or self._waits_for_room(now, sample))
+
+    def _waits_for_greetings(self, now: float, sample: Waiting) -> bool:
+        """Whether a large sample waits for what robots that have just been met sent lately.
+
+        Who joined or met others again sent its first frame beside two of theirs, and the window held 1.4 limits.
+        """
+        until = self._view.greeted_by(now)
+        if now >= until or self._budget.alone or self.mode_of(self._own(now, sample)) is not Mode.ENFORCE:
+            return False
+        waits = changes_plans(self._use(now, sample), self.limits)
+        self.wakes_at = min(self.wakes_at, until) if waits else self.wakes_at
+        return waits
 
     def _waits_for_room(self, now: float, sample: Waiting) -> bool:
         """Whether a sample waits, as what we sent leaves room for it soon.

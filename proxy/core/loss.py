@@ -15,7 +15,7 @@ class Loss:
 
     def __init__(self) -> None:
         self._read: deque[tuple[int, int]] = deque(maxlen=MEMORY)
-        self._share: float | None = None
+        self._counted = (0, 0)
         self._stale = False
 
     @property
@@ -39,14 +39,24 @@ class Loss:
         self._stale = True
 
     @property
+    def counted(self) -> tuple[int, int]:
+        """How many samples were sent in the recent past, and how many of these got lost."""
+        if self._stale:
+            self._counted, self._stale = self._count(), False
+        return self._counted
+
+    @property
     def share(self) -> float | None:
         """Part of the samples that got lost, from 0.0 to 1.0; None while nothing was sent."""
-        if self._stale:
-            self._share, self._stale = self._worked_out(), False
-        return self._share
+        return share_of(*self.counted)
 
-    def _worked_out(self) -> float | None:
-        if len(self._read) < 2 or self._read[-1][0] == self._read[0][0]:
-            return None
+    def _count(self) -> tuple[int, int]:
+        if len(self._read) < 2:
+            return 0, 0
         sent, received = (last - first for first, last in zip(self._read[0], self._read[-1], strict=True))
-        return min(1.0, max(0, sent - received) / max(sent, ENOUGH))
+        return sent, max(0, sent - received)
+
+
+def share_of(sent: int, lost: int) -> float | None:
+    """Return the part of so many samples that got lost; None while nothing was sent."""
+    return min(1.0, lost / max(sent, ENOUGH)) if sent else None

@@ -190,6 +190,12 @@ class Peer:
         return self._samples.line or self._digests.line
 
     @property
+    def counted_samples(self) -> tuple[int, int]:
+        """How many samples went between the peer and us lately, and how many of these got lost."""
+        (out, lost_out), (came, lost_in) = self._out.counted, self._in.counted
+        return out + came, lost_out + lost_in
+
+    @property
     def loss_out(self) -> float | None:
         """The part of our samples that does not reach the peer; None while unknown."""
         return self._out.share

@@ -17,13 +17,14 @@ from proxy.core.coordination import Coordination
 from proxy.core.digests import ANNOUNCEMENT, ON_AIR, ON_CHANNEL, ORDINARY, OVERHEAD, QUESTION, DigestPacer
 from proxy.core.gate import Gate
 from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST, allowance_of, changes_plans, shortest_window, use_of
+from proxy.core.repeats import Repeats
 from proxy.core.stating import as_told, differs, shortened, state_of, update_of
 from proxy.core.stream import Stream
 from proxy.core.talk import Talk
 from proxy.core.transport import is_broadcast
 from proxy.core.view import SharedView
 from proxy.core.ways import mean_loss
-from proxy.core.wire import Digest, Echo, State, tag
+from proxy.core.wire import Digest, Echo, State, StreamDigest, tag
 
 DIGESTS = 0.95
 """This part of the allowance is for digests, the rest for states: with all of it for digests robots told 103 to 105 %
@@ -31,6 +32,8 @@ of what they may, and tell 97 to 99 % now (four with cameras, five with samples 
 the channel digests tell of it, and have all."""
 DEBT = 5.0
 """So much of the team's allowance may be spent ahead of time on telling what was sent [s]..."""
+REPEATS_DEBT = 1.0
+"""... so much on telling it again..."""
 CHANGING_DEBT = 10.0
 """... so much on the first agreement on parts..."""
 PARTS_DEBT, PARTS_PACE = 0.5, 0.05
@@ -72,10 +75,11 @@ class Telling:
         self.pacer = DigestPacer(now, zlib.crc32(view.settings.zid.encode()) / 2**32, saved)
         self.asking = Asking(now)
         self._talk = Talk()
+        self._repeats = Repeats()
         self._allowance = LEAST_ALLOWANCE
         """What all robots may tell each other [B/s]."""
         self._uncounted = 0.0
-        """What was told beyond the allowance and does not count against the limits yet [B]."""
+        """What was told beyond the allowance and does not count against the limits yet; less: ahead of time [B]."""
         self.urgent = False
         self.parts_changed, self._parts_since = False, math.inf
         """Whether what we tell of parts is news, and since when [s]."""
@@ -191,9 +195,10 @@ class Telling:
         if window := self._window:
             told = (size + OVERHEAD) * max(1, copies)
             self._uncounted += self._talk.note(now, told, window, self._allowance * window)
-            if self._uncounted >= LEAST_DIGEST:  # where limits are of messages, each note is one
-                self._view.note_talk(now, round(self._uncounted))
-                self._uncounted = 0.0
+            if self._uncounted > 0.0:  # ahead of what follows: where limits are of messages, each note is one
+                ahead = max(self._uncounted, LEAST_DIGEST)
+                self._view.note_talk(now, math.ceil(ahead))
+                self._uncounted -= ahead
 
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
@@ -231,12 +236,17 @@ class Telling:
         """Send a digest if one is due, and see when the next one is."""
         if self._digest_due(now) <= now:
             commands.append(self._send_digest(now))
-        self._next_digest = self._digest_due(now)
+        elif self._repeat_due(now) <= now and (again := self._repeats.again(now)) is not None:
+            commands.append(self._repeat(now, again))
+        self._next_digest = min(self._digest_due(now), self._repeat_due(now))
 
     def _digest_due(self, now: float) -> float:
         if not self._view.peers:
             return now + IDLE
         return max(self._told_at + APART, self._wanted(now))
+
+    def _repeat_due(self, now: float) -> float:
+        return max(self._told_at + APART, self._repeats.due_at, self.pacer.due_ahead(now, REPEATS_DEBT))
 
     def _wanted(self, now: float) -> float:
         """When the allowance and what there is to tell have us tell something [s]."""
@@ -321,16 +331,16 @@ class Telling:
             self._unknown, self._news = self.pacer.unknown(own), self.pacer.has_news(own)
 
     def _send_digest(self, now: float) -> Command:
-        copies, lean = self._digest_copies(), self._tells_parts(now)
+        copies, lean, sent_much = self._digest_copies(), self._tells_parts(now), self._sent_much()
         self._told_at = now
-        if self._sent_much() and not (
+        if sent_much and not (
             self.urgent
             or self.parts_changed
             or self._unknown
             or self._tells_all(now, copies)
             or (self._view.awaits_echo(now) and self.pacer.affordable_echoes(now, copies))
         ):
-            return self._announce(now, copies)
+            return self._announce(now)
         digest = Digest(
             robot=self._view.settings.robot,
             tag=tag(self._view.settings.zid),
@@ -347,7 +357,10 @@ class Telling:
         self._channel.capacity.told(digest)
         self._coordination.told(digest)
         self.urgent = self.parts_changed = False
-        return self._send(now, digest, copies, aside=lean)
+        if sent_much:
+            large = {stream.id for stream in self._view.own() if self._large(stream)}
+            self._announced(self._brief(now, tuple(each for each in digest.streams if each.id in large)))
+        return self._send(now, digest, aside=lean)
 
     def _echoes(self, now: float, copies: int) -> tuple[Echo, ...]:
         """Return some echoes. Where limits follow the channel they tell how long digests wait now."""
@@ -367,12 +380,18 @@ class Telling:
         """Whether it is time to tell all that is new: announcements never take the place of that."""
         return self.pacer.due(now, news=self._channel.capacity.speak(now), copies=copies) <= now
 
-    def _announce(self, now: float, copies: int) -> Command:
+    def _announce(self, now: float) -> Command:
         """Tell all at once what was sent, in as few bytes as that takes; what is small only if there is room."""
         own = list(self._view.own())
         told = {s.key for s in own if self._large(s)} if self.pacer.in_debt(now) else {s.key for s in own}
-        streams = self.pacer.changed(now, own, told)
-        digest = Digest(
+        digest = self._brief(now, self.pacer.changed(now, own, told))
+        self._channel.capacity.said(now, self._view.messages)
+        self._announced(digest)
+        return self._send(now, digest)
+
+    def _brief(self, now: float, streams: tuple[StreamDigest, ...]) -> Digest:
+        """Return the announcement of what streams sent."""
+        return Digest(
             robot=self._view.settings.robot,
             tag=tag(self._view.settings.zid),
             sent=now,
@@ -380,17 +399,31 @@ class Telling:
             state=self.state.number,
             brief=True,
         )
-        self._channel.capacity.said(now, self._view.messages)
-        return self._send(now, digest, copies)
 
-    def _send(self, now: float, digest: Digest, copies: int, *, aside: bool = False) -> Command:
+    def _announced(self, digest: Digest) -> None:
+        """This goes out, or something that says as much: on the air it may have to be told again."""
+        if is_broadcast(self._view.settings.transport) and digest.streams:
+            self._repeats.announced(digest, mean_loss(self._view))
+
+    def _repeat(self, now: float, digest: Digest) -> Command:
+        """Tell once more what was sent."""
+        self._told_at = now
+        self._view.sent_digest(now)
+        self._spend(now, digest, announces=True)
+        return SendDigest(digest)
+
+    def _send(self, now: float, digest: Digest, *, aside: bool = False) -> Command:
         """Send a digest; `aside`: ordinary news have their turn all the same."""
         self._told_messages, self._view.largest = self._view.messages, 0
         self._view.sent_digest(now)
-        size = self._size_of(digest)
-        self.pacer.sent(now, size, copies, announces=digest.brief or aside)
-        self._count(now, size, copies)
+        self._spend(now, digest, announces=digest.brief or aside)
         return SendDigest(digest)
+
+    def _spend(self, now: float, digest: Digest, *, announces: bool) -> None:
+        """A digest takes some of the allowance."""
+        size, copies = self._size_of(digest), self._digest_copies()
+        self.pacer.sent(now, size, copies, announces=announces)
+        self._count(now, size, copies)
 
     def _size_of(self, digest: Digest) -> int:
         """The size of a digest [B]; on the air, where one for all goes, its key has no number to stand for it."""

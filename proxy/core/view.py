@@ -33,6 +33,8 @@ UNTOLD = 2.5e-3
 """Two wall clocks may have moved so much against each other and nobody said so, because it is too little [s]."""
 NEW = 10.0
 """In a large team it takes so long until all have told all what they send [s]."""
+GREETING = 0.25
+"""Who has just been met tells within this time what it sent lately [s]."""
 SILENT = 2.0
 """A robot that has sent nothing for so long since we do is not about to [s]."""
 MANY, STARTS = 4, 2.0
@@ -89,6 +91,8 @@ class SharedView:
         """What the last digests took beyond the quickest of their robots [s]."""
         self._untold: set[str] = set()
         """Tags of the robots that did not tell yet what their apps subscribe to."""
+        self._met_at = -math.inf
+        """When a robot was met last [s]."""
         self._note_broadcasting()
 
     @property
@@ -202,11 +206,13 @@ class SharedView:
     def copies(self, stream: Stream) -> int:
         """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router.
 
-        In broadcast it is one for all.
+        In broadcast it is one for all. Robots that did not tell us yet what they want count for our own samples alone:
+        who has just come took others' sends for two or three times as many, and sent nothing for a second.
         """
         if stream.robot in self._broadcasting:
             return 1
-        receivers = sum(name != "" for name in self.wanting(stream)) + self.untold(stream.robot)
+        receivers = sum(name != "" for name in self.wanting(stream))
+        receivers += self.untold(stream.robot) if stream.robot == self.settings.robot else 0
         return 1 + receivers if self.settings.relayed else max(1, receivers)
 
     def untold(self, sender: str) -> int:
@@ -253,6 +259,13 @@ class SharedView:
         """
         began = self._began()
         return [peer for peer in self.peers.values() if now < max(peer.since, began) + NEW and not peer.plain]
+
+    def greeted_by(self, now: float) -> float:
+        """Until when robots that have just been met may still say what they sent lately; −∞ where all have [s]."""
+        if now >= self._met_at + GREETING:
+            return -math.inf
+        new = (p for p in self.peers.values() if p.last_heard is None and not p.plain)
+        return max((peer.since + GREETING for peer in new if peer.state is None or peer.told), default=-math.inf)
 
     def silent(self, peer: Peer) -> bool:
         """Whether a robot has sent nothing although we have for a while: an operator only listens."""
@@ -429,6 +442,7 @@ class SharedView:
             self.gone(silent.zid)
         self.peers[tag(zid)] = Peer(self._free_name(robot, zid), zid, now, name=robot)
         self._untold.add(tag(zid))
+        self._met_at = now
         self._presume_ways()
         self._note_origins()
         return True

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from planner import Receiver
 from proxy.core.latency import Latency
+from proxy.core.loss import share_of
 from proxy.core.receivers import Way, grouped
 from proxy.core.stream import Stream
 from proxy.core.wire import tag
@@ -46,10 +47,10 @@ def line(view: SharedView, robot: str) -> Latency:
 
 
 def mean_loss(view: SharedView) -> float:
-    """Return the mean loss of the ways that we know; 0.0 when we know none."""
-    peers = view.peers.values()
-    known = [loss for peer in peers for loss in (peer.loss_out, peer.loss_in) if loss is not None]
-    return min(MOST_LOSS, sum(known) / len(known)) if known else 0.0
+    """Return the loss of all samples that went on ways that we know; 0.0 when we know none."""
+    counted = [peer.counted_samples for peer in view.peers.values()]
+    share = share_of(sum(sent for sent, _ in counted), sum(lost for _, lost in counted))
+    return min(MOST_LOSS, share or 0.0)
 
 
 _Known = Mapping[str, tuple[Latency | None, float | None]]

@@ -1,10 +1,11 @@
 """Two robots that would send in the same moment: the one with the better claim does."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from proxy.core.claims import CAUTION, CLOSE, DECIDED, both, claim, leads, news_take, rivals
+from proxy.core.claims import CAUTION, CLOSE, DECIDED, LATE, SELDOM, both, claim, leads, news_take, rivals
 from proxy.core.disputes import Disputes
 from proxy.core.limits import limits_of
 from proxy.core.schedules.rhythm import Rhythm
@@ -34,11 +35,11 @@ def taken(view, now, *, grew=-math.inf):
     return judged(view, now, grew=grew)[0]
 
 
-def judged(view, now, *, grew=-math.inf):
+def judged(view, now, *, own=(0.0,), grew=-math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.look(now, limits, alone=False)
     stream = view.known("r1", "robot/r1/camera")
-    return rivals(now, view, disputes, stream, limits, grew=grew)
+    return rivals(now, view, disputes, stream, limits, own=own, grew=grew)
 
 
 def sent(view, robot, t):
@@ -137,7 +138,7 @@ def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
     for count in range(100):
         third.note_generated(count + 1, Generated(count * PERIOD + 0.5 * news, SIZE, 1.0))
     sent(view, "r3", 8.0)
-    assert taken(view, 10.0 + 1.2 * news) == (3 * SIZE,)  # what the third one sends goes to two
+    assert taken(view, 10.0 + 1.2 * news) == (2 * SIZE,)
     assert judged(view, 10.0 + 1.2 * news)[1] == pytest.approx(10.0 + 1.5 * news)
     assert taken(view, 10.0 + 2.0 * news) == (SIZE,)
     assert judged(view, 10.0 + 2.0 * news)[1] == pytest.approx(10.0 + 2.5 * news)
@@ -198,6 +199,8 @@ def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_
     for count in range(10):
         stream.note_generated(count + 1, Generated(9.0 + count * PERIOD, SIZE, 1.0))
     assert taken(view, 10.0) == (use,)
+    view.note_sent(stream, 1, Sent(9.5, 9.5, SIZE, 1.0))  # who has sent waits for who has not, whatever their names
+    assert taken(view, 10.0) == (SIZE if size == SIZE else 0.0,)
     assert taken(view, 9.0 + NEW) == (0.0,)
     news = StreamDigest(1, 5, 0, 9.0, 0.0, size, 1.0)
     view.heard_digest(10.0, Digest(robot, tag(f"z-{robot}"), 9.9, streams=(news,)))
@@ -237,3 +240,19 @@ def test_news_take_as_long_as_most_of_the_last_digests_did(view):
         late = 0.03 if count % 2 else 0.0
         view.heard_digest(11.0 + count + late, Digest("r2", tag("z2"), 11.0 + count))
     assert news_take(view) == pytest.approx(before + 0.03, abs=1e-3)
+
+
+@pytest.mark.parametrize("seldom", [True, False])
+@pytest.mark.parametrize("size", [100, SIZE])
+@pytest.mark.parametrize("late", [True, False])
+def test_a_small_message_of_a_slow_stream_does_not_wait_for_late_news_of_one_other(view, seldom, size, late):
+    """One that may collide with it matters less than the time."""
+    window = news_take(view) / LATE * (0.9 if late else 1.1)
+    limits = tuple(replace(limit, window=window) for limit in limits_of(view.specs, 0.02, 2))
+    disputes, ours = Disputes(view), view.known("r1", "robot/r1/camera")
+    disputes.look(10.0, limits, alone=False)
+    ours.schedule.observe(101, 9.9, Rhythm((2.0 if seldom else 0.5) * SELDOM * window, 9.9, 101, 0.0, 16))
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    found, _ = rivals(10.0, view, disputes, ours, limits, own=(float(size),), grew=-math.inf)
+    assert found == (SIZE - size if seldom and late and size == 100 else SIZE,)

@@ -12,6 +12,7 @@ from proxy.core.commands import Decide, Drop, Forward
 from proxy.core.mode import Mode
 from proxy.core.stream import Generated
 from proxy.core.transport import broadcast
+from proxy.core.view import GREETING
 from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
 from tests.proxy.core.talk import SPEC, only
 
@@ -427,3 +428,25 @@ def test_in_the_end_a_sample_that_gives_way_is_dropped(rivals):
     """It is too old by then."""
     sample, commands = rivals.publish(8.2, t_gen=7.7, size=4000)
     assert only(rivals.answer(8.2, *only(commands, Decide), send=True)) == [Drop(sample, "dropped:constraint")]
+
+
+@pytest.mark.parametrize("says", [True, False])
+def test_a_large_sample_waits_for_what_somebody_who_was_just_met_sent_lately(make_talk, says):
+    """Not for long, where it says nothing; what is small goes at once."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(5.0))
+    talk.tell(ev.PeerAppeared(5.0, "r2", "z-r2"))
+    large, commands = talk.publish(5.1, size=3000)
+    assert only(commands) == []
+    assert talk.core.wake_at(5.1) <= 5.0 + GREETING
+    small, commands = talk.publish(5.11, size=10, key="robot/x/camera")
+    assert only(commands) == [Forward(small)]
+    if says:
+        commands = talk.tell(ev.StateHeard(5.13, State("r2", "z-r2", "enforce", "")))
+    else:
+        assert only(talk.tell(ev.TimePassed(4.99 + GREETING))) == []
+        commands = talk.tell(ev.TimePassed(5.0 + GREETING))
+    (decide,) = only(commands)
+    assert isinstance(decide, Decide)
+    assert only(talk.answer(5.3, decide, send=True)) == [Forward(large)]

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.loss import MEMORY, Loss
+from proxy.core.loss import ENOUGH, MEMORY, Loss, share_of
 
 
 def test_nothing_sent_tells_nothing():
@@ -87,3 +87,14 @@ def test_many_readings_of_few_samples_do_not_shorten_the_past():
     assert loss.share == pytest.approx(0.5, abs=0.01)
     assert loss._read[0] == (0, 0)
     assert len(loss._read) <= MEMORY
+
+
+def test_counts_tell_the_share():
+    """A loss among few counts as one among more."""
+    loss = Loss()
+    assert (loss.counted, loss.share) == ((0, 0), None)
+    loss.read(0, 0)
+    loss.read(40, 30)
+    assert (loss.counted, loss.share) == ((40, 10), share_of(40, 10)) == ((40, 10), 0.25)
+    assert share_of(1, 1) == 1 / ENOUGH
+    assert share_of(0, 0) is None

@@ -9,6 +9,7 @@ from proxy.core.coordination import LARGE
 from proxy.core.limits import allowance_of
 from proxy.core.split import Segment, Told
 from proxy.core.telling import DEBT, GATHER, STATE_PACE
+from proxy.core.transport import broadcast
 from proxy.core.view import NEW
 from proxy.core.wire import Digest, State, StreamDigest, StreamState, tag
 from studies.simulation.conditions import WARM_UP, Conditions
@@ -305,3 +306,37 @@ def test_where_a_large_team_has_equal_parts_news_of_streams_wait_for_the_allowan
         talk.tell(ev.TimePassed(12.0 + step))
     (told,) = [each for each in talk.all(SendState) if each.update is not None]
     assert [stream.key for stream in told.update.streams] == ["robot/r1/camera"]
+
+
+def test_a_large_stream_is_told_of_at_once_and_small_ones_together(make_talk):
+    """The allowance has paid for neither; another sample of a small one changes nothing."""
+    talk = make_talk(allowance=0.05)
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(5.0))
+    talk.core.telling.pacer.owe(5.0, 2_000, 1)
+    talk.said.clear()
+    for now in (5.0, 5.05, 5.1):
+        talk.publish(now, key="robot/x/camera", size=10)
+    talk.tell(ev.TimePassed(5.0 + 2.0 * GATHER))
+    assert talk.all(SendState) == []
+    talk.publish(6.0, size=2_000)
+    (told,) = talk.all(SendState)
+    assert {stream.key for stream in told.state.streams} == {"robot/x/camera", "robot/r1/camera"}
+
+
+@pytest.mark.parametrize(("lost", "again"), [(0, 0), (10, 1), (30, 3)])
+def test_what_is_announced_on_the_air_is_told_again_where_much_is_lost(make_talk, lost, again):
+    """With the same numbers, as of another time."""
+    talk = make_talk(transport=broadcast("224.0.0.1:1"), digests_on_air=True, allowance=0.5)
+    talk.want(0.0)
+    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
+    peer = talk.core.view.peers[tag("zz-op")]
+    peer._out.read(0, 0)
+    peer._out.read(100, 100 - lost)
+    talk.tell(ev.TimePassed(5.0))
+    sends(talk, 6.0, size=2_000)
+    for step in range(1, 900):
+        talk.tell(ev.TimePassed(6.0 + 0.001 * step))
+    sent = [s for d in digests(talk, 6.0) for s in d.streams if s.t_forwarded == pytest.approx(6.0)]
+    assert len(sent) == 1 + again
+    assert len({s.forwarded for s in sent}) == 1

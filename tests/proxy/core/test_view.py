@@ -10,7 +10,7 @@ from proxy.core.interest import intersects
 from proxy.core.settings import CoreSettings
 from proxy.core.stream import Generated, Sent, Stream
 from proxy.core.transport import UNICAST, broadcast
-from proxy.core.view import MANY, STARTS, SharedView
+from proxy.core.view import GREETING, MANY, STARTS, SharedView
 from proxy.core.ways import latency
 from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState, tag
 
@@ -255,6 +255,31 @@ def test_what_a_router_relays_costs_the_way_to_it_and_to_each_robot(make_specs):
     assert (view.receivers(own), view.copies(own)) == (1, 1)
     meet(view, subscriptions=("robot/*/camera",))
     assert (view.receivers(own), view.copies(own)) == (1, 2)
+
+
+def test_who_did_not_say_yet_what_it_wants_counts_for_what_we_send_alone(make_specs):
+    """What others send goes to those of whom we know that they want it: they have known them for longer."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
+    meet(view, subscriptions=("robot/*/camera",))
+    own, others = view.stream(0.0, "r1", "robot/r1/camera"), view.stream(0.0, "r3", "robot/r3/camera")
+    view.add_peer(0.0, "r3", "z-r3")
+    view.add_peer(0.0, "r4", "z-r4")
+    assert (view.copies(own), view.copies(others)) == (3, 1)
+
+
+def test_who_has_just_been_met_may_say_for_a_moment_what_it_sent_lately(make_specs):
+    """Until it has, or that is over; who has no streams has nothing to say."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
+    assert view.greeted_by(1.0) == -math.inf
+    view.add_peer(1.0, "r2", "z-r2")
+    view.add_peer(1.1, "r3", "z-r3")
+    assert view.greeted_by(1.1) == 1.1 + GREETING
+    view.heard_state(1.1, State("r3", "z-r3", "enforce", ""))
+    assert view.greeted_by(1.1) == 1.0 + GREETING
+    view.heard_digest(1.2, Digest("r2", "z-r2", 1.2))
+    assert view.greeted_by(1.2) == -math.inf
+    view.add_peer(2.0, "r4", "z-r4")
+    assert view.greeted_by(2.0 + GREETING) == -math.inf
 
 
 def test_of_once_only_those_gain_that_were_sent_nothing_yet(make_specs):

@@ -67,6 +67,14 @@ def test_ways_of_others_are_what_their_receivers_tell(view):
     assert view.peers["z-r2"].heard_by == {}
 
 
+def test_few_samples_of_many_robots_tell_the_mean_loss(view):
+    """Each of them alone tells little."""
+    for name in ("z-r2", "z-r3", "z-r4"):
+        lose(view.peers[name], 10, 7)
+    assert view.peers["z-r2"].loss_out == pytest.approx(0.15)
+    assert mean_loss(view) == pytest.approx(0.3)
+
+
 def test_loss_is_of_each_way_and_the_mean_where_unknown(view):
     """A robot that gets nothing is not given up."""
     own, other = view.stream(0.0, "r1", "robot/r1/camera"), view.stream(0.0, "r2", "robot/r2/camera")
