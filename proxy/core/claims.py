@@ -130,7 +130,7 @@ def rivals(
 def _may_collide(stream: Stream, news: float, own: tuple[float, ...], limits: tuple[Limit, ...]) -> bool:
     """Whether one message that may just have been sent matters less than waiting for news of it."""
     window = shortest_window(limits)
-    seldom = stream.schedule.kind != MEMORYLESS and stream.schedule.period >= max(SELDOM * window, news)
+    seldom = _waits(stream) and stream.schedule.period >= max(SELDOM * window, news)
     small = all(amount <= SMALL * limit.limit for amount, limit in zip(own, limits, strict=True))
     return news >= LATE * window and seldom and small
 
@@ -182,12 +182,12 @@ def _taken_by_new(now: float, view: SharedView, stream: Stream, limits: tuple[Li
     windows of the first 6 s two of them sent at once, and do so in 3.5 %.
     """
     taken = (0.0,) * len(limits)
-    for peer in view.met_lately(now):
-        if peer.robot > stream.robot or stream.sent is not None:
-            for key, told in peer.told.items():
-                known, use = view.known(peer.robot, key), use_of(told.size, 1, limits, own=False)
-                if (known is None or known.last is None) and changes_plans(use, limits):
-                    taken = both(taken, use)
+    first = [peer for peer in view.met_lately(now) if stream.sent is not None or peer.robot > stream.robot]
+    for peer in first:
+        for key, told in peer.told.items():
+            known, use = view.known(peer.robot, key), use_of(told.size, 1, limits, own=False)
+            if (known is None or known.last is None) and changes_plans(use, limits):
+                taken = both(taken, use)
     return taken
 
 

@@ -376,7 +376,7 @@ class Gate:
 
     def _unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not tell us yet."""
-        if silent := self._view.untold(self._settings.robot):
+        if silent := self._view.untold:
             self._budget.use_at_most(now, use_of(sample.size, silent, self.limits), 1.0)
         return self.pass_on(sample.sample, "passed:unwanted")
 
@@ -519,9 +519,10 @@ class Gate:
         until = self._view.greeted_by(now)
         if now >= until or self._budget.alone or self.mode_of(self._own(now, sample)) is not Mode.ENFORCE:
             return False
-        waits = changes_plans(self._use(now, sample), self.limits)
-        self.wakes_at = min(self.wakes_at, until) if waits else self.wakes_at
-        return waits
+        if not changes_plans(self._use(now, sample), self.limits):
+            return False
+        self.wakes_at = min(self.wakes_at, until)
+        return True
 
     def _waits_for_room(self, now: float, sample: Waiting) -> bool:
         """Whether a sample waits, as what we sent leaves room for it soon.

@@ -14,7 +14,7 @@ AFTER = 0.03
 MISSED = 0.003
 """... until no more than this part of the robots have missed it, by what is lost in the mean..."""
 SO_FAR, MOST = 2, 3
-"""The sample is heard, or its announcement; that is told again so often at most."""
+"""Who missed it missed the sample and its announcement, two times; it is told again so often at most."""
 
 
 class Repeats:

@@ -282,8 +282,8 @@ class Telling:
 
     def announcing(self, now: float) -> float:
         """Return what part of the allowance it takes to announce all that the limits let the team send."""
-        if is_broadcast(self._view.settings.transport):
-            return 0.0  # who sends is overheard
+        if self._overheard:
+            return 0.0
         limits, rate, load = self._gate.limits, 0.0, [0.0] * len(self._gate.limits)
         for stream in self._view.competition.all(now):
             use = use_of(round(stream.mean_size), self._view.copies(stream), limits)
@@ -298,9 +298,13 @@ class Telling:
 
     def announces_at(self, now: float) -> float:
         """When what is sent now could be announced [s]."""
-        overheard = is_broadcast(self._view.settings.transport)
-        waits = self._coordination.rivals and self._announces and not overheard
+        waits = self._coordination.rivals and self._announces and not self._overheard
         return self.pacer.due_ahead(now, DEBT) if waits else now
+
+    @property
+    def _overheard(self) -> bool:
+        """Whether others hear what we send, as samples are broadcast."""
+        return is_broadcast(self._view.settings.transport)
 
     @property
     def _announces(self) -> bool:
@@ -357,7 +361,7 @@ class Telling:
         self._channel.capacity.told(digest)
         self._coordination.told(digest)
         self.urgent = self.parts_changed = False
-        if sent_much:
+        if sent_much and self._overheard:
             large = {stream.id for stream in self._view.own() if self._large(stream)}
             self._announced(self._brief(now, tuple(each for each in digest.streams if each.id in large)))
         return self._send(now, digest, aside=lean)
@@ -386,7 +390,8 @@ class Telling:
         told = {s.key for s in own if self._large(s)} if self.pacer.in_debt(now) else {s.key for s in own}
         digest = self._brief(now, self.pacer.changed(now, own, told))
         self._channel.capacity.said(now, self._view.messages)
-        self._announced(digest)
+        if self._overheard:
+            self._announced(digest)
         return self._send(now, digest)
 
     def _brief(self, now: float, streams: tuple[StreamDigest, ...]) -> Digest:
@@ -401,29 +406,27 @@ class Telling:
         )
 
     def _announced(self, digest: Digest) -> None:
-        """This goes out, or something that says as much: on the air it may have to be told again."""
-        if is_broadcast(self._view.settings.transport) and digest.streams:
+        """This goes out on the air, or something that says as much: it may have to be told again."""
+        if digest.streams:
             self._repeats.announced(digest, mean_loss(self._view))
 
     def _repeat(self, now: float, digest: Digest) -> Command:
         """Tell once more what was sent."""
         self._told_at = now
-        self._view.sent_digest(now)
-        self._spend(now, digest, announces=True)
-        return SendDigest(digest)
+        return self._publish(now, digest, announces=True)
 
     def _send(self, now: float, digest: Digest, *, aside: bool = False) -> Command:
         """Send a digest; `aside`: ordinary news have their turn all the same."""
         self._told_messages, self._view.largest = self._view.messages, 0
-        self._view.sent_digest(now)
-        self._spend(now, digest, announces=digest.brief or aside)
-        return SendDigest(digest)
+        return self._publish(now, digest, announces=digest.brief or aside)
 
-    def _spend(self, now: float, digest: Digest, *, announces: bool) -> None:
-        """A digest takes some of the allowance."""
+    def _publish(self, now: float, digest: Digest, *, announces: bool) -> Command:
+        """Send a digest, and count what it takes."""
+        self._view.sent_digest(now)
         size, copies = self._size_of(digest), self._digest_copies()
         self.pacer.sent(now, size, copies, announces=announces)
         self._count(now, size, copies)
+        return SendDigest(digest)
 
     def _size_of(self, digest: Digest) -> int:
         """The size of a digest [B]; on the air, where one for all goes, its key has no number to stand for it."""

@@ -212,13 +212,13 @@ class SharedView:
         if stream.robot in self._broadcasting:
             return 1
         receivers = sum(name != "" for name in self.wanting(stream))
-        receivers += self.untold(stream.robot) if stream.robot == self.settings.robot else 0
+        receivers += self.untold if stream.robot == self.settings.robot else 0
         return 1 + receivers if self.settings.relayed else max(1, receivers)
 
-    def untold(self, sender: str) -> int:
-        """How many robots may want what `sender` sends though they did not tell: Zenoh knows sooner than they can."""
-        silent = [self.peers[name] for name in self._untold]
-        return sum(not peer.plain and peer.robot != sender for peer in silent)
+    @property
+    def untold(self) -> int:
+        """How many robots may want what we send though they did not tell: Zenoh knows sooner than they can."""
+        return sum(not self.peers[name].plain for name in self._untold)
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected.
