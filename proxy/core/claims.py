@@ -15,7 +15,9 @@ sent counts as taken until it is known what became of it: five robots with sampl
 in 5 to 9 % of their windows where a sample gave way only once, and do so in 0.4 to 4 %. Who has the next best claim may
 have given way until then, so what becomes of its sample is known later still, and so on: of eight robots with cameras,
 whose news took 8 ms, three sent at one moment now and then (1.3 to 1.4 limits), and 1.4 % of the windows were over the
-limit with 1,028 kB sent; now 0.4 %, by 1 %, with 1,046 kB.
+limit with 1,028 kB sent; now 0.4 %, by 1 %, with 1,046 kB. Who sent last counts until all can know of it, though its
+own claim is small then: of ten robots with equal messages two sent at one moment in 3.2 to 6.4 % of the windows, and in
+1.0 to 1.9 % now.
 """
 
 import math
@@ -103,7 +105,8 @@ def rivals(
     ours, news = claim(now, stream), news_take(view)
     claims = _claims(now, view, disputes, stream, limits)
     better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
-    taken, until, decided = _taken_by_new(now, view, stream, limits), math.inf, -math.inf
+    taken, until = _taken_by_new(now, view, stream, limits), math.inf
+    decided = news + max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
     nothing = (0.0,) * len(own)
     let_off = own if _may_collide(stream, news, own, limits) else nothing
     for rank, (_, each) in enumerate(better):

@@ -130,6 +130,10 @@ class Coordination:
         equal = (1.0 - self._settings.floor) / self._robots
         return max(ours, min(equal, split.least))
 
+    def grows_at(self, now: float) -> float:
+        """When our part grows if nothing is heard, as what others sent in a slot of ours has left it [s]; else ∞."""
+        return math.inf if self._agrees is None else self._agrees.grows_at(now)
+
     def whole_turn(self, now: float, k: int) -> bool:
         """Whether a message may go now that is larger than all we may use.
 

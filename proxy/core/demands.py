@@ -3,14 +3,13 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-import numpy as np
-
 from planner import Aggregation
 from proxy.core.limits import Limit, use_of
 from proxy.core.prices import interval_of, variance_of
 from proxy.core.split import Bid, Demand, bid_for
 from proxy.core.stream import Stream
 from proxy.core.view import SharedView
+from utility_specs.lifetimes import integral
 
 FOREVER = 3600.0
 """Messages are worth nothing any more after this [s]."""
@@ -38,16 +37,20 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: fl
             max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
             for size in sorted(sizes)
         ]
-        audience, interval = view.audiences.of(now, stream), interval_of(now, stream, window, AGAIN)
+        share, interval = view.audiences.of(now, stream).share, interval_of(now, stream, window, AGAIN)
         mean = sum(parts) / len(parts)
         variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.mean_size, 1.0))
-        yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share, audience.mean), variance)
+        yield Demand(parts, 1.0 / interval, partial(_value, stream, share), variance)
 
 
-def _value(stream: Stream, share: float, age: float, rate: float) -> float:
-    """Return the utility per second of so many messages per second, each so old when it is received [s]."""
+def _value(stream: Stream, share: float, rate: float) -> float:
+    """Return the utility per second of so many messages per second.
+
+    As if they were received at once: how long they take each robot learns at another moment, and where bids depended on
+    it all changed theirs then, and agreed for 20 s (ten robots whose news take 1 s; what takes as long to all is no
+    reason to share otherwise).
+    """
     kind, like = stream.information_type, stream.newest
     lasting = kind.aggregation in (Aggregation.SUM, Aggregation.ONCE)
-    until = age + (FOREVER if lasting else 1.0 / max(rate, 1.0 / FOREVER))
-    area = kind.utility_of(like.features).integral(np.array([age]), np.array([until]))
-    return float(area[0]) * like.scale * share * rate
+    until = FOREVER if lasting else 1.0 / max(rate, 1.0 / FOREVER)
+    return integral(kind.utility_of(like.features), until) * like.scale * share * rate

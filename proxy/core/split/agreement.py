@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-from proxy.core.split.allocation import Allocation, allocate
+from proxy.core.split.allocation import Allocation, allocate, differ_in_slots
 from proxy.core.split.bid import UNIT, Bid
 from proxy.core.split.standing import Entry, Standing
 from proxy.core.split.turns import Turn
@@ -11,6 +11,10 @@ NEWCOMERS = 4
 """So many robots may come at once: each has this part of the floor until all know it."""
 MOST_STANDING = 8
 """Tables that are kept one by one; of those between the oldest and the newest, the least part is kept."""
+GAIN = 0.1
+"""All agree on other slots if together they gain so much: while they agree each has the least that any table gives it,
+which takes seconds, of ten robots 20. Four cameras reached 91 % of a central decider where any others were reason
+enough, and reach 94 now (300 ms), ten robots with equal messages 75 to 91, and 79 to 94."""
 MOST_KNOWN = 256
 """Bids that are kept of robots, those that are gone included."""
 
@@ -109,9 +113,16 @@ class Agreement:
         return [] if self.newcomer else self.standings[0].turns
 
     def indifferent(self, bid: Bid) -> bool:
-        """Whether we have everybody's bid, and with this one of ours each would have about what it has."""
-        allocation = self._with(bid)
-        return allocation is not None and allocation.resembles(self.standings[-1].allocation)
+        """Whether we have everybody's bid, and little would be gained if all agreed on this one of ours.
+
+        As each would have about what it has. Or slots would pass to others to whom they are worth as much.
+        """
+        if (bids := self._bids_with(bid)) is None:
+            return False
+        had, allocation = self.standings[-1].allocation, self._allocated(bids)
+        if allocation.resembles(had):
+            return True
+        return differ_in_slots(self.bid[1], bid) and allocation.worth(bids) < (1.0 + GAIN) * had.worth(bids)
 
     def starves(self, bid: Bid) -> bool:
         """Whether no message fits what we have, though one would with this bid: what we asked for was a bit too small.
@@ -120,16 +131,18 @@ class Agreement:
         """
         if self.standings[-1].allocation.carries(self.own, bid):
             return False
-        allocation = self._with(bid)
-        return allocation is not None and allocation.carries(self.own, bid)
+        bids = self._bids_with(bid)
+        return bids is not None and self._allocated(bids).carries(self.own, bid)
 
-    def _with(self, bid: Bid) -> Allocation | None:
-        """Return what each would have with this bid of ours, if we have everybody's."""
+    def _bids_with(self, bid: Bid) -> dict[str, Bid] | None:
+        """Return everybody's bid and this one of ours, if we have all."""
         newest = self.standings[-1]
         bids = {tag: entry[1] for tag, entry in newest.table.items() if entry is not None} | {self.own: bid}
-        if not newest.complete or bids.keys() != self.members:
-            return None
-        return allocate(bids, len(bids), self._floor, newest.name)
+        return bids if newest.complete and bids.keys() == self.members else None
+
+    def _allocated(self, bids: dict[str, Bid]) -> Allocation:
+        """Return what each would have with these bids."""
+        return allocate(bids, len(bids), self._floor, self.standings[-1].name)
 
     def ask(self, now: float, bid: Bid) -> None:
         """This is our bid from now on."""

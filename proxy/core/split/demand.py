@@ -23,6 +23,9 @@ SEVERAL = (2.0, 3.0)
 PACKED = 0.85
 """What of a part is used by messages that vary in size: there is seldom one for all that is left."""
 
+ROUNDING = 1e-9
+"""Numbers that differ by no more than this part are equal."""
+
 
 @dataclass(frozen=True, slots=True)
 class Demand:
@@ -111,10 +114,13 @@ def _rate(demand: Demand, part: float, window: float, share: float = 1.0) -> flo
 
 
 def _hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Leave out what lies below a line between others: values per part then fall."""
+    """Leave out what lies below a line between others: values per part then do not rise.
+
+    What lies on it stays: where one message more is worth as much as the first, each is asked for by itself.
+    """
     hull: list[tuple[float, float]] = []
     for x, y in points:
-        while len(hull) > 1 and (y - hull[-1][1]) * (hull[-1][0] - hull[-2][0]) >= (
+        while len(hull) > 1 and (y - hull[-1][1]) * (hull[-1][0] - hull[-2][0]) > (1.0 + ROUNDING) * (
             (hull[-1][1] - hull[-2][1]) * (x - hull[-1][0])
         ):
             hull.pop()
@@ -134,4 +140,4 @@ def _turns(demand: Demand, part: float, window: float) -> list[Segment]:
 
 
 def _units(amount: float) -> int:
-    return max(1, min(UNIT, math.ceil(amount)))
+    return max(1, min(UNIT, math.ceil(amount * (1.0 - ROUNDING))))

@@ -72,6 +72,10 @@ class Split:
         """
         return (self._steady.least(now) + self._ledger.struck(now, limit)) / UNIT
 
+    def grows_at(self, now: float) -> float:
+        """Return when our part grows next, if nothing is heard and no turn ends [s]; ∞ where it does not."""
+        return self._steady.rises_at(now)
+
     def free(self, now: float, limit: int = 0) -> float:
         """Return what is left of our part of a limit now."""
         return max(0.0, self._steady.least(now) - self._ledger.kept(now, limit)) / UNIT

@@ -119,6 +119,23 @@ def test_when_room_opens_that_our_own_sends_leave_is_known(make_budget):
     assert budget.fits(opens[2], (700.0,))
 
 
+def test_a_sample_waits_for_a_part_that_grows(make_budget):
+    """As what others sent in a slot of ours leaves the window; for more than that nothing waits."""
+    budget, view = make_budget(kind="split", peers=0)
+    coordination = Coordination(0.0, view.settings, view)
+    budget = Budget(view, coordination)
+    coordination.set_limits(0.0, (BYTES,))
+    budget.set_limits((BYTES,))
+    coordination.look(0.5, (BYTES,), 0.0, lambda _: 0.0, lambda _: 0.0)
+    grows = coordination.grows_at(0.6)
+    assert 0.6 < grows < math.inf
+    assert not budget.fits(0.6, (900.0,))
+    assert budget.opens(0.6, (900.0,)) == grows
+    assert budget.fits(grows, (900.0,))
+    assert budget.opens(0.6, (1001.0,)) == math.inf
+    assert budget.opens(grows, (1001.0,)) == math.inf
+
+
 def test_what_others_send_uses_none_of_our_energy(make_budget):
     """Each robot has its own, whole, in either coordination."""
     for coordination in ("announce", "split"):

@@ -145,6 +145,21 @@ def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
     assert taken(view, 10.0 + 2.6 * news) == (0.0,)
 
 
+def test_who_sent_last_counts_until_all_can_have_heard_of_it(view):
+    """Its claim is small then, and another one has given way to it until now and may send next."""
+    news = news_take(view)
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    third = view.stream(0.0, "r3", "robot/r3/camera")
+    third.matching = True
+    for count in range(100):
+        third.note_generated(count + 1, Generated(count * PERIOD + 0.05, SIZE, 1.0))
+    sent(view, "r3", 10.0 + 0.9 * news)
+    assert taken(view, 10.0 + 1.5 * news) == (SIZE,)
+    assert judged(view, 10.0 + 1.5 * news)[1] == pytest.approx(10.0 + 2.9 * news)
+    assert taken(view, 10.0 + 3.0 * news) == (0.0,)
+
+
 def test_a_sample_may_come_later_than_it_is_due(view):
     """By as much as its rhythm is unsure: more, the longer nothing of it was told."""
     sent(view, "r1", 9.9)

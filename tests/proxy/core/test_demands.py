@@ -3,6 +3,7 @@
 import pytest
 
 from proxy.core.demands import bid
+from proxy.core.latency import Latency
 from proxy.core.limits import limits_of
 from proxy.core.settings import CoreSettings
 from proxy.core.split import UNIT
@@ -62,3 +63,12 @@ def test_a_new_stream_asks_for_a_few_messages(make_view):
     view = make_view(10, samples=1)
     (limit,) = limits_of(view.specs, 0.02, 2)
     assert sum(segment.amount for segment in asked(view)) <= UNIT * 12 * 10 / limit.limit
+
+
+def test_how_long_messages_take_changes_no_bid(make_view):
+    """Each robot learns it at another moment, and all would ask for something else then."""
+    soon, late = make_view(2_000), make_view(2_000)
+    (peer,) = late.peers.values()
+    peer.latency_out = Latency(1.0)
+    assert late.audiences.of(5.0, late.known("r1", "robot/r1/camera")).mean == 1.0
+    assert asked(late) == asked(soon)

@@ -68,9 +68,10 @@ def test_samples_may_take_longer_than_what_is_lent_ahead_of_time(fly):
     assert sum(d.frame.size for d in arrived if 4.0 <= d.t_rcv < 8.0) >= 0.35 * 4.0 * RATE
 
 
-def test_who_leads_goes_on_hearing_of_the_channel(fly):
+@pytest.mark.parametrize("delay", [0.01, 0.02, 0.03])
+def test_who_leads_goes_on_hearing_of_the_channel(fly, delay):
     """Also while robots save up for a digest to all: silence would be taken for a queue."""
     limit = 'limit = "adaptive"\nceiling = "240 kbit/s"\nwindow = 1'
-    team, _ = fly(3, 18.0, limit=limit, size=3_000, total=12.0, delay=0.02)
+    team, _ = fly(3, 18.0, limit=limit, size=3_000, total=12.0, delay=delay)
     told = [sent.t for sent in team.on_air if sent.digest and sent.robot != "op" and sent.t >= 8.0]
     assert max(after - before for before, after in pairwise([8.0, *told, 18.0])) <= 4.0

@@ -128,3 +128,20 @@ def test_a_newcomer_that_all_have_seen_uses_the_equal_part_that_they_leave_it():
     assert a.entitled == a.equal == (UNIT - 200) // (len(others) + 1)
     a.told(a.standings[-1].name)
     assert a.entitled == a.standings[-1].total < a.equal
+
+
+def test_all_agree_on_other_slots_where_that_is_worth_it():
+    """Who may use a slot longer gains little more than the other loses, unless its messages are worth far more."""
+
+    def frames(level):
+        return tuple(Segment(6000, level - less, quarters) for less, quarters in ((0, 1), (2, 1), (4, 2)))
+
+    a, b = robot("a", "b"), robot("b", "a")
+    for each in (a, b):
+        each.ask(0.0, frames(100))
+    agree(0.1, a, b)
+    assert not a.pending
+    for level, ring in ((97, {"a": 1, "b": 3}), (103, {"a": 3, "b": 1})):
+        assert dict(a._allocated({"a": frames(level), "b": frames(100)}).slots[0].ring) == ring
+        assert a.indifferent(frames(level))
+    assert not a.indifferent(frames(110))

@@ -52,6 +52,13 @@ def test_four_robots_with_cameras_share_what_frames_there_is_room_for():
     assert [(slot.size, len(slot.ring)) for slot in allocation.slots] == [(4160, 2), (4160, 2)]
 
 
+def test_where_each_message_is_worth_as_much_each_is_asked_for_by_itself():
+    """Not two at once: who has room for one alone would send none."""
+    linear = Demand((0.19,), 1.0, lambda rate: rate)
+    bid = bid_for([linear], 2.5, 10)
+    assert {segment.amount for segment in bid} == {1900}
+
+
 def test_one_robot_is_offered_no_more_than_its_streams_send():
     """A slow stream asks for a part of a slot, not for messages that it does not have."""
     slow = Demand((0.3,), 0.4, lambda rate: rate)
