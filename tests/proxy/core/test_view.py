@@ -630,6 +630,24 @@ def test_news_without_a_key_is_bounded(view):
     assert (len(view.peers["z-r2"].pending), view.peers["z-r2"].evicted) == (1024, 6)
 
 
+def test_what_came_before_a_key_was_known_was_not_lost(view):
+    """News that waits for its key is older than the samples that came since: they are not taken for others'."""
+    streams, specs = (StreamState(7, CAMERA, "camera", 0.1),), view.specs.generation
+    view.set_interest((CAMERA,))
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 2, 2, 1.0, 1.0, 10, 1.0)))
+    peer = view.peers["z-r2"]
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", specs, (), origins=("r2-zid",)))
+    for count in range(38):
+        view.heard_sample(SampleHeard(1.0 + 0.1 * count, CAMERA, 10, "r2-zid", None, None))
+    view.heard_state(5.0, State("r2", "z-r2", "enforce", specs, streams, (), origins=("r2-zid",), number=1))
+    view.heard_digest(5.1, digest(5.1, StreamDigest(7, 40, 40, 5.0, 5.0, 10, 1.0)))
+    for count in range(20):
+        view.heard_sample(SampleHeard(5.1 + 0.1 * count, CAMERA, 10, "r2-zid", None, None))
+    view.heard_digest(7.2, digest(7.2, StreamDigest(7, 60, 60, 7.0, 7.0, 10, 1.0)))
+    assert peer.counted_samples == (20, 0)
+
+
 def test_who_was_not_reached_after_all_is_reached_by_the_next_sample(view):
     """Though the same robots want it."""
     stream = view.stream(0.0, "r1", CAMERA)
