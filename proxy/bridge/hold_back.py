@@ -57,6 +57,9 @@ class _Held:
     def comes_before(self, stamp: zenoh.Timestamp) -> bool:
         return self.stamp is None or self.stamp <= stamp
 
+    def follows(self, stamp: zenoh.Timestamp | None) -> bool:
+        return stamp is not None and not self.comes_before(stamp)
+
 
 class HoldBack:
     """Hands samples on in order; `sender` tells the tag of the robot whose stamp has an origin, empty: nobody knows.
@@ -125,7 +128,10 @@ class HoldBack:
                 return False
             if (known := self._returns.get(tag)) is not None:
                 known.since = min(known.since, now)
-            self._streams.setdefault((key, origin), deque()).append(_Held(now, size, stamp, hand))
+            waiting = self._streams.setdefault((key, origin), deque())
+            # A small sample that found room at once may have overtaken large ones of its stream.
+            place = next((i for i in range(len(waiting), 0, -1) if not waiting[i - 1].follows(stamp)), 0)
+            waiting.insert(place, _Held(now, size, stamp, hand))
             self._count, self._bytes, self.held = self._count + 1, self._bytes + size, self.held + 1
             return True
 

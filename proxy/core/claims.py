@@ -99,14 +99,15 @@ def rivals(
     """Return what samples of others with a better claim than ours of a stream use that may be sent about now.
 
     And until when at least, as far as they are not heard of [s]. `own` is what our sample uses. The best of them may
-    have waited until the room `grew` last; each of the others may have given way to those before it until it was known
-    what became of them.
+    have waited until the room `grew` last; each may have given way to who sent last, and to those before it, until it
+    was known what became of them.
     """
     ours, news = claim(now, stream), news_take(view)
     claims = _claims(now, view, disputes, stream, limits)
     better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
-    decided = news + max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
+    last = max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
+    decided = min(last, now) + news
     nothing = (0.0,) * len(own)
     let_off = own if _may_collide(stream, news, own, limits) else nothing
     for rank, (_, each) in enumerate(better):

@@ -72,7 +72,7 @@ class DigestPacer:
         """Each robot begins with another `turn`, between 0 and 1; the allowance of so long was `saved` [s]."""
         self.revision = 0
         """How often what was told of streams changed."""
-        self._rate, self._robots, self._copies, self._ordinary = LEAST_ALLOWANCE, 1, 1, ORDINARY
+        self._rate, self._robots, self._copies, self._follows = LEAST_ALLOWANCE, 1, 1, False
         self._saved, self._splits, self._quiet, self._window = saved, False, False, 0.0
         self._recent: deque[tuple[float, float]] = deque()
         """What all told in the last window, and when."""
@@ -96,15 +96,15 @@ class DigestPacer:
         self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
         """What there is to tell of each stream, by its key, since so many changes of it."""
 
-    def set_rate(self, rate: float, robots: int, copies: int, ordinary: float = ORDINARY) -> None:
+    def set_rate(self, rate: float, robots: int, copies: int, *, follows: bool = False) -> None:
         """The allowance of so many robots is now `rate` [B/s], all copies together; digests go in so many `copies`.
 
-        At least the `ordinary` part of it is for all but announcements.
+        `follows`: digests tell of a channel that limits follow, and have more of it beside announcements.
         """
         self._tokens += max(0, copies - self._copies) * self._size
         if self._saved:
             self._common += max(0.0, rate - self._rate) * self._saved
-        self._rate, self._robots, self._copies, self._ordinary = rate, robots, copies, ordinary
+        self._rate, self._robots, self._copies, self._follows = rate, robots, copies, follows
 
     def follow(self, now: float, *, splits: bool, quiet: bool, begins: bool, window: float) -> None:
         """Each robot has its part or not, and the team `begins` or has done so; `window` is the shortest one [s].
@@ -149,8 +149,7 @@ class DigestPacer:
         apart = 1.0 + self._turn
         affordable = now + (cost - self._tokens) / self._rate_of_own
         room = now + max(0.0, cost * apart - self._common) / self._rate
-        unhurried = self._splits and self._ordinary < ON_CHANNEL
-        fits, patience = self._fits_at(now, cost), UNHURRIED if unhurried else SLOW
+        fits, patience = self._fits_at(now, cost), UNHURRIED if self._splits and not self._follows else SLOW
         window = self._window if self._window < SLOW else 0.0
         until = max(affordable + window * apart, self._last + patience * apart)
         due = max(now, affordable, min(max(room, fits), until))
@@ -340,7 +339,8 @@ class DigestPacer:
     @property
     def _rate_of_own(self) -> float:
         """Our part of what is for ordinary news [B/s]: of all, as long as announcements leave it."""
-        return (self._ordinary if self._common < 0.0 or self._splits else 1.0) * self._rate / self._robots
+        least = ON_CHANNEL if self._follows else ORDINARY
+        return (least if self._common < 0.0 or self._splits else 1.0) * self._rate / self._robots
 
 
 def _of(stream: Stream) -> StreamDigest | None:

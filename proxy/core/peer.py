@@ -311,11 +311,11 @@ class Peer:
         line = self._usually(now)
         return None if line is None else now - line.of(size) - wait
 
-    def heard_news(self, key: str, news: StreamDigest, *, wanted: bool) -> None:
-        """The peer tells of a stream, of which we get every sample if it is `wanted` here."""
+    def heard_news(self, key: str, news: StreamDigest, *, counts: bool) -> None:
+        """The peer tells of a stream; it `counts` where we get every sample, and have got what it says was sent."""
         incoming = self._of(key)
-        before, incoming.told = incoming.told, (news.forwarded, incoming.heard) if wanted else None
-        if before is not None and wanted and news.forwarded >= before[0]:
+        before, incoming.told = incoming.told, (news.forwarded, incoming.heard) if counts else None
+        if before is not None and counts and news.forwarded >= before[0]:
             if not self._in.begun:
                 self._in.read(self._due, self._came)
             self._due += news.forwarded - before[0]

@@ -11,11 +11,11 @@ from proxy.core.view import SharedView
 from proxy.core.wire import MOST_ORIGINS, MOST_SUBSCRIPTIONS, MOST_TEXT, MOST_TOLD, State, StreamState
 
 LEAST_CHANGE = 0.1
-"""Periods are estimates: only one that moved by this part is news..."""
+"""Periods are estimates: only one that moved by this part of the longer one is news..."""
 AT_RANDOM = 0.5
-"""... and by this part where samples come at random: what 32 of them show varies by a sixth without any news, what the
-first few show by a half. Five such robots told 122 % of what they may with a tenth, and the alarms of eight robots with
-cameras, with three tenths, took a tenth of the allowance."""
+"""... and by this part of it where samples come at random: what 32 of them show varies by a sixth without any news,
+what the first few show by a half. Five such robots told 122 % of what they may with a tenth, and the alarms of eight
+robots with cameras took a tenth of the allowance with three tenths."""
 LEAST_GROWTH = 0.5
 """So are sizes, which every digest tells anew."""
 RHYTHMIC = {"", "periodic"}
@@ -94,8 +94,8 @@ def _moved(told: StreamState, stream: StreamState) -> bool:
         return True
     if {told.schedule, stream.schedule} <= RHYTHMIC:
         return False
-    change = (AT_RANDOM if stream.schedule == MEMORYLESS else LEAST_CHANGE) * max(stream.period, 1e-9)
-    moved = abs(stream.jitter - told.jitter) > change or abs(stream.period - told.period) > change
+    part, longer = AT_RANDOM if stream.schedule == MEMORYLESS else LEAST_CHANGE, max(stream.period, told.period)
+    moved = max(abs(stream.jitter - told.jitter), abs(stream.period - told.period)) > part * max(longer, 1e-9)
     return moved or told.schedule != stream.schedule
 
 

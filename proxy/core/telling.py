@@ -14,7 +14,7 @@ from proxy.core.channel import Channel
 from proxy.core.codec import pack_digest, pack_state
 from proxy.core.commands import AskState, Command, Notice, SendDigest, SendState
 from proxy.core.coordination import Coordination
-from proxy.core.digests import ANNOUNCEMENT, ON_AIR, ON_CHANNEL, ORDINARY, OVERHEAD, QUESTION, DigestPacer
+from proxy.core.digests import ANNOUNCEMENT, ON_AIR, OVERHEAD, QUESTION, DigestPacer
 from proxy.core.gate import Gate
 from proxy.core.limits import LEAST_ALLOWANCE, LEAST_DIGEST, allowance_of, changes_plans, shortest_window, use_of
 from proxy.core.repeats import Repeats
@@ -169,10 +169,9 @@ class Telling:
         robots = len(self._view.peers) + 1
         allowance = self._view.settings.allowance * self._channel.part
         follows = bool(self._channel.capacity.factors)
-        ordinary, part = (ON_CHANNEL, 1.0) if follows else (ORDINARY, DIGESTS)
         self._allowance = allowance_of(self._view.specs, allowance, robots)
         copies = 1 if self._view.settings.digests_on_air else robots
-        self.pacer.set_rate(part * self._allowance, robots, copies, ordinary)
+        self.pacer.set_rate((1.0 if follows else DIGESTS) * self._allowance, robots, copies, follows=follows)
 
     def heard(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came: it was paid for from the allowance of all."""

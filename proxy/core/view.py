@@ -587,9 +587,10 @@ class SharedView:
             self._broadcasting = broadcasting
 
     def _take(self, now: float, peer: Peer, news: StreamDigest, *, counts: bool = True) -> None:
-        """Take in news of a stream; what came of it by now `counts` unless the news waited for its key.
+        """Take in news of a stream. Whether what came of it by now `counts` beside what it says was sent.
 
-        Else what came meanwhile seemed to be lost later: an operator of eight robots took 17 % for lost where all came.
+        News that waited for its key is older than what came since: where that counted it seemed lost later, and an
+        operator of eight robots took 17 % for lost where all came.
         """
         key = peer.keys.get(news.id)
         if key is None:
@@ -600,8 +601,8 @@ class SharedView:
         stream = self._table.get(now, peer.robot, key)
         if stream is None:
             return
-        wanted = counts and (peer.robot in self._broadcasting or self._tag in self.wanting(stream))
-        peer.heard_news(key, news, wanted=wanted)
+        counts = counts and (peer.robot in self._broadcasting or self._tag in self.wanting(stream))
+        peer.heard_news(key, news, counts=counts)
         told = peer.told.get(key)
         if told is not None:
             stream.assume(told)

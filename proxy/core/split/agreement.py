@@ -2,8 +2,8 @@
 
 from collections.abc import Collection
 
-from proxy.core.split.allocation import Allocation, allocate, differ_in_slots
-from proxy.core.split.bid import UNIT, Bid
+from proxy.core.split.allocation import Allocation, allocate
+from proxy.core.split.bid import UNIT, Bid, alike_but_for_slots, few_parts
 from proxy.core.split.standing import Entry, Standing
 from proxy.core.split.turns import Turn
 
@@ -12,9 +12,11 @@ NEWCOMERS = 4
 MOST_STANDING = 8
 """Tables that are kept one by one; of those between the oldest and the newest, the least part is kept."""
 GAIN = 0.1
-"""All agree on other slots if together they gain so much: while they agree each has the least that any table gives it,
-which takes seconds, of ten robots 20. Four cameras reached 91 % of a central decider where any others were reason
-enough, and reach 94 now (300 ms), ten robots with equal messages 75 to 91, and 79 to 94."""
+"""Slots change hands where all together gain so much: until all agree on that each has the least that any table gives
+it, for some seconds, in a team of ten for 20. Where slots that are worth no more were reason enough four cameras
+reached 91 % of a central decider, and reach 95 now (300 ms), ten robots with equal messages 75 to 91, and 79 to 94."""
+LARGER = 1.1
+"""They do, too, where we could send messages that are so many times as large."""
 MOST_KNOWN = 256
 """Bids that are kept of robots, those that are gone included."""
 
@@ -115,14 +117,17 @@ class Agreement:
     def indifferent(self, bid: Bid) -> bool:
         """Whether we have everybody's bid, and little would be gained if all agreed on this one of ours.
 
-        As each would have about what it has. Or slots would pass to others to whom they are worth as much.
+        Either each would have about what it has, or slots alone would change hands, and all together gain little.
         """
         if (bids := self._bids_with(bid)) is None:
             return False
         had, allocation = self.standings[-1].allocation, self._allocated(bids)
         if allocation.resembles(had):
             return True
-        return differ_in_slots(self.bid[1], bid) and allocation.worth(bids) < (1.0 + GAIN) * had.worth(bids)
+        slots = alike_but_for_slots(self.bid[1], bid) and all(map(few_parts, bids.values()))
+        if not slots or allocation.largest(self.own) > LARGER * had.largest(self.own):
+            return False
+        return allocation.worth(bids) < (1.0 + GAIN) * had.worth(bids)
 
     def starves(self, bid: Bid) -> bool:
         """Whether no message fits what we have, though one would with this bid: what we asked for was a bit too small.

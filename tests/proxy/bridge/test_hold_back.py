@@ -18,9 +18,9 @@ class Order:
         self.queue = HoldBack(lambda origin: self.names.get(origin, ""))
         self.handed = []
 
-    def new(self, what, key="alarm/a", sender=BACK, size=1):
+    def new(self, what, key="alarm/a", sender=BACK, size=1, stamp=None):
         """A new sample arrives; return its stamp."""
-        stamp = self.stamper[sender].new_timestamp()
+        stamp = stamp or self.stamper[sender].new_timestamp()
         if not self.queue.takes(key, stamp, size, lambda: self.handed.append(what)):
             self.handed.append(what)
         return stamp
@@ -221,3 +221,16 @@ def test_samples_without_a_timestamp_are_in_order_as_well(order):
     assert order.queue.takes("alarm/a", None, 1, lambda: order.handed.append(1))
     order.queue.told(BACK, 1, frozenset())
     assert order.handed == [1]
+
+
+def test_what_overtook_older_samples_of_its_stream_is_handed_on_after_them(order):
+    """A small one finds room sooner. A copy of an older one that is held brings that one, not the younger."""
+    order.queue.lost(BACK)
+    stamps = [order.stamper[BACK].new_timestamp() for _ in range(3)]
+    order.queue.found(BACK)
+    for place in (2, 0, 1):
+        order.new(place, stamp=stamps[place])
+    order.copy(None, stamps[0])
+    assert order.handed == [0]
+    order.queue.told(BACK, 1, frozenset())
+    assert order.handed == [0, 1, 2]

@@ -128,7 +128,7 @@ def test_two_messages_use_what_each_of_them_does():
 
 
 def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
-    """Two that gave way to a third do not send at once after that; who has the best claim gives way to nobody."""
+    """Two that gave way to a third do not send at once after that; who has the best claim gives way to nobody else."""
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
     news = news_take(view)

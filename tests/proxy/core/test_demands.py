@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.demands import bid
+from proxy.core.demands import TOO_LATE, bid
 from proxy.core.latency import Latency
 from proxy.core.limits import limits_of
 from proxy.core.settings import CoreSettings
@@ -70,5 +70,15 @@ def test_how_long_messages_take_changes_no_bid(make_view):
     soon, late = make_view(2_000), make_view(2_000)
     (peer,) = late.peers.values()
     peer.latency_out = Latency(1.0)
-    assert late.audiences.of(5.0, late.known("r1", "robot/r1/camera")).mean == 1.0
+    stream = late.known("r1", "robot/r1/camera")
+    assert late.audiences.of(5.0, stream).mean == 1.0
     assert asked(late) == asked(soon)
+
+
+def test_what_comes_too_late_asks_for_nothing(make_view):
+    """It is worth nothing any more long before it is received."""
+    late = make_view(2_000)
+    (peer,) = late.peers.values()
+    end = late.lifetimes.end(late.known("r1", "robot/r1/camera").information_type.utility)
+    peer.latency_out = Latency(TOO_LATE * end)
+    assert asked(late) == ()

@@ -241,6 +241,16 @@ def test_of_many_peers_a_few_are_echoed_in_turn():
     assert len([e for now in range(1, 101) for e in broadcast.echoes(float(now), peers[:4], 1)]) > 3 * len(told)
 
 
+@pytest.mark.parametrize("follows", [True, False])
+def test_where_limits_follow_the_channel_digests_go_on_though_all_owe_for_what_was_told(follows):
+    """They tell of it. Else nobody plans with them where each has its part, and they wait until it is paid."""
+    pacer = DigestPacer(0.0)
+    pacer.set_rate(1_000.0, 4, 4, follows=follows)
+    pacer.follow(1.0, splits=True, quiet=False, begins=False, window=0.5)
+    pacer.spent(1.0, 1_500, 4)
+    assert (pacer.due(4.0, news=True, copies=4) <= 6.0) is follows
+
+
 def test_a_robot_that_begins_has_room_for_a_few_echoes():
     """Before it knows how many there are, too: without any nobody knows how long the way is."""
     pacer = DigestPacer(0.0)

@@ -1,7 +1,7 @@
 """Which tables count for a robot."""
 
 from proxy.core.split import UNIT, Segment
-from proxy.core.split.agreement import MOST_KNOWN, MOST_STANDING, NEWCOMERS, Agreement
+from proxy.core.split.agreement import GAIN, MOST_KNOWN, MOST_STANDING, NEWCOMERS, Agreement
 
 BID = (Segment(4000, 120),)
 
@@ -145,3 +145,23 @@ def test_all_agree_on_other_slots_where_that_is_worth_it():
         assert dict(a._allocated({"a": frames(level), "b": frames(100)}).slots[0].ring) == ring
         assert a.indifferent(frames(level))
     assert not a.indifferent(frames(110))
+
+
+def test_a_larger_message_is_asked_for_though_all_together_gain_little():
+    """And divisible room, whose worth is not known as well, is never left to slots."""
+    robots = [robot(tag, "abcdefghij".replace(tag, "")) for tag in "abcdefghij"]
+    for each in robots:
+        each.ask(0.0, (Segment(900, 100, 4),))
+    agree(0.1, *robots)
+    first, second, *_ = robots
+    larger = (Segment(1300, 94, 4),)
+    bids = {each.own: each.bid[1] for each in robots} | {first.own: larger}
+    assert first._allocated(bids).worth(bids) < (1.0 + GAIN) * first.standings[-1].allocation.worth(bids)
+    assert not first.indifferent(larger)
+    for each in robots:
+        each.ask(0.2, (Segment(2000, 100, 4),))
+    agree(0.3, *robots)
+    assert first.indifferent((Segment(2000, 97, 4),))
+    second.ask(0.4, (Segment(900, 100),))
+    agree(0.5, *robots)
+    assert not first.indifferent((Segment(2000, 97, 4),))

@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core.split import UNIT, Segment, allocate
-from proxy.core.split.allocation import differ_in_slots
-from proxy.core.split.bid import STEPS
+from proxy.core.split.bid import density_of
 
 segments = st.builds(Segment, st.integers(1, UNIT), st.integers(0, 255), st.sampled_from([0, 0, 1, 2, 4]))
 bids = st.lists(segments, max_size=8).map(tuple)
@@ -139,20 +138,9 @@ def test_slots_are_worth_what_their_robots_gain_by_them():
     """Each has a slot for a part of the time; room that no message fits is worth nothing, nor is what is divisible."""
     allocation = allocate({"a": LOW, "b": LOW}, 2, 100)
     assert [dict(slot.ring) for slot in allocation.slots] == [{"a": 1, "b": 1}]
-    unit = 2.0 ** (100 / STEPS)
+    unit = density_of(100)
     # Each has half of the slot and what nobody asks for.
     assert allocation.worth({"a": LOW, "b": ()}) == pytest.approx((3000 + 1950) * unit)
     assert allocation.worth({"a": LOW, "b": HIGH}) == pytest.approx((3000 + 1950) * 17 * unit)
     assert allocation.worth({"a": (Segment(9000, 100, 4),), "c": HIGH}) == 0.0
     assert allocation.worth({"a": (Segment(400, 120),)}) == 0.0
-
-
-def test_bids_differ_in_slots_alone_where_all_else_is_little_and_alike():
-    """And messages are worth less than twice as much as before."""
-    few, many, parts = (Segment(300, 150),), (Segment(400, 150),), (Segment(600, 150),)
-    assert differ_in_slots((*few, *LOW), (*few, Segment(6000, 103, 4)))
-    assert not differ_in_slots((*few, *LOW), (*few, *HIGH))
-    assert not differ_in_slots((*few, *LOW), (*many, *LOW))
-    assert not differ_in_slots((*parts, *LOW), (*parts, *LOW))
-    assert not differ_in_slots(few, (*few, *LOW))
-    assert not differ_in_slots(few, few)
