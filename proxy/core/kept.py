@@ -124,6 +124,8 @@ class Kept:
         self._away: dict[str, _Away] = {}
         self._open: dict[int, Copy] = {}
         """Samples of which each counts that are not sent and not dropped yet, as copies for nobody."""
+        self._early: dict[int, set[str]] = {}
+        """For whom copies of these are kept already, by tag."""
         self._sent: dict[str, dict[int, _Sent]] = {}
         """Samples sent lately, by key."""
         self._held: Counter[int] = Counter()
@@ -177,9 +179,9 @@ class Kept:
 
         Who of them vanishes soon may not have got it. Where copies take the room, what they displace is one more.
         """
-        copy = self._open.pop(sample)
+        copy, kept_for = self._open.pop(sample), self._early.pop(sample, set())
         for away in self._away.values() if not sent else ():
-            if away.known and away.robot.tag in names:
+            if away.known and away.robot.tag in names and away.robot.tag not in kept_for:
                 self._keep(away, copy)
         if at := dict.fromkeys((name for name in names if name), now):
             self._note(copy, at)
@@ -359,6 +361,8 @@ class Kept:
         copies.append(copy)
         self.entered += 1
         self._hold(waiting)
+        if waiting.sample in self._open:
+            self._early.setdefault(waiting.sample, set()).add(away.robot.tag)
         if len(copies) > copy.most:
             self.give_up(min(copies, key=_value), OVERFLOW)
 

@@ -8,7 +8,8 @@ from planner import Plan
 from proxy.core import events as ev
 from proxy.core.commands import Decide, Drop, Forget, Forward, Keep, Retain, SendCopy, TellBacklog
 from proxy.core.core import Core
-from proxy.core.kept import DOUBT, MOST_BYTES, MOST_NAMED, MOST_ROBOTS
+from proxy.core.inbox import Waiting
+from proxy.core.kept import DOUBT, MOST_BYTES, MOST_NAMED, MOST_ROBOTS, Kept, Leaving
 from proxy.core.mode import Mode
 from proxy.core.settings import CoreSettings
 from proxy.core.wire import State, tag
@@ -193,6 +194,20 @@ def test_what_there_is_no_room_for_beside_copies_is_one_more(make):
     talk.vanish(1.0)
     samples, _ = catch_up(talk, [30.3], [ev.SampleHeard(30.3, "camera/x", 9900, "zz-unknown", None, {})])
     assert [sample for sample, _ in talk.copies()] == samples
+
+
+def test_a_sample_that_waits_for_its_decision_until_the_robot_is_back_is_kept_once():
+    """Though there is no room for it then either: it was sent twice, in the room of others."""
+    kept = Kept(100.0)
+    kept.lost(0.0, Leaving("away", tag(ZID), KEYS, frozenset(), alike=True))
+    for number in (1, 2):
+        kept.published(Waiting(number, "alarm/a", 1_000, 0.1, 1.0, 5, False), 60.0, 64, delete=False)
+    kept.appeared("away", tag(ZID))
+    kept.told(tag(ZID), KEYS)
+    kept.published(Waiting(3, "alarm/a", 1_000, 0.2, 1.0, 5, False), 60.0, 64, delete=False)
+    for number in (1, 2, 3):
+        kept.decided(0.3, number, (tag(ZID),), sent=False)
+    assert (kept.entered, kept.waiting) == (3, 3)
 
 
 def test_copies_cost_who_was_never_away_nothing(make):
