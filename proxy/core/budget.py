@@ -110,7 +110,7 @@ class Budget:
         """When the room opens for a message that our sends, or `anybodys`, leave [s]; −∞ where it is there, else ∞.
 
         Or when our part grows that is too small for it, as a slot was passed on to us: ten robots with equal messages
-        reached 82 to 94 % of a central decider in `split` where the sample before was dropped, and reach 83 to 98 now.
+        reached 82 to 93 % of a central decider in `split` where such a sample was dropped, and reach 83 to 95 now.
         """
         opening = opens(self.usable(now), self._sent, self.others(now), use, anybodys=anybodys)
         if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):

@@ -14,7 +14,7 @@ MOST_STANDING = 8
 GAIN = 0.1
 """Slots change hands where all together gain so much: until all agree on that each has the least that any table gives
 it, for some seconds, in a team of ten for 20. Where slots that are worth no more were reason enough four cameras
-reached 91 % of a central decider, and reach 95 now (300 ms), ten robots with equal messages 75 to 91, and 79 to 94."""
+reached 91 % of a central decider, and reach 93 now (300 ms), ten robots with equal messages 75 to 91, and 79 to 94."""
 LARGER = 1.1
 """They do, too, where we could send messages that are so many times as large."""
 MOST_KNOWN = 256

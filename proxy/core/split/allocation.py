@@ -58,7 +58,7 @@ class Allocation:
         return self.largest(tag) >= _needed(least)
 
     def worth(self, bids: Mapping[str, Bid]) -> float:
-        """Return what slots are worth to all together, by what they ask for [value density of level 0, times units].
+        """Return what slots are worth to all together, by what they ask for [utility/s].
 
         For a robot's own judgement: machines need not agree on it to the last bit.
         """

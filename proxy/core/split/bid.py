@@ -60,8 +60,8 @@ def level_of(density: float) -> int:
 
 
 def density_of(level: int) -> float:
-    """Return the value density of a level, where that of level 0 is 1."""
-    return float(2.0 ** (level / STEPS))
+    """Return the value density of a level [utility/s per unit]."""
+    return float(2.0 ** ((level - MIDDLE) / STEPS))
 
 
 def packed(bid: Bid) -> bytes:

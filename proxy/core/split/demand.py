@@ -22,7 +22,6 @@ SEVERAL = (2.0, 3.0)
 """More than one of the largest messages in a window is asked for up to so many."""
 PACKED = 0.85
 """What of a part is used by messages that vary in size: there is seldom one for all that is left."""
-
 ROUNDING = 1e-9
 """Numbers that differ by no more than this part are equal."""
 

@@ -121,11 +121,8 @@ def test_when_room_opens_that_our_own_sends_leave_is_known(make_budget):
 
 def test_a_sample_waits_for_a_part_that_grows(make_budget):
     """As what others sent in a slot of ours leaves the window; for more than that nothing waits."""
-    budget, view = make_budget(kind="split", peers=0)
-    coordination = Coordination(0.0, view.settings, view)
-    budget = Budget(view, coordination)
-    coordination.set_limits(0.0, (BYTES,))
-    budget.set_limits((BYTES,))
+    budget, _ = make_budget(kind="split", peers=0)
+    coordination = budget._coordination
     coordination.look(0.5, (BYTES,), 0.0, lambda _: 0.0, lambda _: 0.0)
     grows = coordination.grows_at(0.6)
     assert 0.6 < grows < math.inf
