@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from proxy.core.wire import MOST_CLOCK_ERROR
+from proxy.core.protocol.messages import MOST_CLOCK_ERROR
 
 PACE = 1.0
 """Time between two looks at what the wall clock shows [s]."""

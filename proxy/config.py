@@ -20,7 +20,7 @@ from proxy.config_values import (
     SpecsPath,
     this_robot,
 )
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 
 ZenohTable = dict[str, Any]
 """Any part of a Zenoh configuration, deep-merged over ours."""

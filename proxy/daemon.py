@@ -30,8 +30,8 @@ from proxy.bridge.sides import open_sides
 from proxy.bridge.silence import longest_silence
 from proxy.config import Config
 from proxy.config_changes import Change
-from proxy.core import transport
-from proxy.core.commands import (
+from proxy.core.core import Core
+from proxy.core.interface.commands import (
     AskState,
     Command,
     Decide,
@@ -49,11 +49,11 @@ from proxy.core.commands import (
     SetPace,
     TellBacklog,
 )
-from proxy.core.core import Core
-from proxy.core.events import ModeChanged, SampleRefused, SampleReread, SpecsChanged
-from proxy.core.mode import Mode
-from proxy.core.plausible import is_old
-from proxy.core.settings import CoreSettings
+from proxy.core.interface.events import ModeChanged, SampleRefused, SampleReread, SpecsChanged
+from proxy.core.model import transport
+from proxy.core.model.mode import Mode
+from proxy.core.model.settings import CoreSettings
+from proxy.core.view.plausible import is_old
 from proxy.features import Extractor
 from proxy.loop import Loop
 from proxy.orders import orders

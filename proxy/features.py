@@ -15,7 +15,7 @@ import zenoh
 
 from proxy import clock
 from proxy.background import Background
-from proxy.core.events import SamplePublished, SampleReread
+from proxy.core.interface.events import SamplePublished, SampleReread
 from utility_specs import InformationType
 
 PACE = 0.002

@@ -10,9 +10,9 @@ from queue import Empty, SimpleQueue
 from typing import TypeVar
 
 from proxy import clock
-from proxy.core.commands import Command
 from proxy.core.core import Core
-from proxy.core.events import ClockChanged, Event, TimePassed
+from proxy.core.interface.commands import Command
+from proxy.core.interface.events import ClockChanged, Event, TimePassed
 
 log = logging.getLogger(__name__)
 

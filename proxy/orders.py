@@ -6,7 +6,7 @@ from functools import partial
 
 from proxy.bridge.fleet import Obey, Outcome
 from proxy.config import FleetConfig
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 from proxy.errors import PushError
 from proxy.pushed import Folder, unpack
 from proxy.reloading import Reloading

@@ -4,8 +4,8 @@ from functools import partial
 
 from planner import SearchSettings
 from proxy import clock
-from proxy.core.commands import Decide
-from proxy.core.events import DecisionLate, DecisionReady, Event
+from proxy.core.interface.commands import Decide
+from proxy.core.interface.events import DecisionLate, DecisionReady, Event
 from proxy.loop import Loop
 from proxy.worker import Worker
 

@@ -1,4 +1,4 @@
-"""A daemon's status as text for people. Its JSON form is made in `proxy.core.report`."""
+"""A daemon's status as text for people. Its JSON form is made in `proxy.core.status`."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any

@@ -8,8 +8,8 @@ from queue import Empty, SimpleQueue
 
 from planner import SearchSettings, start
 from proxy import clock
-from proxy.core.commands import Decide
-from proxy.core.events import DecisionLate, DecisionReady
+from proxy.core.interface.commands import Decide
+from proxy.core.interface.events import DecisionLate, DecisionReady
 
 CHUNK = 25
 """Iterations between two looks at the clock, at most: in large windows they take long, so it begins with fewer."""

@@ -28,8 +28,8 @@ from proxy.bridge.sample import Held
 from proxy.bridge.silence import SILENT, Silence
 from proxy.bridge.voice import Voice
 from proxy.bridge.watch import Watch
-from proxy.core.events import CopyRefused, Event, SampleRefused
-from proxy.core.mode import Mode
+from proxy.core.interface.events import CopyRefused, Event, SampleRefused
+from proxy.core.model.mode import Mode
 from utility_specs import InformationType, Specs
 
 _PATIENCE = 0.15

@@ -10,7 +10,7 @@ import zenoh
 from proxy.bridge import keys
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.lane import Lane
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 
 
 class Control:

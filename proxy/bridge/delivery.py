@@ -15,8 +15,8 @@ from proxy.bridge.overlap import Overlap, of_sample
 from proxy.bridge.received import Received
 from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import origin_of, publish, wall_of
-from proxy.core.events import Event, SampleHeard
-from proxy.core.wire import tag
+from proxy.core.interface.events import Event, SampleHeard
+from proxy.core.protocol.messages import tag
 
 
 class Delivery:

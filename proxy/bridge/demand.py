@@ -11,7 +11,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge.keys import on_air
-from proxy.core.events import MatchingChanged
+from proxy.core.interface.events import MatchingChanged
 
 MOST = 1024
 """Keys whose demand is followed; of more, one node is assumed to want them."""

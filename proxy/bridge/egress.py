@@ -25,7 +25,7 @@ from proxy.bridge.passed import EGRESS, FULL, Passed
 from proxy.bridge.patience import Patience
 from proxy.bridge.room import CATCH_UP, Rooms
 from proxy.bridge.sample import Held, publish
-from proxy.core.events import CopyHanded, CopyRefused, SampleHanded, SampleRefused
+from proxy.core.interface.events import CopyHanded, CopyRefused, SampleHanded, SampleRefused
 
 Answer = SampleHanded | SampleRefused | CopyHanded | CopyRefused
 

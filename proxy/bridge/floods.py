@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from proxy.bridge.budget import Bucket
-from proxy.core.events import MalformedHeard
+from proxy.core.interface.events import MalformedHeard
 
 log = logging.getLogger(__name__)
 

@@ -23,8 +23,8 @@ from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC, OVERFL
 from proxy.bridge.room import Room
 from proxy.bridge.rules import ADVANCED, Rules, Verdict
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
-from proxy.core.events import SamplePublished
-from proxy.core.mode import Mode, in_force
+from proxy.core.interface.events import SamplePublished
+from proxy.core.model.mode import Mode, in_force
 from utility_specs import InformationType
 
 log = logging.getLogger(__name__)

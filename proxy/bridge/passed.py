@@ -2,7 +2,7 @@
 
 import threading
 
-from proxy.core.events import SamplesPassed
+from proxy.core.interface.events import SamplesPassed
 
 NO_SPEC = "passed:no-spec"
 MODE = "passed:mode"

@@ -22,7 +22,8 @@ from proxy.bridge.floods import Floods
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lane import Lane
 from proxy.bridge.tokens import MOST, Later, Tokens
-from proxy.core.codec import (
+from proxy.core.interface.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
+from proxy.core.protocol.codec import (
     MAX_BACKLOG,
     MAX_BYTES,
     MAX_DIGEST,
@@ -35,10 +36,9 @@ from proxy.core.codec import (
     unpack_digest,
     unpack_state,
 )
-from proxy.core.errors import MalformedWireError, OtherVersionError
-from proxy.core.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
-from proxy.core.fixed import ticks
-from proxy.core.wire import Digest, State, tag
+from proxy.core.protocol.errors import MalformedWireError, OtherVersionError
+from proxy.core.protocol.fixed import ticks
+from proxy.core.protocol.messages import Digest, State, tag
 
 log = logging.getLogger(__name__)
 

@@ -9,8 +9,8 @@ from functools import partial
 from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.budget import Bucket
-from proxy.core.events import Event, PeerAppeared, PeerGone
-from proxy.core.wire import tag
+from proxy.core.interface.events import Event, PeerAppeared, PeerGone
+from proxy.core.protocol.messages import tag
 
 MOST = 1024
 """Tokens known at once; more are not believed."""

@@ -27,7 +27,7 @@ from proxy.bridge.rules import Rules
 from proxy.bridge.silence import Silence
 from proxy.bridge.voice import Voice
 from proxy.bridge.witnesses import Witnesses
-from proxy.core.events import Event, InterestChanged, LinksGauged
+from proxy.core.interface.events import Event, InterestChanged, LinksGauged
 
 log = logging.getLogger(__name__)
 

@@ -14,7 +14,7 @@ from proxy.commands.client import Client, NoAnswerError, add_client_flags, conne
 from proxy.commands.listening import MOST_BYTES, Listener
 from proxy.commands.team import Status, notes_on, robots_of
 from proxy.config_values import key_expression
-from proxy.core.schedule import Schedule
+from proxy.core.forecast.schedule import Schedule
 from utility_specs import SpecsError, load_specs
 from utility_specs.learning import LearningError, learn
 from utility_specs.learning.recording import Reader, RecordingError, Writer

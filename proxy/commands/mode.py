@@ -5,7 +5,7 @@ import sys
 
 from proxy import exit_codes
 from proxy.commands.client import NoAnswerError, add_client_flags, connected, ordered
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 from utility_specs.suggestions import hint, quoted
 
 DESCRIPTION = """\

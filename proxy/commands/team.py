@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 from utility_specs import Specs
 
 Status = dict[str, Any]

@@ -13,34 +13,35 @@ from functools import singledispatchmethod
 from typing import Any
 
 from planner import Aggregation
-from proxy.core import events as ev
-from proxy.core.budget import Budget
-from proxy.core.channel import Channel
-from proxy.core.commands import Command, Drop, Forward, NoteInterest, Notice, Retain
-from proxy.core.coordination import Coordination
-from proxy.core.counts import DROPPED, Counts
-from proxy.core.fixed import feature, rounded
-from proxy.core.gate import CONSTRAINT, Gate
-from proxy.core.inbox import SUPERSEDED, Waiting
-from proxy.core.interest import common
-from proxy.core.kept import Leaving
-from proxy.core.limits import limits_of, use_of
-from proxy.core.mode import Mode
-from proxy.core.outsiders import Outsiders
-from proxy.core.peer import Peer
-from proxy.core.plausible import PATIENCE, objection, objection_to_state
-from proxy.core.report import report
-from proxy.core.settings import CoreSettings
-from proxy.core.stating import WALL_STEP
-from proxy.core.strangers import Strangers
-from proxy.core.stream import Generated, Stream
-from proxy.core.telling import Telling
-from proxy.core.unplanned import Unplanned
-from proxy.core.view import SharedView
-from proxy.core.wall import WallClocks
-from proxy.core.warnings import namesake_warnings, transport_warnings
-from proxy.core.window import WindowBuilder
-from proxy.core.wire import Digest, StreamDigest, tag
+from proxy.core.congestion.channel import Channel
+from proxy.core.coordination.budget import Budget
+from proxy.core.coordination.coordination import Coordination
+from proxy.core.gossip.digest_scheduler import Telling
+from proxy.core.gossip.state_announcements import WALL_STEP
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Command, Drop, Forward, NoteInterest, Notice, Retain
+from proxy.core.model.limits import limits_of, use_of
+from proxy.core.model.mode import Mode
+from proxy.core.model.settings import CoreSettings
+from proxy.core.model.waiting import Waiting
+from proxy.core.protocol.fixed import feature, rounded
+from proxy.core.protocol.messages import Digest, StreamDigest, tag
+from proxy.core.samples.counts import DROPPED, Counts
+from proxy.core.samples.gate import CONSTRAINT, Gate
+from proxy.core.samples.inbox import SUPERSEDED
+from proxy.core.samples.kept import Leaving
+from proxy.core.samples.unplanned import Unplanned
+from proxy.core.status import report
+from proxy.core.view.interest import common
+from proxy.core.view.mismatched_limits import Outsiders
+from proxy.core.view.peer import Peer
+from proxy.core.view.plausible import PATIENCE, objection, objection_to_state
+from proxy.core.view.stream import Generated, Stream
+from proxy.core.view.unknown_senders import Strangers
+from proxy.core.view.view import SharedView
+from proxy.core.view.wall import WallClocks
+from proxy.core.view.warnings import namesake_warnings, transport_warnings
+from proxy.core.window.window import WindowBuilder
 from utility_specs import Specs
 
 

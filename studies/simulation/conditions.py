@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from proxy.core.limits import LEAST_ALLOWANCE
-from proxy.core.transport import UNICAST
+from proxy.core.model.limits import LEAST_ALLOWANCE
+from proxy.core.model.transport import UNICAST
 from studies.simulation.churn import Happening
 from studies.simulation.clocks import Clock
 from studies.simulation.medium import Way

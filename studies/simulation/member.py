@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from proxy.clock import PACE, STEP, Wall
 from proxy.core.core import Core
-from proxy.core.wire import State
+from proxy.core.protocol.messages import State
 from studies.simulation.clocks import Clock
 from studies.simulation.records import Frame
 

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from proxy.core import events as ev
-from proxy.core.codec import pack_state
-from proxy.core.digests import QUESTION
-from proxy.core.wire import State
+from proxy.core.gossip.digest_budget import QUESTION
+from proxy.core.interface import events as ev
+from proxy.core.protocol.codec import pack_state
+from proxy.core.protocol.messages import State
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Crash, Happening, Join, Leave, Merge, Partition
 from studies.simulation.medium import Medium

@@ -5,15 +5,15 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from planner import Plan, SearchSettings, start
-from proxy.core import events as ev
-from proxy.core.codec import pack_digest, pack_state
-from proxy.core.commands import AskState, Command, Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.core import Core
-from proxy.core.digests import ON_AIR
-from proxy.core.interest import intersects
-from proxy.core.settings import CoreSettings
-from proxy.core.transport import is_broadcast
-from proxy.core.wire import Digest, State
+from proxy.core.gossip.digest_budget import ON_AIR
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import AskState, Command, Decide, Drop, Forward, SendDigest, SendState
+from proxy.core.model.settings import CoreSettings
+from proxy.core.model.transport import is_broadcast
+from proxy.core.protocol.codec import pack_digest, pack_state
+from proxy.core.protocol.messages import Digest, State
+from proxy.core.view.interest import intersects
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Happening, joining
 from studies.simulation.clocks import Clock

@@ -1,16 +1,16 @@
 """A core and a mesh that cannot be trusted: honest robots, and whatever else may be said on Sendworthy's keys."""
 
 from planner import Plan
-from proxy.core import events as ev
-from proxy.core.commands import Decide, Drop, Forward, Reread
 from proxy.core.core import Core
-from proxy.core.inbox import SUPERSEDED
-from proxy.core.peer import PENDING
-from proxy.core.settings import CoreSettings
-from proxy.core.strangers import MOST, MOST_EACH
-from proxy.core.streams import MOST_MATCHING
-from proxy.core.view import MOST_PEERS
-from proxy.core.wire import Digest, State, StreamDigest, StreamState
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Decide, Drop, Forward, Reread
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
+from proxy.core.samples.inbox import SUPERSEDED
+from proxy.core.view.peer import PENDING
+from proxy.core.view.streams import MOST_MATCHING
+from proxy.core.view.unknown_senders import MOST, MOST_EACH
+from proxy.core.view.view import MOST_PEERS
 
 STREAMS = 300
 """Streams that the core may keep; few, so that the bound is met, but one for each robot that there may be."""

@@ -5,11 +5,11 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from proxy.core import events as ev
-from proxy.core.codec import VERSION, unpack_digest, unpack_state
-from proxy.core.errors import MalformedWireError
-from proxy.core.mode import Mode
-from proxy.core.wire import tag
+from proxy.core.interface import events as ev
+from proxy.core.model.mode import Mode
+from proxy.core.protocol.codec import VERSION, unpack_digest, unpack_state
+from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.messages import tag
 from tests.fuzz.hostile import HONEST, KEY, Besieged
 from tests.fuzz.target import specs
 from utility_specs import Specs

@@ -4,7 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from proxy.config import Config, MeshConfig, settings
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 
 
 def test_defaults_are_those_of_the_manual():

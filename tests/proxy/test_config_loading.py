@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from proxy.config import Config
 from proxy.config_loading import load_config
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 from proxy.errors import ConfigError
 
 ENDPOINT = 'must be an endpoint like "tcp/192.168.1.2:7500", not'

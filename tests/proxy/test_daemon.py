@@ -19,8 +19,8 @@ from proxy.bridge import keys, presence
 from proxy.bridge.air import PREFIX, broadcast_options
 from proxy.bridge.sessions import zenoh_session
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
-from proxy.core.estimate import INITIAL
-from proxy.core.mode import Mode
+from proxy.core.congestion.aimd import INITIAL
+from proxy.core.model.mode import Mode
 from proxy.daemon import Daemon
 from proxy.errors import PortInUseError
 from tests.daemons import Running

@@ -8,7 +8,7 @@ import zenoh
 
 from proxy import features as features_module
 from proxy.background import MOST
-from proxy.core.events import SamplePublished, SampleReread
+from proxy.core.interface.events import SamplePublished, SampleReread
 from proxy.features import PACE, Extractor
 from tests.waiting import wait_until
 

@@ -7,7 +7,7 @@ import zenoh
 
 from proxy.bridge import keys
 from proxy.config import AppConfig, Config, MeshConfig
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 from proxy.daemon import Daemon
 from tests.proxy.nodes import Heard, answers, closing, free_endpoint, free_group, outside, plain_session, scouting
 from tests.routers import Router

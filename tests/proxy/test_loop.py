@@ -7,10 +7,10 @@ from functools import partial
 import pytest
 
 from proxy import clock
-from proxy.core.commands import Notice, SendState
 from proxy.core.core import Core
-from proxy.core.events import PeerAppeared, TimePassed
-from proxy.core.settings import CoreSettings
+from proxy.core.interface.commands import Notice, SendState
+from proxy.core.interface.events import PeerAppeared, TimePassed
+from proxy.core.model.settings import CoreSettings
 from proxy.loop import MOST, Loop
 from tests.waiting import wait_until
 from utility_specs import Specs

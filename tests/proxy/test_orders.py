@@ -3,7 +3,7 @@
 import pytest
 
 from proxy.config import Config, FleetConfig
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 from proxy.orders import orders
 from proxy.pushed import pack
 from proxy.reloading import Loaded, Reloading, read_specs

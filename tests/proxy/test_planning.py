@@ -6,11 +6,11 @@ import pytest
 
 from planner import SearchSettings
 from proxy import clock
-from proxy.core import events as ev
-from proxy.core.commands import Decide, Drop, Forward
 from proxy.core.core import Core
-from proxy.core.settings import CoreSettings
-from proxy.core.wire import State
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Decide, Drop, Forward
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import State
 from proxy.loop import Loop
 from proxy.planning import Planning
 from tests.planner.windows import window

@@ -3,7 +3,7 @@
 import pytest
 
 from proxy.core.core import Core
-from proxy.core.settings import CoreSettings
+from proxy.core.model.settings import CoreSettings
 from proxy.status_table import ALONE, amount, duration, rate, schedule, share, table
 from utility_specs import Specs
 

@@ -8,8 +8,8 @@ import pytest
 
 from planner import Aggregation, Constraint, Message, Problem, SearchSettings, Stream, Video
 from proxy import clock
-from proxy.core.commands import Decide
-from proxy.core.events import DecisionLate
+from proxy.core.interface.commands import Decide
+from proxy.core.interface.events import DecisionLate
 from proxy.worker import Worker, decide
 from tests.waiting import wait_until
 

@@ -8,7 +8,7 @@ import pytest
 from proxy import clock
 from proxy.bridge import keys
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 from proxy.daemon import Daemon
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.ros2.node import Node

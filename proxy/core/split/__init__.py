@@ -55,28 +55,3 @@ Figures, by simulation. Two robots to a slot use it for 97, 93, 94 and 95 % of t
 and 1 windows. A table is agreed on once each robot has sent one digest after it heard the last change. A digest
 takes 7 bytes for it, 17 with two slots, 40 with a bid of six segments, which is told only until all know it.
 """
-
-from proxy.core.split.agreement import NEWCOMERS
-from proxy.core.split.allocation import Allocation, Slot, allocate
-from proxy.core.split.bid import UNIT, Bid, Segment, packed, unpacked
-from proxy.core.split.demand import Demand, bid_for
-from proxy.core.split.split import Split
-from proxy.core.split.told import Told, fields, told_of
-
-__all__ = [
-    "NEWCOMERS",
-    "UNIT",
-    "Allocation",
-    "Bid",
-    "Demand",
-    "Segment",
-    "Slot",
-    "Split",
-    "Told",
-    "allocate",
-    "bid_for",
-    "fields",
-    "packed",
-    "told_of",
-    "unpacked",
-]

@@ -2,8 +2,8 @@
 
 from collections.abc import Collection
 
+from proxy.core.protocol.bid import UNIT, Bid, alike_but_for_slots, few_parts
 from proxy.core.split.allocation import Allocation, allocate
-from proxy.core.split.bid import UNIT, Bid, alike_but_for_slots, few_parts
 from proxy.core.split.standing import Entry, Standing
 from proxy.core.split.turns import Turn
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
 
-from proxy.core.split.bid import QUARTERS, STEPS, UNIT, Bid, Segment, density_of
+from proxy.core.protocol.bid import QUARTERS, STEPS, UNIT, Bid, Segment, density_of
 
 RULES = 2
 """Counts how parts are made of bids: robots that do it another way never agree with us."""

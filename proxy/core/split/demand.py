@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 
-from proxy.core.split.bid import MOST_SEGMENTS, QUARTERS, UNIT, Bid, Segment, level_of
+from proxy.core.protocol.bid import MOST_SEGMENTS, QUARTERS, UNIT, Bid, Segment, level_of
 
 SMALL = 0.05
 """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""

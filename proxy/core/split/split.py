@@ -4,11 +4,11 @@ import math
 import zlib
 from collections.abc import Collection, Sequence
 
+from proxy.core.protocol.bid import UNIT, Bid, alike
+from proxy.core.protocol.parts import MOST_ASKED, Told
 from proxy.core.split.agreement import Agreement
-from proxy.core.split.bid import UNIT, Bid, alike
 from proxy.core.split.ledger import Ledger
 from proxy.core.split.steady import Steady
-from proxy.core.split.told import MOST_ASKED, Told
 from proxy.core.split.turns import Turn
 
 PATIENCE = 2.0

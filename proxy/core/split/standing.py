@@ -3,8 +3,8 @@
 import hashlib
 from collections.abc import Mapping
 
+from proxy.core.protocol.bid import Bid, packed
 from proxy.core.split.allocation import RULES, Allocation, allocate
-from proxy.core.split.bid import Bid, packed
 from proxy.core.split.turns import Turn
 
 Entry = tuple[int, Bid]

@@ -8,13 +8,13 @@ from statistics import median
 from time import thread_time
 
 from planner import Plan, SearchSettings, start
-from proxy.core import events as ev
-from proxy.core.commands import Command, Decide, Forward
 from proxy.core.core import Core
-from proxy.core.settings import CoreSettings
-from proxy.core.transport import UNICAST, broadcast
-from proxy.core.view import SharedView
-from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState, tag
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Command, Decide, Forward
+from proxy.core.model.settings import CoreSettings
+from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState, tag
+from proxy.core.view.view import SharedView
 from studies.benchmarks.memory import MEGABYTE
 from studies.benchmarks.report import Table
 from studies.simulation.conditions import Coordination

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planner import Aggregation, Constraint, Message, Problem, Stream
-from proxy.core.limits import LEAST_ALLOWANCE
+from proxy.core.model.limits import LEAST_ALLOWANCE
 from studies.simulation import conditions, missions
 from studies.simulation.missions import OPERATOR, scenario, specs_of
 from studies.simulation.records import Frame

@@ -13,8 +13,8 @@ from proxy.bridge.room import rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, BridgeConfig, MeshConfig
-from proxy.core.events import Event, SamplePublished
-from proxy.core.mode import Mode
+from proxy.core.interface.events import Event, SamplePublished
+from proxy.core.model.mode import Mode
 from tests.proxy.nodes import closing, free_endpoint, pass_fence, plain_session
 from tests.waiting import wait_until
 from utility_specs import InformationType, Specs, load_specs

@@ -13,7 +13,7 @@ from proxy.bridge import keys
 from proxy.bridge.air import PREFIX, Broadcast, broadcast_options, pattern
 from proxy.bridge.headroom import Headroom
 from proxy.bridge.sessions import zenoh_session
-from proxy.core.events import SampleHeard
+from proxy.core.interface.events import SampleHeard
 from proxy.errors import SessionError
 from tests.ports import free_port
 from tests.proxy.bridge import robots

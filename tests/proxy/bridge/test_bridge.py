@@ -3,8 +3,8 @@
 import zenoh
 
 from proxy.bridge.sample import origin_of
-from proxy.core.events import SampleHanded, SampleHeard, SampleRefused, SamplesPassed
-from proxy.core.mode import Mode
+from proxy.core.interface.events import SampleHanded, SampleHeard, SampleRefused, SamplesPassed
+from proxy.core.model.mode import Mode
 from tests.proxy.bridge.robots import fence, observes, wait_interest
 from tests.proxy.nodes import Heard, closing, plain_session, wait_matching
 from tests.waiting import wait_until

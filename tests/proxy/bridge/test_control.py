@@ -7,7 +7,7 @@ import pytest
 from proxy.bridge import keys
 from proxy.bridge.control import Control
 from proxy.bridge.lane import Lane
-from proxy.core.mode import Mode
+from proxy.core.model.mode import Mode
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 
 

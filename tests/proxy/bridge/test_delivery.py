@@ -8,8 +8,8 @@ from proxy.bridge.delivery import Delivery
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.rules import Rules
 from proxy.config import BridgeConfig
-from proxy.core.events import SampleHeard
-from proxy.core.wire import tag
+from proxy.core.interface.events import SampleHeard
+from proxy.core.protocol.messages import tag
 from tests.proxy.nodes import Heard, closing, free_endpoint, pass_fence, plain_session, wait_matching
 from tests.waiting import wait_until
 

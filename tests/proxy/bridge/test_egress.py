@@ -15,7 +15,7 @@ from proxy.bridge.passed import Passed
 from proxy.bridge.room import rooms
 from proxy.bridge.sample import Held
 from proxy.bridge.sessions import mesh_options, open_session
-from proxy.core.events import CopyHanded, SampleHanded, SampleRefused
+from proxy.core.interface.events import CopyHanded, SampleHanded, SampleRefused
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
 

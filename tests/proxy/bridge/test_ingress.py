@@ -6,8 +6,8 @@ import zenoh
 from proxy.bridge import ingress as ingress_module
 from proxy.bridge.egress import Egress
 from proxy.bridge.room import Room
-from proxy.core.events import SamplesPassed
-from proxy.core.mode import Mode
+from proxy.core.interface.events import SamplesPassed
+from proxy.core.model.mode import Mode
 from tests.proxy.bridge.robots import fence_apps, team, wait_interest
 from tests.proxy.nodes import Heard, wait_matching
 from tests.waiting import wait_until

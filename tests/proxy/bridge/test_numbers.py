@@ -8,8 +8,8 @@ import zenoh
 import zenoh.ext
 
 from proxy.bridge.sourcing import MOST_BEFORE
-from proxy.core.events import SamplesPassed
-from proxy.core.mode import Mode
+from proxy.core.interface.events import SamplesPassed
+from proxy.core.model.mode import Mode
 from tests.proxy.bridge import robots
 from tests.proxy.bridge.robots import fence, fence_apps, wait_interest
 from tests.proxy.nodes import Heard, closing, wait_matching

@@ -3,7 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 
 from proxy.bridge.passed import Passed
-from proxy.core.events import SamplesPassed
+from proxy.core.interface.events import SamplesPassed
 
 
 def test_counts_are_handed_over_by_reason_and_start_again():

@@ -12,9 +12,8 @@ from proxy.bridge import keys
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lane import Lane
 from proxy.bridge.presence import ANSWERS, DIGESTS, STATES, Presence, free_name
-from proxy.core.codec import MAX_BACKLOG, MAX_BYTES, MAX_DIGEST, VERSION, pack_backlog, pack_digest, pack_state
-from proxy.core.digests import OVERHEAD
-from proxy.core.events import (
+from proxy.core.gossip.digest_budget import OVERHEAD
+from proxy.core.interface.events import (
     DigestHeard,
     MalformedHeard,
     PeerAppeared,
@@ -23,7 +22,8 @@ from proxy.core.events import (
     StateHeard,
     VersionHeard,
 )
-from proxy.core.wire import Digest, Echo, State, StreamState, tag
+from proxy.core.protocol.codec import MAX_BACKLOG, MAX_BYTES, MAX_DIGEST, VERSION, pack_backlog, pack_digest, pack_state
+from proxy.core.protocol.messages import Digest, Echo, State, StreamState, tag
 from tests.proxy.counting import Counting
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until

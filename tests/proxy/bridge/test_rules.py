@@ -6,7 +6,7 @@ import zenoh.ext
 
 from proxy.bridge.rules import MOST, Companion, Expressions, Rules, Verdict, Way, companion
 from proxy.config import BridgeConfig
-from proxy.core.events import InterestChanged, SamplesPassed
+from proxy.core.interface.events import InterestChanged, SamplesPassed
 from tests.proxy.bridge import robots
 from tests.proxy.bridge.robots import fence, fence_apps, wait_interest
 from tests.proxy.nodes import Heard, answers

@@ -4,7 +4,7 @@ import pytest
 
 from proxy.bridge import keys, tokens
 from proxy.bridge.tokens import AT_ONCE, CHANGES, OWN_AT_ONCE, OWN_CHANGES, Tokens
-from proxy.core.events import PeerAppeared, PeerGone
+from proxy.core.interface.events import PeerAppeared, PeerGone
 
 
 @pytest.fixture

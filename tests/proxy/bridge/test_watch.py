@@ -8,7 +8,7 @@ import zenoh
 import zenoh.ext
 
 from proxy.bridge.keys import INGRESS
-from proxy.core.events import InterestChanged, MatchingChanged, SamplesPassed
+from proxy.core.interface.events import InterestChanged, MatchingChanged, SamplesPassed
 from tests.proxy.bridge.robots import fence, observes, wait_interest
 from tests.proxy.bridge.test_wire import frame
 from tests.proxy.nodes import Heard, answers, pass_fence, wait_matching

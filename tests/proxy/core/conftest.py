@@ -3,8 +3,8 @@
 import pytest
 
 from proxy.core.core import Core
-from proxy.core.events import TimePassed
-from proxy.core.settings import CoreSettings
+from proxy.core.interface.events import TimePassed
+from proxy.core.model.settings import CoreSettings
 from tests.proxy.core.talk import SPEC, Talk
 from utility_specs import load_specs
 

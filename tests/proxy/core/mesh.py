@@ -3,13 +3,13 @@
 import random
 from functools import partial
 
-from proxy.core import events as ev
-from proxy.core.codec import pack_digest, pack_state, unpack_digest, unpack_state
-from proxy.core.commands import AskState, Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.core import Core
-from proxy.core.fixed import ticks
-from proxy.core.settings import CoreSettings
-from proxy.core.wire import tag
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import AskState, Decide, Drop, Forward, SendDigest, SendState
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.codec import pack_digest, pack_state, unpack_digest, unpack_state
+from proxy.core.protocol.fixed import ticks
+from proxy.core.protocol.messages import tag
 
 STEP = 0.1
 """All cores are woken this often, and what is sent arrives one step later [s]."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from proxy.core.schedule import Schedule
+from proxy.core.forecast.schedule import Schedule
 
 
 def periodic(count, period=1.0, jitter=0.0, seed=0, start=5.0):

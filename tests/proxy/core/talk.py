@@ -1,10 +1,10 @@
 """Talking to a core: tests read as transcripts of events and commands."""
 
 from planner import Plan
-from proxy.core import events as ev
-from proxy.core.codec import pack_state
-from proxy.core.commands import Decide, Drop, Forward
-from proxy.core.wire import State
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Decide, Drop, Forward
+from proxy.core.protocol.codec import pack_state
+from proxy.core.protocol.messages import State
 
 SPEC = """
 [[constraint]]

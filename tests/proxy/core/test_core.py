@@ -7,8 +7,9 @@ from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from proxy.core import events as ev
-from proxy.core.commands import (
+from proxy.core.gossip.digest_scheduler import GATHER, ON_ITS_WAY
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import (
     AskState,
     Decide,
     Drop,
@@ -20,11 +21,10 @@ from proxy.core.commands import (
     SendState,
     SetPace,
 )
-from proxy.core.fixed import rounded, single
-from proxy.core.mode import Mode
-from proxy.core.telling import GATHER, ON_ITS_WAY
-from proxy.core.view import MOST_PEERS
-from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
+from proxy.core.model.mode import Mode
+from proxy.core.protocol.fixed import rounded, single
+from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
+from proxy.core.view.view import MOST_PEERS
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
 

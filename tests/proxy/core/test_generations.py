@@ -1,8 +1,8 @@
 """Specs that change while samples wait: each is worth what the specs in force say, and none is lost."""
 
-from proxy.core import events as ev
-from proxy.core.commands import Decide, Drop, Forward, Reread
-from proxy.core.mode import Mode
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Decide, Drop, Forward, Reread
+from proxy.core.model.mode import Mode
 from tests.proxy.core.talk import only
 
 WEIGHED = """

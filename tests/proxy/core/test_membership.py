@@ -4,8 +4,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from proxy.core import events as ev
-from proxy.core.wire import tag
+from proxy.core.interface import events as ev
+from proxy.core.protocol.messages import tag
 from tests.proxy.core.mesh import STEP, Mesh
 from tests.proxy.core.talk import SPEC
 

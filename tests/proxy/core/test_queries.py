@@ -12,12 +12,12 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from planner import Plan
-from proxy.core import events as ev
-from proxy.core.commands import Decide, Forward
 from proxy.core.core import Core
-from proxy.core.mode import Mode
-from proxy.core.settings import CoreSettings
-from proxy.core.wire import Digest, Echo, State, StreamDigest, StreamState
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Decide, Forward
+from proxy.core.model.mode import Mode
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
 from tests.fuzz.target import specs
 from utility_specs import InformationType, Specs
 

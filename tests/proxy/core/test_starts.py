@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.schedule import Schedule
+from proxy.core.forecast.schedule import Schedule
 from tests.proxy.core.streams import observe, periodic
 
 BOTH = pytest.mark.parametrize("numbered", [True, False])

@@ -2,8 +2,8 @@
 
 import pytest
 
-from proxy.core.digests import QUESTION
-from proxy.core.wire import tag
+from proxy.core.gossip.digest_budget import QUESTION
+from proxy.core.protocol.messages import tag
 from studies.simulation.churn import Crash, Join, Leave, Merge, Partition, joining
 from studies.simulation.conditions import Conditions
 from studies.simulation.flights import team

@@ -3,7 +3,7 @@
 import pytest
 
 from planner import Linear
-from proxy.core.limits import limits_of
+from proxy.core.model.limits import limits_of
 from studies.simulation.conditions import Conditions
 from studies.simulation.missions import SIZE, SLACK, draw, scenario
 from studies.workload import FEW_IMPORTANT, MIXED, SCENARIOS

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from planner import SearchSettings
-from proxy.core.events import TimePassed
-from proxy.core.settings import CoreSettings
+from proxy.core.interface.events import TimePassed
+from proxy.core.model.settings import CoreSettings
 from studies.simulation.conditions import Conditions
 from studies.simulation.flights import fly
 from studies.simulation.medium import Medium

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from planner import SearchSettings
-from proxy.core.settings import CoreSettings
+from proxy.core.model.settings import CoreSettings
 from studies.simulation.clocks import Clock, booted_without_time
 from studies.simulation.medium import Medium
 from studies.simulation.records import Frame

@@ -8,7 +8,7 @@ import cv2
 import msgpack
 import numpy as np
 
-from proxy.core.schedule import Schedule
+from proxy.core.forecast.schedule import Schedule
 from utility_specs.learning.observed import Observed
 from utility_specs.learning.stream import Stream
 

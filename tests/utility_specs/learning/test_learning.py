@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from planner.problem import Aggregation
 from planner.utility import Linear, Step, Video
-from proxy.core.schedule import Schedule
+from proxy.core.forecast.schedule import Schedule
 from tests.utility_specs.features.scenes import checked, encoded, ros_compressed
 from tests.utility_specs.features.test_cdr import battery
 from tests.utility_specs.learning.team import PICTURES, json_bytes, regular, team

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.schedule import Schedule
+from proxy.core.forecast.schedule import Schedule
 from tests.utility_specs.learning.team import regular
 from utility_specs.learning import Observed, traffic
 from utility_specs.learning.traffic import Traffic

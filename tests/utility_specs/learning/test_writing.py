@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.schedule import Schedule
+from proxy.core.forecast.schedule import Schedule
 from tests.utility_specs.learning.team import json_bytes, regular, team
 from utility_specs import load_specs
 from utility_specs.learning import Observed, learn, writing

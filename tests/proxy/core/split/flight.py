@@ -2,7 +2,8 @@
 
 import random
 
-from proxy.core.split import Segment, Split
+from proxy.core.protocol.bid import Segment
+from proxy.core.split.split import Split
 
 WINDOW = 1.0
 FLOOR = 0.02

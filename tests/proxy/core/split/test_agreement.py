@@ -1,6 +1,6 @@
 """Which tables count for a robot."""
 
-from proxy.core.split import UNIT, Segment
+from proxy.core.protocol.bid import UNIT, Segment
 from proxy.core.split.agreement import GAIN, MOST_KNOWN, MOST_STANDING, NEWCOMERS, Agreement
 
 BID = (Segment(4000, 120),)

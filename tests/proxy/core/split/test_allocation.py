@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.split import UNIT, Segment, allocate
-from proxy.core.split.bid import density_of
+from proxy.core.protocol.bid import UNIT, Segment, density_of
+from proxy.core.split.allocation import allocate
 
 segments = st.builds(Segment, st.integers(1, UNIT), st.integers(0, 255), st.sampled_from([0, 0, 1, 2, 4]))
 bids = st.lists(segments, max_size=8).map(tuple)

@@ -6,8 +6,9 @@ from statistics import fmean
 
 import pytest
 
-from proxy.core.split import Demand, allocate, bid_for
-from proxy.core.split.bid import MOST_SEGMENTS
+from proxy.core.protocol.bid import MOST_SEGMENTS
+from proxy.core.split.allocation import allocate
+from proxy.core.split.demand import Demand, bid_for
 
 CAMERA = Demand((0.416,), 10.0, lambda rate: 1.0 + math.log(1.0 + 10.0 * rate))
 ODOMETRY = Demand((0.0019,), 20.0, lambda rate: 1.0 - 0.5 / max(rate, 0.5))

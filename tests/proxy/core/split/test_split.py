@@ -4,7 +4,9 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from proxy.core.split import NEWCOMERS, UNIT, Segment, Split, packed
+from proxy.core.protocol.bid import UNIT, Segment, packed
+from proxy.core.split.agreement import NEWCOMERS
+from proxy.core.split.split import Split
 from tests.proxy.core.split.flight import FLOOR, WINDOW, Flight
 
 SMALL = (Segment(300, 150),)

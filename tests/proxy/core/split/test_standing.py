@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from proxy.core.split import Segment
+from proxy.core.protocol.bid import Segment
 from proxy.core.split.standing import Standing
 
 BID = (Segment(300, 120),)

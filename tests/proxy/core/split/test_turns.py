@@ -1,6 +1,6 @@
 """Whose turn it is with a slot."""
 
-from proxy.core.split import Slot
+from proxy.core.split.allocation import Slot
 from proxy.core.split.turns import ROUND, Turn
 
 RING = Slot(4000, (("a", 1), ("b", 2), ("c", 1)))

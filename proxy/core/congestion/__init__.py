@@ -1,0 +1,1 @@
+"""How much of adaptive limits the channel bears."""

@@ -1,0 +1,1 @@
+"""How robots keep limits together: what counts, whose turn it is, and which part is ours."""

@@ -1,0 +1,66 @@
+"""What this robot asks for of what robots share, made of its streams."""
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+from planner import Aggregation
+from proxy.core.market.prices import interval_of, variance_of
+from proxy.core.model.limits import Limit, use_of
+from proxy.core.protocol.bid import Bid
+from proxy.core.split.demand import Demand, bid_for
+from proxy.core.view.paths import Audience
+from proxy.core.view.stream import Stream
+from proxy.core.view.view import SharedView
+from utility_specs.lifetimes import integral
+
+FOREVER = 3600.0
+"""Messages are worth nothing any more after this [s]."""
+TOO_LATE = 1.5
+"""Messages that take so many times as long as they are worth anything are not asked for: what takes about as long comes
+and goes, and each time all would agree anew."""
+AGAIN = 4.0
+"""A new stream may generate so many times as much in a window as it has so far: of one sample nobody knows its period,
+and a robot whose first alarm came asked for two thirds of the limit."""
+SPREAD = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
+"""Sizes of a stream are taken to be so many standard deviations from their mean."""
+
+
+def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
+    """Return what our streams ask for of the shared limit that they need most of."""
+    shared = tuple(limit for limit in limits if limit.shared)
+    window = max((limit.window for limit in shared), default=1.0)
+    return bid_for(_demands(view, now, shared, window), window, len(view.peers) + 1)
+
+
+def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: float) -> Iterator[Demand]:
+    for stream in view.own():
+        if not view.competes(now, stream) or _late(view, stream, audience := view.audiences.of(now, stream)):
+            continue
+        copies, spread = view.copies(stream), stream.size_deviation
+        sizes = {max(1, round(stream.mean_size + off * spread)) for off in SPREAD}
+        parts = [
+            max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
+            for size in sorted(sizes)
+        ]
+        interval = interval_of(now, stream, window, AGAIN)
+        mean = sum(parts) / len(parts)
+        variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.mean_size, 1.0))
+        yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share), variance)
+
+
+def _late(view: SharedView, stream: Stream, audience: Audience) -> bool:
+    """Whether messages of a stream are worth nothing any more long before they are received."""
+    return audience.share > 0.0 and audience.mean >= TOO_LATE * view.lifetimes.end(stream.information_type.utility)
+
+
+def _value(stream: Stream, share: float, rate: float) -> float:
+    """Return the utility per second of so many messages per second.
+
+    As if they were received at once. Each robot learns at another moment how long they take: where bids depended on it
+    all changed theirs then, and ten robots whose news took 1 s agreed for 20 s anew. Frames of four robots with cameras
+    take 50 % of the limit at 1 s since they do not, and took 40.
+    """
+    kind, like = stream.information_type, stream.newest
+    lasting = kind.aggregation in (Aggregation.SUM, Aggregation.ONCE)
+    until = FOREVER if lasting else 1.0 / max(rate, 1.0 / FOREVER)
+    return integral(kind.utility_of(like.features), until) * like.scale * share * rate

@@ -1,0 +1,1 @@
+"""When streams generate, and what their next samples will be like."""

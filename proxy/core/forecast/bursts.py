@@ -1,0 +1,105 @@
+"""Bursts: several samples close together, then a pause, and again."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from proxy.core.forecast.gaps import gaps_of
+from proxy.core.forecast.patterns import Memoryless, Periodic, Span, evenly, merged
+from proxy.core.forecast.rhythm import Numbered, Rhythm, fit
+
+APART = 3.0
+"""The shortest pause is at least so many times as long as the longest gap within a burst."""
+ALIKE = 2
+"""Of a few bursts the largest has at most so many times the members of the smallest:"""
+SURE = 3
+"""so many tell for themselves. What goes on for longer than so many times the largest of them is none."""
+REGULAR = 0.3
+"""Bursts whose starts deviate by more than this part of their spacing come at random."""
+MOST_MEMBERS = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Bursts:
+    """`size` samples every `step` [s], and that whenever a burst starts; `begun` samples of the last one are known."""
+
+    starts: Rhythm
+    size: int
+    step: float
+    last: float
+    begun: int
+
+    @property
+    def kind(self) -> str:
+        """`bursts`, the members of one, and their step [s]."""
+        return f"bursts {self.size} {self.step:.6g}"
+
+    @property
+    def period(self) -> float:
+        """Mean time between samples [s]."""
+        return self.starts.period / self.size
+
+    @property
+    def jitter(self) -> float:
+        """That of the bursts' starts [s]."""
+        return self.starts.jitter
+
+    @property
+    def pause(self) -> float:
+        """Mean time between the starts of bursts [s]."""
+        return self.starts.period
+
+    def joined(self, t: float) -> "Bursts | None":
+        """Return the bursts with one more sample at `t` [s] in the last one; None when it is none of it."""
+        if t > self.last + APART * self.step or self.begun >= ALIKE * self.size:
+            return None
+        return replace(self, last=t, begun=self.begun + 1)
+
+    def expect(self, span: Span) -> list[float]:
+        """Return what is missing of the last burst, and the members of those to come."""
+        rest = evenly(self.last + self.step, self.step, span.until, self.size - self.begun)
+        since = Span(span.now, max(span.after, self.last), span.until, span.most // self.size + 2)
+        regular = self.starts.looseness <= REGULAR
+        starts = (Periodic(self.starts) if regular else Memoryless(self.starts.period)).expect(since)
+        return merged([rest, *(evenly(t, self.step, span.until, self.size) for t in starts)], span)
+
+
+def bursts_in(past: Sequence[Numbered], *, whole: bool) -> Bursts | None:
+    """Return the bursts in numbered times; None when there are none. `whole` says that the first one is complete."""
+    times = [t for _, t in past]
+    gaps = gaps_of(times)
+    longest_step = _longest_step(gaps)
+    if longest_step is None:
+        return None
+    heads = [0, *(i + 1 for i, gap in enumerate(gaps) if gap > longest_step)]
+    rest = past[-1][0] - past[heads[-1]][0] + 1
+    sizes = [past[b][0] - past[a][0] for a, b in pairwise(heads)][0 if whole else 1 :]
+    size = round(sum(sizes) / max(1, len(sizes)))
+    few = len(sizes) < SURE and max(*sizes, rest, heads[1]) > ALIKE * min(sizes, default=0)
+    starts = fit([(i, times[head]) for i, head in enumerate(heads)][0 if whole else 1 :])
+    endless = rest > ALIKE * max(sizes, default=0)
+    if starts is None or size < 2 or few or endless:
+        return None
+    steps = sorted([gap for gap in gaps if gap <= longest_step])
+    return Bursts(starts, size, steps[len(steps) // 2], times[-1], rest)
+
+
+def told_bursts(words: Sequence[str], period: float, last: float) -> Bursts | None:
+    """Return the bursts of which a robot told size and step, as `Bursts.kind` writes them; None for nonsense."""
+    try:
+        size, step = int(words[1]), float(words[2])
+    except (IndexError, ValueError):
+        return None
+    if not (2 <= size <= MOST_MEMBERS and 0.0 < step < period):
+        return None
+    return Bursts(Rhythm(size * period, last - (size - 1) * step, 1, 0.0, 1), size, step, last, size)
+
+
+def _longest_step(gaps: Sequence[float]) -> float | None:
+    """Return the longest of the short gaps, where short and long ones are far apart and half at least are short."""
+    ordered = sorted(gaps)
+    best, found = APART, None
+    for i in range((len(ordered) - 1) // 2, len(ordered) - 2):
+        if ordered[i + 1] >= best * ordered[i]:
+            best, found = ordered[i + 1] / ordered[i], ordered[i]
+    return found

@@ -1,0 +1,1 @@
+"""What is told to other robots, when, and within which allowance."""

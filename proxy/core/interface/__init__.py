@@ -1,0 +1,1 @@
+"""What can happen to the core, and what it asks its driver to do."""

@@ -1,0 +1,154 @@
+"""What the core asks its driver to do, in the order given."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from planner import Problem
+from proxy.core.protocol.messages import Digest, State
+
+
+@dataclass(frozen=True, slots=True)
+class Decide:
+    """Search `problem` with `seed` for at most `iterations`; answer with `DecisionReady(ticket)`.
+
+    `asked` is when what led to it happened [s]: the deadline counts from then on, and when it is over without an answer
+    the core is told by `DecisionLate(ticket)`. With `ahead` it is about what others should send, and no sample waits.
+    """
+
+    ticket: int
+    problem: Problem
+    seed: int
+    iterations: int
+    asked: float
+    ahead: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Forward:
+    """Publish the sample on the mesh; answer with `SampleHanded` or `SampleRefused`."""
+
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class Drop:
+    """Forget the sample: it never reaches the mesh. `reason` is one of the `dropped:…` reasons."""
+
+    sample: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Keep:
+    """Keep the payload of a sample besides, whatever becomes of it, until `Forget`."""
+
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class Forget:
+    """The payload of a sample that was to be kept is needed no more."""
+
+    sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class SendCopy:
+    """Send a sample that is kept only to the robot with the tag `to`; answer with `CopyHanded` or `CopyRefused`."""
+
+    sample: int
+    to: str
+
+
+@dataclass(frozen=True, slots=True)
+class TellBacklog:
+    """Tell the robot with the tag `to` of which keys copies wait for it: what is new of these comes before its turn.
+
+    `keys` are None where there are too many to name. The word with the greatest `number` holds. With `grows` there are
+    keys that the last one did not name; else it must not overtake copies that were sent before.
+    """
+
+    to: str
+    number: int
+    keys: tuple[str, ...] | None
+    grows: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Retain:
+    """Take what apps publish on these key expressions (all of them), even if nobody who is here wants it."""
+
+    expressions: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Reread:
+    """Extract the features of the sample anew, by the specs that are in force now; answer with `SampleReread`."""
+
+    sample: int
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
+class SendDigest:
+    """Publish our digest on the mesh."""
+
+    digest: Digest
+
+
+@dataclass(frozen=True, slots=True)
+class SendState:
+    """Answer queries with our state from now on, and publish it on the mesh, or instead of it the `update`."""
+
+    state: State
+    update: State | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class AskState:
+    """Ask the robot with this name and tag for its state."""
+
+    robot: str
+    tag: str
+
+
+@dataclass(frozen=True, slots=True)
+class NoteInterest:
+    """The apps of the robot with this session subscribe to these key expressions: what we publish goes there too."""
+
+    zid: str
+    subscriptions: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SetPace:
+    """Samples that were decided on go to the mesh no faster than `rate` [B/s, copies counted]: a limit has moved."""
+
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """A line for the log."""
+
+    level: Literal["info", "warning", "error"]
+    text: str
+
+
+Command = (
+    Decide
+    | Forward
+    | Drop
+    | Keep
+    | Forget
+    | SendCopy
+    | TellBacklog
+    | Retain
+    | Reread
+    | SendDigest
+    | SendState
+    | AskState
+    | NoteInterest
+    | SetPace
+    | Notice
+)

@@ -1,0 +1,1 @@
+"""What room costs at present, which streams dispute it, and when it opens."""

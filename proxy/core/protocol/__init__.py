@@ -1,0 +1,1 @@
+"""What daemons tell each other, as data and as bytes."""

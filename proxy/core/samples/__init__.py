@@ -1,0 +1,1 @@
+"""Samples from the app side: queued, decided, kept for others, counted."""

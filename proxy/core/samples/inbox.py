@@ -1,0 +1,130 @@
+"""The samples that wait for a decision, bounded. Of a Markovian stream only the latest does."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from heapq import heappop, heappush
+
+from proxy.core.model.waiting import Waiting
+
+SUPERSEDED = "dropped:superseded"
+OVERFLOW = "dropped:overflow"
+
+
+@dataclass(frozen=True, slots=True)
+class Evicted:
+    """A sample that had to leave the inbox, its key, and why."""
+
+    sample: int
+    reason: str
+    key: str
+
+
+class Inbox:
+    """Gives out the highest priority first, then the oldest.
+
+    At most `capacity` samples of `most_bytes` wait in all, where one counts as at most half of these bytes, so that one
+    of any size finds a place. Where each sample of a stream counts, at most `backlog` of it do.
+    """
+
+    def __init__(self, capacity: int, backlog: int, most_bytes: float = math.inf) -> None:
+        self._capacity = capacity
+        self._backlog = backlog
+        self._most_bytes = most_bytes
+        self._bytes = 0.0
+        self._waiting: dict[int, Waiting] = {}
+        self._keys: dict[str, dict[int, Waiting]] = {}
+        self._order: list[tuple[int, float, int]] = []
+        """Priority, time and number of all that waits, as a heap; and of no more that left."""
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def __iter__(self) -> Iterator[Waiting]:
+        return iter(self._waiting.values())
+
+    def put(self, new: Waiting) -> list[Evicted]:
+        """Queue a sample; return those that had to leave for it (the new one may be among them)."""
+        gone = [self._evict(w, SUPERSEDED) for w in self._of(new.key) if new.markovian]
+        self._add(new)
+        while (least := self._least(new.key)) is not None:
+            gone.append(self._evict(least, OVERFLOW))
+        return gone
+
+    def full(self, new: Waiting) -> bool:
+        """Whether one would have to leave for `new` because too many wait."""
+        same = 0 if new.markovian else len(self._of(new.key))
+        size = self._bytes + self._counted(new)
+        return same >= self._backlog or len(self) >= self._capacity or size > self._most_bytes
+
+    def supersede(self, key: str) -> list[Evicted]:
+        """Remove what waits of a Markovian stream, because something newer came; return it."""
+        return [self._evict(w, SUPERSEDED) for w in self._of(key) if w.markovian]
+
+    def clear(self) -> list[Waiting]:
+        """Remove and return all that waits."""
+        taken = list(self)
+        for waiting in taken:
+            self._remove(waiting)
+        return taken
+
+    def put_back(self, taken: Iterable[Waiting]) -> None:
+        """Queue what was taken out before; nothing leaves for it."""
+        for waiting in taken:
+            self._add(waiting)
+
+    def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
+        """Remove and return the next sample to decide; one that is `held` back has to wait."""
+        passed_over, found = [], None
+        while found is None and self._order:
+            place = heappop(self._order)
+            waiting = self._waiting.get(place[-1])
+            if waiting is None:
+                continue
+            passed_over.append(place)
+            found = None if held(waiting) else waiting
+        if found is not None:
+            passed_over.pop()
+            self._remove(found)
+        for place in passed_over:
+            heappush(self._order, place)
+        return found
+
+    def _of(self, key: str) -> list[Waiting]:
+        return list(self._keys.get(key, {}).values())
+
+    def _least(self, key: str) -> Waiting | None:
+        """Return what has to leave: the least valuable of a key with too many, else the least per byte of all."""
+        same = self._of(key)
+        if len(same) > self._backlog:
+            return min(same, key=lambda w: (w.scale, w.t_gen, w.sample))
+        if len(self) > self._capacity or self._bytes > self._most_bytes:
+            return min(self, key=lambda w: (w.worth, w.t_gen, w.sample))
+        return None
+
+    def _evict(self, waiting: Waiting, reason: str) -> Evicted:
+        self._remove(waiting)
+        return Evicted(waiting.sample, reason, waiting.key)
+
+    def _add(self, waiting: Waiting) -> None:
+        self._waiting[waiting.sample] = waiting
+        self._keys.setdefault(waiting.key, {})[waiting.sample] = waiting
+        self._bytes += self._counted(waiting)
+        heappush(self._order, _place(waiting))
+        if len(self._order) > 2 * len(self) + 1:
+            self._order = sorted(_place(w) for w in self)
+
+    def _remove(self, waiting: Waiting) -> None:
+        del self._waiting[waiting.sample]
+        same = self._keys[waiting.key]
+        del same[waiting.sample]
+        if not same:
+            del self._keys[waiting.key]
+        self._bytes -= self._counted(waiting)
+
+    def _counted(self, waiting: Waiting) -> float:
+        return min(waiting.size, self._most_bytes / 2)
+
+
+def _place(waiting: Waiting) -> tuple[int, float, int]:
+    return waiting.priority, waiting.t_gen, waiting.sample

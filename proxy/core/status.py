@@ -1,0 +1,164 @@
+"""The core's part of `sendworthy status`: plain JSON data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from proxy.core.protocol.codec import VERSION
+from proxy.core.protocol.messages import tag
+from proxy.core.view.latency import Latency
+from proxy.core.view.peer import Peer
+from proxy.core.view.stream import Stream
+from proxy.core.view.wall import clock_warnings, wall_ahead
+from proxy.core.view.warnings import cast_warnings, namesake_warnings, transport_warnings
+from utility_specs import InformationType
+
+if TYPE_CHECKING:
+    from proxy.core.core import Core
+
+OTHER_VERSION = ":other version"
+UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown")
+"""How kinds of what was refused and is not malformed end."""
+
+
+def report(core: Core, now: float) -> dict[str, Any]:
+    """All that the core knows, by topic. Times are ages or durations [s], sizes are bytes."""
+    return {
+        "robot": core.settings.robot,
+        "version": core.settings.version,
+        "wire_version": VERSION,
+        "zid": core.settings.zid,
+        "mode": core.gate.mode.value,
+        "specs": core.view.specs.generation,
+        "coordination": "split" if core.coordination.splits else "announce",
+        "transport": core.settings.transport,
+        "wall_error": core.view.clock_error or None,
+        "uptime": now - core.started,
+        "counts": _counts(core),
+        "kept": core.kept.described(now) | {"keys": sorted(core.retained)},
+        "decisions": core.gate.decisions.described(now),
+        "budget": _budget(core, now),
+        "streams": [_stream(core, stream, now) for stream in core.view.streams()],
+        "features": [row for each in core.view.specs.types for row in _features(each)],
+        "peers": [_peer(peer, core, now) for peer in core.view.peers.values()],
+        "warnings": [
+            *namesake_warnings(core.view),
+            *transport_warnings(core.view),
+            *core.outsiders.warnings(),
+            *cast_warnings(core.gate.limits, core.settings.transport),
+            *clock_warnings(core.view),
+        ],
+        "malformed": sum(count for kind, count in core.refused.items() if not kind.endswith(UNDERSTOOD)),
+        "other_version": sum(count for kind, count in core.refused.items() if kind.endswith(OTHER_VERSION)),
+        "refused": dict(sorted(core.refused.items())),
+        "evicted": core.view.evicted
+        + core.strangers.forgotten
+        + sum(p.evicted for p in core.view.peers.values())
+        + sum(each.paces.evicted for each in core.view.specs.types),
+        "untold": core.telling.untold,
+        "asked": core.telling.asking.asked,
+    }
+
+
+def _counts(core: Core) -> dict[str, Any]:
+    counts = core.counts
+    return {
+        "in": counts.received,
+        "forwarded": counts.forwarded,
+        "dropped": counts.dropped,
+        "queued": counts.queued,
+        "conserved": counts.conserved,
+        "by_reason": dict(sorted(counts.by_reason.items())),
+        "bytes": {reason: size for reason, size in sorted(counts.bytes.items()) if size},
+    }
+
+
+def _budget(core: Core, now: float) -> list[dict[str, Any]]:
+    adaptive = [k for k, limit in enumerate(core.gate.limits) if limit.least < 1.0]
+    return [
+        {
+            "constraint": limit.name,
+            "kind": limit.measure.kind,
+            "unit": limit.measure.unit,
+            "window": limit.window,
+            "limit": limit.limit,
+            "held": core.budget.whole(now, k),
+            "used": core.budget.used(now, k),
+            "members": 1 + len(core.view.peers) if limit.shared else 1,
+            **({"adaptive": core.channel.capacity.described(now, adaptive.index(k))} if k in adaptive else {}),
+        }
+        for k, limit in enumerate(core.gate.limits)
+    ]
+
+
+def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
+    last, sent = stream.last, stream.sent
+    return {
+        "robot": stream.robot,
+        "key": stream.key,
+        "type": stream.information_type.name,
+        "schedule": stream.schedule.kind,
+        "period": stream.schedule.period,
+        "jitter": stream.schedule.jitter,
+        "forecast": stream.forecasts,
+        "size": last.size if last else 0,
+        "scale": last.scale if last else 0.0,
+        "over": stream.schedule.over(core.view.told_at(stream.robot, now)),
+        "generated": max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
+        "forwarded": stream.forwarded,
+        "by_reason": dict(sorted(stream.fates.items())),
+        "receivers": core.view.receivers(stream),
+        "last_generated": now - last.t_gen if last else None,
+        "last_forwarded": now - sent.t_sent if sent else None,
+    }
+
+
+def _features(each: InformationType) -> list[dict[str, Any]]:
+    """What is computed from samples of a type and what it takes, and how often a default or an older value held."""
+    failed, held, costs = each.failures.counts(), each.paces.held(), each.paces.costs()
+    budgets = {name: feature.budget for name, feature in each.features}
+    others = [name for name in failed if name not in budgets]  # the scale, a utility, forecasts
+    return [
+        {
+            "type": each.name,
+            "feature": name,
+            "failed": failed.get(name, 0),
+            "held": held.get(name, 0),
+            "cost": costs.get(name),
+            "budget": budgets.get(name),
+        }
+        for name in (*budgets, *others)
+    ]
+
+
+def _peer(peer: Peer, core: Core, now: float) -> dict[str, Any]:
+    known, ahead = peer.offset.known, wall_ahead(core.view, peer)
+    return {
+        "robot": peer.robot,
+        "zid": peer.zid,
+        "mode": peer.mode,
+        "transport": peer.transport,
+        "version": peer.version or None,
+        "wire_version": peer.wire or None,
+        "takes_part": tag(peer.zid) not in core.outsiders.found,
+        "specs": peer.specs,
+        "latency_in": _latency(peer.latency_in),
+        "latency_out": _latency(peer.latency_out),
+        "loss_in": peer.loss_in,
+        "loss_out": peer.loss_out,
+        "clock_offset": peer.offset.offset,
+        "clock_uncertainty": peer.offset.uncertainty(now) if known else None,
+        "clock_jumps": peer.offset.jumps,
+        "wall_ahead": ahead,
+        "wall_error": peer.clock_error or None,
+        "digest_age": now - peer.digest_received if peer.digest else None,
+        "samples": peer.samples,
+        "implausible": peer.implausible,
+        "received_of_ours": peer.received_of_ours,
+        "sent": peer.sent,
+    }
+
+
+def _latency(line: Latency | None) -> dict[str, float] | None:
+    """What samples take: a fixed part [s], and one per byte [s/B]."""
+    return None if line is None else {"fixed": line.fixed, "per_byte": line.per_byte}

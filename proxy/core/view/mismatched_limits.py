@@ -1,0 +1,90 @@
+"""Robots on the mesh with which nobody here can share: no team waits for them, and its operator is told.
+
+They have other limits, for they have other specs; or nothing is understood of what they say, if they say anything.
+"""
+
+import math
+from collections.abc import Iterable
+
+from proxy.core.model.limits import fingerprint
+from proxy.core.protocol.codec import READ, VERSION
+from proxy.core.view.peer import Peer
+from proxy.core.view.view import SharedView
+
+PATIENCE = 5.0
+"""Specs may be changed on one robot after the other, and a newcomer says something, within this time [s]..."""
+ASKING = 0.05
+"""... and so much more for each robot that there is, for all have to be asked [s]."""
+SILENCE = 300.0
+"""A robot that was understood tells all something more than twice in this time, whatever the allowance [s]."""
+PACE = 0.5
+"""They are looked for this often [s]."""
+
+
+class Outsiders:
+    """Who takes no part. Robots are named by their tags."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self._since: dict[str, float] = {}
+        """Since when robots have had other limits [s]."""
+        self._heard: set[str] = set()
+        """Robots of which digests were understood."""
+        self._look_at = 0.0
+        self.found: frozenset[str] = frozenset()
+
+    def heard(self, name: str) -> None:
+        """A digest of a robot was understood."""
+        self._heard.add(name)
+        if name in self.found:
+            self._look_at = -math.inf
+
+    def look(self, now: float) -> bool:
+        """Look who has taken no part for too long; return whether these are others than before."""
+        if now < self._look_at:
+            return False
+        self._look_at, peers = now + PACE, self._view.peers
+        self._heard &= peers.keys()
+        alike = (0, fingerprint(self._view.specs))  # who says nothing of its limits may have the same
+        self._since = {name: self._since.get(name, now) for name, peer in peers.items() if peer.limits not in alike}
+        for name, peer in peers.items():
+            peer.plain = self._not_understood(now, name, peer)
+        apart = {name for name, since in self._since.items() if now - since > PATIENCE}
+        before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
+        return self.found != before
+
+    def warnings(self, among: Iterable[str] | None = None) -> list[str]:
+        """Name them all, or those `among` these."""
+        found = self.found if among is None else self.found.intersection(among)
+        return [self._warning(peer) for name, peer in self._view.peers.items() if name in found]
+
+    def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
+        if name in self._heard:
+            return now - peer.digest_received > SILENCE
+        if peer.state is not None:
+            return now - peer.since > SILENCE
+        return now - peer.since > PATIENCE + ASKING * len(self._view.peers) or _foreign(peer)
+
+    def _warning(self, peer: Peer) -> str:
+        here = self._view.specs.generation
+        if not peer.plain:
+            return (
+                f"robot {peer.robot} has other limits (specs {peer.specs}, here {here}): nothing keeps what it sends "
+                "and what others send within either; give all robots the same constraints"
+            )
+        if _foreign(peer):
+            return (
+                f"robot {peer.robot} runs another version of Sendworthy: daemons there speak version {peer.wire} of "
+                f"what they tell each other, here {VERSION}; {_APART}; install one version on all robots"
+            )
+        return (
+            f"robot {peer.robot} is on the mesh, but nothing is heard of it that a daemon would say; {_APART}; look "
+            "at its log and at what may keep its messages from crossing"
+        )
+
+
+_APART = "it takes no part, and nothing keeps what it sends and what others send within the limits"
+
+
+def _foreign(peer: Peer) -> bool:
+    return bool(peer.wire) and peer.wire not in READ

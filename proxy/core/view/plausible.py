@@ -1,0 +1,80 @@
+"""What a robot may say of itself: who speaks in another's name, or nonsense, is not listened to.
+
+Without TLS a mesh cannot tell who speaks. So what one message may change stays within what an honest robot could have
+said, and what was said falsely gives way to what is said later: after `PATIENCE` without a digest that fits, the next
+one counts as that of a robot that starts anew.
+"""
+
+from collections.abc import Callable
+
+from proxy.core.protocol.messages import Digest, State, StreamDigest
+from proxy.core.view.peer import Peer
+from proxy.core.view.stream import Stream
+
+PATIENCE = 10.0
+"""A digest has to follow the one before for this long [s]."""
+DELAY = 30.0
+"""A digest may come this much sooner after the one before than it was sent [s]."""
+AHEAD = 1.0
+"""What was generated or sent may be this far in the future of the digest that tells it [s]."""
+FASTEST = 20_000.0
+"""Samples per second of one stream, or messages of one robot."""
+BROADEST = 1e10
+"""Bytes per second of one robot."""
+BURST = 60.0
+"""Counters may run ahead by so much time at these rates [s]."""
+
+
+def objection(now: float, peer: Peer, digest: Digest, known: Callable[[StreamDigest], Stream | None]) -> str:
+    """Return what is wrong with a peer's digest, or nothing; `known` finds the stream that news is of."""
+    if digest.robot != peer.name:
+        return "digest:forged"
+    latest = digest.sent + AHEAD
+    for news in digest.streams:
+        if news.t_generated > latest or news.t_forwarded > latest:
+            return "digest:time"
+    for news in digest.streams:
+        if news.generated > FASTEST * BURST and _leaps(now, news, known(news)):
+            return "digest:counts"
+    if peer.digest is None or now - peer.digest_received > PATIENCE:
+        return ""
+    return _does_not_follow(peer.digest, now - peer.digest_received, digest) or _miscounts(now, peer, digest)
+
+
+def is_old(now: float, peer: Peer | None, sent: float) -> bool:
+    """Whether a digest that was sent then by a robot has been heard before, or a later one has. From any thread."""
+    last = None if peer is None else peer.digest
+    return last is not None and peer is not None and now - peer.digest_received <= PATIENCE and sent <= last.sent
+
+
+def _does_not_follow(last: Digest, elapsed: float, digest: Digest) -> str:
+    """Say why a digest cannot come so long after the one before."""
+    if digest.sent <= last.sent:
+        return "digest:old"
+    if digest.sent - last.sent > elapsed + DELAY:
+        return "digest:time"
+    return ""
+
+
+def _miscounts(now: float, peer: Peer, digest: Digest) -> str:
+    """Say if a digest cannot count what it does, after what its robot counted before."""
+    if digest.brief or peer.counted is None or now - peer.counted[0] > PATIENCE:
+        return ""
+    elapsed, messages, size = now - peer.counted[0], digest.messages - peer.counted[1], digest.bytes - peer.counted[2]
+    fits = 0 <= messages <= FASTEST * (elapsed + BURST) and 0 <= size <= BROADEST * (elapsed + BURST)
+    return "" if fits else "digest:counts"
+
+
+def objection_to_state(peer: Peer, state: State) -> str:
+    """Return what is wrong with a peer's state, or nothing. One that a digest speaks of may be older than ours."""
+    if state.robot != peer.name or state.zid != peer.zid:
+        return "state:forged"
+    named = peer.digest is not None and state.number == peer.digest.state
+    return "state:old" if 0 < state.number < peer.number and not named else ""
+
+
+def _leaps(now: float, news: StreamDigest, stream: Stream | None) -> bool:
+    """Whether more was generated since the last news than any app could publish."""
+    if stream is None or stream.generated == 0:
+        return False
+    return news.generated - stream.generated > FASTEST * (max(0.0, now - stream.touched) + BURST)

@@ -1,0 +1,1 @@
+"""The messages that one decision looks at."""

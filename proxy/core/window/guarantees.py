@@ -1,0 +1,36 @@
+"""What streams are guaranteed: samples that go whatever they are worth, as far as the limits allow.
+
+A sample is *owed* when its stream would be without one for too long if the one after it were the next to be sent. Then
+it goes without a search. Those that will be owed are taken for sent in every plan, so that there is room for them.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+
+from proxy.core.view.stream import Stream
+
+EARLY = 0.1
+"""The next sample may come earlier than expected by this part of the period."""
+
+
+def guaranteed(stream: Stream) -> bool:
+    """Whether a stream is guaranteed anything."""
+    return stream.information_type.guarantee.rate > 0.0
+
+
+def longest(stream: Stream, latency: float) -> float:
+    """How far apart samples may be generated that are sent, at a latency [s]; without end where nothing is said."""
+    guarantee = stream.information_type.guarantee
+    rate = 1.0 / guarantee.min_rate if guarantee.min_rate else math.inf
+    age = max(0.0, guarantee.max_age - latency) if guarantee.max_age else math.inf
+    return min(rate, age)
+
+
+def owed(stream: Stream, times: Iterable[float], latency: float) -> Iterator[float]:
+    """Yield those generation times of samples [s] that must be sent."""
+    apart, ahead = longest(stream, latency), (1.0 - EARLY) * stream.schedule.period
+    before = -math.inf if stream.sent is None else stream.sent.t_gen
+    for t in times:
+        if t + ahead - before > apart:
+            yield t
+            before = t

@@ -1,0 +1,273 @@
+"""What may still be sent."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from planner.measures import Energy, Messages, Throughput
+from proxy.core.coordination.budget import LEAST, MOST_STRETCHED, Budget
+from proxy.core.coordination.coordination import Coordination
+from proxy.core.interface import events as ev
+from proxy.core.model.limits import Limit
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
+from proxy.core.view.view import SharedView
+
+BYTES = Limit("bytes", 1.0, 1000.0, Throughput(1000.0, 1.0))
+COUNT = Limit("count", 0.5, 4.0, Messages(4, 0.5))
+ENERGY = Limit("energy", 2.0, 3.0, Energy(3.0, 2.0, per_byte=1e-3))
+
+
+@pytest.fixture
+def make_budget(make_specs):
+    """A budget of one robot beside `peers` others."""
+
+    def make(*limits, kind="announce", peers=1):
+        view = SharedView(CoreSettings("r1", "z1", coordination=kind, settle=0.0), make_specs())
+        for number in range(peers):
+            view.add_peer(0.0, f"p{number}", f"p{number}")
+        coordination = Coordination(0.0, view.settings, view)
+        budget = Budget(view, coordination)
+        coordination.set_members(0.0, view.peers)
+        coordination.set_limits(0.0, limits or (BYTES,))
+        budget.set_limits(limits or (BYTES,))
+        return budget, view
+
+    return make
+
+
+def heard(view, now, size):
+    """A sample of another robot that no spec covers comes."""
+    view.heard_sample(ev.SampleHeard(now, "other", size, "p0", None, None))
+
+
+def test_what_is_told_beyond_the_allowance_counts_like_samples_of_others(make_budget):
+    """So much less may be sent, for a window."""
+    budget, view = make_budget()
+    view.note_talk(1.0, 200)
+    assert budget.free(1.0) == [800.0]
+    assert budget.free(2.1) == [1000.0]
+
+
+def test_what_was_sent_counts_for_a_window(make_budget):
+    """Ours and what is known of others, in both ends of the window."""
+    budget, view = make_budget()
+    budget.use(1.0, (300.0,))
+    heard(view, 1.5, 400)
+    assert budget.used(1.5, 0) == 300.0
+    assert budget.free(1.5) == [300.0]
+    assert budget.left(1.5) == [600.0]
+    assert budget.fits(1.6, (300.0,))
+    assert budget.lacking(1.6, (301.0,)) == ("bytes",)
+    assert budget.free(2.0) == [300.0]
+    assert budget.free(2.0 + LEAST) == [600.0]
+    assert budget.free(2.6) == [1000.0]
+
+
+def test_a_large_sample_counts_from_when_the_mesh_took_it(make_budget):
+    """A small one may as well count from its decision; one that was refused stays where it was."""
+    budget, _ = make_budget()
+    for now, size, sample in ((1.0, 600.0, 1), (1.001, 2.0, 2), (1.002, 300.0, 3)):
+        budget.use(now, (size,), sample)
+    budget.refused(3)
+    for sample in (1, 2, 3, 4, 1):
+        budget.handed(1.005 + 0.001 * sample, sample)
+    assert budget.used(2.0, 0) == 902.0
+    assert budget.used(2.0015, 0) == 900.0
+    assert budget.used(2.003, 0) == 600.0
+    assert budget.opens(1.5, (500.0,)) == pytest.approx(2.006, abs=1e-5)
+
+
+def test_samples_of_others_are_taken_to_leave_as_late_as_ours(make_budget):
+    """At least as late as the last one did, and not later than now; where ours leave at once theirs do."""
+    budget, view = make_budget()
+    heard(view, 1.0, 600)
+    assert budget.others(1.1) == ((1.0, (600.0,)),)
+    budget.use(1.1, (200.0,), 1)
+    budget.handed(1.105, 1)
+    assert budget.others(1.2) == ((pytest.approx(1.005), (600.0,)),)
+    budget.use(1.3, (200.0,), 2)
+    budget.handed(1.3, 2)
+    assert budget.others(1.4) == ((pytest.approx(1.0045), (600.0,)),)
+    budget.use(1.5, (200.0,), 3)
+    budget.handed(1.9, 3)
+    heard(view, 1.95, 100)
+    assert budget.others(1.96) == ((pytest.approx(1.02), (600.0,)), (1.96, (100.0,)))
+
+
+def test_a_sample_that_leaves_under_other_limits_counts_under_these(make_budget):
+    """From its decision."""
+    budget, _ = make_budget()
+    budget.use(1.0, (600.0,), 1)
+    budget.set_limits((COUNT, BYTES))
+    budget.handed(1.4, 1)
+    assert budget.used(2.0, 1) == 600.0
+    assert budget.used(2.1, 1) == 0.0
+
+
+def test_when_room_opens_that_our_own_sends_leave_is_known(make_budget):
+    """Then the sample does fit. What another robot leaves is not ours to wait for."""
+    budget, view = make_budget()
+    budget.use(1.0, (300.0,))
+    budget.use(1.2, (300.0,))
+    heard(view, 1.4, 300)
+    opens = [budget.opens(1.5, (size,)) for size in (100.0, 300.0, 700.0, 800.0, 1001.0)]
+    assert opens == pytest.approx([-math.inf, 2.0, 2.2, math.inf, math.inf], abs=1e-5)
+    assert budget.fits(opens[2], (700.0,))
+
+
+def test_a_sample_waits_for_a_part_that_grows(make_budget):
+    """As what others sent in a slot of ours leaves the window; for more than that nothing waits."""
+    budget, _ = make_budget(kind="split", peers=0)
+    coordination = budget._coordination
+    coordination.look(0.5, (BYTES,), 0.0, lambda _: 0.0, lambda _: 0.0)
+    grows = coordination.grows_at(0.6)
+    assert 0.6 < grows < math.inf
+    assert not budget.fits(0.6, (900.0,))
+    assert budget.opens(0.6, (900.0,)) == grows
+    assert budget.fits(grows, (900.0,))
+    assert budget.opens(0.6, (1001.0,)) == math.inf
+    assert budget.opens(grows, (1001.0,)) == math.inf
+
+
+def test_what_others_send_uses_none_of_our_energy(make_budget):
+    """Each robot has its own, whole, in either coordination."""
+    for coordination in ("announce", "split"):
+        budget, view = make_budget(BYTES, COUNT, ENERGY, kind=coordination, peers=3)
+        heard(view, 1.0, 900)
+        assert budget.whole(1.0, 2) == 3.0
+        assert budget.free(1.1)[2] == 3.0
+
+
+def test_in_split_each_robot_has_its_part_and_others_sends_are_their_own(make_budget):
+    """A newcomer has little until it is given more."""
+    budget, view = make_budget(BYTES, kind="split", peers=3)
+    assert budget.alone
+    assert budget.whole(0.0, 0) * 4 <= 1000.0
+    heard(view, 1.0, 900)
+    assert budget.others(1.1) == ()
+    assert budget.free(1.1) == [budget.whole(1.1, 0)]
+    limits = budget.problem_limits(1.1)
+    assert limits.alone
+    assert limits.others == ()
+    assert limits.union == (replace(BYTES, limit=budget.whole(1.1, 0)),)
+
+
+def test_a_problem_has_what_still_counts(make_budget):
+    """Our sends and the others', of the longest window."""
+    budget, view = make_budget(BYTES, COUNT)
+    for now in (0.2, 1.0, 1.2):
+        budget.use(now, (100.0, 1.0))
+    heard(view, 0.1, 50)
+    heard(view, 1.1, 60)
+    limits = budget.problem_limits(1.3)
+    assert not limits.alone
+    assert limits.union == (BYTES, COUNT)
+    assert limits.sent == ((1.0, (100.0, 1.0)), (1.2, (100.0, 1.0)))
+    assert limits.others == ((1.1, (60.0, 1.0)),)
+
+
+def test_a_message_larger_than_the_limit_has_the_window_stretched_for_it(make_budget):
+    """It goes when nothing was sent for as long as its bytes take, and nothing else goes for as long after it."""
+    budget, view = make_budget()
+    heard(view, 1.0, 10)
+    large = (2500.0,)
+    assert not budget.fits(3.4, large)
+    assert budget.fits(3.6, large)
+    budget.use(3.6, large)
+    assert not budget.fits(4.5, (1.0,))
+    assert not budget.fits(6.0, large)
+    assert budget.fits(6.2, large)
+
+
+def test_windows_are_stretched_no_further_than_sends_are_remembered(make_budget):
+    """A message of a thousand limits goes after so many windows."""
+    budget, _ = make_budget()
+    budget.use(0.0, (1.0,))
+    assert not budget.fits(0.5 * MOST_STRETCHED, (1e6,))
+    assert budget.fits(MOST_STRETCHED + 0.1, (1e6,))
+
+
+def test_traffic_that_nobody_decided_on_leaves_a_part(make_budget):
+    """However much it is, it counts up to that part of what is ours."""
+    budget, _ = make_budget()
+    budget.use_at_most(1.0, (5000.0,), 0.9)
+    assert budget.used(1.0, 0) == 900.0
+    budget.use_at_most(1.1, (5000.0,), 0.9)
+    assert budget.used(1.1, 0) == 900.0
+    assert budget.fits(1.2, (100.0,))
+
+
+def test_under_new_limits_what_was_sent_counts_against_those_of_the_same_name_and_kind(make_budget):
+    """In whatever order; of a new one nothing was used."""
+    budget, _ = make_budget(BYTES, COUNT)
+    budget.use(1.0, (300.0, 1.0))
+    budget.set_limits((COUNT, replace(BYTES, limit=2000.0), ENERGY))
+    assert [budget.used(1.1, k) for k in range(3)] == [1.0, 300.0, 0.0]
+    assert budget.free(1.1) == [3.0, 1700.0, 3.0]
+    budget.set_limits((replace(COUNT, name="bytes"),))
+    assert budget.used(1.1, 0) == 0.0
+
+
+def test_without_limits_everything_fits(make_budget):
+    """Nothing lacks, and nothing has to be waited for."""
+    budget, _ = make_budget()
+    budget.use(0.5, (1000.0,))
+    budget.set_limits(())
+    assert budget.fits(1.0, ())
+    assert budget.free(1.0) == []
+    assert budget.opens(1.0, ()) == -math.inf
+
+
+def test_what_others_are_heard_or_told_to_send_counts_once(make_talk):
+    """A sample that came, and the announcement of it."""
+    talk = make_talk(transport="broadcast x", allowance=0.02)
+    camera = (StreamState(1, "robot/op/camera", "camera", 0.5, size=900),)
+    talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
+    state = State("op", "zz-op", "enforce", "", camera, ("**",), transport="broadcast x", number=1)
+    talk.tell(ev.StateHeard(0.0, state))
+    for count, now in enumerate((0.2, 0.7), start=1):
+        news = StreamDigest(1, count, 0, now, 0.0, 900, 1.0)
+        talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, streams=(news,), state=1)))
+    talk.tell(ev.SampleHeard(1.0, "robot/op/camera", 900, "zz-op", None, None))
+    news = StreamDigest(1, 3, 1, 1.0, 1.0, 900, 1.0)
+    talk.tell(ev.DigestHeard(1.01, Digest("op", "zz-op", 1.01, streams=(news,), state=1, brief=True)))
+    assert [use for _, use in talk.core.budget.others(1.1) if use[0] > 100.0] == [(900.0,)]  # the rest are digests
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.sampled_from(("announce", "split")),
+    st.lists(st.tuples(st.floats(0.01, 0.6), st.integers(1, 1200), st.booleans()), min_size=5, max_size=60),
+)
+def test_whoever_sends_what_fits_keeps_every_limit(make_budget, coordination, steps):
+    """Whatever others are heard to send meanwhile, no send of ours ends a window that holds more than we may use."""
+    budget, view = make_budget(BYTES, COUNT, kind=coordination, peers=2)
+    now, sent = 0.0, []
+    for pause, size, ours in steps:
+        now += pause
+        use = (float(size), 1.0)
+        if not ours:
+            heard(view, now, size)
+            sent += [(now, use, False)] * (coordination == "announce")
+        elif size <= budget.whole(now, 0) and budget.fits(now, use):
+            budget.use(now, use)
+            sent.append((now, use, True))
+    for end, _, ours in sent:
+        for k, limit in enumerate((BYTES, COUNT) if ours else ()):
+            window = sum(use[k] for t, use, _ in sent if end - limit.window <= t <= end and (t < end or _))
+            assert window <= budget.whole(end, k) + 1e-6
+
+
+def test_room_grew_last_when_a_large_send_left_the_window(make_budget):
+    """Ours or another robot's; what is small makes no room that anybody waits for."""
+    budget, view = make_budget()
+    budget.use(1.0, (300.0,))
+    heard(view, 1.2, 300)
+    budget.use(1.3, (5.0,))
+    assert budget.grew(1.9) == -math.inf
+    assert budget.grew(2.1) == pytest.approx(2.0)
+    assert budget.grew(2.5) == pytest.approx(2.2)

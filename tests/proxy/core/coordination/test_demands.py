@@ -1,0 +1,84 @@
+"""What a robot asks for of a limit, by its streams."""
+
+import pytest
+
+from proxy.core.coordination.demands import TOO_LATE, bid
+from proxy.core.model.limits import limits_of
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.bid import UNIT
+from proxy.core.view.latency import Latency
+from proxy.core.view.stream import Generated
+from proxy.core.view.view import SharedView
+
+
+@pytest.fixture
+def make_view(make_specs):
+    """A robot of a team of two with one stream of 10 Hz."""
+
+    def make(size, value=1.0, *, wanted=True, samples=50):
+        view = SharedView(CoreSettings("r1", "z1"), make_specs(window=0.5))
+        view.add_peer(0.0, "r2", "z2")
+        stream = view.stream(0.0, "r1", "robot/r1/camera")
+        stream.matching = wanted
+        for count in range(samples):
+            stream.note_generated(count + 1, Generated(5.0 - 0.1 * (samples - count), size, value))
+        return view
+
+    return make
+
+
+def asked(view):
+    return bid(view, 5.0, limits_of(view.specs, 0.02, 2))
+
+
+def test_small_messages_ask_for_room_for_all_of_them(make_view):
+    """What they use in a window in the mean, before what is spare."""
+    view = make_view(10)
+    (limit,) = limits_of(view.specs, 0.02, 2)
+    first = asked(view)[0]
+    assert not first.quarters
+    assert first.amount == pytest.approx(UNIT * 5 * 10 / limit.limit, abs=1)
+
+
+def test_a_large_message_asks_for_a_slot(make_view):
+    """The first one of several windows is worth most."""
+    first = asked(make_view(2_000))[0]
+    assert first.quarters
+
+
+def test_what_is_worth_more_asks_at_a_higher_level(make_view):
+    """So that the value decides who gets the room."""
+    assert asked(make_view(2_000, 8.0))[0].level > asked(make_view(2_000, 1.0))[0].level
+
+
+def test_what_nobody_wants_asks_for_nothing(make_view):
+    """Nor does a stream that is over."""
+    assert asked(make_view(2_000, wanted=False)) == ()
+    view = make_view(2_000)
+    assert bid(view, 500.0, limits_of(view.specs, 0.02, 2)) == ()
+
+
+def test_a_new_stream_asks_for_a_few_messages(make_view):
+    """Of one sample nobody knows how soon the next one comes: it is not taken to come at once."""
+    view = make_view(10, samples=1)
+    (limit,) = limits_of(view.specs, 0.02, 2)
+    assert sum(segment.amount for segment in asked(view)) <= UNIT * 12 * 10 / limit.limit
+
+
+def test_how_long_messages_take_changes_no_bid(make_view):
+    """Each robot learns it at another moment, and all would ask for something else then."""
+    soon, late = make_view(2_000), make_view(2_000)
+    (peer,) = late.peers.values()
+    peer.latency_out = Latency(1.0)
+    stream = late.known("r1", "robot/r1/camera")
+    assert late.audiences.of(5.0, stream).mean == 1.0
+    assert asked(late) == asked(soon)
+
+
+def test_what_comes_too_late_asks_for_nothing(make_view):
+    """It is worth nothing any more long before it is received."""
+    late = make_view(2_000)
+    (peer,) = late.peers.values()
+    end = late.lifetimes.end(late.known("r1", "robot/r1/camera").information_type.utility)
+    peer.latency_out = Latency(TOO_LATE * end)
+    assert asked(late) == ()

@@ -1,0 +1,66 @@
+"""What a robot of a large team uses beyond its part."""
+
+import random
+
+import pytest
+
+from proxy.core.coordination.overbooking import DEVIATIONS, KNOWN, MEMORY, MOST, Overbooking
+
+PACE = 0.25
+
+
+def looked(overbooking, used, robots=50, seconds=30.0, now=0.0):
+    """Robots use of their part what `used` says, at each look; return when the last one was."""
+    for step in range(round(seconds / PACE)):
+        now += PACE
+        overbooking.look(now, used(step), robots)
+    return now
+
+
+def test_at_first_a_part_is_a_part():
+    """What seldom happens is not known yet."""
+    overbooking = Overbooking()
+    looked(overbooking, lambda _: 0.1, seconds=0.9 * KNOWN)
+    assert overbooking.factor == 1.0
+
+
+@pytest.mark.parametrize(("used", "factor"), [(1.0, 1.0), (0.8, 1.25), (0.1, MOST), (0.0, MOST)])
+def test_who_uses_little_of_what_it_may_may_use_more(used, factor):
+    """So much more that it uses its part in the mean, and never more than a few times that."""
+    overbooking = Overbooking()
+    looked(overbooking, lambda _: used)
+    assert overbooking.factor == pytest.approx(factor)
+
+
+def test_room_is_left_for_what_use_varies_by():
+    """Less the more robots there are: their deviations add up to less."""
+    found = []
+    for robots in (25, 100):
+        overbooking = Overbooking()
+        looked(overbooking, lambda step: (0.3, 0.9)[step % 2], robots)
+        found.append(1.0 / overbooking.factor)
+    assert found == pytest.approx([0.6 + DEVIATIONS * 0.3 / 5.0, 0.6 + DEVIATIONS * 0.3 / 10.0], abs=0.02)
+
+
+def test_all_together_use_what_they_have():
+    """Robots as unlike as they may be, whose messages are a small or a large part of what they may use."""
+    rng, robots, together = random.Random(1), 40, []
+    team = [(Overbooking(), rng.uniform(0.3, 1.0)) for _ in range(robots)]
+    for step in range(400):
+        use = 0.0
+        for overbooking, filled in team:
+            used = rng.choice([filled, filled, 0.5 * filled])
+            use += used * overbooking.factor / robots
+            overbooking.look(step * PACE, used, robots)
+        together.append(use)
+    settled = together[len(together) // 2 :]
+    assert 0.8 < sum(settled) / len(settled) < 1.0
+    assert sum(use > 1.0 for use in settled) <= 0.05 * len(settled)
+
+
+def test_a_team_that_is_large_again_begins_anew():
+    """What was used long ago says nothing of now."""
+    overbooking = Overbooking()
+    now = looked(overbooking, lambda _: 0.2)
+    overbooking.look(now + 2.0 * MEMORY, 1.0, 50)
+    assert overbooking.factor == 1.0

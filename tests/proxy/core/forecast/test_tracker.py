@@ -1,0 +1,118 @@
+"""Following a rhythm."""
+
+import pytest
+
+from proxy.core.forecast.tracker import MEMORY, PATIENT, Tracker
+from tests.proxy.core.streams import periodic
+
+
+def followed(times, first=1):
+    tracker = Tracker()
+    for number, t in enumerate(times, first):
+        tracker.observe(number, t)
+    return tracker
+
+
+def test_two_samples_off_their_time_change_nothing():
+    """They may be outliers, however far they are off."""
+    tracker = followed(periodic(20))
+    before = tracker.rhythm
+    tracker.observe(21, 25.4)
+    tracker.observe(22, 25.7)
+    assert tracker.rhythm == before
+    tracker.observe(23, 27.0)
+    assert tracker.rhythm.due(24) == pytest.approx(28.0)
+
+
+def test_samples_without_anything_in_common_are_taken_in_at_last():
+    """The stream is looser than it seemed."""
+    tracker = followed(periodic(20))
+    for number, off in enumerate([0.35, 0.95, 0.25, 0.9, 0.3] * 3, 21):
+        tracker.observe(number, 4.0 + number + off)
+        if number < 20 + PATIENT:
+            assert tracker.rhythm.looseness < 0.01
+    assert tracker.rhythm.looseness > 0.1
+    assert tracker.rhythm.period == pytest.approx(1.0, abs=0.1)
+
+
+def test_of_two_rhythms_seen_as_one_the_newer_is_kept():
+    """Where a slow change went unnoticed, the last samples alone are tight."""
+    tracker = Tracker()
+    times = [0.0, 1.3, 1.6, 3.4, 3.6, 5.3, 5.5, 7.2]
+    times += [7.2 + 1.0 * k for k in range(1, 12)]
+    for number, t in enumerate(times):
+        tracker.observe(number, t)
+    assert tracker.rhythm.period == pytest.approx(1.0, abs=0.05)
+    assert tracker.rhythm.due(len(times)) == pytest.approx(times[-1] + 1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("numbered", [True, False])
+def test_whether_a_time_fits(numbered):
+    """With a number it must be that one's, without at least anyone's."""
+    tracker = followed(periodic(20))
+    assert tracker.fits(21 if numbered else None, 25.05)
+    assert not tracker.fits(21 if numbered else None, 25.5)
+    assert tracker.fits(21 if numbered else None, 26.0) is not numbered
+    assert not Tracker().fits(1, 1.0)
+
+
+def test_after_a_pause_without_any_past_a_new_one_begins():
+    """One sample alone has no rhythm."""
+    for count in (None, 5):
+        tracker = Tracker()
+        tracker.resume(count, 3.0)
+        assert tracker.rhythm is None
+
+
+def test_lost_samples_do_not_hide_a_faster_rhythm():
+    """What fits the new rate better than the old is numbered anew."""
+    tracker = Tracker()
+    for t in periodic(20):
+        tracker.hear(t)
+    for k in (1, 2, 4, 5, 6, 8):
+        tracker.hear(24.0 + k * 0.3)
+    assert tracker.rhythm.period == pytest.approx(0.3, rel=0.01)
+
+
+def test_one_sample_too_many_is_no_faster_rhythm():
+    """It fits the rhythm worse than all others do."""
+    tracker = Tracker()
+    for t in sorted([*periodic(20), 22.4]):
+        tracker.hear(t)
+    assert tracker.rhythm.period == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_rhythm_of_which_only_every_second_sample_comes_is_a_slower_one():
+    """Two late samples may look like a faster rhythm: not for long."""
+    tracker = Tracker()
+    times = periodic(40)
+    for t in [*times[:20], times[20] + 0.5, times[21], times[22] + 0.5, *times[23:25]]:
+        tracker.hear(t)
+    for t in times[25:36]:
+        tracker.hear(t)
+    assert tracker.rhythm.period == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_period_of_a_tight_rhythm_is_known_better_the_longer_it_lasts():
+    """Forty-eight samples tell it five times as well as sixteen."""
+    errors = {}
+    for count in (16, 60):
+        off = [followed(periodic(count, period=0.1, jitter=0.04, seed=seed)).rhythm.period - 0.1 for seed in range(40)]
+        errors[count] = sum(abs(error) for error in off) / len(off)
+    assert errors[60] < 0.35 * errors[16]
+
+
+def test_what_the_last_samples_show_by_chance_does_not_hide_what_all_of_them_do():
+    """Of many rhythms with a jitter of a twentieth nearly all are known from all their samples."""
+    known = [followed(periodic(60, 0.1, jitter=0.005, seed=seed)).rhythm for seed in range(40)]
+    assert sum(rhythm.known > MEMORY for rhythm in known) >= 36
+    assert [rhythm.period for rhythm in known] == [pytest.approx(0.1, rel=3e-3)] * 40
+
+
+def test_a_period_that_drifts_is_followed():
+    """What is older than the rhythm holds is no evidence."""
+    times, t = [], 0.0
+    for k in range(120):
+        t += 0.1 * (1.0 + 0.0005 * k)
+        times.append(t)
+    assert followed(times).rhythm.due(121) == pytest.approx(t + 0.1 * 1.06, abs=0.003)

@@ -1,0 +1,343 @@
+"""What a robot tells the others, and when."""
+
+import pytest
+
+from proxy.core.coordination.coordination import LARGE
+from proxy.core.gossip.digest_scheduler import DEBT, GATHER, STATE_PACE
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Decide, Forward, SendDigest, SendState
+from proxy.core.model.limits import allowance_of
+from proxy.core.model.transport import broadcast
+from proxy.core.protocol.bid import Segment
+from proxy.core.protocol.codec import pack_state
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
+from proxy.core.protocol.parts import Told
+from proxy.core.view.view import NEW
+from studies.simulation.conditions import WARM_UP, Conditions
+from studies.simulation.flights import fly
+from studies.simulation.missions import draw, scenario
+from tests.proxy.core.talk import only
+
+CAMERA = (StreamState(1, "robot/op/camera", "camera", 0.5),)
+
+
+def sends(talk, now, **what):
+    """Publish a sample that is sent, whatever it is worth."""
+    sample, commands = talk.publish(now, **what)
+    for decide in only(commands, Decide):
+        commands = talk.answer(now, decide, send=True)
+    assert Forward(sample) in commands
+
+
+def digests(talk, since=0.0):
+    return [sent.digest for sent in talk.all(SendDigest) if sent.digest.sent >= since]
+
+
+@pytest.fixture
+def talk(make_talk):
+    """A robot whose camera another one wants, and knows; that has one, too."""
+    talk = make_talk(allowance=0.05)
+    talk.want(0.0)
+    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
+    sends(talk, 0.1, size=100)
+    talk.tell(ev.TimePassed(5.0))
+    return talk
+
+
+def test_states_follow_each_other_slowly(make_talk):
+    """Whatever happens meanwhile is told by the next one."""
+    talk = make_talk()
+    talk.want(0.0)
+    for step in range(50):
+        talk.tell(ev.InterestChanged(1.0 + 0.01 * step, (f"k{step}",)))
+    talk.tell(ev.TimePassed(60.0))
+    states = talk.all(SendState)
+    assert len(states) <= 3 + 0.5 / STATE_PACE
+    assert states[-1].state.subscriptions == ("k49",)
+    assert talk.core.telling.state == states[-1].state
+
+
+def test_what_is_due_next_is_known(talk):
+    """A state that may be news, at once or soon."""
+    talk.tell(ev.TimePassed(10.0))
+    assert talk.core.wake_at(10.0) > 10.0
+    talk.core.telling.restate(10.0)
+    assert talk.core.telling.next_at(10.0) <= 10.0 + STATE_PACE
+
+
+def test_what_was_sent_is_told_soon_even_if_no_spec_covers_it(talk):
+    """If the allowance permits."""
+    talk.tell(ev.SamplesPassed(5.1, "passed:no-spec", 1, 100))
+    talk.tell(ev.TimePassed(8.0))
+    assert digests(talk, 5.1)[-1].messages == 2
+
+
+def test_what_takes_much_of_a_limit_is_announced_when_it_is_sent(talk):
+    """Within a millisecond, while news of small samples wait."""
+    sends(talk, 5.2, size=100)
+    said = len(digests(talk, 5.2))
+    for k in range(4):
+        sends(talk, 5.3 + 0.3 * k, size=1500)
+        talk.tell(ev.TimePassed(5.301 + 0.3 * k))
+        told = [news.forwarded for digest in digests(talk, 5.3 + 0.3 * k) for news in digest.streams]
+        assert told[-1] == 3 + k
+    assert said <= 1
+    assert any(digest.brief for digest in digests(talk, 5.2))
+
+
+@pytest.mark.parametrize("echoed", [False, True])
+def test_a_robot_that_nobody_echoed_yet_is_echoed_where_else_an_announcement_would_do(talk, echoed):
+    """Until then it cannot know how long news take; what was sent is told with it, as soon."""
+    sends(talk, 5.2, size=1000)
+    talk.tell(ev.TimePassed(9.0))
+    talk.tell(ev.DigestHeard(9.9, Digest("op", tag("zz-op"), 9.89), 1500))
+    if echoed:
+        talk.core.view.echoed([tag("zz-op")])
+    sends(talk, 10.0, size=1000)
+    (told,) = digests(talk, 10.0)
+    assert [news.forwarded for news in told.streams] == [3]
+    assert (told.brief, [echo.peer for echo in told.echoes]) == ((True, []) if echoed else (False, [tag("zz-op")]))
+
+
+def test_traffic_that_nobody_decides_on_is_not_announced(talk):
+    """However large: others can learn nothing of it but how much it is, which the next digest tells."""
+    for k in range(20):
+        talk.tell(ev.SamplesPassed(5.2 + 0.01 * k, "passed:no-spec", 1, 50_000))
+    assert len(digests(talk, 5.2)) <= 10
+    assert not any(digest.brief for digest in digests(talk))
+
+
+def test_announcements_name_streams_always(talk):
+    """None is empty, whatever else goes on the air meanwhile."""
+    for k in range(40):
+        sends(talk, 5.2 + 0.6 * k, size=2000)
+        talk.tell(ev.SamplesPassed(5.3 + 0.6 * k, "passed:no-spec", 1, 50))
+    brief = [digest for digest in digests(talk) if digest.brief]
+    assert brief
+    assert all(digest.streams for digest in brief)
+
+
+def test_no_two_digests_are_of_one_moment(make_talk):
+    """Of two the second one would be taken for a repetition."""
+    talk = make_talk(allowance=0.2)
+    talk.want(0.0)
+    for k in range(200):
+        sends(talk, 0.1 + 0.3 * k, size=1500, red=0.1 * (k % 5))
+        talk.tell(ev.TimePassed(0.1 + 0.3 * k))
+    times = [digest.sent for digest in digests(talk)]
+    assert len(times) > 100
+    assert len(set(times)) == len(times)
+
+
+def test_announcements_do_not_take_the_place_of_all_other_news(talk):
+    """However much is sent, and whatever others tell: what only full digests tell goes out every few seconds."""
+    for k in range(100):
+        now = 5.2 + 0.2 * k
+        for decide in only(talk.publish(now, size=1500)[1], Decide):
+            talk.answer(now, decide, send=True)
+        talk.tell(ev.DigestHeard(now + 0.05, Digest("op", "zz-op", now, brief=True, state=0), 100))
+        talk.tell(ev.DigestHeard(now + 0.06, Digest("op", "zz-op", now + 0.01, brief=True, state=0), 100))
+    full = [digest.sent for digest in digests(talk, 5.2) if not digest.brief]
+    assert len(full) >= 4
+    assert max(after - before for before, after in zip([5.2, *full], [*full, 25.2], strict=True)) <= 5.0
+
+
+def test_urgent_news_that_the_allowance_has_no_room_for_hold_up_nothing(talk):
+    """They go with the next digest that goes anyway."""
+    talk.tell(ev.DigestHeard(5.1, Digest("op", "zz-op", 5.1, state=0), 50_000))
+    talk.publish(5.2, red=0.9)
+    assert talk.core.telling.urgent
+    for k in range(20):
+        talk.tell(ev.TimePassed(5.3 + 0.2 * k))
+    assert digests(talk, 5.2)
+    assert not talk.core.telling.urgent
+
+
+def test_who_is_alone_tells_nothing(make_talk):
+    """And everything to who comes."""
+    talk = make_talk(allowance=0.05)
+    talk.tell(ev.MatchingChanged(0.0, "robot/r1/camera", matching=True))
+    for k in range(10):
+        sends(talk, 1.0 + k, size=1500)
+    assert digests(talk) == []
+    talk.tell(ev.PeerAppeared(12.0, "op", "zz-op"))
+    talk.tell(ev.StateHeard(12.0, State("op", "zz-op", "enforce", "")))
+    talk.tell(ev.TimePassed(14.0))
+    assert [news.forwarded for news in digests(talk)[0].streams] == [10]
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        Conditions(robots=4, seconds=10.0, limit=5),
+        Conditions(robots=4, seconds=10.0, limit=5, latency=0.2),
+        Conditions(robots=6, seconds=10.0, limit=10, loss=0.1),
+        Conditions(robots=4, seconds=10.0, transport="broadcast"),
+    ],
+    ids=["unicast", "late", "lossy", "broadcast"],
+)
+def test_all_digests_of_a_team_are_within_its_allowance_and_none_is_refused(how):
+    """All copies of all robots' digests together, over a flight; some of it may be spent ahead."""
+    mission = draw(scenario("mixed"), 0, how)
+    team = fly(mission, how, 0)
+    rate = allowance_of(mission.specs, how.allowance, how.members)
+    assert 0 < team.digest_bytes <= rate * (WARM_UP + how.seconds + DEBT)
+    assert sum(core.refused.total() for core in team.cores.values()) == 0
+    assert all(core.counts.conserved for core in team.cores.values())
+
+
+def voting(now, **split):
+    """A digest of the other robot, which finds that the team has to split."""
+    return Digest("op", "zz-op", now, splits=True, split=Told(1, (Segment(5_000, 120),), 1, 0, **split), state=1)
+
+
+def test_news_of_parts_go_without_all_other_news(talk):
+    """Where each robot has its part nobody plans with the others' streams: what is told of these has time."""
+    talk.tell(ev.InterestChanged(5.0, ("robot/op/camera",)))
+    news = StreamDigest(1, 9, 0, 5.0, 0.0, 100, 1.0)
+    talk.tell(ev.DigestHeard(5.05, Digest("op", "zz-op", 5.05, streams=(news,), state=1), 60))
+    talk.publish(5.1, size=100, red=0.5)
+    talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
+    for k in range(20):
+        talk.publish(5.3 + 0.1 * k, size=100)
+    bids = [digest for digest in digests(talk, 5.2) if digest.split.bid]
+    assert bids
+    assert all((digest.streams, digest.echoes) == ((), ()) for digest in bids)
+    for k in range(100):
+        talk.publish(7.4 + 0.2 * k, size=100)
+    assert any(digest.streams for digest in digests(talk, 7.4))
+
+
+def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowance(talk):
+    """Its vote is what ends them: in a team of ten it waited for twelve seconds."""
+    talk.tell(ev.InterestChanged(5.0, ("robot/op/camera",)))
+    news = StreamDigest(1, 9, 0, 5.0, 0.0, 100, 1.0)
+    talk.tell(ev.DigestHeard(5.05, Digest("op", "zz-op", 5.05, streams=(news,), state=1), 60))
+    rate = talk.core.telling.pacer.rate
+    talk.tell(ev.DigestHeard(5.1, Digest("op", "zz-op", 5.1, brief=True, state=1), round(DEBT * rate)))
+    talk.publish(5.15, size=100)
+    talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
+    talk.tell(ev.TimePassed(5.3))
+    assert any(digest.split is not None for digest in digests(talk, 5.15))
+
+
+@pytest.mark.parametrize("coming", ["digest", "state"])
+def test_what_is_told_beyond_the_allowance_leaves_less_for_samples(talk, coming):
+    """Whoever tells it."""
+    before = talk.core.budget.free(5.5)
+    for number in range(30):
+        now = 5.01 + 0.01 * number
+        if coming == "digest":
+            talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, messages=number), 500))
+        else:
+            state = State("op", "zz-op", "", "", number=number + 2, since=number + 1)
+            talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
+    assert talk.core.budget.free(5.5)[0] < before[0]
+
+
+def test_who_has_just_met_somebody_announces_what_it_sends(make_talk):
+    """The other one may send before it can say so; who turns out to send nothing need not know at once."""
+    talk = make_talk(allowance=0.05)
+    talk.want(0.0)
+    told = []
+    for begin in (1.0, 1.5 + NEW):
+        talk.tell(ev.TimePassed(begin - 0.1))
+        for now in (begin, begin + 0.05, begin + 0.1, begin + 0.15):
+            sends(talk, now, size=1500)
+            talk.tell(ev.TimePassed(now + 0.001))
+        told.append(len([d for d in digests(talk, begin) if d.sent < begin + 0.2 and d.brief]))
+    assert told[0] >= 2
+    assert told[1] == 0
+
+
+@pytest.mark.parametrize("spent", [0, 1500])
+def test_announcements_that_the_allowance_has_no_room_for_leave_out_what_is_small(talk, spent):
+    """What small streams send is booked by their rates."""
+    sends(talk, 5.1, key="robot/x/camera", size=50)
+    sends(talk, 5.2, size=1000)
+    talk.tell(ev.TimePassed(9.0))
+    if spent:
+        talk.tell(ev.DigestHeard(9.9, Digest("op", tag("zz-op"), 9.89), spent))
+        talk.core.view.echoed([tag("zz-op")])
+    sends(talk, 10.0, key="robot/x/camera", size=50)
+    sends(talk, 10.0, size=1000)
+    talk.tell(ev.TimePassed(10.002))
+    small, large = (talk.core.view.known("r1", f"robot/{each}/camera").id for each in ("x", "r1"))
+    told = digests(talk, 10.0)
+    assert told[-1].brief
+    assert {stream.id for digest in told for stream in digest.streams} == ({large} if spent else {small, large})
+
+
+def many(talk, now, count=LARGE):
+    """So many robots appear, and each answers."""
+    for number in range(count):
+        talk.tell(ev.PeerAppeared(now, f"x{number}", f"{number:08x}"))
+        state = State(f"x{number}", f"{number:08x}", "enforce", "", (), (), number=1)
+        talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
+
+
+def test_a_large_team_hears_of_subscriptions_unasked(make_talk):
+    """Together, whoever comes about then; who subscribes to nothing waits until it is asked."""
+    talk = make_talk()
+    talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
+    many(talk, 5.0)
+    talk.said.clear()
+    talk.tell(ev.TimePassed(5.0 + GATHER))
+    (told,) = talk.all(SendState)
+    assert (told.state.subscriptions, told.update) == (("robot/*/camera",), None)
+    silent = make_talk()
+    many(silent, 5.0)
+    silent.said.clear()
+    silent.tell(ev.TimePassed(5.0 + GATHER))
+    assert silent.all(SendState) == []
+
+
+def test_where_a_large_team_has_equal_parts_news_of_streams_wait_for_the_allowance(make_talk):
+    """Nobody plans with them."""
+    talk = make_talk(coordination="split")
+    many(talk, 0.0)
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(1.0))
+    talk.said.clear()
+    talk.publish(2.0, size=100)
+    for step in range(20):
+        talk.tell(ev.TimePassed(2.0 + 0.5 * step))
+    assert talk.all(SendState) == []
+    for step in range(200):
+        talk.tell(ev.TimePassed(12.0 + step))
+    (told,) = [each for each in talk.all(SendState) if each.update is not None]
+    assert [stream.key for stream in told.update.streams] == ["robot/r1/camera"]
+
+
+def test_a_large_stream_is_told_of_at_once_and_small_ones_together(make_talk):
+    """The allowance has paid for neither; another sample of a small one changes nothing."""
+    talk = make_talk(allowance=0.05)
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(5.0))
+    talk.core.telling.pacer.owe(5.0, 2_000, 1)
+    talk.said.clear()
+    for now in (5.0, 5.05, 5.1):
+        talk.publish(now, key="robot/x/camera", size=10)
+    talk.tell(ev.TimePassed(5.0 + 2.0 * GATHER))
+    assert talk.all(SendState) == []
+    talk.publish(6.0, size=2_000)
+    (told,) = talk.all(SendState)
+    assert {stream.key for stream in told.state.streams} == {"robot/x/camera", "robot/r1/camera"}
+
+
+@pytest.mark.parametrize(("lost", "again"), [(0, 0), (10, 1), (30, 3)])
+def test_what_is_announced_on_the_air_is_told_again_where_much_is_lost(make_talk, lost, again):
+    """With the same numbers, as of another time."""
+    talk = make_talk(transport=broadcast("224.0.0.1:1"), digests_on_air=True, allowance=0.5)
+    talk.want(0.0)
+    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
+    peer = talk.core.view.peers[tag("zz-op")]
+    peer._out.read(0, 0)
+    peer._out.read(100, 100 - lost)
+    talk.tell(ev.TimePassed(5.0))
+    sends(talk, 6.0, size=2_000)
+    for step in range(1, 900):
+        talk.tell(ev.TimePassed(6.0 + 0.001 * step))
+    sent = [s for d in digests(talk, 6.0) for s in d.streams if s.t_forwarded == pytest.approx(6.0)]
+    assert len(sent) == 1 + again
+    assert len({s.forwarded for s in sent}) == 1

@@ -1,0 +1,261 @@
+"""What is booked as load, and what is left to contested messages; seen at a core that talks."""
+
+from dataclasses import replace
+
+import pytest
+
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Decide, Drop, Forward
+from proxy.core.market.prices import Standing
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
+from proxy.core.view.view import NEW
+from tests.proxy.core.talk import only
+
+SPEC = """
+[[constraint]]
+kind = "throughput"
+limit = "1 Mbit/s"
+window = 0.5
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+scale = "1 + 10 * red"
+features.red = { kind = "color_fraction", color = "red" }
+utility = { kind = "video" }
+[[information_type]]
+name = "odometry"
+keys = ["robot/*/odometry"]
+utility = { kind = "linear", slope = 1.0 }
+[[information_type]]
+name = "alarm"
+keys = ["robot/*/alarm"]
+aggregation = "sum"
+weight = 20
+utility = { kind = "step", lifetime = "10 s" }
+"""
+LIMIT, FRAME = 62_500, 26_000
+
+
+@pytest.fixture
+def talk(make_talk, make_specs):
+    """A robot with a camera of 10 Hz and odometry of 20 Hz whose samples somebody wants, known for 12 s."""
+    talk = make_talk(make_specs(text=SPEC))
+    talk.want(-10.0, keys=("robot/**",))
+    run(talk, -9.99, 2.0)
+    return talk
+
+
+def run(talk, begin, end, *, send=True, camera=True):
+    """Publish from `begin` to `end`, and answer what is to be decided; return what was commanded."""
+    outcomes = []
+    for step in range(round(begin / 0.05), round(end / 0.05)):
+        now = 0.01 + 0.05 * step
+        for key, size in (("odometry", 116), *[("camera", FRAME)] * (camera and step % 2 == 0)):
+            _, said = talk.publish(now, f"robot/r1/{key}", size=size)
+            outcomes += settle(talk, now, said, send=send)
+    return outcomes
+
+
+def settle(talk, now, said, *, send):
+    found = list(said)
+    for decide in only(said, Decide):
+        found += settle(talk, now + 0.002, talk.answer(now + 0.002, decide, send=send), send=send)
+    return only(found, Forward, Drop, Decide)
+
+
+def disputes(talk):
+    return talk.core.gate._windows.disputes
+
+
+def test_small_samples_go_without_a_search_and_are_no_part_of_any(talk):
+    """The tree holds frames alone."""
+    problems = [decide.problem for decide in only(run(talk, 2.0, 4.0), Decide)]
+    assert problems
+    assert all({m.use[0] for m in p.messages} <= {0.0, FRAME} for p in problems)
+
+
+def test_frames_compete_for_what_small_samples_leave(talk):
+    """The limit of a problem is lower by the reserve, and what is booked is no traffic besides."""
+    run(talk, 2.0, 4.0, send=False)
+    run(talk, 4.0, 4.6, send=False, camera=False)
+    _, said = talk.publish(4.6, "robot/r1/camera", size=FRAME)
+    (decide,) = only(said, Decide)
+    (limit,) = decide.problem.constraints
+    assert LIMIT - 2_000 < limit.limit < LIMIT - 10 * 116
+    assert sum(each.use[0] for each in decide.problem.traffic) == 0.0
+
+
+def test_every_small_sample_finds_room_however_many_frames_go(talk):
+    """All frames that fit are sent, and no odometry is dropped."""
+    run(talk, 2.0, 10.0)
+    odometry, camera = (talk.core.view.known("r1", f"robot/r1/{key}") for key in ("odometry", "camera"))
+    assert odometry.forwarded == odometry.generated == 400
+    assert 52 <= camera.forwarded <= 2 * 20 / 0.5
+    assert talk.core.counts.conserved
+
+
+def test_a_first_alarm_goes_at_once(talk):
+    """Nobody knows yet how often they come; they earn so much that it does not matter."""
+    run(talk, 2.0, 3.0)
+    alarm, said = talk.publish(3.0, "robot/r1/alarm", size=76)
+    assert Forward(alarm) in only(said)
+
+
+def test_an_alarm_of_a_stream_that_is_new_is_not_lost_beside_what_is_booked(talk):
+    """It need not wait until all streams are weighed anew, and takes of what is left to small samples."""
+    run(talk, 2.0, 3.0)
+    talk.core.budget.use(3.0, (talk.core.budget.free(3.0)[0] - 400.0,))
+    first, said = talk.publish(3.0, "robot/r2/alarm", size=76)
+    second, more = talk.publish(3.0001, "robot/r3/alarm", size=76)
+    assert [Forward(first), Forward(second)] == only([*said, *more])
+
+
+def test_an_alarm_waits_for_room_for_as_long_as_it_is_worth_half_of_what_it_was(talk):
+    """Where others sent too much at once a sample of which each counts is not dropped; odometry gives way to newer."""
+    run(talk, 2.0, 3.0)
+    for k in range(4):
+        talk.core.budget.use(3.0 + 0.3 * k, (LIMIT,))
+    alarm, said = talk.publish(3.0, "robot/r1/alarm", size=76)
+    odometry, more = talk.publish(3.0, "robot/r1/odometry", size=116)
+    assert [Drop(odometry, "dropped:constraint")] == only([*said, *more])
+    later = [command for k in range(30) for command in talk.tell(ev.TimePassed(3.05 + 0.05 * k))]
+    assert only(later) == [Forward(alarm)]
+
+
+def test_who_was_met_lately_is_taken_to_send_as_many_small_samples_as_we_do(talk):
+    """Until its state tells; who says little is believed after a while."""
+    run(talk, 2.0, 4.0)
+    before, _ = disputes(talk).left(4.0)
+    talk.tell(ev.PeerAppeared(4.0, "r2", "z-r2"))
+    talk.tell(ev.StateHeard(4.0, State("r2", "z-r2", "enforce", "", (), (), number=1)))
+    run(talk, 4.05, 6.0)
+    after, _ = disputes(talk).left(6.0)
+    odometry = 10 * 116
+    assert before[0] - after[0] == pytest.approx(odometry, rel=0.2)
+    run(talk, 6.0, 4.5 + NEW)
+    assert disputes(talk).left(4.5 + NEW)[0] == pytest.approx(before, rel=0.01)
+
+
+@pytest.mark.parametrize(("messages", "presumed"), [(0, 0.0), (1, 10 * 116)])
+def test_a_robot_that_only_listens_is_soon_believed(talk, messages, presumed):
+    """An operator: after a while its digests say that it has sent nothing."""
+    run(talk, 2.0, 4.0)
+    before, _ = disputes(talk).left(4.0)
+    talk.tell(ev.PeerAppeared(4.0, "r2", "z-r2"))
+    talk.tell(ev.StateHeard(4.0, State("r2", "z-r2", "enforce", "", (), (), number=1)))
+    run(talk, 4.05, 6.5)
+    digest = Digest("r2", tag("z-r2"), 6.5, messages, 100 * messages, state=1)
+    settle(talk, 6.5, talk.tell(ev.DigestHeard(6.5, digest, 40)), send=True)
+    run(talk, 6.5, 7.5)
+    after, _ = disputes(talk).left(7.5)
+    assert before[0] - after[0] == pytest.approx(presumed, abs=300)
+
+
+def test_room_is_kept_for_small_samples_beside_frames_that_nearly_fill_the_limit(make_talk, make_specs):
+    """Of such frames those go that are smaller than usual."""
+    talk = make_talk(make_specs(text=SPEC))
+    talk.want(-10.0, keys=("robot/**",))
+    sizes, sent = (55_000, 58_500, 62_000, 56_000, 61_000, 60_000, 58_500), []
+    for step in range(400):
+        now = 0.05 * step
+        for key, size in (("odometry", 400), *[("camera", sizes[step // 2 % 7])] * (step % 2 == 0)):
+            _, said = talk.publish(now, f"robot/r1/{key}", size=size)
+            if any(isinstance(each, Forward) for each in settle(talk, now, said, send=True)) and key == "camera":
+                sent.append(size)
+    assert len(sent) > 10
+    assert set(sent[5:]) <= {55_000, 56_000}
+    odometry = talk.core.view.known("r1", "robot/r1/odometry")
+    assert odometry.forwarded == odometry.generated
+
+
+def test_a_sample_that_is_worth_more_than_others_of_its_stream_is_decided(talk):
+    """Its stream was weighed by what its last sample was worth."""
+    stream = talk.core.view.known("r1", "robot/r1/camera")
+    run(talk, 2.0, 2.5)
+    assert disputes(talk).weighed(stream).scale == 1.0
+    talk.publish(4.0, "robot/r1/camera", size=FRAME, red=1.0)
+    assert talk.core.gate.pending.sample.scale == 11.0
+
+
+def test_streams_of_which_nothing_pays_are_dropped_without_a_search(make_talk, make_specs):
+    """Beside frames that are worth ten thousand times as much."""
+    spec = SPEC.replace('keys = ["robot/*/odometry"]', 'keys = ["robot/*/odometry"]\nweight = 1e-5')
+    talk = make_talk(make_specs(text=spec))
+    talk.want(-10.0, keys=("robot/**",))
+    for step in range(80):
+        now = 0.01 + 0.05 * step
+        settle(talk, now, talk.publish(now, "robot/r1/odometry", size=6_000)[1], send=True)
+        settle(talk, now, talk.publish(now, "robot/r1/camera", size=FRAME)[1], send=True)
+    stream = talk.core.view.known("r1", "robot/r1/odometry")
+    assert disputes(talk).weighed(stream).standing is Standing.HOPELESS
+    sample, said = talk.publish(4.01, "robot/r1/odometry", size=6_000)
+    assert Drop(sample, "dropped:planner") in only(said)
+    assert talk.core.status(4.1)["decisions"]["hopeless"] > 0
+
+
+def test_a_frame_waits_for_the_room_that_our_own_frames_leave(talk):
+    """A little later than it was generated, and before the next one is."""
+    run(talk, 2.0, 4.0, send=False)
+    run(talk, 4.0, 4.6, send=False, camera=False)
+    for now in (4.6, 4.7):
+        sample, said = talk.publish(now, "robot/r1/camera", size=FRAME)
+        assert Forward(sample) in settle(talk, now, said, send=True)
+    _, said = talk.publish(5.05, "robot/r1/camera", size=FRAME)
+    assert not only(said)
+    assert 5.1 < talk.core.gate.wakes_at < 5.11
+    assert only(talk.tell(ev.TimePassed(talk.core.gate.wakes_at)), Decide)
+
+
+def test_a_sample_of_which_each_counts_waits_for_room(talk):
+    """For a window at most: an alarm is never lost to what we sent ourselves."""
+    talk.publish(2.1, "robot/r1/alarm", size=76)
+    for number in range(40):
+        talk.publish(2.2 + 0.0001 * number, f"robot/r1/{number}/alarm", size=LIMIT // 50)
+    alarm, said = talk.publish(2.3, "robot/r1/alarm", size=LIMIT // 3)
+    assert not only(said, Drop)
+    for step in range(60):
+        settle(talk, 2.3 + 0.02 * step, talk.tell(ev.TimePassed(2.3 + 0.02 * step)), send=True)
+    assert Forward(alarm) in talk.all(Forward)
+
+
+@pytest.mark.parametrize("worth", [0.1, 10.0])
+def test_only_who_has_the_best_claim_waits_for_room_that_others_leave(talk, worth):
+    """If all did several would send at once when it opens."""
+    run(talk, 2.0, 3.0, send=False)
+    told = (StreamState(1, "robot/r2/camera", "camera", 0.1, size=FRAME),)
+    talk.tell(ev.PeerAppeared(3.0, "r2", "z-r2"))
+    talk.tell(ev.StateHeard(3.0, State("r2", "z-r2", "enforce", "", told, (), number=1)))
+    for k in range(10):
+        news = StreamDigest(1, k + 1, 0, 3.0 + 0.1 * k, 0.0, FRAME, worth)
+        talk.tell(ev.DigestHeard(3.05 + 0.1 * k, Digest("r2", tag("z-r2"), 3.04 + 0.1 * k, streams=(news,), state=1)))
+    talk.tell(ev.SampleHeard(4.0, "robot/r3/camera", 60_000, "zz-unknown", None, {"red": 0.0}))
+    sample, said = talk.publish(4.45, "robot/r1/camera", size=FRAME)
+    if worth > 1.0:
+        assert Drop(sample, "dropped:constraint") in only(said)
+    else:
+        assert not only(said)
+        assert only(talk.tell(ev.TimePassed(4.52)), Decide)
+
+
+def test_what_is_larger_than_our_part_sets_no_price_for_what_is_not(talk):
+    """A frame waits for its turn; meanwhile every small sample goes that fits in our part."""
+    view, (limit,) = talk.core.view, talk.core.budget.limits
+    odometry = view.known("r1", "robot/r1/odometry")
+    part = (replace(limit, limit=3_000.0),)
+    for alone in (False, True):
+        disputes(talk).look(2.05, part, alone=alone)
+        standing = disputes(talk).weighed(odometry).standing
+        assert standing is (Standing.UNDISPUTED if alone else Standing.PRICED)
+
+
+def test_a_late_decision_leaves_small_samples_their_room(talk):
+    """A frame that fits beside what was sent, but not beside what is booked, does not go without a search either."""
+    run(talk, 2.0, 3.0, send=False)
+    free = talk.core.budget.free(3.0)[0]
+    talk.core.budget.use(3.0, (free - FRAME - 2_000.0,))
+    _, said = talk.publish(3.0, "robot/r1/camera", size=FRAME)
+    (decide,) = only(said, Decide)
+    talk.core.budget.use(3.001, (1_950.0,))
+    (late,) = only(talk.tell(ev.DecisionLate(3.02, decide.ticket)))
+    assert late.reason == "dropped:fallback"
+    assert talk.core.budget.free(3.02)[0] > FRAME

@@ -1,0 +1,126 @@
+"""How streams stand at the price of what they compete for."""
+
+import pytest
+
+from planner import Throughput
+from proxy.core.market.prices import KNOWN, UNKNOWN, Market, Row, Standing, Weighed, interval_of, reserve
+from proxy.core.model.limits import Limit
+from proxy.core.view.stream import Generated, Stream
+
+LIMIT = Limit("throughput", 0.5, 62_500.0, Throughput(62_500.0, 0.5))
+TYPES = """
+[[information_type]]
+name = "camera"
+keys = ["camera"]
+utility = { kind = "video" }
+[[information_type]]
+name = "odometry"
+keys = ["odometry"]
+utility = { kind = "linear", slope = 1.0 }
+[[information_type]]
+name = "alarm"
+keys = ["alarm"]
+aggregation = "sum"
+weight = 20
+utility = { kind = "step", lifetime = "10 s" }
+[[information_type]]
+name = "chatter"
+keys = ["chatter"]
+weight = 0.0001
+utility = { kind = "linear", slope = 1.0 }
+[[information_type]]
+name = "vital"
+keys = ["vital"]
+weight = 0.0001
+min_rate = "1 Hz"
+utility = { kind = "linear", slope = 1.0 }
+"""
+
+
+@pytest.fixture
+def make_row(make_specs):
+    """A stream of a key as it is weighed."""
+    specs = make_specs(text=TYPES)
+
+    def make(key, rate, size, *, generated=20, deviation=0.0, scale=None):
+        kind = specs.match(key)
+        stream = Stream(1, "r1", key, kind)
+        for count in range(generated):
+            stream.note_generated(count + 1, Generated(count / rate, size, kind.scale({}) if scale is None else scale))
+        return Row(stream, 1.0 / rate, 0.0, stream.newest.scale, (float(size),), (deviation,))
+
+    return make
+
+
+def weighed(*rows, before=None):
+    market, steady = Market.of(rows, (LIMIT,))
+    return market.weigh(rows, steady, before or [UNKNOWN] * len(rows))
+
+
+def standings(*rows, before=None):
+    return [each.standing for each in weighed(*rows, before=before)]
+
+
+def test_small_samples_that_earn_their_price_are_undisputed_and_frames_contested(make_row):
+    """Two frames fit in a window: which ones the tree decides; odometry and alarms earn many times their price."""
+    rows = make_row("camera", 10.0, 26_000), make_row("odometry", 20.0, 116), make_row("alarm", 0.125, 76)
+    assert standings(*rows) == [Standing.CONTESTED, Standing.UNDISPUTED, Standing.UNDISPUTED]
+
+
+def test_where_all_fits_nothing_is_contested(make_row):
+    """Not even frames."""
+    rows = make_row("camera", 2.0, 8_000), make_row("odometry", 20.0, 116)
+    assert standings(*rows) == [Standing.UNDISPUTED] * 2
+
+
+def test_small_samples_are_sent_as_often_as_pays(make_row):
+    """A crowd of equal streams shares the limit by intervals."""
+    rows = [make_row("odometry", 20.0, 1_000) for _ in range(20)]
+    crowd = weighed(*rows)
+    assert {each.standing for each in crowd} == {Standing.PRICED}
+    used = sum(1_000 / each.apart for each in crowd)
+    assert 0.6 * 125_000 <= used <= 1.3 * 125_000
+
+
+def test_what_earns_a_small_part_of_the_price_is_hopeless_unless_it_is_guaranteed(make_row):
+    """However seldom it is sent."""
+    cameras = [make_row("camera", 10.0, 26_000) for _ in range(4)]
+    rows = make_row("chatter", 5.0, 20_000), make_row("vital", 5.0, 20_000), *cameras
+    assert standings(*rows)[:3] == [Standing.HOPELESS, Standing.CONTESTED, Standing.CONTESTED]
+
+
+def test_new_streams_are_contested_unless_they_earn_many_times_their_price(make_row):
+    """An alarm never heard before goes at once; what else is new has to show its rate."""
+    cameras = [make_row("camera", 10.0, 26_000) for _ in range(4)]
+    rows = make_row("alarm", 2.0, 76, generated=1), make_row("chatter", 2.0, 76, generated=1), *cameras
+    assert standings(*rows)[:2] == [Standing.UNDISPUTED, Standing.CONTESTED]
+    few = make_row("camera", 2.0, 8_000, generated=KNOWN - 1)
+    assert standings(few) == [Standing.CONTESTED]
+
+
+def test_what_a_stream_was_it_stays_where_it_is_close(make_row):
+    """So it does not change its standing with every look."""
+    found = set()
+    for size in range(100, 3_000, 20):
+        rows = make_row("odometry", 20.0, size), *[make_row("camera", 10.0, 26_000) for _ in range(4)]
+        once = standings(*rows)
+        before = [Weighed(Standing.UNDISPUTED, 1.0, 0.05, 0.05), *[UNKNOWN] * 4]
+        found.add((once[0], standings(*rows, before=before)[0]))
+    assert (Standing.PRICED, Standing.UNDISPUTED) in found
+    assert (Standing.UNDISPUTED, Standing.PRICED) not in found
+
+
+def test_the_reserve_holds_what_streams_use_in_nearly_any_window(make_row):
+    """Ten samples of 116 B, now and then eleven; what comes at random needs more room than what is periodic."""
+    (periodic,) = reserve([make_row("odometry", 20.0, 116)], [0.05], (LIMIT,))
+    assert 11 * 116 <= periodic <= 12 * 116
+    varying = make_row("odometry", 20.0, 116, deviation=50.0)
+    assert reserve([varying], [0.05], (LIMIT,))[0] > periodic
+
+
+def test_a_new_stream_generates_no_more_than_as_many_again(make_row):
+    """A burst ends; a stream that is known goes on as it does."""
+    assert interval_of(0.1, make_row("odometry", 100.0, 116, generated=2).stream, 0.5) == pytest.approx(0.125)
+    assert interval_of(9.0, make_row("odometry", 20.0, 116).stream, 0.5) == pytest.approx(0.05)
+    seldom = make_row("odometry", 100.0, 116, generated=2).stream  # twice in so long
+    assert interval_of(seldom.began + 8.0, seldom, 0.5) == pytest.approx(8.0 / 4)

@@ -1,0 +1,48 @@
+"""The law of conservation."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from proxy.core.samples.counts import Counts
+
+
+@given(st.lists(st.sampled_from(["enter", "approve", "hand", "drop", "pass"]), max_size=80), st.randoms())
+def test_the_law_holds_after_every_step(steps, rng):
+    """in = forwarded + dropped + queued, whatever happens in whatever order."""
+    counts, waiting, approved, number = Counts(), [], [], 0
+    for step in steps:
+        if step == "enter":
+            counts.enter(number)
+            waiting.append(number)
+            number += 1
+        elif step == "approve" and waiting:
+            approved.append(waiting.pop(rng.randrange(len(waiting))))
+            counts.approve(approved[-1], "forwarded")
+        elif step == "hand" and approved:
+            counts.hand(approved.pop(rng.randrange(len(approved))))
+        elif step == "drop" and waiting:
+            counts.drop(waiting.pop(rng.randrange(len(waiting))), "dropped:planner")
+        elif step == "pass":
+            counts.passed(3, "passed:no-spec")
+        assert counts.conserved
+        assert counts.queued == len(waiting) + len(approved)
+
+
+def test_reasons_are_counted_apart():
+    """Every sample is counted once under what became of it."""
+    counts = Counts()
+    for sample in range(3):
+        counts.enter(sample)
+    counts.approve(0, "forwarded")
+    counts.hand(0)
+    counts.drop(1, "dropped:superseded")
+    assert counts.by_reason == {"forwarded": 1, "dropped:superseded": 1}
+    assert (counts.received, counts.forwarded, counts.dropped, counts.queued) == (3, 1, 1, 1)
+
+
+def test_bytes_of_what_passed_are_summed_by_reason():
+    """What goes without a decision is told with what it took of the air."""
+    counts = Counts()
+    counts.passed(2, "passed:bypass", 300)
+    counts.passed(1, "passed:bypass", 50)
+    assert (counts.by_reason["passed:bypass"], counts.bytes["passed:bypass"]) == (3, 350)

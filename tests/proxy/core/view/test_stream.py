@@ -1,0 +1,105 @@
+"""One stream: what is expected of its next samples."""
+
+import numpy as np
+import pytest
+
+from proxy.core.view.stream import LEADS, LEAST_SIZE, Generated, Stream
+
+TRENDING = """
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+utility = {{ kind = "linear", slope = 0.1 }}
+scale = "1 + 10 * red"
+features.red = {{ kind = "color_fraction", color = "red" }}
+forecast = {forecast}
+"""
+
+
+@pytest.fixture
+def make_stream(make_specs):
+    def make(forecast, *values, features=True):
+        (covering,) = make_specs(text=TRENDING.format(forecast=forecast)).types
+        stream = Stream(1, "r1", "robot/r1/camera", covering)
+        stream.cover(covering)
+        for count, value in enumerate(values):
+            told = {"red": value} if features else {}
+            stream.note_generated(count + 1, Generated(float(count), 100, 1.0 + 10.0 * value, told))
+        return stream
+
+    return make
+
+
+def test_unless_a_spec_says_otherwise_the_next_is_like_the_last(make_stream):
+    """At no cost: it is the very same."""
+    stream = make_stream('{ features = "last" }', 0.1, 0.2)
+    assert stream.expected(5.0) is stream.last
+    assert stream.forecasts == {}
+
+
+def test_what_rises_is_expected_to_go_on_rising(make_stream):
+    """At two times ahead, so that a window costs few evaluations."""
+    stream = make_stream('{ features = "trend" }', *(0.02 * k for k in range(10)))
+    expected = [stream.expected(9.0 + ahead) for ahead in range(1, 60)]
+    assert [e.features["red"] for e in expected[:2]] == pytest.approx([0.2, 0.26])
+    assert [e.scale for e in expected[:2]] == pytest.approx([3.0, 3.6])
+    assert len({e.scale for e in expected}) <= len(LEADS)
+    assert {e.size for e in expected} == {100}
+    assert stream.forecasts == {"red": "trend"}
+    assert stream.expected(9.5) is stream.expected(10.0)
+
+
+def test_a_mean_is_the_same_at_all_times(make_stream):
+    """So it is evaluated once for each new sample."""
+    stream = make_stream('{ features = { red = "mean" } }', 0.1, 0.3)
+    assert stream.expected(5.0) is stream.expected(50.0)
+    assert stream.expected(5.0).scale == pytest.approx(3.0)
+    stream.note_generated(3, Generated(2.0, 100, 1.0, {"red": 0.8}))
+    assert stream.expected(5.0).scale == pytest.approx(5.0)
+
+
+def test_where_features_are_not_known_the_scale_itself_is_forecast(make_stream):
+    """It is never below 0."""
+    stream = make_stream('{ features = "trend" }', *(0.5 - 0.05 * k for k in range(10)), features=False)
+    assert stream.expected(10.0).scale == pytest.approx(1.0)
+    assert stream.expected(19.0).scale == 0.0
+    assert stream.forecasts == {"scale": "trend"}
+
+
+def test_another_spec_changes_schedule_and_forecast_and_keeps_what_was_seen(make_stream, make_specs):
+    """What is forecast by the same methods goes on where it was."""
+    stream = make_stream('{ features = "mean" }', 0.1, 0.3)
+    (same,) = make_specs(
+        text=TRENDING.format(forecast='{ features = "mean", schedule = { kind = "poisson", interval = 7 } }')
+    ).types
+    stream.cover(same)
+    assert (stream.schedule.kind, stream.schedule.period) == ("poisson", 7.0)
+    assert stream.expected(5.0).scale == pytest.approx(3.0)
+    (plain,) = make_specs(text=TRENDING.format(forecast="{}")).types
+    stream.cover(plain)
+    assert (stream.schedule.kind, stream.schedule.period) == ("periodic", 1.0)
+    assert stream.expected(5.0) is stream.last
+
+
+def test_a_function_that_fails_in_flight_is_counted_by_its_type(make_stream):
+    """The last value holds, and the status of specs can tell."""
+    stream = make_stream('{ features = { python = "tests.utility_specs.outlooks:broken" } }', 0.5, 2.0)
+    assert stream.expected(3.0).scale == pytest.approx(21.0)
+    assert stream.information_type.failures.counts() == {"forecast": 1}
+
+
+def test_a_stream_of_which_nothing_was_generated_has_no_newest(make_stream):
+    """The view has none such."""
+    with pytest.raises(LookupError, match="nothing was generated of robot/r1/camera yet"):
+        _ = make_stream("{}").newest
+
+
+@pytest.mark.parametrize("part", [0.05, 0.3, 0.9])
+def test_the_smallest_samples_are_so_large_in_the_mean(make_stream, part):
+    """By sampling; never less than a part of the mean, for no size is negative."""
+    stream = make_stream("{}")
+    stream.mean_size, stream.size_variance = 1000.0, 100.0**2
+    sizes = np.sort(np.random.default_rng(3).normal(1000.0, 100.0, 200_000))
+    assert stream.smallest(part) == pytest.approx(np.mean(sizes[: int(part * len(sizes))]), rel=0.01)
+    stream.size_variance = 1000.0**2
+    assert stream.smallest(0.05) == LEAST_SIZE * 1000
