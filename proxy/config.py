@@ -210,6 +210,10 @@ class Config(Section):
 
     _outdated: tuple[str, ...] = PrivateAttr(default=())
 
+    def model_post_init(self, context: Any) -> None:
+        """Take note of what was outdated in the values, which is told as the `context` of their validation."""
+        self._outdated = context or ()
+
     @property
     def outdated(self) -> tuple[str, ...]:
         """What is written as older versions had it, and what it means now, each with its place."""

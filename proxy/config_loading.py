@@ -4,7 +4,7 @@ All mistakes are reported at once, each with its file, line and key, its variabl
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,48 +32,46 @@ def load_config(path: Path | None, environ: Mapping[str, str], overrides: Mappin
 
     A relative `specs.path` of the file, and the default one, is relative to the file. Raises ConfigError.
     """
-    problems = _Problems()
-    source = _read(path, problems)
+    found: list[_Mistake] = []
+    source = _read(path, found)
     layers = Layers(source.data)
     for override in [*variables(environ), *flags(overrides)]:
-        _apply(override, layers, problems)
-    problems.source, problems.layers = replace(source, data=layers.values), layers
+        _apply(override, layers, found)
+    problems = _Problems(replace(source, data=layers.values), layers, found)
     outdated = tuple(_brought_up_to_date(layers, problems))
-    config = _validated(layers.values, problems)
+    config = _validated(layers.values, problems, outdated)
     _check_zenoh(layers.values, problems)
     specs = _specs_path(source.path.parent, layers, problems)
     if config is None or problems.found:
         raise ConfigError(problems.sorted())
-    config = config.model_copy(update={"specs": config.specs.model_copy(update={"path": specs})})
-    config._outdated = outdated  # noqa: SLF001 - no setting, but what became of some
-    return config
+    return config.model_copy(update={"specs": config.specs.model_copy(update={"path": specs})})
 
 
-@dataclass(slots=True)
+_Mistake = tuple[int, str]
+"""The line of the file, and what is wrong there."""
+
+
+@dataclass(frozen=True, slots=True)
 class _Problems:
-    """Collects mistakes; those of the file come first, by line."""
+    """Collects mistakes in the merged values of `layers`; those of the file come first, by line."""
 
-    source: TomlSource = field(default_factory=lambda: TomlSource(Path(), {}))
-    layers: Layers = field(default_factory=lambda: Layers({}))
-    found: list[tuple[int, str]] = field(default_factory=list)
-
-    def add(self, text: str, line: int = 0) -> None:
-        self.found.append((line, text))
+    source: TomlSource
+    layers: Layers
+    found: list[_Mistake]
 
     def at(self, path: KeyPath, message: str) -> None:
         """Add a mistake in the merged values, where it was made."""
-        text, line = self.told(path, message)
-        self.add(text, line)
+        self.found.append(self.located(path, message))
 
-    def told(self, path: KeyPath, message: str) -> tuple[str, int]:
-        """Return a message with the place in the merged values that it is about, and the line."""
+    def located(self, path: KeyPath, message: str) -> _Mistake:
+        """Return a message with the place in the merged values that it is about."""
         origin = self.layers.origin(path)
         if origin is None:
             problem = self.source.problem(path, message)
-            return str(problem), problem.line or 0
+            return problem.line or 0, str(problem)
         label = self.source.label(path)
         place = "" if origin == f"--{label}" else f"{label}: "
-        return f"{origin}: {place}{message}", _AFTER_THE_FILE
+        return _AFTER_THE_FILE, f"{origin}: {place}{message}"
 
     def sorted(self) -> tuple[str, ...]:
         return tuple(text for _, text in sorted(self.found, key=lambda problem: problem[0]))
@@ -82,25 +80,25 @@ class _Problems:
 _AFTER_THE_FILE = 1 << 30
 
 
-def _read(path: Path | None, problems: _Problems) -> TomlSource:
+def _read(path: Path | None, found: list[_Mistake]) -> TomlSource:
     """Read the file; without one, nothing is set and relative paths are relative to the working directory."""
     if path is None:
         return TomlSource(Path("sendworthy.toml"), {})
     try:
         return TomlSource.read(path)
     except TomlError as error:
-        problems.add(str(error))
+        found.append((0, str(error)))
         return TomlSource(path, {})
 
 
-def _apply(override: Override, layers: Layers, problems: _Problems) -> None:
+def _apply(override: Override, layers: Layers, found: list[_Mistake]) -> None:
     """Lay a variable or flag on top, if it names a setting or something inside an open table."""
     setting = SETTINGS.get(override.path)
     inside = next((s for s in SETTINGS.values() if s.takes_table and override.path[: len(s.path)] == s.path), None)
     if setting is None and inside is None:
         key = ".".join(override.path)
         suggestion = hint(key, (s.key for s in SETTINGS.values()), "known keys")
-        problems.add(f"{override.origin}: unknown key {key}{suggestion}", _AFTER_THE_FILE)
+        found.append((_AFTER_THE_FILE, f"{override.origin}: unknown key {key}{suggestion}"))
     else:
         layers.put(override, takes_text=setting is not None and setting.takes_text)
 
@@ -111,12 +109,12 @@ def _brought_up_to_date(layers: Layers, problems: _Problems) -> Iterator[str]:
     before = section.get(COORDINATION[1]) if isinstance(section, dict) else None
     if isinstance(section, dict) and isinstance(before, str) and before in RENAMED:
         section[COORDINATION[1]] = now = RENAMED[before]
-        yield problems.told(COORDINATION, f'"{before}" is called "{now}" now: please write that')[0]
+        yield problems.located(COORDINATION, f'"{before}" is called "{now}" now: please write that')[1]
 
 
-def _validated(values: Mapping[str, Any], problems: _Problems) -> Config | None:
+def _validated(values: Mapping[str, Any], problems: _Problems, outdated: tuple[str, ...]) -> Config | None:
     try:
-        return Config.model_validate(values)
+        return Config.model_validate(values, context=outdated)
     except ValidationError as error:
         schema = Config.model_json_schema()
         for detail in error.errors(include_url=False):

@@ -34,6 +34,13 @@ class _Place:
     attachment: zenoh.ZBytes | None
     superseded: int = 0
 
+    def supersede(self, event: SamplePublished, payload: zenoh.ZBytes, attachment: zenoh.ZBytes | None) -> int:
+        """Let a newer sample take the place; return the number of the one that had it."""
+        gone = self.event.sample
+        self.event, self.payload, self.attachment = event, payload, attachment
+        self.superseded += 1
+        return gone
+
 
 class Extractor:
     """Posts each sample with what its type extracts, in order of arrival, or a newer one of its key in its place.
@@ -90,11 +97,8 @@ class Extractor:
         with self._wake:
             place = self._places.get(event.key)
             if place is not None and not event.delete and not each:
-                gone = place.event.sample
-                place.event, place.payload, place.attachment = event, payload, attachment
-                place.superseded += 1
                 self.superseded += 1
-                return gone
+                return place.supersede(event, payload, attachment)
             self._places.pop(event.key, None)
             self._add(
                 _Place(event, event.key, covering, payload, attachment),
@@ -154,8 +158,7 @@ class Extractor:
         covering = self._match(place.key)
         if covering is place.covering or covering is None:
             return event
-        place.covering = covering
-        return self._extracted(place)
+        return self._extracted(replace(place, covering=covering))
 
     def _extracted(self, place: _Place) -> SamplePublished | SampleReread:
         event = place.event

@@ -28,6 +28,10 @@ class Cursor:
         self.at += 1
         return self._data[self.at - 1]
 
+    def step_back(self) -> None:
+        """Read the last byte again."""
+        self.at -= 1
+
     def take(self, size: int) -> bytes:
         """Return the next `size` bytes."""
         if self.at + size > len(self._data):

@@ -139,7 +139,7 @@ class Egress:
     def pace(self, rate: float | None) -> None:
         """Send what was decided no faster than this [B/s] from now on; None: as fast as it goes."""
         with self._wake:
-            self._decided.rate = rate
+            self._decided.pace(rate)
             self._wake.notify()
 
     @property
@@ -255,7 +255,7 @@ class Egress:
             self._passed.add(EGRESS, 0)
             return
         self._passed.add(reason, air)
-        if self._decided.rate is not None:
+        if not self._decided.unpaced:
             with self._wake:
                 self._decided.push_back(clock.monotonic(), air, _PUSHED_BACK)
 

@@ -31,7 +31,7 @@ RETURNS, AT_ONCE = 0.2, 16.0
 """Robots that are waited for in a second, and at once: tokens that come and go hold up nobody."""
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class _Return:
     """A robot that was lost. Since `since` [s] it is waited for; `keys` are those of its copies, None: any.
 
@@ -105,11 +105,11 @@ class HoldBack:
             known = self._returns.get(tag)
             if known is None or number <= known.number:
                 return
-            known.number, known.keys = number, keys
-            if known.back:
-                known.since = clock.monotonic()
-                if keys is not None and not keys:
-                    del self._returns[tag]
+            if known.back and keys is not None and not keys:
+                del self._returns[tag]
+            else:
+                since = clock.monotonic() if known.back else known.since
+                self._returns[tag] = replace(known, since=since, number=number, keys=keys)
             self._release()
 
     def takes(self, key: str, stamp: zenoh.Timestamp | None, size: int, hand: Callable[[], None]) -> bool:
@@ -127,7 +127,7 @@ class HoldBack:
                 self._hand_all((key, origin))
                 return False
             if (known := self._returns.get(tag)) is not None:
-                known.since = min(known.since, now)
+                self._returns[tag] = replace(known, since=min(known.since, now))
             waiting = self._streams.setdefault((key, origin), deque())
             # A small sample that found room at once may have overtaken large ones of its stream.
             place = next((i for i in range(len(waiting), 0, -1) if not waiting[i - 1].follows(stamp)), 0)
@@ -141,9 +141,9 @@ class HoldBack:
             return
         with self._lock:
             now = clock.monotonic()
-            for known in self._returns.values():
+            for tag, known in list(self._returns.items()):
                 if known.back and known.concerns(key):
-                    known.since = now
+                    self._returns[tag] = replace(known, since=now)
             stream = key, origin_of(stamp)
             while stream in self._streams and self._streams[stream][0].comes_before(stamp):
                 self._hand_first(stream)
@@ -154,10 +154,12 @@ class HoldBack:
             return
         with self._lock:
             for tag, known in list(self._returns.items()):
-                if now >= known.since + PATIENCE:
-                    known.since, known.keys = math.inf, frozenset()
-                    if known.back:
-                        del self._returns[tag]
+                if now < known.since + PATIENCE:
+                    continue
+                if known.back:
+                    del self._returns[tag]
+                else:
+                    self._returns[tag] = replace(known, since=math.inf, keys=frozenset())
             for stream in list(self._streams):
                 while stream in self._streams and now >= self._streams[stream][0].since + LONGEST:
                     self._hand_first(stream)

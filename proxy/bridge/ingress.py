@@ -84,7 +84,7 @@ class Ingress:
         room: Room,
     ) -> None:
         self._mode = mode
-        self.aside = False
+        self._aside = False
         """Whether another daemon takes care of our apps: then everything is left to it."""
         self._app = app
         self._mesh = mesh
@@ -140,6 +140,11 @@ class Ingress:
         stay = dict.fromkeys(wanted.intersection(self._mirror.declared), False)
         return self._mirror.update(self._cover.update(wanted) | stay)
 
+    def stand_aside(self, aside: bool) -> bool:  # noqa: FBT001 - a state, not an option
+        """Leave everything to another daemon from now on, or no longer; return whether that is news."""
+        before, self._aside = self._aside, aside
+        return aside is not before
+
     def close(self) -> None:
         """Receive nothing more."""
         self._mirror.close()
@@ -179,7 +184,7 @@ class Ingress:
         attach()
         now = clock.monotonic()
         key = str(sample.key_expr)
-        if not self._overlap.takes(number, key, sample) or self.aside:
+        if not self._overlap.takes(number, key, sample) or self._aside:
             return
         stamp = sample.timestamp
         if stamp is not None and origin_of(stamp) == self._own:

@@ -19,7 +19,7 @@ class Paced:
     """
 
     def __init__(self, rate: float | None) -> None:
-        self.rate = rate
+        self._rate = rate
         self._small: deque[Item] = deque()
         self._large: deque[Item] = deque()
         self._large_keys: Counter[tuple[str, str]] = Counter()
@@ -29,10 +29,19 @@ class Paced:
     def __len__(self) -> int:
         return len(self._small) + len(self._large)
 
+    @property
+    def unpaced(self) -> bool:
+        """Whether samples go as fast as they can."""
+        return self._rate is None
+
+    def pace(self, rate: float | None) -> None:
+        """Keep another rate from now on [B/s]; None: none."""
+        self._rate = rate
+
     def free(self, now: float, air: int) -> bool:
         """Whether a sample that puts `air` bytes on the air need not wait."""
         free_at = self._small_free_at if self._is_small(air) else self._free_at
-        return not self._small and not self._large and (self.rate is None or free_at <= now)
+        return not self._small and not self._large and (self._rate is None or free_at <= now)
 
     def put(self, number: int, held: Held, air: int) -> None:
         """Let a sample wait that puts `air` bytes on the air."""
@@ -46,14 +55,14 @@ class Paced:
     def due(self) -> float | None:
         """When the next sample may go [s]; None: none waits."""
         times = [at for lane, at in ((self._small, self._small_free_at), (self._large, self._free_at)) if lane]
-        return None if not times else 0.0 if self.rate is None else min(times)
+        return None if not times else 0.0 if self._rate is None else min(times)
 
     def take(self, now: float) -> Item | None:
         """Take the next sample, if one may go."""
         due = self.due()
         if due is None or due > now:
             return None
-        if self._small and (self.rate is None or self._small_free_at <= now):
+        if self._small and (self._rate is None or self._small_free_at <= now):
             return self._small.popleft()
         number, held = self._large.popleft()
         key = held.to, held.key
@@ -64,11 +73,11 @@ class Paced:
 
     def sent(self, now: float, air: int) -> None:
         """A decided sample went."""
-        if self.rate is None:
+        if self._rate is None:
             return
-        self._free_at = max(self._free_at, now) + air / self.rate
+        self._free_at = max(self._free_at, now) + air / self._rate
         if self._is_small(air):
-            self._small_free_at = max(self._small_free_at, now) + air / self.rate
+            self._small_free_at = max(self._small_free_at, now) + air / self._rate
 
     def catch_up(self, now: float) -> None:
         """All that went has left: nobody need wait for it."""
@@ -77,9 +86,9 @@ class Paced:
 
     def push_back(self, now: float, air: int, most: float) -> None:
         """Something else went: what is decided waits for it, too, but no longer than `most` [s]."""
-        if self.rate is not None:
-            pushed = max(self._free_at, now) + air / self.rate
+        if self._rate is not None:
+            pushed = max(self._free_at, now) + air / self._rate
             self._free_at = max(self._free_at, min(pushed, now + most))
 
     def _is_small(self, air: int) -> bool:
-        return self.rate is not None and air <= SMALL * self.rate
+        return self._rate is not None and air <= SMALL * self._rate

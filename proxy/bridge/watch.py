@@ -163,7 +163,7 @@ class Watch:
         awaited = self._fence.begin()
         editions = self._apps.ledger.edition, self._others.ledger.edition
         aside = self._neighbours.aside
-        turned, self._ingress.aside = aside != self._ingress.aside, aside
+        turned = self._ingress.stand_aside(aside)
         retained, self._retained_now = self._retained_now, self._retained
         turned = turned or retained is not self._retained_now
         # What turns a witness tells a moment later; who waits must not pass before.

@@ -145,7 +145,7 @@ def _network(data: Cursor) -> Iterator[Message]:
         header = data.byte()
         kind = header & 0x1F
         if kind < 0x08:  # the frame is over, another transport message follows
-            data.at -= 1
+            data.step_back()
             return
         reader = _READ.get(kind)
         if reader is None:
