@@ -9,6 +9,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge.air import Air, Broadcast
+from proxy.bridge.declarations.declarations import Declarations
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
@@ -26,7 +27,6 @@ from proxy.bridge.room import Rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.sample import Held
 from proxy.bridge.silence import SILENT, Silence
-from proxy.bridge.voice import Voice
 from proxy.bridge.watch import Watch
 from proxy.core.interface.events import CopyRefused, Event, SampleRefused
 from proxy.core.model.mode import Mode
@@ -37,15 +37,15 @@ _PATIENCE = 0.15
 
 
 class Bridge:
-    """Carries samples between the session `app` and the `air`, queries and tokens between their voices.
+    """Carries samples between the session `app` and the `air`, queries and tokens between their mirror sessions.
 
     In unicast the air is the session `mesh`.
 
-    What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by
-    itself. `post` gets what the core must know, `offer` what arrived, as far as it keeps up. In mode `enforce`
-    forwarded samples are paced to the specs' rate. The voices must have been opened with `wake.set` as what to call
-    when something changed. Links to robots that are silent for `silent` [s] are ended. `hold_back` puts what comes anew
-    from robots that were lost after what they kept for us.
+    What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by itself.
+    `post` gets what the core must know, `offer` what arrived, as far as it keeps up. In mode `enforce` forwarded samples
+    are paced to the specs' rate. `apps` and `others` must have been opened with `wake.set` as what to call when
+    something changed. Links to robots that are silent for `silent` [s] are ended. `hold_back` puts what comes anew from
+    robots that were lost after what they kept for us.
     """
 
     def __init__(
@@ -54,8 +54,8 @@ class Bridge:
         app: zenoh.Session,
         mesh: zenoh.Session,
         air: Air,
-        apps: Voice,
-        others: Voice,
+        apps: Declarations,
+        others: Declarations,
         neighbours: Neighbours,
         wake: threading.Event,
         specs: Specs,
@@ -81,7 +81,7 @@ class Bridge:
         """Samples that may be sent to a robot that is away or was; the core bounds them."""
         self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh, relayed=relayed)
         passed = Passed()
-        sourced = apps.sourced and others.sourced
+        sourced = apps.keeps_source and others.keeps_source
         self._egress = Egress(air, self.demand, passed, post, _pace(specs, mode), rooms=rooms)
         self._ingress = Ingress(
             app=app,
@@ -119,7 +119,6 @@ class Bridge:
         self._watch = Watch(
             apps=apps,
             others=others,
-            main=(app, mesh),
             ingress=self._ingress,
             delivery=self._delivery,
             demand=self.demand,

@@ -10,6 +10,7 @@ from functools import partial
 import zenoh
 
 from proxy import clock
+from proxy.bridge.declaration import matches
 from proxy.bridge.keys import on_air
 from proxy.core.interface.events import MatchingChanged
 
@@ -170,10 +171,3 @@ class Demand:
             self._matching[key] = matching
             if news and self._seen[key]:
                 self._post(MatchingChanged(clock.monotonic(), key, matching))
-
-
-def matches(publisher: zenoh.Publisher) -> bool:
-    """Whether anybody subscribes to what `publisher` publishes."""
-    # The stubs promise a bool; the binding returns a MatchingStatus.
-    status: object = publisher.matching_status
-    return bool(getattr(status, "matching", status))

@@ -8,6 +8,8 @@ from typing import Literal
 
 import zenoh
 
+from proxy.bridge.sockets import links_of
+
 log = logging.getLogger(__name__)
 
 GRACE = 2.0
@@ -31,7 +33,7 @@ class Links:
         if now < self._next or not self._missing:
             return
         self._next = now + 0.5
-        links = self._remote()
+        links = links_of(self._session)
         linked = {link.dst for link in links}
         # Two robots that dial each other keep one link: not every endpoint shows up, but every peer is there.
         robots = len({str(link.zid) for link in links})
@@ -47,11 +49,7 @@ class Links:
 
     def describe(self) -> list[dict[str, str]]:
         """Return the links there are, for the status."""
-        return [{"zid": str(link.zid), "source": link.src, "destination": link.dst} for link in self._remote()]
-
-    def _remote(self) -> list[zenoh.Link]:
-        """All links but that of our own voice."""
-        return [link for link in self._session.info.links() if not link.src.startswith("unixsock-stream")]
+        return [{"zid": str(link.zid), "source": link.src, "destination": link.dst} for link in links_of(self._session)]
 
 
 def _resolved(endpoint: str) -> frozenset[str]:

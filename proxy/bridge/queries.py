@@ -1,6 +1,6 @@
 """Takes queries across: queryables of one side are declared on the other, and answered by asking them.
 
-A query is asked on as it was asked: Zenoh's interface does not tell how, but the ledger of the near side has read it.
+A query is asked on as it was asked: Zenoh's interface does not tell how, but the `Declarations` of the near side do.
 Only consolidation is left to the asker, who consolidates what comes back in any case: doing it twice would only hold
 replies up. There is no message for a query that its asker gave up: it ends with its answers or its timeout, as between
 routers.
@@ -8,37 +8,20 @@ routers.
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
 import zenoh
 
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.declarations.declarations import Declarations
+from proxy.bridge.declarations.query_options import QueryOptions
 from proxy.bridge.fence import Fence
 from proxy.bridge.lane import Lane
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.overlap import Overlap, of_query
 from proxy.bridge.rules import ADVANCED, Way
-from proxy.bridge.voice import Voice
-from proxy.bridge.wire import Asked
 
 MOST_PENDING = 1024
 """Queries under way in one direction; more are answered with an error."""
-TIMEOUT = 60.0
-"""For a query of which is not known how it was asked [s]."""
-
-_TARGETS = (zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL, zenoh.QueryTarget.ALL_COMPLETE)
-_COMPLETE = _TARGETS.index(zenoh.QueryTarget.ALL_COMPLETE)
-_PRIORITIES = (
-    zenoh.Priority.DATA,  # 0 is Zenoh's own, for what controls links
-    zenoh.Priority.REAL_TIME,
-    zenoh.Priority.INTERACTIVE_HIGH,
-    zenoh.Priority.INTERACTIVE_LOW,
-    zenoh.Priority.DATA_HIGH,
-    zenoh.Priority.DATA,
-    zenoh.Priority.DATA_LOW,
-    zenoh.Priority.BACKGROUND,
-)
-_WAITS, _EXPRESS = 0x08, 0x10
 _NUMBERS = "_sn"
 """The parameter with which an advanced subscriber asks for samples by their numbers."""
 
@@ -46,7 +29,7 @@ _NUMBERS = "_sn"
 class Queries:
     """One direction: queries that nodes of `near` ask for what nodes of `far` answer.
 
-    What the voice `far` asks reaches all but itself, so a query never comes back to who mirrors it. A query is not
+    What the session `far` asks reaches all but itself, so a query never comes back to who mirrors it. A query is not
     asked on before `fence` says that what was declared before it is mirrored. `way` is the one that the answers go: a
     query for what it denies, or for keys whose queries are `dropped`, is not answered, as if nobody did. Where the
     samples of a key are not `numbered` neither are replies, and what has nothing but a number does not cross: nobody
@@ -55,7 +38,7 @@ class Queries:
 
     def __init__(
         self,
-        near: Voice,
+        near: Declarations,
         far: zenoh.Session,
         lane: Lane,
         fence: Fence,
@@ -102,12 +85,12 @@ class Queries:
     def _receive(self, number: int, query: zenoh.Query) -> None:
         # Of several queryables that a query reaches here one asks everybody on the far side.
         key = str(query.key_expr)
-        ledger, parameters = self._near.ledger, str(query.parameters)
-        asked = ledger.asked(key, parameters)
-        if not self._overlap.takes(number, key, query, complete=asked is not None and asked.target == _COMPLETE):
+        parameters = str(query.parameters)
+        options = self._near.query_options(key, parameters)
+        if not self._overlap.takes(number, key, query, complete=options.complete):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
-        ledger.take(key, parameters)
+        self._near.take_query(key, parameters)
         if not self._admits(key) or self._by_number(key, query):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
@@ -115,10 +98,10 @@ class Queries:
         if self.pending > MOST_PENDING:
             self._refuse(query)
         else:
-            self._fence.then(partial(self._pass_on, query, asked))
+            self._fence.then(partial(self._pass_on, query, options))
 
-    def _pass_on(self, query: zenoh.Query, asked: Asked | None) -> None:
-        if not self._lane.offer(partial(self._ask, query, asked)):
+    def _pass_on(self, query: zenoh.Query, options: QueryOptions) -> None:
+        if not self._lane.offer(partial(self._ask, query, options)):
             self._refuse(query)
 
     def _refuse(self, query: zenoh.Query) -> None:
@@ -137,7 +120,7 @@ class Queries:
         subject, advanced, _ = key.partition(ADVANCED)
         return bool(advanced) and not self._numbered(subject) and query.parameters.get(_NUMBERS) is not None
 
-    def _ask(self, query: zenoh.Query, asked: Asked | None) -> None:
+    def _ask(self, query: zenoh.Query, options: QueryOptions) -> None:
         self.crossed += 1
         handler = zenoh.handlers.Callback(partial(self._reply, query), partial(self._finish, query), indirect=False)
         # Whether replies on other keys are accepted is among the parameters, in their place.
@@ -145,7 +128,11 @@ class Queries:
             self._far.get(
                 query.selector,
                 handler,
-                **_manner(asked),
+                target=options.target,
+                timeout=options.timeout,
+                priority=options.priority,
+                congestion_control=options.congestion_control,
+                express=options.express,
                 consolidation=zenoh.ConsolidationMode.NONE,
                 payload=query.payload,
                 encoding=query.encoding,
@@ -197,16 +184,3 @@ def _give(query: zenoh.Query, sample: zenoh.Sample, attachment: zenoh.ZBytes | b
         attachment=attachment,
         timestamp=sample.timestamp,
     )
-
-
-def _manner(asked: Asked | None) -> dict[str, Any]:
-    """How to ask; of everybody and patiently when it is not known."""
-    if asked is None:
-        return {"target": zenoh.QueryTarget.ALL, "timeout": TIMEOUT}
-    return {
-        "target": _TARGETS[asked.target] if asked.target < len(_TARGETS) else zenoh.QueryTarget.ALL,
-        "timeout": TIMEOUT if asked.timeout is None else asked.timeout,
-        "priority": _PRIORITIES[asked.qos & 0x07],
-        "congestion_control": zenoh.CongestionControl.BLOCK if asked.qos & _WAITS else zenoh.CongestionControl.DROP,
-        "express": bool(asked.qos & _EXPRESS),
-    }

@@ -88,7 +88,7 @@ def mesh_options(
     """Zenoh configuration of the mesh side. `zenoh_options` wins over everything else.
 
     With `relayed` robots meet at the routers in `connect`. To those we are a router too: a client could not tell its
-    voice what others declare.
+    mirror session what others declare.
 
     Without `scouting` only `connect` is dialled: gossip would make peers connect around what is between them.
     The start waits for nobody: who cannot be reached is retried for ever.
@@ -122,8 +122,8 @@ def mesh_options(
     return merged(options, zenoh_options)
 
 
-def voice_options(mode: str, endpoint: str, zenoh_options: Mapping[str, Any]) -> dict[str, Any]:
-    """Zenoh configuration of the voice beside a main session with `zenoh_options`, whose authentication it shares."""
+def mirror_options(mode: str, endpoint: str, zenoh_options: Mapping[str, Any]) -> dict[str, Any]:
+    """Zenoh configuration of the mirror session of one with `zenoh_options`, whose authentication it shares."""
     auth = zenoh_options.get("transport", {}).get("auth", {})
     return {
         "mode": mode,

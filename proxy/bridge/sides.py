@@ -1,4 +1,4 @@
-"""Opens all sessions of a daemon: one per side, a voice beside each, and in broadcast one for the samples."""
+"""Opens all sessions of a daemon: one per side, a mirror session beside each, and in broadcast one for the samples."""
 
 import threading
 import time
@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import zenoh
 
 from proxy.bridge.air import Air, Broadcast
-from proxy.bridge.door import Door
+from proxy.bridge.declarations.declarations import Declarations
+from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
 from proxy.bridge.loopback import has_ipv6, present
 from proxy.bridge.recall import Recall, opened
 from proxy.bridge.sessions import app_options, mesh_options, open_session
-from proxy.bridge.voice import Voice
 from proxy.config import AppConfig, MeshConfig
 
 
@@ -20,30 +20,31 @@ from proxy.config import AppConfig, MeshConfig
 class Sides:
     """The sessions of both sides. `wake` is set whenever somebody on either side declares something.
 
-    Samples travel between robots on `air`: in unicast that is `mesh`.
+    Samples travel between robots on `air`: in unicast that is `mesh`. `apps` and `others` are what is declared on the
+    app side and on the mesh.
     """
 
     app: zenoh.Session
     mesh: zenoh.Session
     air: Air
-    apps: Voice
-    others: Voice
+    apps: Declarations
+    others: Declarations
     wake: threading.Event
     recall: Recall
 
 
 def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: float = 0.0) -> Sides:
-    """Open them; `closing` closes them again, the app side `farewell` [s] after its voice. Raises SessionError.
+    """Open them; `closing` closes them, the app side `farewell` [s] after its mirror session. Raises SessionError.
 
     A router whose link to another has just closed still works out its routes; closed meanwhile, it may panic.
     """
-    doors = Door(), Door()
-    for door in doors:
-        closing.callback(door.close)
+    endpoints = PrivateEndpoint(), PrivateEndpoint()
+    for endpoint in endpoints:
+        closing.callback(endpoint.close)
     wake = threading.Event()
     listen = present(app.listen, ipv6=has_ipv6())
     app_session = open_session(
-        doors[0].added_to(app_options(listen, app.zenoh, connect=app.connect, scouting=app.scouting)), "app"
+        endpoints[0].added_to(app_options(listen, app.zenoh, connect=app.connect, scouting=app.scouting)), "app"
     )
     closing.callback(app_session.close)
     closing.callback(time.sleep, farewell)
@@ -55,17 +56,19 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: f
         zenoh_options=mesh.zenoh,
         relayed=mesh.relayed,
     )
-    mesh_session, scouting = opened(lambda: open_session(doors[1].added_to(options), "mesh"))
+    mesh_session, scouting = opened(lambda: open_session(endpoints[1].added_to(options), "mesh"))
     closing.callback(mesh_session.close)
     recall = Recall(mesh_session, options, scouting)
     closing.callback(recall.close)
     air = _open_air(mesh, mesh_session, closing)
-    others = Voice(mesh_session, doors[1], side="mesh", mode="client", zenoh_options=mesh.zenoh, changed=wake.set)
+    others = Declarations(
+        mesh_session, endpoints[1], side="mesh", mode="client", zenoh_options=mesh.zenoh, changed=wake.set
+    )
     closing.callback(others.close)
     # Routers do not tell each other that what was behind a third router is gone; they do tell clients.
-    apps = Voice(
+    apps = Declarations(
         app_session,
-        doors[0],
+        endpoints[0],
         side="app",
         mode="client" if app.connect else "router",
         zenoh_options=app.zenoh,

@@ -19,7 +19,7 @@ Address = tuple[str, int]
 
 
 class Sockets:
-    """The TCP sockets of all links of `session`, but those of our own voice."""
+    """The TCP sockets of all links of `session`, but those of our own mirror session."""
 
     def __init__(self, session: Air) -> None:
         self._session = session
@@ -32,7 +32,7 @@ class Sockets:
 
     def refresh(self) -> bool:
         """Take note of links that came and went; whether there may be news."""
-        ends = {f"{link.src} {link.dst}": str(link.zid) for link in self._session.info.links() if not _private(link)}
+        ends = {f"{link.src} {link.dst}": str(link.zid) for link in links_of(self._session)}
         links = tuple(sorted(ends))
         if links == self._links and not self.unknown:
             return False
@@ -61,9 +61,9 @@ def tcp_info(number: int) -> ctypes.Array[ctypes.c_char] | None:
     return None if failed or size.value < _TCP_INFO else info
 
 
-def _private(link: zenoh.Link) -> bool:
-    """Whether this is the link of our own voice."""
-    return str(link.src).startswith("unixsock-stream")
+def links_of(session: Air) -> list[zenoh.Link]:
+    """Return the links of a session to other nodes: all but that of our own mirror session."""
+    return [link for link in session.info.links() if not link.src.startswith("unixsock-stream")]
 
 
 def _sockets() -> dict[tuple[Address, Address], int]:

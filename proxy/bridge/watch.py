@@ -9,6 +9,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.declarations.declarations import Declarations
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.fence import Fence
@@ -16,7 +17,6 @@ from proxy.bridge.half_open import HalfOpen
 from proxy.bridge.headroom import Headroom
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.ingress import Ingress
-from proxy.bridge.keys import CROSSING, INGRESS
 from proxy.bridge.links import Links
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.neighbours import Neighbours
@@ -25,8 +25,6 @@ from proxy.bridge.queries import Queries
 from proxy.bridge.recall import Recall
 from proxy.bridge.rules import Rules
 from proxy.bridge.silence import Silence
-from proxy.bridge.voice import Voice
-from proxy.bridge.witnesses import Witnesses
 from proxy.core.interface.events import Event, InterestChanged, LinksGauged
 
 log = logging.getLogger(__name__)
@@ -36,25 +34,22 @@ INTERVAL = 0.1
 
 LONG, RESTS, MOST_REST = 0.01, 3.0, 0.25
 """After a look that took longer than this [s] it rests for so many times as long, and no longer than that [s]."""
-ECHO = 0.25
-"""How long after its end a token of ours may still be echoed [s]."""
 
 _NOTHING: Mapping[str, bool] = {}
 
 
 class Watch:
-    """Follows two voices on a thread of its own.
+    """Follows what `apps` and `others` on the mesh declare, on a thread of its own.
 
-    `main` are the main sessions of app side and mesh, which declare what `ingress` and `delivery` subscribe to;
+    The main sessions of these sides declare what `ingress` and `delivery` subscribe to;
     `outward` and `inward` are queries from apps to mesh and from mesh to apps. `wake` is set when there is news.
     """
 
     def __init__(
         self,
         *,
-        apps: Voice,
-        others: Voice,
-        main: tuple[zenoh.Session, zenoh.Session],
+        apps: Declarations,
+        others: Declarations,
         ingress: Ingress,
         delivery: Delivery,
         demand: Demand,
@@ -71,7 +66,6 @@ class Watch:
     ) -> None:
         self._apps = apps
         self._others = others
-        self._witnesses = tuple(Witnesses(session, wake.set) for session in main)
         self._ingress = ingress
         self._delivery = delivery
         self._demand = demand
@@ -87,8 +81,6 @@ class Watch:
         self._fence = fence
         self._tokens_out = Mirror(_token(others.session))
         self._tokens_in = Mirror(_token(apps.session))
-        self._echoes_out = _Echoes(self._tokens_out)
-        self._echoes_in = _Echoes(self._tokens_in)
         self._seen: dict[str, Mapping[str, bool]] = {}
         self._editions = (0, 0)
         self._stirred = True
@@ -111,8 +103,6 @@ class Watch:
         self._thread.join(timeout)
         self._tokens_out.close()
         self._tokens_in.close()
-        for witnesses in self._witnesses:
-            witnesses.close()
 
     def retain(self, expressions: Iterable[str]) -> None:
         """Take what apps publish on these even if nobody on the mesh wants it. From any thread."""
@@ -161,13 +151,13 @@ class Watch:
     def _look(self) -> bool:
         """Mirror what has changed; return whether to look again although nothing changes."""
         awaited = self._fence.begin()
-        editions = self._apps.ledger.edition, self._others.ledger.edition
+        editions = self._apps.edition, self._others.edition
         aside = self._neighbours.aside
         turned = self._ingress.stand_aside(aside)
         retained, self._retained_now = self._retained_now, self._retained
         turned = turned or retained is not self._retained_now
         # What turns a witness tells a moment later; who waits must not pass before.
-        heard = [witnesses.ask() for witnesses in self._witnesses] if awaited else []
+        heard = [side.ask_witnesses() for side in (self._apps, self._others)] if awaited else []
         if turned or any(heard) or editions != self._editions or self._unsettled():
             if aside:
                 self._mirror_nothing()
@@ -182,44 +172,37 @@ class Watch:
 
     def _unsettled(self) -> bool:
         """Whether what we declare or took back ourselves is not told yet, or waits, or what others want has turned."""
-        waiting = any(part.waiting for part in self._witnesses) or self._echoes_in.waiting or self._echoes_out.waiting
+        waiting = self._apps.unsettled(self._tokens_in.declared) or self._others.unsettled(self._tokens_out.declared)
         return waiting or self._stirred or self._ingress.leaving or self._delivery.leaving
 
     def _mirror(self) -> None:
         now = clock.monotonic()
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.
-        alive_in, alive_out = self._others.declared("token"), self._apps.declared("token")
+        alive_in = self._others.foreign_tokens(self._tokens_out.declared, now)
+        alive_out = self._apps.foreign_tokens(self._tokens_in.declared, now)
         answered_in, answered_out = self._others.declared("queryable"), self._apps.declared("queryable")
         self._subscribe(now)
         if self._news("queryables out", answered_out):
             self._inward.update(self._rules.out.crossing("queryables", answered_out))
         if self._news("queryables in", answered_in):
             self._outward.update(self._rules.into.crossing("queryables", answered_in))
-        alive_out = self._echoes_in.without(alive_out, now) if self._apps.echoes else alive_out
-        alive_in = self._echoes_out.without(alive_in, now) if self._others.echoes else alive_in
         if self._news("tokens out", alive_out):
             self._tokens_out.update(self._rules.tokens(self._rules.out, alive_out))
         if self._news("tokens in", alive_in):
             self._tokens_in.update(self._rules.tokens(self._rules.into, alive_in))
 
     def _news(self, name: str, told: Mapping[str, bool]) -> bool:
-        """Whether a ledger has told something else of `name` than at the last look."""
+        """Whether something else of `name` is declared than at the last look."""
         before = self._seen.get(name, _NOTHING)
         self._seen[name] = told
         return told is not before
 
     def _subscribe(self, now: float) -> None:
-        by_apps, by_mesh = self._witnesses
-        wanted = by_apps.others(self._apps.declared("subscriber"), self._ingress.declared, now)
-        if self._apps.ledger.broken:
-            wanted |= dict.fromkeys(CROSSING, False)
-        out, into = self._rules.out, self._rules.into
-        asked = self._deliver(into.crossing("subscribers", wanted))
-        wanted = by_mesh.others(self._others.declared("subscriber"), self._delivery.declared, now)
-        if self._others.ledger.broken:
-            wanted |= dict.fromkeys(INGRESS, False)
-        taken = self._ingress.update(out.crossing("subscribers", {**wanted, **self._retained_now}))
-        # What we subscribe to ourselves from now on needs its witnesses: at once, for the ledgers may know it already.
+        wanted = self._apps.foreign_subscribers(self._ingress.declared, now)
+        asked = self._deliver(self._rules.into.crossing("subscribers", wanted))
+        wanted = self._others.foreign_subscribers(self._delivery.declared, now)
+        taken = self._ingress.update(self._rules.out.crossing("subscribers", {**wanted, **self._retained_now}))
+        # What we subscribe to ourselves from now on needs its witnesses: at once, for it may be told already.
         self._stirred = asked or taken
         if self._stirred:
             self._wake.set()
@@ -237,25 +220,6 @@ class Watch:
         if news:
             self._post(InterestChanged(clock.monotonic(), self._delivery.expressions))
         return news
-
-
-class _Echoes:
-    """Our own tokens on one side, which Zenoh echoes to a client, and for a moment after their end."""
-
-    def __init__(self, mirror: Mirror) -> None:
-        self._mirror = mirror
-        self._own: dict[str, float] = {}
-
-    @property
-    def waiting(self) -> bool:
-        """Whether some that have ended may still be echoed."""
-        return len(self._own) > len(self._mirror.declared)
-
-    def without(self, alive: Mapping[str, bool], now: float) -> Mapping[str, bool]:
-        """Leave them out of what is alive on that side."""
-        self._own |= dict.fromkeys(self._mirror.declared, now + ECHO)
-        self._own = {token: until for token, until in self._own.items() if until > now}
-        return {token: False for token in alive if token not in self._own}
 
 
 def _token(session: zenoh.Session) -> Callable[[str, bool], Declaration]:

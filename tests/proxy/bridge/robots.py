@@ -52,7 +52,7 @@ class Robot:
         mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False, **mesh_options)
         sides = self._sides = open_sides(app, mesh, stack)
         self._connect, self._specs, self._rules = connect, specs, rules
-        self.app, self.mesh, self.air, self.voice = sides.app, sides.mesh, sides.air, sides.apps.session
+        self.app, self.mesh, self.air, self.mirror = sides.app, sides.mesh, sides.air, sides.apps.session
 
     def begin(self) -> None:
         """Let things cross."""
@@ -152,4 +152,4 @@ def fence(robot: Robot, *others: Robot) -> None:
 
 def fence_apps(robot: Robot) -> None:
     """Wait until all that is mirrored for the apps of `robot` is known to their router."""
-    pass_fence(robot.voice, robot.app)
+    pass_fence(robot.mirror, robot.app)

@@ -7,7 +7,7 @@ import pytest
 import zenoh
 import zenoh.ext
 
-from proxy.bridge.sourcing import MOST_BEFORE
+from proxy.bridge.declarations.tuning import TUNING
 from proxy.core.interface.events import SamplesPassed
 from proxy.core.model.mode import Mode
 from tests.proxy.bridge import robots
@@ -166,7 +166,7 @@ def bytes_of(attachment):
 
 def test_deletes_are_answered_with_numbers(pair):
     """As a robot answers them whose applications can: those in Python cannot, and caches turn them into puts."""
-    voice = pair[1].bridge._inward._near
+    near = pair[1].bridge._inward._near
     session = pair[0].node()
     publisher, heard = session.declare_publisher("free/a"), Heard(session, "free/a")
     for attachment in STRANGE:
@@ -176,9 +176,9 @@ def test_deletes_are_answered_with_numbers(pair):
     def answer(query):
         with query:
             for sample in heard.samples:
-                query.reply_del("free/a", attachment=voice.attachment_of(sample))
+                query.reply_del("free/a", attachment=near.attachment_of(sample))
 
-    served = voice.session.declare_queryable("free/a", zenoh.handlers.Callback(answer))
+    served = near.session.declare_queryable("free/a", zenoh.handlers.Callback(answer))
     wait_cache(pair[0])
     found = [reply.ok for reply in pair[0].node().get("free/a", consolidation=NONE, timeout=10.0)]
     assert [bytes_of(sample.attachment) for sample in found] == STRANGE
@@ -189,7 +189,7 @@ def test_deletes_are_answered_with_numbers(pair):
 
 def test_a_very_long_key_goes_without_numbers(pair):
     """There is no room for them where they would have to stand; the attachment is whole."""
-    key = "free/" + "a" * MOST_BEFORE
+    key = "free/" + "a" * TUNING.key_and_encoding
     publisher = publisher_of(pair[1].node(), key)
     publisher.put("x", attachment="more")
     wait_cache(pair[0])

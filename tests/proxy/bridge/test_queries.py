@@ -6,15 +6,15 @@ import pytest
 import zenoh
 
 from proxy.bridge import queries as queries_module
+from proxy.bridge.declarations.source_info import enclosed, new_mark
 from proxy.bridge.fence import Fence
 from proxy.bridge.lane import Lane
 from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Way
 from proxy.bridge.sides import open_sides
-from proxy.bridge.sourcing import enclosed, new_mark
 from proxy.config import AppConfig, MeshConfig
+from tests.proxy.bridge.declarations.test_wire import frame
 from tests.proxy.bridge.robots import fence_apps
-from tests.proxy.bridge.test_wire import frame
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -230,12 +230,12 @@ def test_a_query_whose_asker_has_gone_ends_with_its_answer(pair):
 
 
 def test_when_it_is_not_known_how_was_asked_everybody_is(pair):
-    """With a ledger that does not understand the link, queries to what was known before still cross."""
+    """Where the wire is not understood, queries to what was known before still cross."""
     serve(pair[1].node(), "s/a", lambda query: query.reply("s/a", "x"))
     wait_answering(pair[0], 1)
     for robot in pair:
-        for voice in (robot.bridge._watch._apps, robot.bridge._watch._others):
-            voice.ledger.read(frame(b"\x0a"), inward=True)
+        for declarations in (robot.bridge._watch._apps, robot.bridge._watch._others):
+            declarations._table.read(frame(b"\x0a"), inward=True)
     assert list(answers(pair[0].node(), "s/a")) == ["x"]
 
 
@@ -247,13 +247,13 @@ def lane(stack):
 
 
 def near_side(stack):
-    """A voice that nobody else uses, and where its apps connect."""
+    """Declarations that nobody else follows, and where their apps connect."""
     endpoint = free_endpoint()
     mesh = MeshConfig(listen=(free_endpoint(),), scouting=False)
-    voice = open_sides(AppConfig(listen=(endpoint,)), mesh, stack).apps
+    near = open_sides(AppConfig(listen=(endpoint,)), mesh, stack).apps
     # Its routers have worked out their routes, which the bridge waits for, too: before, queries end without an answer.
-    assert voice.sourced
-    return voice, endpoint
+    assert near.keeps_source
+    return near, endpoint
 
 
 def open_fence():

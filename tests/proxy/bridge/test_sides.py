@@ -25,7 +25,7 @@ def test_nothing_is_left_when_one_session_cannot_be_opened(stack, tmp_path, monk
 
 
 def test_the_private_listener_is_added_to_what_the_user_merges(stack):
-    """A user who replaces `listen` in `[app.zenoh]` keeps the voice working."""
+    """A user who replaces `listen` in `[app.zenoh]` keeps the mirror session working."""
     endpoint = free_endpoint()
     app = AppConfig(listen=(free_endpoint(),), zenoh={"listen": {"endpoints": [endpoint]}})
     opened = open_sides(app, MeshConfig(listen=(free_endpoint(),), scouting=False), stack)

@@ -9,8 +9,8 @@ import zenoh.ext
 
 from proxy.bridge.keys import INGRESS
 from proxy.core.interface.events import InterestChanged, MatchingChanged, SamplesPassed
+from tests.proxy.bridge.declarations.test_wire import frame
 from tests.proxy.bridge.robots import fence, observes, wait_interest
-from tests.proxy.bridge.test_wire import frame
 from tests.proxy.nodes import Heard, answers, pass_fence, wait_matching
 from tests.waiting import wait_until
 
@@ -183,15 +183,15 @@ def test_the_core_learns_when_somebody_begins_and_ceases_to_want_a_key(pair):
     ]
 
 
-def break_ledger(voice):
-    """Let a ledger read what no Zenoh of today writes."""
-    voice.ledger.read(frame(b"\x0a"), inward=True)
-    assert voice.ledger.broken
+def break_wire(declarations):
+    """Let it read what no Zenoh of today writes."""
+    declarations._table.read(frame(b"\x0a"), inward=True)
+    assert declarations._table.broken
 
 
 def test_when_declarations_cannot_be_followed_everything_crosses(pair):
     """Should a future Zenoh speak differently, apps still hear the mesh: by subscribing to all of it."""
-    break_ledger(pair[0].bridge._watch._apps)
+    break_wire(pair[0].bridge._watch._apps)
     wait_interest(pair[0], pair[1], keys=("**", "**/@adv/**", "@ros2_lv/**"))
     app = pair[0].node()
     heard = Heard(app, "free/a")
@@ -203,7 +203,7 @@ def test_when_declarations_cannot_be_followed_everything_crosses(pair):
 
 def test_when_the_mesh_cannot_be_followed_everything_is_offered_to_it(pair):
     """What remote apps want is then not known: all is taken from the apps, and reaches who subscribes."""
-    break_ledger(pair[0].bridge._watch._others)
+    break_wire(pair[0].bridge._watch._others)
     wait_until(lambda: pair[0].bridge.describe()["observed"] == sorted(INGRESS), what="the blanket")
     heard = Heard(pair[1].node(), "free/a")
     wait_until(lambda: "free/a" in pair[1].bridge.describe()["subscriptions"], what="the subscription")

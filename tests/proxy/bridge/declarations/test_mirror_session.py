@@ -1,9 +1,12 @@
-"""Voices know exactly what others declare, on real sessions."""
+"""Mirror sessions are told exactly what others declare, on real sessions."""
+
+from dataclasses import replace
 
 import pytest
 import zenoh
 
-from proxy.bridge import voice as voice_module
+from proxy.bridge.declarations import mirror_session
+from proxy.bridge.declarations.mirror_session import TUNING
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, MeshConfig
 from proxy.errors import SessionError
@@ -21,7 +24,7 @@ def drop(query):
     query.drop()
 
 
-def test_what_the_voice_mirrors_does_not_hide_or_keep_what_an_app_declares(stack):
+def test_what_the_mirror_session_mirrors_does_not_hide_or_keep_what_an_app_declares(stack):
     """The same queryable and token, mirrored and of an app: the app's is known for exactly as long as it exists."""
     opened, endpoint, _ = sides(stack)
     for mode in ("client", "peer"):
@@ -39,8 +42,8 @@ def test_what_the_voice_mirrors_does_not_hide_or_keep_what_an_app_declares(stack
         token.undeclare()
 
 
-def test_on_the_mesh_the_voice_knows_queryables_and_tokens_of_peers(stack):
-    """Those of each peer are known while any peer has them, whatever the voice itself declares."""
+def test_on_the_mesh_the_mirror_session_knows_queryables_and_tokens_of_peers(stack):
+    """Those of each peer are known while any peer has them, whatever the mirror session itself declares."""
     opened, _, endpoint = sides(stack)
     peers = [closing(stack, plain_session("peer", connect=(endpoint,))) for _ in range(2)]
     mirrored = opened.others.session.declare_queryable("q", drop)
@@ -57,17 +60,17 @@ def test_on_the_mesh_the_voice_knows_queryables_and_tokens_of_peers(stack):
     mirrored.undeclare()
 
 
-def test_a_voice_that_is_not_told_everything_says_so(stack, monkeypatch, caplog):
+def test_a_mirror_session_that_is_not_told_everything_says_so(stack, monkeypatch, caplog):
     """When its interests do not pass as expected, nobody relies on what it is told."""
-    monkeypatch.setattr(voice_module, "EVERYTHING", "something/else")
-    monkeypatch.setattr(voice_module, "_PATIENCE", 0.01)
+    monkeypatch.setattr(mirror_session, "EVERYTHING", "something/else")
+    monkeypatch.setattr(mirror_session, "TUNING", replace(TUNING, interests_timeout=0.01))
     opened, _, _ = sides(stack)
-    assert opened.others.ledger.broken
-    assert not opened.apps.ledger.broken
+    assert opened.others._table.broken
+    assert not opened.apps._table.broken
     assert "everything is bridged" in caplog.text
 
 
-def test_on_the_mesh_the_voice_knows_subscribers_and_all_verbatim_keys(stack):
+def test_on_the_mesh_the_mirror_session_knows_subscribers_and_all_verbatim_keys(stack):
     """Whatever chunk begins with `@`, and without asking for it by name."""
     opened, _, endpoint = sides(stack)
     peer = closing(stack, plain_session("peer", connect=(endpoint,)))
@@ -86,7 +89,7 @@ def test_on_the_mesh_the_voice_knows_subscribers_and_all_verbatim_keys(stack):
 
 
 def test_nothing_is_missed_under_churn(stack):
-    """After hundreds of declarations by two apps at once the ledger holds what is left of them."""
+    """After hundreds of declarations by two apps at once the table holds what is left of them."""
     opened, endpoint, _ = sides(stack)
     apps = [closing(stack, plain_session("client", connect=(endpoint,))) for _ in range(2)]
     kept = {}
@@ -100,8 +103,8 @@ def test_nothing_is_missed_under_churn(stack):
     wait_until(lambda: set(opened.apps.declared("subscriber")) == set(kept), what="the remaining subscribers")
 
 
-def test_a_closed_voice_takes_back_what_it_declared(stack):
-    """Apps no longer see what the voice mirrored."""
+def test_a_closed_mirror_session_takes_back_what_it_declared(stack):
+    """Apps no longer see what the mirror session mirrored."""
     opened, endpoint, _ = sides(stack)
     app = closing(stack, plain_session("client", connect=(endpoint,)))
     token = opened.apps.session.liveliness().declare_token("t")
@@ -111,11 +114,11 @@ def test_a_closed_voice_takes_back_what_it_declared(stack):
     del token
 
 
-def test_a_session_that_refuses_its_own_voice_is_an_error_that_says_what_to_do(stack, tmp_path):
+def test_a_session_that_refuses_its_own_mirror_session_is_an_error_that_says_what_to_do(stack, tmp_path):
     """A daemon must be in its own dictionary of users."""
     users = tmp_path / "users"
     users.write_text("other:secret\n")
     auth = {"usrpwd": {"user": "me", "password": "secret", "dictionary_file": str(users)}}
     mesh = MeshConfig(listen=(free_endpoint(),), scouting=False, zenoh={"transport": {"auth": auth}})
-    with pytest.raises(SessionError, match=r"^mesh\.zenoh: .* must be in its own dictionary_file too: voice: "):
+    with pytest.raises(SessionError, match=r"^mesh\.zenoh: .* in its own dictionary_file too: mirror session: "):
         open_sides(AppConfig(listen=(free_endpoint(),)), mesh, stack)

@@ -7,10 +7,10 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.bridge.cursor import Cursor
-from proxy.bridge.sourcing import Sourcing, enclosed, encoded, new_mark, varint
-from proxy.bridge.wire import Batches
-from tests.proxy.bridge.test_wire import HANDSHAKE, batch, frame
+from proxy.bridge.declarations.cursor import Cursor
+from proxy.bridge.declarations.source_info import SourceInfoInsertion, enclosed, encoded, new_mark, varint
+from proxy.bridge.declarations.wire import Batches
+from tests.proxy.bridge.declarations.test_wire import HANDSHAKE, batch, frame
 from tests.proxy.nodes import plain_session
 
 MARK = bytes(range(0xE0, 0xF0))
@@ -47,7 +47,7 @@ def cut(data, *places):
 
 
 def passed(pieces, mark=MARK):
-    sourcing = Sourcing(mark)
+    sourcing = SourceInfoInsertion(mark)
     return b"".join(map(sourcing.feed, pieces))
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.bridge.cursor import Cursor, WireError
+from proxy.bridge.declarations.cursor import Cursor, WireError
 
 
 @pytest.mark.parametrize(

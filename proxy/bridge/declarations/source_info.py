@@ -1,8 +1,8 @@
 """Gives replies source info, for which Zenoh's interface has no way.
 
-Advanced subscribers tell by it what they have: who published a sample, and its number there. A voice that answers puts
-it in front of the attachment, behind a mark that nobody else knows. On the link to the main session it goes to where
-the protocol has it, so all the network sees is a reply with source info and the attachment it had.
+Advanced subscribers tell by it what they have: who published a sample, and its number there. A mirror session that
+answers puts it in front of the attachment, behind a mark that nobody else knows. On the link to the main session it
+goes to where the protocol has it, so all the network sees is a reply with source info and the attachment it had.
 """
 
 import secrets
@@ -10,13 +10,7 @@ from itertools import pairwise
 
 import zenoh
 
-from proxy.bridge.cursor import MORE, Cursor, WireError
-
-MOST_BEFORE = 1024
-"""Replies whose key and encoding take more go without [B]: the mark must stand in the first fragment of a reply."""
-
-ROOM = 64
-"""What stands before the mark beside those is never longer [B]."""
+from proxy.bridge.declarations.cursor import MORE, Cursor, WireError
 
 _MARK = 16
 _SIZE = 4
@@ -59,8 +53,8 @@ def varint(value: int) -> bytes:
     return bytes((*found, value))
 
 
-class Sourcing:
-    """What goes from the voice to its main session, with what `enclosed` made unfolded; all else is copied.
+class SourceInfoInsertion:
+    """What goes from the mirror session to its main session, with what `enclosed` made unfolded; all else is copied.
 
     Nothing has to be parsed for that: the mark tells where the extension with the attachment stands. It becomes one
     with the source info and one with what is left of the attachment, together shorter than it was: so each message

@@ -5,8 +5,8 @@ import threading
 import pytest
 import zenoh
 
-from proxy.bridge import witnesses as witnesses_module
-from proxy.bridge.witnesses import Witnesses, examples
+from proxy.bridge.declarations.tuning import TUNING
+from proxy.bridge.declarations.witnesses import Witnesses, examples
 from tests.proxy.nodes import Heard, closing, free_endpoint, pass_fence, plain_session
 from tests.waiting import wait_until
 
@@ -83,14 +83,14 @@ def test_narrower_subscribers_are_not_taken_for_ours(nodes, witnesses):
 
 
 def test_what_was_ours_a_moment_ago_is_not_taken_for_others(nodes, witnesses):
-    """A ledger tells of the end a little later; until then the witness speaks."""
+    """The wire tells of the end a little later; until then the witness speaks."""
     ours = Heard(nodes[0], "a")
     assert witnesses.others(told("a"), {"a"}, 0.0) == {}
     ours.subscriber.undeclare()
     assert witnesses.others(told("a"), (), 1.0) == {}
-    assert witnesses.others(told("a"), (), 1.0 + 2 * witnesses_module.ECHO) == {}
+    assert witnesses.others(told("a"), (), 1.0 + 2 * TUNING.echo) == {}
     assert witnesses.waiting
-    assert witnesses.others({}, (), 1.0 + 2 * witnesses_module.ECHO) == {}
+    assert witnesses.others({}, (), 1.0 + 2 * TUNING.echo) == {}
     assert not witnesses.waiting
     assert witnesses.others(told("a"), (), 3.0) == told("a")
 

@@ -1,11 +1,13 @@
 """Whether replies get source info is tried on real sessions."""
 
+from dataclasses import replace
+
 import pytest
 
-from proxy.bridge import trial
+from proxy.bridge.declarations import trial
+from proxy.bridge.declarations.source_info import new_mark
+from proxy.bridge.declarations.trial import gives_source
 from proxy.bridge.sides import open_sides
-from proxy.bridge.sourcing import new_mark
-from proxy.bridge.trial import gives_source
 from proxy.config import AppConfig, MeshConfig
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 
@@ -16,7 +18,7 @@ def test_it_is_told_whether_the_first_fragment_has_room_for_the_source(stack, pi
     small = {"transport": {"link": {"tx": {"batch_size": pieces}}}}
     app, mesh = AppConfig(listen=(free_endpoint(),), zenoh=small), MeshConfig(listen=(free_endpoint(),), scouting=False)
     opened = open_sides(app, mesh, stack)
-    assert (opened.apps.sourced, opened.others.sourced) == (expected, True)
+    assert (opened.apps.keeps_source, opened.others.keeps_source) == (expected, True)
 
 
 def test_without_a_tap_there_is_no_source(stack):
@@ -28,5 +30,5 @@ def test_without_a_tap_there_is_no_source(stack):
 
 def test_a_session_that_is_not_asked_fails_after_a_while(stack, monkeypatch):
     """Sessions without a link do not hear each other."""
-    monkeypatch.setattr(trial, "PATIENCE", 0.01)
+    monkeypatch.setattr(trial, "TUNING", replace(trial.TUNING, trial_timeout=0.01))
     assert not gives_source(*(closing(stack, plain_session("peer")) for _ in range(2)), new_mark())

@@ -1,10 +1,10 @@
 """Tells what others subscribe to from what we do.
 
-A ledger tells that somebody besides the voice subscribes to a key expression, and that may be the main session itself.
-What others want the main session is told, by the matching status of a publisher; but that is true of every subscriber
-that intersects. So for each expression of our own a publisher stands witness on keys made for it, which no narrower
-expression matches: chunks nobody uses in place of wildcards. What others want more widely tells a witness too; but
-then the same keys cross either way.
+The wire tells that somebody besides the mirror session subscribes to a key expression, and that may be the main session
+itself. What others want the main session is told, by the matching status of a publisher; but that is true of every
+subscriber that intersects. So for each expression of our own a publisher stands witness on keys made for it, which no
+narrower expression matches: chunks nobody uses in place of wildcards. What others want more widely tells a witness too;
+but then the same keys cross either way.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -12,15 +12,11 @@ from functools import partial
 
 import zenoh
 
-from proxy.bridge.declaration import Declaration
-from proxy.bridge.demand import matches
+from proxy.bridge.declaration import Declaration, matches
+from proxy.bridge.declarations.tuning import TUNING
 
 _FRESH = "~sendworthy~"
 """A chunk that no application uses."""
-_DEEP = 24
-"""So many chunks stand for `**` in the deeper of its two witnesses."""
-ECHO = 0.25
-"""How long after its end a declaration of ours may still be told [s]."""
 
 
 class Witnesses:
@@ -42,7 +38,7 @@ class Witnesses:
     def others(self, told: Mapping[str, bool], own: Collection[str], now: float) -> dict[str, bool]:
         """Return what of `told` others subscribe to, `own` being what the main session does.
 
-        What was our own only a moment ago still has its witness: the ledger may not have been told of the end.
+        What was our own only a moment ago still has its witness: the wire may not have been told of the end.
         """
         for expression in own:
             if expression not in self._standing:
@@ -50,7 +46,7 @@ class Witnesses:
                 self._turned.add(expression)
             self._leaving.pop(expression, None)
         for expression in [name for name in self._standing if name not in own]:
-            until = self._leaving.setdefault(expression, now + ECHO)
+            until = self._leaving.setdefault(expression, now + TUNING.echo)
             if now >= until and expression not in told:
                 self._dismiss(expression)
         self._hear()
@@ -99,7 +95,7 @@ def examples(expression: str) -> tuple[str, ...]:
     chunks = expression.replace("$*", _FRESH).split("/")
     if "**" not in chunks:
         return (_example(chunks, 0),)
-    return _example(chunks, 0) or _FRESH, _example(chunks, _DEEP)
+    return _example(chunks, 0) or _FRESH, _example(chunks, TUNING.witness_depth)
 
 
 def _example(chunks: list[str], depth: int) -> str:

@@ -8,9 +8,15 @@ import tempfile
 
 import pytest
 
-from proxy.bridge.door import Door
+from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
 
-HOLD = "import sys; from proxy.bridge.door import Door; door = Door(); print('open', flush=True); sys.stdin.read()"
+HOLD = """
+import sys
+from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
+endpoint = PrivateEndpoint()
+print("open", flush=True)
+sys.stdin.read()
+"""
 
 
 @pytest.fixture
@@ -20,36 +26,36 @@ def places(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_a_closed_door_leaves_nothing(places):
+def test_a_closed_endpoint_leaves_nothing(places):
     """Closing removes the folder with all that is in it."""
-    door = Door()
-    door.main.write_text("")
-    assert door.main.parent.parent == places
-    door.close()
+    endpoint = PrivateEndpoint()
+    endpoint.main.write_text("")
+    assert endpoint.main.parent.parent == places
+    endpoint.close()
     assert not list(places.iterdir())
 
 
 def test_the_place_of_a_killed_process_is_removed_and_that_of_a_living_one_is_not(places):
-    """The next door sweeps what nobody holds any more."""
+    """The next endpoint sweeps what nobody holds any more."""
     environment = os.environ | {"TMPDIR": str(places)}
     with subprocess.Popen(
         [sys.executable, "-c", HOLD], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as other:
         assert other.stdout.readline() == b"open\n"
         (held,) = places.iterdir()
-        Door().close()
+        PrivateEndpoint().close()
         assert list(places.iterdir()) == [held]
         other.send_signal(signal.SIGKILL)
         other.wait()
         assert held.exists()
-        door = Door()
-        assert list(places.iterdir()) == [door.main.parent]
-        door.close()
+        endpoint = PrivateEndpoint()
+        assert list(places.iterdir()) == [endpoint.main.parent]
+        endpoint.close()
 
 
 def test_what_is_not_ours_is_left_alone(places):
     """A folder of the same name without a lock, or one that cannot be read, stops nothing and stays."""
     alien = places / "sendworthy-private-alien"
     alien.mkdir()
-    Door().close()
+    PrivateEndpoint().close()
     assert list(places.iterdir()) == [alien]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from proxy.bridge.cursor import Cursor, WireError
+from proxy.bridge.declarations.cursor import Cursor, WireError
 
 Kind = Literal["subscriber", "queryable", "token"]
 

@@ -1,4 +1,4 @@
-"""A private place where a main session listens for its voice."""
+"""A private place where a main session listens for its mirror session."""
 
 import fcntl
 import shutil
@@ -12,7 +12,7 @@ from proxy.bridge.sessions import PRIVATE, merged
 _LOCK = "lock"
 
 
-class Door:
+class PrivateEndpoint:
     """A folder with two sockets. Folders of processes that were killed are removed when the next one opens."""
 
     def __init__(self) -> None:
@@ -31,7 +31,7 @@ class Door:
         return merged(options, {"listen": here})
 
     def hide(self) -> None:
-        """Move the socket from where the main session announces it: only its voice shall link here."""
+        """Move the socket from where the main session announces it: only its mirror session shall link here."""
         self.main = self.main.rename(self.main.with_name("hidden"))
 
     def close(self) -> None:

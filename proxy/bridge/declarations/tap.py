@@ -1,4 +1,7 @@
-"""A local link that passes every byte on, and shows it to a ledger. What it alters, `widening` and `sourcing` say."""
+"""A local link that passes every byte on and shows it to a table.
+
+`widening` and `source_info` say what it alters.
+"""
 
 import socket
 import threading
@@ -6,22 +9,21 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from proxy.bridge.ledger import Ledger
-from proxy.bridge.sourcing import Sourcing, new_mark
-from proxy.bridge.widening import Widening
+from proxy.bridge.declarations.source_info import SourceInfoInsertion, new_mark
+from proxy.bridge.declarations.table import DeclarationTable
+from proxy.bridge.declarations.tuning import TUNING
+from proxy.bridge.declarations.widening import InterestWidening
 
-_CHUNK = 65536
 
-
-class Tap:
+class DeclarationTap:
     """Listens on the socket `near`; whoever connects is connected with the socket `far`. One link at a time.
 
     The first `interests` of each link in one key of ours are widened. Replies with the `mark` get source info.
     """
 
-    def __init__(self, near: Path, far: Path, ledger: Ledger, interests: int = 0) -> None:
+    def __init__(self, near: Path, far: Path, table: DeclarationTable, interests: int = 0) -> None:
         self._far = far
-        self._ledger = ledger
+        self._table = table
         self._interests = interests
         self.mark = new_mark()
         self.widened = threading.Event()
@@ -53,20 +55,20 @@ class Tap:
                     self._carry(near, far)
 
     def _carry(self, near: socket.socket, far: socket.socket) -> None:
-        self._ledger.reset()
+        self._table.reset()
         outward = threading.Thread(target=self._pass_outward, args=(near, far), name="tap out", daemon=True)
         outward.start()
         self._pass_on(far, near, lambda data: data, inward=True)
         outward.join()
 
     def _pass_outward(self, near: socket.socket, far: socket.socket) -> None:
-        widening, sourcing = Widening(self._interests), Sourcing(self.mark)
+        widening, insertion = InterestWidening(self._interests), SourceInfoInsertion(self.mark)
 
         def alter(data: bytes) -> bytes:
             data = widening.feed(data)
             if widening.done:
                 self.widened.set()
-            return sourcing.feed(data)
+            return insertion.feed(data)
 
         self._pass_on(near, far, alter, inward=False)
 
@@ -74,8 +76,8 @@ class Tap:
         self, source: socket.socket, target: socket.socket, alter: Callable[[bytes], bytes], *, inward: bool
     ) -> None:
         try:
-            while data := source.recv(_CHUNK):
-                self._ledger.read(data, inward=inward)
+            while data := source.recv(TUNING.chunk):
+                self._table.read(data, inward=inward)
                 target.sendall(alter(data))
         except OSError:
             pass  # the link is gone, which the ends notice themselves

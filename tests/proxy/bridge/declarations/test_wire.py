@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.bridge.cursor import WireError
-from proxy.bridge.wire import Asked, Batches, Declared, Interest, KeyNumber, Undeclared
+from proxy.bridge.declarations.cursor import WireError
+from proxy.bridge.declarations.wire import Asked, Batches, Declared, Interest, KeyNumber, Undeclared
 
 HANDSHAKE = (
     "5b00e109f06bf51b21f5ecfd75ad612b7be962c2920a00c03130628d292d8005e86da751a8fcf1d40b2bafe6179d07f05018272f5ef39"

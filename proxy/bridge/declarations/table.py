@@ -5,20 +5,18 @@ import threading
 from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping
 
-from proxy.bridge.cursor import WireError
+from proxy.bridge.declarations.cursor import WireError
+from proxy.bridge.declarations.tuning import TUNING
+from proxy.bridge.declarations.wire import Asked, Batches, Declared, Interest, KeyNumber, Kind, Message, Undeclared
 from proxy.bridge.keys import crosses
-from proxy.bridge.wire import Asked, Batches, Declared, Interest, KeyNumber, Kind, Message, Undeclared
 
 log = logging.getLogger(__name__)
 
-MOST_ASKED = 1024
-"""Queries whose asking is remembered until somebody takes it; of more, the oldest are forgotten."""
 
+class DeclarationTable:
+    """What the main session declares to the mirror session, that is: what all others declared to the main session.
 
-class Ledger:
-    """What the main session declares to the voice, that is: what all others declared to the main session.
-
-    `changed` is called after each change. When the protocol is not understood the ledger stays as it is: `broken`.
+    `changed` is called after each change. When the protocol is not understood the table stays as it is: `broken`.
     `edition` grows with every change of what is declared.
     """
 
@@ -28,7 +26,7 @@ class Ledger:
         self._changed = changed
         self._lock = threading.Lock()
         self._entries: dict[Kind, dict[int | str, tuple[str, bool]]] = {}
-        self._told: dict[Kind, dict[str, bool]] = {}
+        self._merged: dict[Kind, dict[str, bool]] = {}
         self._asked: OrderedDict[tuple[str, str], deque[Asked]] = OrderedDict()
         self.reset()
 
@@ -36,7 +34,7 @@ class Ledger:
         """Begin anew, with a new link."""
         with self._lock:
             self._entries = {"subscriber": {}, "queryable": {}, "token": {}}
-            self._told.clear()
+            self._merged.clear()
             self._asked.clear()
             self.edition += 1
             self._batches = (Batches(), Batches())
@@ -48,9 +46,9 @@ class Ledger:
         The same mapping until something changes.
         """
         with self._lock:
-            found = self._told.get(kind)
-            if found is None:  # what was told last has changed since
-                found = self._told[kind] = {}
+            found = self._merged.get(kind)
+            if found is None:  # something has changed since
+                found = self._merged[kind] = {}
                 for expression, complete in self._entries[kind].values():
                     found[expression] = complete or found.get(expression, False)
             return found
@@ -73,7 +71,7 @@ class Ledger:
             return asked
 
     def read(self, data: bytes, *, inward: bool) -> None:
-        """Take in what went from the main session to the voice (`inward`) or the other way."""
+        """Take in what went from the main session to the mirror session (`inward`) or the other way."""
         if self.broken:
             return
         before = self.edition
@@ -115,16 +113,16 @@ class Ledger:
                     self._change(message.kind)
 
     def _change(self, kind: Kind) -> None:
-        self._told.pop(kind, None)
+        self._merged.pop(kind, None)
         self.edition += 1
 
     def _remember(self, asked: Asked) -> None:
         name = self._expression(asked, inward=True), asked.parameters
-        self._asked.setdefault(name, deque(maxlen=MOST_ASKED)).append(asked)
-        while len(self._asked) > MOST_ASKED:
+        self._asked.setdefault(name, deque(maxlen=TUNING.queries_remembered)).append(asked)
+        while len(self._asked) > TUNING.queries_remembered:
             self._asked.popitem(last=False)
 
-    def _expression(self, told: KeyNumber | Declared | Undeclared | Asked, *, inward: bool) -> str:
-        if not told.scope:
-            return told.suffix
-        return self._numbers[inward == told.senders][told.scope] + told.suffix
+    def _expression(self, named: KeyNumber | Declared | Undeclared | Asked, *, inward: bool) -> str:
+        if not named.scope:
+            return named.suffix
+        return self._numbers[inward == named.senders][named.scope] + named.suffix

@@ -1,25 +1,25 @@
-"""Lets a voice be told of everything.
+"""Lets a mirror session be told of everything.
 
 A client is told what it declares an interest in. Zenoh's interface has it name a key expression, and none matches all
 keys: `**` matches no chunk that begins with `@`, and what apps will ask for cannot be known before they do. The
-protocol, though, knows an interest without a key expression: in everything. So the voice declares interests in one
-key of ours, and on the way out they lose it.
+protocol, though, knows an interest without a key expression: in everything. So the mirror session declares
+interests in one key of ours, and on the way out they lose it.
 """
 
 from contextlib import suppress
 
-from proxy.bridge.cursor import SENDERS, SUFFIX, WireError
+from proxy.bridge.declarations.cursor import SENDERS, SUFFIX, WireError
+from proxy.bridge.declarations.wire import RESTRICTED, Batches, Interest, KeyNumber
 from proxy.bridge.keys import PREFIX
-from proxy.bridge.wire import RESTRICTED, Batches, Interest, KeyNumber
 
 EVERYTHING = f"{PREFIX}/everything"
 """An interest in this becomes one in everything."""
 
 
-class Widening:
-    """What goes from the voice to its main session, with the first `interests` in `EVERYTHING` widened.
+class InterestWidening:
+    """What goes from the mirror session to its main session, with the first `interests` in `EVERYTHING` widened.
 
-    After those it only copies, and so it does with what it does not understand; the ledger of the link says so.
+    After those it only copies, and so it does with what it does not understand; the table of the link says so.
     """
 
     def __init__(self, interests: int) -> None:

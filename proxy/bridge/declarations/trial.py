@@ -1,27 +1,21 @@
-"""Tries whether replies of a voice get their source info, before anybody relies on it."""
+"""Tries whether replies of a mirror session get their source info, before anybody relies on it."""
 
 import time
 
 import zenoh
 
 from proxy import clock
+from proxy.bridge.declarations.source_info import enclosed, encoded
+from proxy.bridge.declarations.tuning import TUNING
 from proxy.bridge.keys import PREFIX
-from proxy.bridge.sourcing import MOST_BEFORE, ROOM, enclosed, encoded
-
-PATIENCE = 2.0
-"""How long a query of a main session to its voice may take [s]; it takes some milliseconds."""
-_PAUSE = 0.002
-"""Time between two attempts [s]."""
-_LARGE = 65536
-"""A payload that goes in fragments [B]."""
 
 
-def gives_source(main: zenoh.Session, voice: zenoh.Session, mark: bytes) -> bool:
-    """Whether `main` finds replies of its `voice` as `enclosed` has them: a delete, and others of any size."""
-    info = zenoh.SourceInfo(voice.id, 2**32 - 1)
-    asked = f"{PREFIX}/trial/{voice.zid()}/*"
-    key = asked[:-1].ljust(MOST_BEFORE + ROOM, "x")
-    sent = ((b"", b"a"), (bytes(_LARGE), None))
+def gives_source(main: zenoh.Session, mirror: zenoh.Session, mark: bytes) -> bool:
+    """Whether `main` finds replies of its `mirror` session as `enclosed` has them: a delete, and others of any size."""
+    info = zenoh.SourceInfo(mirror.id, 2**32 - 1)
+    asked = f"{PREFIX}/trial/{mirror.zid()}/*"
+    key = asked[:-1].ljust(TUNING.key_and_encoding + TUNING.before_mark, "x")
+    sent = ((b"", b"a"), (bytes(TUNING.trial_payload), None))
 
     def answer(query: zenoh.Query) -> None:
         with query:
@@ -31,7 +25,7 @@ def gives_source(main: zenoh.Session, voice: zenoh.Session, mark: bytes) -> bool
             query.reply_del(key, attachment=enclosed(mark, info, b"d"))
 
     expected = [(*each, encoded(info)) for each in (*sent, (b"", b"d"))]
-    served = voice.declare_queryable(asked, zenoh.handlers.Callback(answer))
+    served = mirror.declare_queryable(asked, zenoh.handlers.Callback(answer))
     try:
         return _answers(main, asked, len(expected)) == expected
     finally:
@@ -40,18 +34,18 @@ def gives_source(main: zenoh.Session, voice: zenoh.Session, mark: bytes) -> bool
 
 def _answers(main: zenoh.Session, asked: str, count: int) -> list[tuple[bytes, bytes | None, bytes | None]]:
     """Ask until `count` answers come: a queryable that is just declared may not be reached yet."""
-    end = clock.monotonic() + PATIENCE
+    end = clock.monotonic() + TUNING.trial_timeout
     while True:
         replies = main.get(
             asked,
             consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=PATIENCE,
+            timeout=TUNING.trial_timeout,
             allowed_destination=zenoh.Locality.REMOTE,
         )
         found = [_plain(reply.ok) for reply in replies if reply.ok is not None]
         if len(found) == count or clock.monotonic() > end:
             return found
-        time.sleep(_PAUSE)
+        time.sleep(TUNING.trial_pause)
 
 
 def _plain(sample: zenoh.Sample) -> tuple[bytes, bytes | None, bytes | None]:
