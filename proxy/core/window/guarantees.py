@@ -8,9 +8,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 from proxy.core.view.stream import Stream
-
-EARLY = 0.1
-"""The next sample may come earlier than expected by this part of the period."""
+from proxy.core.window.tuning import TUNING
 
 
 def guaranteed(stream: Stream) -> bool:
@@ -28,7 +26,7 @@ def longest(stream: Stream, latency: float) -> float:
 
 def owed(stream: Stream, times: Iterable[float], latency: float) -> Iterator[float]:
     """Yield those generation times of samples [s] that must be sent."""
-    apart, ahead = longest(stream, latency), (1.0 - EARLY) * stream.schedule.period
+    apart, ahead = longest(stream, latency), (1.0 - TUNING.early) * stream.schedule.period
     before = -math.inf if stream.sent is None else stream.sent.t_gen
     for t in times:
         if t + ahead - before > apart:

@@ -7,18 +7,7 @@ the rest.
 
 import math
 
-OVERHEAD = 0.5
-"""All but the search should take no more than this part of the deadline."""
-EACH = 50e-6
-"""What a message of a mixed window takes on one x86 core [s]: taken for true until the first decisions were made."""
-LEAST = 12
-"""So many messages a window may always hold besides the current one: then they take less than 1 ms."""
-OVERRUNS = 3
-"""So many decisions in a row must take too long before messages are left out: a busy machine delays single ones..."""
-SHRINKING = 0.5
-"""... and then this part of the messages stays at least, for there may be other reasons..."""
-GROWING = 1.1
-"""... and one in time allows so many times as many."""
+from proxy.core.window.tuning import TUNING
 
 
 class Span:
@@ -26,18 +15,18 @@ class Span:
 
     def __init__(self, deadline: float) -> None:
         self._deadline = deadline
-        self.most = max(LEAST, OVERHEAD * deadline / EACH)
+        self.most = max(TUNING.fewest_messages, TUNING.overhead * deadline / TUNING.seconds_per_message)
         self._overruns: list[float] = []
         """By how much the last decisions in a row took too long: what of their time was allowed."""
 
     def note(self, held: int, overhead: float, *, thinned: bool) -> None:
         """A decision took so long besides its search [s], on a window that held so many messages."""
-        fitting = OVERHEAD * self._deadline / max(overhead, 1e-9)
+        fitting = TUNING.overhead * self._deadline / max(overhead, 1e-9)
         if fitting >= 1.0:
             self._overruns.clear()
-            self.most *= min(fitting, GROWING) if thinned else 1.0
+            self.most *= min(fitting, TUNING.growing) if thinned else 1.0
             return
-        self._overruns = [*self._overruns, fitting][-OVERRUNS:]
-        if len(self._overruns) == OVERRUNS:
-            part = max(*self._overruns, SHRINKING)
-            self.most = max(LEAST, math.floor(min(held, self.most) * part))
+        self._overruns = [*self._overruns, fitting][-TUNING.overruns :]
+        if len(self._overruns) == TUNING.overruns:
+            part = max(*self._overruns, TUNING.shrinking)
+            self.most = max(TUNING.fewest_messages, math.floor(min(held, self.most) * part))

@@ -5,7 +5,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.window.span import LEAST, OVERHEAD, OVERRUNS, Span
+from proxy.core.window.span import Span
+from proxy.core.window.tuning import TUNING
 
 
 def test_without_a_deadline_windows_hold_everything():
@@ -17,8 +18,8 @@ def test_without_a_deadline_windows_hold_everything():
 
 def test_a_deadline_that_is_short_leaves_fewer_from_the_start():
     """The first decisions are to come in time, too."""
-    assert Span(1e-4).most == LEAST
-    assert LEAST < Span(0.005).most < Span(0.02).most
+    assert Span(1e-4).most == TUNING.fewest_messages
+    assert TUNING.fewest_messages < Span(0.005).most < Span(0.02).most
 
 
 def test_decisions_that_took_too_long_make_windows_smaller_and_one_in_time_larger():
@@ -27,10 +28,10 @@ def test_decisions_that_took_too_long_make_windows_smaller_and_one_in_time_large
     before = span.most
     span.note(60, 0.005, thinned=False)
     assert span.most == before
-    for _ in range(OVERRUNS):
-        span.note(60, 1.6 * OVERHEAD * 0.02, thinned=False)
+    for _ in range(TUNING.overruns):
+        span.note(60, 1.6 * TUNING.overhead * 0.02, thinned=False)
     assert span.most == 37
-    for _ in range(OVERRUNS):
+    for _ in range(TUNING.overruns):
         span.note(37, 5.0, thinned=True)
     assert span.most < 18
     smallest = span.most
@@ -43,7 +44,7 @@ def test_a_delay_now_and_then_leaves_windows_as_they_are():
     span = Span(0.02)
     before = span.most
     for number in range(40):
-        span.note(60, math.inf if number % OVERRUNS else 0.001, thinned=False)
+        span.note(60, math.inf if number % TUNING.overruns else 0.001, thinned=False)
     assert span.most == before
 
 
@@ -53,7 +54,7 @@ def test_some_messages_always_have_places(decisions):
     span = Span(0.02)
     for held, overhead, thinned in decisions:
         span.note(held, overhead, thinned=thinned)
-        assert LEAST <= span.most < math.inf
+        assert TUNING.fewest_messages <= span.most < math.inf
 
 
 @given(st.floats(1e-5, 2e-3), st.integers(50, 400))
@@ -63,5 +64,9 @@ def test_windows_find_the_size_that_comes_in_time(each, full):
     for _ in range(100):
         held = min(full, int(span.most))
         span.note(held, each * held, thinned=held < full)
-    fitting = OVERHEAD * 0.02 / each
-    assert min(full, max(LEAST, 0.4 * fitting)) <= min(full, span.most) <= max(LEAST, 1.2 * fitting)
+    fitting = TUNING.overhead * 0.02 / each
+    assert (
+        min(full, max(TUNING.fewest_messages, 0.4 * fitting))
+        <= min(full, span.most)
+        <= max(TUNING.fewest_messages, 1.2 * fitting)
+    )

@@ -19,7 +19,8 @@ from proxy.core.protocol.messages import Echo, State
 from proxy.core.view.latency import Latency
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.view import SharedView
-from proxy.core.window.window import CHOICE, MOST_OF_BEST, MOST_OF_OWN, OVERHEARD, WindowBuilder
+from proxy.core.window.tuning import TUNING
+from proxy.core.window.window import WindowBuilder
 from utility_specs import ConstraintSpec, Specs
 
 LIMIT = Limit("throughput", 1.0, 4_000.0, Throughput(4_000.0, 1.0))
@@ -106,7 +107,7 @@ def test_others_messages_that_would_have_been_announced_are_decisions_only_as_lo
     view = make_view(make_specs())
     view.set_interest(("robot/**",))
     add_stream(view, "r1")
-    late = OVERHEARD + add_stream(view, "r2").schedule.jitter
+    late = TUNING.overheard_within + add_stream(view, "r2").schedule.jitter
 
     def past(now):
         problem = WindowBuilder(view, 0.0).build(now, sample(now), (), union())
@@ -160,7 +161,7 @@ def test_who_overhears_takes_what_was_not_heard_in_time_for_not_sent(make_specs)
     add_stream(view, "r1")
     other = add_stream(view, "r2")
     view.set_interest(("robot/**",))
-    late = OVERHEARD + other.schedule.jitter
+    late = TUNING.overheard_within + other.schedule.jitter
 
     def past(now):
         problem = WindowBuilder(view, 0.0).build(now, sample(now), (), union())
@@ -234,7 +235,11 @@ def test_all_waiting_samples_of_a_stream_are_decided_together(make_specs, aggreg
     assert past == [1.0, *(float(i) for i in range(1, 30))]
     assert problem.messages[problem.current].t_gen == 9.0
     coming = sum(m.t_gen > 10.0 for m in problem.messages)
-    assert coming in {39, 40} if aggregation != '"best"' else MOST_OF_BEST // 2 < coming <= MOST_OF_BEST
+    assert (
+        coming in {39, 40}
+        if aggregation != '"best"'
+        else TUNING.forecasts_of_best // 2 < coming <= TUNING.forecasts_of_best
+    )
 
 
 def test_of_a_model_of_the_operators_few_messages_are_weighed(make_specs):
@@ -243,8 +248,8 @@ def test_of_a_model_of_the_operators_few_messages_are_weighed(make_specs):
     waiting = [sample(9.0 + 0.01 * i, scale=float(i % 7), number=i) for i in range(1, 30)]
     problem = WindowBuilder(view, 0.0).build(10.0, sample(9.0), waiting, union())
     opened = [m for m in problem.messages if not m.sent]
-    assert [m.scale for m in opened if m.t_gen < 10.0] == [1.0] + [6.0] * MOST_OF_OWN
-    assert 1 <= sum(m.t_gen > 10.0 for m in opened) <= MOST_OF_OWN
+    assert [m.scale for m in opened if m.t_gen < 10.0] == [1.0] + [6.0] * TUNING.messages_of_a_model
+    assert 1 <= sum(m.t_gen > 10.0 for m in opened) <= TUNING.messages_of_a_model
     assert tabulate(problem).gains.closed
 
 
@@ -561,7 +566,7 @@ def test_where_far_more_is_offered_than_fits_only_the_smallest_samples_are_expec
     messages = offered(make_specs, (1800, 2000, 2200))
     carried = 4_000.0 / (4 * 10 * 2_000.0)
     until = max(m.t_gen for m in messages)
-    assert len(messages) == pytest.approx(CHOICE * carried * 40 * (until - 10.0), rel=0.2)
+    assert len(messages) == pytest.approx(TUNING.offered * carried * 40 * (until - 10.0), rel=0.2)
     assert [m.use[0] for m in messages] == pytest.approx([1690.0] * len(messages), abs=30.0)
 
 

@@ -1,0 +1,70 @@
+"""Which messages of the streams that compete are to be expected, and how far ahead a window looks."""
+
+from proxy.core.coordination.claims import Claim, claim
+from proxy.core.forecast.patterns import MEMORYLESS
+from proxy.core.model.limits import Limit, Limits, changes_plans, longest_window, use_of
+from proxy.core.view.stream import LEAST_PERIOD
+from proxy.core.view.view import SharedView
+from proxy.core.window.candidates import Candidate
+from proxy.core.window.guarantees import guaranteed
+from proxy.core.window.tuning import TUNING
+
+
+def forecast(now: float, view: SharedView, candidates: list[Candidate], limits: Limits, ours: Claim | None) -> float:
+    """Fill in the expected generation times of every candidate; return the end of the window [s].
+
+    Others' messages since we last heard of them have an unknown fate: they are decisions too, but for those with a
+    lesser claim than `ours`.
+    """
+    longest, until = longest_window(limits.union), now + view.settings.horizon_time
+    end = min(until, now + TUNING.windows * longest)
+    for c in candidates:
+        decided = c.own or (ours is not None and claim(now, c.stream) < ours)
+        after = now if decided else _unheard_since(now, view, c, limits, longest)
+        times = c.stream.schedule.forecast(after, end, TUNING.forecasts_of_a_stream, now)
+        c.expect(times or c.stream.schedule.forecast(after, until, 1, now))
+    _choose(candidates, limits.union)
+    return max([end, *[c.times[0] for c in candidates if c.times]])
+
+
+def _unheard_since(now: float, view: SharedView, c: Candidate, limits: Limits, longest: float) -> float:
+    """Return when the first message of another robot's stream was or will be generated whose fate is open [s]."""
+    stream, schedule = c.stream, c.stream.schedule
+    heard = schedule.last or now
+    if stream.sent is not None:
+        heard = max(heard, stream.sent.t_gen + 0.5 * schedule.period)
+    if heard >= now:
+        return heard
+    use = use_of(stream.newest.size, c.copies, limits.union, own=False)
+    if not (view.overhears(stream) or changes_plans(use, limits.union)):
+        return max(heard, now - longest)
+    return max(heard, now - _latency(view, c) - TUNING.overheard_within - schedule.jitter)
+
+
+def _latency(view: SharedView, c: Candidate) -> float:
+    """What samples of another robot take to us [s]: others may hear of them sooner."""
+    sender = view.peer_called(c.stream.robot)
+    line = None if sender is None else sender.line_in
+    if sender is None or line is None:
+        return c.audience.latency
+    return max(line.of(c.stream.newest.size), sender.offset.latency)
+
+
+def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
+    """Where far more is offered than can be sent expect only the smallest samples of bulky streams to be sent."""
+    uses = [use_of(round(c.stream.mean_size), c.copies, limits, own=c.own) for c in candidates]
+    periods = [max(c.stream.schedule.period, LEAST_PERIOD) for c in candidates]
+    offered = [sum([use[k] / period for use, period in zip(uses, periods, strict=True)]) for k in range(len(limits))]
+    carried = [
+        TUNING.offered * c.limit / c.window / rate for c, rate in zip(limits, offered, strict=True) if rate > 0.0
+    ]
+    part = max(TUNING.sent_at_least, min(carried, default=1.0))
+    if part >= 1.0:
+        return
+    for c, use in zip(candidates, uses, strict=True):
+        stream = c.stream
+        bulky = any(u > TUNING.bulky * limit.limit for u, limit in zip(use, limits, strict=True))
+        varied = stream.size_deviation > TUNING.varied * stream.mean_size and stream.schedule.kind != MEMORYLESS
+        if bulky and varied and not guaranteed(stream):
+            chosen = [t for i, t in enumerate(c.times) if int((i + 1) * part) > int(i * part)]
+            c.expect(chosen or c.times[-1:], stream.smallest(part))

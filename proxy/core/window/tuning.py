@@ -1,0 +1,57 @@
+"""The constants of this package, each with why it is what it is."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class WindowTuning:
+    """Constants of the problem of one decision, and of what guarantees demand."""
+
+    forecasts_of_a_stream: int = 512
+    """Messages forecast of one stream at most."""
+    contested_at_least: float = 0.1
+    """This part of a limit is left at least to what is contested."""
+    windows: float = 4.0
+    """The window reaches this many of the longest constraint window: with random sizes and times 93.5 % of the bound,
+    and 92.3 where it reached two expected sends of every stream besides."""
+    shortest_life: float = 1e-3
+    """The last message of a window lives at least this long [s]."""
+    facts_of_a_stream: int = 16
+    """Of the messages last sent of a stream this many are facts where more than one counts."""
+    forecasts_of_best: int = 24
+    """Forecasts of a stream planned for where the best message counts: time grows with their square."""
+    messages_of_a_model: int = 3
+    """Waiting samples, and forecasts, of a stream with an aggregation of the operator's. Most such models have a state
+    for every set of messages; so these are 2^7 with the current one at most."""
+    offered: float = 1.5
+    """Where streams offer more than this times what the limits carry, plans expect the smallest samples to be sent, as
+    many as that: else a frame is sent beside which no other one fits, although two smaller ones come by and by. Two,
+    four and eight robots with frames of 26 kB sent 6, 9 and 3 % more bytes so, and two with frames of 60 kB 22 %."""
+    sent_at_least: float = 0.05
+    """No smaller part of the samples is expected to be sent."""
+    bulky: float = 0.25
+    """That is so of messages that take more than this part of a limit..."""
+    varied: float = 0.05
+    """... whose sizes deviate by more than this part, and which come by a rhythm: of five robots with samples of random
+    sizes, worths and times twice as many windows were over the limit, with 2 % less utility."""
+    overheard_within: float = 0.05
+    """We overhear a sample this much later at most, besides the latency and the stream's jitter [s]."""
+    early: float = 0.1
+    """The next sample of a guaranteed stream may come earlier than expected by this part of the period."""
+    overhead: float = 0.5
+    """All of a decision but the search should take no more than this part of the deadline."""
+    seconds_per_message: float = 50e-6
+    """What a message of a mixed window takes on one x86 core [s]: taken for true until the first decisions were
+    made."""
+    fewest_messages: int = 12
+    """A window may always hold this many messages besides the current one: then they take less than 1 ms."""
+    overruns: int = 3
+    """This many decisions in a row must take too long before messages are left out: a busy machine delays single
+    ones..."""
+    shrinking: float = 0.5
+    """... and then this part of the messages stays at least, for there may be other reasons..."""
+    growing: float = 1.1
+    """... and one in time allows this many times as many."""
+
+
+TUNING = WindowTuning()
