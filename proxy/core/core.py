@@ -26,10 +26,11 @@ from proxy.core.model.settings import CoreSettings
 from proxy.core.model.waiting import Waiting
 from proxy.core.protocol.fixed import feature, rounded
 from proxy.core.protocol.messages import Digest, StreamDigest, tag
+from proxy.core.samples.away import Leaving
 from proxy.core.samples.counts import DROPPED, Counts
 from proxy.core.samples.gate import CONSTRAINT, Gate
 from proxy.core.samples.inbox import SUPERSEDED
-from proxy.core.samples.kept import Leaving
+from proxy.core.samples.kept import Kept
 from proxy.core.samples.unplanned import Unplanned
 from proxy.core.status import report
 from proxy.core.view.interest import common
@@ -57,8 +58,8 @@ class Core:
         self.coordination = Coordination(now, settings, self.view)
         self.budget = Budget(self.view, self.coordination)
         windows = WindowBuilder(self.view, now)
-        self.gate = Gate(settings, self.view, self.budget, self.counts, windows)
-        self.kept = self.gate.kept
+        self.kept = Kept(settings.away)
+        self.gate = Gate(self.view, self.budget, self.counts, self.kept.copies, windows)
         self.channel = Channel(now, self.view, self.budget, self.counts)
         self.telling = Telling(now, self.view, self.coordination, self.gate, self.channel)
         self.refused: Counter[str] = Counter()
@@ -70,7 +71,6 @@ class Core:
         """Of our samples that are not handed over yet."""
         self.retained: frozenset[str] = frozenset()
         """What apps publish on these is taken from them even if nobody who is here wants it."""
-        self._tickets = 0
         self._wakes_at = now
         self._taking_in = dict(type(self).__dict__["_on"].dispatcher.registry)
         self._adopt_limits(now)
@@ -114,9 +114,9 @@ class Core:
         robot = self.settings.robot
         if self.view.robot_of(event.origin) != robot:
             del self._keys[event.sample]
-            return [self.gate.pass_on(event.sample, "passed:relayed")]
-        if self.gate.mode is Mode.PASS:
-            return [self.gate.pass_on(event.sample, "passed:mode")]
+            return [self.gate.outcomes.pass_on(event.sample, "passed:relayed")]
+        if self.gate.appraisal.mode is Mode.PASS:
+            return [self.gate.outcomes.pass_on(event.sample, "passed:mode")]
         stream = self.view.stream(event.now, robot, event.key)
         # A stream that is there may have another period by and by; a new one is news.
         known = stream is None or stream.generated
@@ -125,11 +125,11 @@ class Core:
         if stream is None or deletes:
             self._uncovered(event.now, 1, event.size)
         if stream is None:
-            return [self.gate.pass_on(event.sample, self._unplanned(event.key))]
+            return [self.gate.outcomes.pass_on(event.sample, self._unplanned(event.key))]
         if deletes:
             waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
             self._keep_for_others(stream, waiting, delete=True)
-            return self.gate.delete(event.key, event.sample)
+            return self.gate.undecided.delete(event.key, event.sample)
         if event.superseded:
             stream.fates[SUPERSEDED] += event.superseded
         waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
@@ -139,17 +139,17 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SampleReread) -> list[Command]:
-        waiting = self.gate.settled(event.sample)
+        waiting = self.gate.undecided.settled(event.sample)
         if waiting is None:
             return []
         stream = self.view.stream(event.now, self.settings.robot, waiting.key)
         if stream is None:
             self._uncovered(event.now, 1, waiting.size)
-            return [self.gate.pass_on(event.sample, self._unplanned(waiting.key))]
+            return [self.gate.outcomes.pass_on(event.sample, self._unplanned(waiting.key))]
         # A stream that was not covered for a while has forgotten its samples.
         forgotten = stream.last is None or stream.last.t_gen < waiting.t_gen
         waiting = self._valued(stream, waiting, event.features, stream.generated + forgotten)
-        superseded = self.gate.supersede(waiting)
+        superseded = self.gate.undecided.supersede(waiting)
         return self.gate.put(event.now, waiting) if superseded is None else superseded
 
     def _valued(self, stream: Stream, waiting: Waiting, extracted: Mapping[str, float], count: int) -> Waiting:
@@ -167,7 +167,7 @@ class Core:
             stream.renew(generated)
         self.telling.urgent |= self.telling.pacer.value_changed(stream) and self.view.receivers(stream) > 0
         # In shadow all go, so none gives way to a newer one.
-        markovian = stream.information_type.markovian and self.gate.mode_of(stream) is not Mode.SHADOW
+        markovian = stream.information_type.markovian and self.gate.appraisal.mode_of(stream) is not Mode.SHADOW
         return replace(waiting, scale=scale, markovian=markovian, features=features)
 
     def _keep_for_others(self, stream: Stream | None, waiting: Waiting, *, delete: bool) -> None:
@@ -187,7 +187,7 @@ class Core:
     @_on.register
     def _(self, event: ev.SampleHanded) -> list[Command]:
         self.counts.hand(event.sample)
-        self.gate.handed(event.now, event.sample)
+        self.gate.outcomes.handed(event.now, event.sample)
         key = self._keys.pop(event.sample, None)
         if key is not None:
             self.view.handed(key)
@@ -195,20 +195,20 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SampleRefused) -> list[Command]:
-        self.gate.settled(event.sample)
+        self.gate.undecided.settled(event.sample)
         self.counts.drop(event.sample, event.reason)
-        self.gate.refused(event.sample)
+        self.gate.outcomes.refused(event.sample)
         self.kept.refused(self._keys.pop(event.sample, ""), event.sample)
         return []
 
     @_on.register
     def _(self, event: ev.CopyHanded) -> list[Command]:
-        self.kept.handed(event.now, event.sample, event.to)
+        self.kept.copies.handed(event.now, event.sample, event.to)
         return []
 
     @_on.register
     def _(self, event: ev.CopyRefused) -> list[Command]:
-        self.kept.turned_back(event.now, event.sample, event.to)
+        self.kept.copies.turned_back(event.now, event.sample, event.to)
         return []
 
     @_on.register
@@ -237,7 +237,7 @@ class Core:
             self.telling.asking.want(event.now, name)
         told: list[Command] = [NoteInterest(peer.zid, peer.subscriptions)] * (peer.subscriptions != subscriptions)
         if peer.state is not None:
-            self.kept.told(name, peer.subscriptions)
+            self.kept.subscribed(name, peer.subscriptions)
             told += self._retain()
         after = transport_warnings(self.view)
         wrong_transports = (Notice("error", warning) for warning in after if warning not in before)
@@ -307,7 +307,7 @@ class Core:
         if peer is not None and peer.zid == zid and peer.state is not None:
             self.kept.lost(now, self._leaving(peer))
             self.kept.appeared(peer.name, name)
-            self.kept.told(name, peer.subscriptions)
+            self.kept.subscribed(name, peer.subscriptions)
 
     def _leaving(self, peer: Peer) -> Leaving:
         name = tag(peer.zid)
@@ -343,14 +343,13 @@ class Core:
         self.telling.restate(event.now)
         self.view.restart_losses()
         self._adopt_limits(event.now)
-        return [*self.gate.unsettle(), *self._retain()]
+        return [*self.gate.undecided.unsettle(), *self._retain()]
 
     @_on.register
     def _(self, event: ev.ModeChanged) -> list[Command]:
-        self.gate.mode = event.mode
         self.telling.restate(event.now)
         self.view.restart_losses()
-        released = self.gate.release(event.now) if event.mode is Mode.PASS else []
+        released = self.gate.set_mode(event.now, event.mode)
         return [*released, *self._retain()]
 
     @_on.register
@@ -381,9 +380,7 @@ class Core:
         looked = self.coordination.look(now, limits, waiting, self.telling.announcing, self.budget.using)
         self.telling.parts_changed |= looked
         self.coordination.mute_until = self.telling.announces_at(now)
-        if self.gate.pending is None:
-            self._tickets += 1
-            commands += self.gate.next(now, self._tickets)
+        commands += self.gate.next(now)
         commands += self.telling.due(now)
         self.view.sweep(now)
         if self.kept.sweep(now):
@@ -396,7 +393,7 @@ class Core:
             return []
         kinds = [each for each in self.view.specs.types if each.planned and not each.markovian]
         wanted = self.kept.subscriptions().union(*(peer.subscriptions for peer in self.view.peers.values()))
-        keys = {key for each in kinds for key in each.keys} if self.gate.mode is not Mode.PASS else set[str]()
+        keys = {key for each in kinds for key in each.keys} if self.gate.appraisal.mode is not Mode.PASS else set[str]()
         retained = frozenset(common(wanted, keys))
         if retained == self.retained:
             return []
@@ -449,16 +446,16 @@ class Core:
         """
         for command in commands:
             if isinstance(command, Forward | Drop):
-                if self.kept.follows(command.sample):
+                if (key := self.kept.key_of(command.sample)) is not None:
                     lost = isinstance(command, Drop) and command.reason != CONSTRAINT
-                    names = () if lost else self._names(command.sample)
+                    names = () if lost else self._names(key)
                     self.kept.decided(now, command.sample, names, sent=isinstance(command, Forward))
                 if isinstance(command, Drop):
                     self._keys.pop(command.sample, None)
 
-    def _names(self, sample: int) -> tuple[str, ...]:
+    def _names(self, key: str) -> tuple[str, ...]:
         """Return the tags of those that want a sample of ours."""
-        stream = self.view.known(self.settings.robot, self._keys.get(sample, ""))
+        stream = self.view.known(self.settings.robot, key)
         return () if stream is None else self.view.wanting(stream)
 
     def _unplanned(self, key: str) -> str:

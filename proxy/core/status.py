@@ -28,14 +28,14 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "version": core.settings.version,
         "wire_version": VERSION,
         "zid": core.settings.zid,
-        "mode": core.gate.mode.value,
+        "mode": core.gate.appraisal.mode.value,
         "specs": core.view.specs.generation,
         "coordination": "split" if core.coordination.splits else "announce",
         "transport": core.settings.transport,
         "wall_error": core.view.clock_error or None,
         "uptime": now - core.started,
         "counts": _counts(core),
-        "kept": core.kept.described(now) | {"keys": sorted(core.retained)},
+        "kept": core.kept.copies.described(now) | {"keys": sorted(core.retained)},
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "streams": [_stream(core, stream, now) for stream in core.view.streams()],
@@ -45,7 +45,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
             *namesake_warnings(core.view),
             *transport_warnings(core.view),
             *core.outsiders.warnings(),
-            *cast_warnings(core.gate.limits, core.settings.transport),
+            *cast_warnings(core.budget.limits, core.settings.transport),
             *clock_warnings(core.view),
         ],
         "malformed": sum(count for kind, count in core.refused.items() if not kind.endswith(UNDERSTOOD)),
@@ -74,7 +74,7 @@ def _counts(core: Core) -> dict[str, Any]:
 
 
 def _budget(core: Core, now: float) -> list[dict[str, Any]]:
-    adaptive = [k for k, limit in enumerate(core.gate.limits) if limit.least < 1.0]
+    adaptive = [k for k, limit in enumerate(core.budget.limits) if limit.least < 1.0]
     return [
         {
             "constraint": limit.name,
@@ -87,7 +87,7 @@ def _budget(core: Core, now: float) -> list[dict[str, Any]]:
             "members": 1 + len(core.view.peers) if limit.shared else 1,
             **({"adaptive": core.channel.capacity.described(now, adaptive.index(k))} if k in adaptive else {}),
         }
-        for k, limit in enumerate(core.gate.limits)
+        for k, limit in enumerate(core.budget.limits)
     ]
 
 

@@ -61,7 +61,7 @@ class Recorded(Team):
         super().__post_init__()
 
     def _feed(self, member: Member, t: float, event: ev.Event) -> None:
-        life, pending = self.lives[member.robot], member.core.gate.pending
+        life, pending = self.lives[member.robot], member.core.gate.search.pending
         if not isinstance(event, ev.DecisionReady | ev.SampleHanded | ev.TimePassed):
             life.events.append((t, event))
         elif isinstance(event, ev.DecisionReady) and event.plan and pending and pending.ticket == event.ticket:
@@ -69,7 +69,7 @@ class Recorded(Team):
         super()._feed(member, t, event)
 
     def _execute(self, member: Member, t: float, command: Command) -> None:
-        life, pending = self.lives[member.robot], member.core.gate.pending
+        life, pending = self.lives[member.robot], member.core.gate.search.pending
         life.note(command)
         if isinstance(command, SendDigest):
             life.told.append(t)
@@ -132,7 +132,7 @@ class Relived(Team):
 
     def _decide(self, member: Member, t: float, command: Decide) -> None:
         """Search as then, and go on with what was decided then."""
-        pending, before, now = member.core.gate.pending, self._before, self._now
+        pending, before, now = member.core.gate.search.pending, self._before, self._now
         sample = pending.sample.sample if pending is not None and pending.ticket == command.ticket else -1
         again = len(now.tickets.get(sample, ()))
         search = start(command.problem, self.search, _at(again, before.tickets.get(sample, ()), command.seed))

@@ -80,7 +80,7 @@ class Besieged:
         """Conservation, bounds, and an honest robot that is known as what it is."""
         core, view = self.core, self.core.view
         assert core.counts.conserved
-        assert core.kept.conserved
+        assert core.kept.copies.conserved
         assert core.counts.by_reason.total() - core.counts.by_reason[SUPERSEDED] <= self.samples
         assert len(list(view.streams())) <= STREAMS
         assert sum(map(len, view._table._owned.values())) == len(view._table._all)

@@ -202,7 +202,7 @@ class Telling:
     def _send_state(self, now: float) -> list[Command]:
         """Publish what is new of our state, or all of it, or nothing."""
         self._restate_at, self._restated, self._large_is_new = math.inf, now, False
-        state, left = shortened(state_of(self._view, self._gate.mode))
+        state, left = shortened(state_of(self._view, self._gate.appraisal.mode))
         if self.state.number and not differs(self.state, state):
             return []
         state = replace(as_told(self.state, state), number=self.state.number + 1)

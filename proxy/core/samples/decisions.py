@@ -3,12 +3,11 @@
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any
 
 from planner import Plan
-
-ROUNDING = 1e-9
-"""A plan whose utility may be exceeded by no more than this part of it is the best."""
+from proxy.core.samples.tuning import TUNING
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +24,7 @@ class Decided:
     def proven(self) -> bool:
         """Whether no plan is better."""
         gap = self.plan.gap
-        return gap is not None and gap <= ROUNDING * max(1.0, abs(self.plan.utility))
+        return gap is not None and gap <= TUNING.proven_gap * max(1.0, abs(self.plan.utility))
 
     def described(self, now: float) -> dict[str, Any]:
         """The decision as plain JSON data: its `age` [s], and the plan that led to it [utility·s]."""
@@ -47,28 +46,38 @@ class Decided:
         }
 
 
+class Shortcut(StrEnum):
+    """What is counted of samples besides what searches decided."""
+
+    WOULD_DROP = "would_drop"
+    """In `shadow` it went although it was decided against."""
+    UNNEEDED = "unneeded"
+    """Sent while there was room for all."""
+    UNDISPUTED = "undisputed"
+    """Sent by what room costs."""
+    HOPELESS = "hopeless"
+    """Dropped by what room costs."""
+    OWED = "owed"
+    """Sent because a guarantee demanded it."""
+    UNKEPT = "unkept"
+    """A guarantee demanded it, and the limits left no room."""
+    LATE = "late"
+    """Sent if it fitted, for there was no answer in time."""
+
+
 class Decisions:
     """Statistics of all decisions since the start.
 
     `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
-    ones, whose gap is known [utility·s]. `unneeded` are samples that were sent while there was room for all.
-    `undisputed` ones were sent and `hopeless` ones dropped by what
-    room costs. A guarantee demanded the `owed` ones; for the `unkept` of them the limits left no room. `late` are
-    samples that were sent if they fitted, for there was no answer in time. Of windows that were `thinned` to come in
-    time `kept` counts the messages to decide, `full` those there would be else. `binding` counts by constraint the
-    dropped samples that it was in the way of.
+    ones, whose gap is known [utility·s]. Of windows that were `thinned` to come in time `kept` counts the messages to
+    decide, `full` those there would be else. `binding` counts by constraint the dropped samples that it was in the way
+    of.
     """
 
     def __init__(self) -> None:
         self.made = 0
         self.iterations = 0
-        self.would_drop = 0
-        self.unneeded = 0
-        self.undisputed = 0
-        self.hopeless = 0
-        self.owed = 0
-        self.unkept = 0
-        self.late = 0
+        self.shortcuts: dict[Shortcut, int] = dict.fromkeys(Shortcut, 0)
         self.thinned = 0
         self.kept = 0
         self.full = 0
@@ -80,6 +89,10 @@ class Decisions:
         self.utility = 0.0
         self.binding: Counter[str] = Counter()
         self.last: Decided | None = None
+
+    def count(self, shortcut: Shortcut) -> None:
+        """One more sample went or was dropped so."""
+        self.shortcuts[shortcut] += 1
 
     def note(self, decided: Decided) -> None:
         """A search has decided."""
@@ -111,13 +124,7 @@ class Decisions:
         return {
             "made": self.made,
             "iterations": self.iterations,
-            "would_drop": self.would_drop,
-            "unneeded": self.unneeded,
-            "undisputed": self.undisputed,
-            "hopeless": self.hopeless,
-            "owed": self.owed,
-            "unkept": self.unkept,
-            "late": self.late,
+            **{shortcut.value: count for shortcut, count in self.shortcuts.items()},
             "thinned": {"windows": self.thinned, "messages": self.kept, "of": self.full},
             "seconds": self.seconds,
             "longest": self.longest,

@@ -8,6 +8,9 @@ part of what is ours in a window, and fills in that time.
 from collections.abc import Sequence
 
 from planner import Constraint
+from proxy.core.coordination.budget import Budget
+from proxy.core.model.waiting import Waiting
+from proxy.core.view.view import SharedView
 
 
 class TokenBuckets:
@@ -40,3 +43,32 @@ class TokenBuckets:
             name: (size, level - amount)
             for (name, (size, level)), amount in zip(self._buckets.items(), use, strict=True)
         }
+
+
+class StaticRule:
+    """Decides by priority and token buckets, within the limits."""
+
+    def __init__(self, view: SharedView, budget: Budget) -> None:
+        self._view = view
+        self._budget = budget
+        self._buckets = TokenBuckets()
+
+    def needed(self, sample: Waiting, use: Sequence[float]) -> tuple[float, ...]:
+        """What room there has to be for a sample that uses so much: the lower ones leave a part of it."""
+        part = 1.0 if self._urgent(sample) else self._view.specs.fallback.part
+        return tuple(amount / part for amount in use)
+
+    def admit(self, now: float, sample: Waiting, use: Sequence[float]) -> tuple[str, ...]:
+        """Name what has no room for a sample; if nothing has too little it is sent, and takes its tokens."""
+        part, limits = self._view.specs.fallback.part, self._budget.limits
+        self._buckets.fill(now, limits, [part * room for room in self._budget.left(now)])
+        lacking = self._budget.lacking(now, self.needed(sample, use))
+        if lacking or self._urgent(sample):
+            return lacking
+        lacking = self._buckets.lacking(use)
+        if not lacking:
+            self._buckets.take(use)
+        return lacking
+
+    def _urgent(self, sample: Waiting) -> bool:
+        return sample.priority <= self._view.specs.fallback.urgent

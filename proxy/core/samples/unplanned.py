@@ -4,9 +4,8 @@ import math
 
 from proxy.core.interface.commands import Notice
 from proxy.core.samples.counts import Counts
+from proxy.core.samples.tuning import TUNING
 
-PACE = 60.0
-"""The same is said again after so long [s]."""
 REASONS = {
     "dropped:overflow": "too many waited to be decided",
     "dropped:full": "too many waited for the mesh",
@@ -33,5 +32,5 @@ class Unplanned:
 
     def _notice(self, now: float, reason: str) -> Notice:
         total = self._counts.by_reason[reason]
-        new, self._said[reason], self._next[reason] = total - self._said[reason], total, now + PACE
+        new, self._said[reason], self._next[reason] = total - self._said[reason], total, now + TUNING.warnings_apart
         return Notice("warning", f"samples dropped, {REASONS[reason]}: {new}, {total} in all ({reason})")

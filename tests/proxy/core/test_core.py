@@ -80,7 +80,7 @@ def test_while_one_is_decided_the_latest_of_a_stream_wins(make_talk):
     assert [type(command) for command in after] == [Drop, Decide]
     current = after[1].problem.messages[after[1].problem.current]
     assert current.t_gen == 0.3
-    assert talk.core.gate.pending.sample.sample == third
+    assert talk.core.gate.search.pending.sample.sample == third
 
 
 def test_what_does_not_fit_is_dropped_without_a_search(make_talk):

@@ -33,8 +33,8 @@ def test_no_decision_mixes_two_generations_of_specs(make_talk, make_specs):
             for command in only(talk.tell(ev.SpecsChanged(t, make_specs(text=WEIGHED.format(10**i)))), Reread):
                 decides += only(talk.tell(ev.SampleReread(t, command.sample, {})), Decide)
         if i % 3 == 0:
-            while talk.core.gate.pending is not None:
-                ticket = talk.core.gate.pending.ticket
+            while talk.core.gate.search.pending is not None:
+                ticket = talk.core.gate.search.pending.ticket
                 (asked,) = (each for each in decides if each.ticket == ticket)
                 decides += only(talk.answer(t, asked, send=i % 2 == 0), Decide)
     scales = [{message.scale for message in command.problem.messages} for command in decides]

@@ -121,7 +121,7 @@ def queries(core, now):
     yield "what we may use", lambda: [(budget.whole(now, k), budget.used(now, k)) for k in limits]
     yield "what is free", lambda: (budget.free(now), budget.left(now), budget.others(now))
     yield "what fits", lambda: (budget.fits(now, use), budget.lacking(now, use), budget.opens(now, use))
-    yield "limits", lambda: (budget.problem_limits(now), budget.alone, [gate.mode_of(s) for s in view.own()])
+    yield "limits", lambda: (budget.problem_limits(now), budget.alone, [gate.appraisal.mode_of(s) for s in view.own()])
     yield "capacity", lambda: (capacity.waiting(now), capacity.due(now), capacity.factors, capacity.wake_at(now))
     yield "words", lambda: (capacity.speak(now), capacity.news(now), capacity.telling(now))
     yield "telling", lambda: (telling.announcing(now), telling.state)

@@ -64,7 +64,7 @@ def settle(talk, now, said, *, send):
 
 
 def disputes(talk):
-    return talk.core.gate._windows.disputes
+    return talk.core.gate.appraisal.disputes
 
 
 def test_small_samples_go_without_a_search_and_are_no_part_of_any(talk):
@@ -174,7 +174,7 @@ def test_a_sample_that_is_worth_more_than_others_of_its_stream_is_decided(talk):
     run(talk, 2.0, 2.5)
     assert disputes(talk).weighed(stream).scale == 1.0
     talk.publish(4.0, "robot/r1/camera", size=FRAME, red=1.0)
-    assert talk.core.gate.pending.sample.scale == 11.0
+    assert talk.core.gate.search.pending.sample.scale == 11.0
 
 
 def test_streams_of_which_nothing_pays_are_dropped_without_a_search(make_talk, make_specs):

@@ -9,7 +9,7 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward
 from proxy.core.market.undersubscribed import MANY, PART, PART_OF_NEW, Ample, need
 from proxy.core.model.limits import Limit
-from proxy.core.samples.gate import AT_ONCE
+from proxy.core.samples.tuning import TUNING
 from tests.proxy.core.talk import only
 
 WINDOW, LIMIT = 0.5, 62_500.0
@@ -95,7 +95,10 @@ def test_of_a_burst_so_many_are_taken_up_at_one_event(make_talk, make_specs):
         assert talk.core.wake_at(1.01) == 1.01
         talk.tell(ev.TimePassed(1.01))
         sent.append(len(talk.all(Forward)))
-    assert [after - before for before, after in pairwise(sent)][:2] == [AT_ONCE, AT_ONCE]
+    assert [after - before for before, after in pairwise(sent)][:2] == [
+        TUNING.taken_up_at_once,
+        TUNING.taken_up_at_once,
+    ]
 
 
 def test_settled_streams_that_need_little_go_without_a_search(talk):
@@ -110,4 +113,4 @@ def test_settled_streams_that_need_little_go_without_a_search(talk):
     assert not any(searched[10:])
     sample, commands = talk.publish(5.0)
     assert only(commands) == [Forward(sample)]
-    assert talk.core.status(5.0)["decisions"]["unneeded"] == talk.core.gate.decisions.unneeded > 8
+    assert talk.core.status(5.0)["decisions"]["unneeded"] == talk.core.gate.decisions.shortcuts["unneeded"] > 8

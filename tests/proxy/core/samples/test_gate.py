@@ -183,12 +183,12 @@ def test_nothing_is_lost_and_deletions_keep_their_place(make_aggregated, aggrega
         decisions += only(commands, Decide)
         approved += [command.sample for command in only(commands, Forward)]
         assert talk.core.counts.conserved
-    while decisions or talk.core.gate.inbox:
+    while decisions or talk.core.gate.undecided.inbox:
         now += 0.0 if decisions else 0.1  # some wait for room
         said = talk.answer(now, decisions.pop(), send=True) if decisions else talk.tell(ev.TimePassed(now))
         decisions += only(said, Decide)
-    assert talk.core.gate.pending is None
-    assert len(talk.core.gate.inbox) == 0
+    assert talk.core.gate.search.pending is None
+    assert len(talk.core.gate.undecided.inbox) == 0
     sent = [command.sample for command in talk.all(Forward)]
     dropped = [command.sample for command in talk.all(Drop)]
     assert sorted(sent + dropped) == sorted(keys)

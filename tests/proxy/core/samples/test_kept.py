@@ -12,7 +12,9 @@ from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.waiting import Waiting
 from proxy.core.protocol.messages import State, tag
-from proxy.core.samples.kept import DOUBT, MOST_BYTES, MOST_NAMED, MOST_ROBOTS, Kept, Leaving
+from proxy.core.samples.away import Leaving
+from proxy.core.samples.kept import Kept
+from proxy.core.samples.tuning import TUNING
 from tests.proxy.core.talk import Talk, only
 
 SPEC = """
@@ -72,8 +74,8 @@ class Away(Talk):
     def settle(self, now, *, send=False):
         """Answer all that is to be decided; return what is commanded then."""
         said = []
-        while self.core.gate.pending is not None:
-            (decide,) = [each for each in self.all(Decide) if each.ticket == self.core.gate.pending.ticket]
+        while self.core.gate.search.pending is not None:
+            (decide,) = [each for each in self.all(Decide) if each.ticket == self.core.gate.search.pending.ticket]
             said += self.answer(now, decide, send=send)
         return said
 
@@ -102,7 +104,7 @@ def test_what_is_published_while_a_robot_is_away_goes_to_it_alone_when_it_is_bac
     assert (talk.kept["by_reason"], talk.kept["waiting"], talk.kept["for"]) == ({"forwarded": 3}, 0, [])
     assert talk.core.counts.by_reason == {"forwarded": 3}
     assert talk.core.counts.conserved
-    assert talk.core.kept.conserved
+    assert talk.core.kept.copies.conserved
 
 
 def test_a_robot_that_is_back_is_told_of_which_keys_copies_wait(make):
@@ -127,7 +129,7 @@ def test_a_robot_for_which_nothing_is_kept_is_told_so(make):
     talk.vanish(10.0)
     assert only(talk.arrive(11.0), TellBacklog) == [TellBacklog(tag(ZID), 1, (), grows=True)]
     talk.vanish(12.0)
-    for number in range(MOST_NAMED + 1):
+    for number in range(TUNING.named_keys + 1):
         talk.alarm(12.0, f"alarm/{number}")
     (word,) = only(talk.arrive(13.0), TellBacklog)
     assert word == TellBacklog(tag(ZID), 2, None, grows=True)
@@ -145,9 +147,9 @@ def test_of_what_a_newer_sample_supersedes_nothing_is_kept(make):
 def test_what_was_sent_shortly_before_the_loss_was_noticed_is_offered_again(make):
     """Nobody knows whether it arrived; what is older did."""
     talk = make()
-    old, young = talk.alarm(1.0), talk.alarm(1.5 + DOUBT)
-    talk.vanish(2.0 + DOUBT)
-    assert talk.copies(talk.arrive(3.0 + DOUBT)) == to_away(young)
+    old, young = talk.alarm(1.0), talk.alarm(1.5 + TUNING.doubtful)
+    talk.vanish(2.0 + TUNING.doubtful)
+    assert talk.copies(talk.arrive(3.0 + TUNING.doubtful)) == to_away(young)
     assert old not in dict(talk.copies())
 
 
@@ -203,11 +205,11 @@ def test_a_sample_that_waits_for_its_decision_until_the_robot_is_back_is_kept_on
     for number in (1, 2):
         kept.published(Waiting(number, "alarm/a", 1_000, 0.1, 1.0, 5, False), 60.0, 64, delete=False)
     kept.appeared("away", tag(ZID))
-    kept.told(tag(ZID), KEYS)
+    kept.subscribed(tag(ZID), KEYS)
     kept.published(Waiting(3, "alarm/a", 1_000, 0.2, 1.0, 5, False), 60.0, 64, delete=False)
     for number in (1, 2, 3):
         kept.decided(0.3, number, (tag(ZID),), sent=False)
-    assert (kept.entered, kept.waiting) == (3, 3)
+    assert (kept.copies.entered, kept.copies.waiting) == (3, 3)
 
 
 def test_copies_cost_who_was_never_away_nothing(make):
@@ -240,7 +242,7 @@ def catch_up(talk, times, events=(), apart=1.0):
         talk.settle(2.0 + apart * number, send=True)
     now, due = max(30.0, 3.0 + apart * number), list(times)
     said = talk.arrive(now)
-    while talk.kept["waiting"] or talk.core.gate.inbox or due:
+    while talk.kept["waiting"] or talk.core.gate.undecided.inbox or due:
         while due and due[0] <= now:
             for event in () if live else events:
                 talk.tell(event)
@@ -265,7 +267,7 @@ def test_a_copy_that_is_lost_with_the_link_again_is_offered_again(make):
     talk.vanish(13.1)  # before it was handed over
     talk.tell(ev.CopyHanded(13.2, sample, tag(ZID)))
     assert talk.copies(talk.arrive(14.0)) == to_away(sample)
-    assert talk.core.kept.conserved
+    assert talk.core.kept.copies.conserved
 
 
 def test_a_loss_too_short_to_be_told_is_one(make):
@@ -362,13 +364,13 @@ def test_what_is_kept_is_bounded_in_bytes_and_robots(make):
     talk = make(backlog=256)
     talk.vanish(10.0)
     for number in range(40):
-        talk.alarm(11.0, f"alarm/{number}", size=MOST_BYTES // 32)
-    assert talk.kept["bytes"] <= MOST_BYTES
+        talk.alarm(11.0, f"alarm/{number}", size=TUNING.payload_bytes // 32)
+    assert talk.kept["bytes"] <= TUNING.payload_bytes
     assert talk.kept["by_reason"] == {"dropped:overflow": 8}
-    for number in range(MOST_ROBOTS):
+    for number in range(TUNING.robots):
         talk.arrive(20.0, f"r{number}", f"{number:08d}")
         talk.vanish(21.0, f"r{number}", f"{number:08d}")
-    assert len(talk.kept["for"]) == MOST_ROBOTS
+    assert len(talk.kept["for"]) == TUNING.robots
     assert "away" not in {each["robot"] for each in talk.kept["for"]}
 
 
@@ -505,7 +507,7 @@ def test_whatever_happens_copies_are_bounded_and_accounted_for(make, events, lim
     world = World(talk)
     for what, zid, seconds in events:
         world.happen(what, zid, seconds)
-        assert talk.core.kept.conserved
+        assert talk.core.kept.copies.conserved
         assert talk.core.counts.conserved
         assert talk.kept["bytes"] == sum(world.sizes[sample] for sample in world.payloads)
         assert talk.kept["waiting"] <= 2 * 2 * (4 + 1) + len(world.handing)
@@ -546,7 +548,7 @@ def test_a_robot_gets_each_once_in_order_however_often_it_is_away(make, steps):
             received.extend([sample] * (sample not in received))
             talk.tell(ev.CopyHanded(now, sample, to))
     assert received == published
-    assert (talk.kept["waiting"], talk.core.kept.conserved) == (0, True)
+    assert (talk.kept["waiting"], talk.core.kept.copies.conserved) == (0, True)
 
 
 class World:

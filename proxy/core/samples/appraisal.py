@@ -1,0 +1,100 @@
+"""What a sample of ours is as things are now: what it uses, whether it is guaranteed, and how it stands."""
+
+import math
+
+from proxy.core.coordination.budget import Budget
+from proxy.core.coordination.claims import both, rivals
+from proxy.core.market.disputes import Disputes
+from proxy.core.market.prices import Standing
+from proxy.core.market.undersubscribed import Ample
+from proxy.core.model.limits import use_of
+from proxy.core.model.mode import Mode, in_force
+from proxy.core.model.waiting import Waiting
+from proxy.core.view.stream import Stream
+from proxy.core.view.view import SharedView
+from proxy.core.window.guarantees import guaranteed, owed
+
+Use = tuple[float, ...]
+"""What a message uses of each constraint."""
+
+
+class Appraisal:
+    """Asks the view, the budget and the market about samples of this robot."""
+
+    def __init__(self, view: SharedView, budget: Budget, disputes: Disputes) -> None:
+        self.mode = view.settings.mode
+        """What the daemon does with decisions."""
+        self.view = view
+        self.budget = budget
+        self.disputes = disputes
+        self._ample = Ample(view)
+
+    def set_mode(self, mode: Mode) -> None:
+        """Do this with decisions from now on."""
+        self.mode = mode
+
+    def mode_of(self, stream: Stream | None) -> Mode:
+        """What is done with decisions on a stream."""
+        return self.mode if stream is None else in_force(self.mode, stream.information_type.mode)
+
+    def stream_of(self, now: float, sample: Waiting) -> Stream | None:
+        """Return the stream of a sample; None where no spec plans for it."""
+        return self.view.stream(now, self.view.settings.robot, sample.key)
+
+    def copies(self, stream: Stream | None) -> int:
+        """How often a sample of the stream goes on the air."""
+        return self.view.copies(stream) if stream is not None else 1
+
+    def use(self, stream: Stream | None, sample: Waiting) -> Use:
+        """What a sample uses of the constraints as they are now: they may change while it is decided."""
+        return use_of(sample.size, self.copies(stream), self.budget.limits)
+
+    def owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Whether a guarantee of the stream demands the sample."""
+        return guaranteed(stream) and any(owed(stream, [sample.t_gen], self.view.audiences.of(now, stream).slowest))
+
+    def published(self, now: float, stream: Stream) -> None:
+        """The stream has generated a sample while another one is decided."""
+        self._ample.note(now, stream)
+
+    def roomy(self, now: float, stream: Stream, waiting: int) -> bool:
+        """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
+        limits, alone = self.budget.limits, self.budget.alone
+        whole = [limit.limit for limit in self.budget.usable(now)]
+        return not limits or self._ample.fits(now, stream, limits, whole, waiting, alone=alone)
+
+    def standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
+        """How a sample stands among all that competes with it."""
+        self._weigh(now)
+        return self.disputes.standing(now, stream, sample)
+
+    def lacking_beside_booked(self, now: float, use: Use) -> tuple[str, ...]:
+        """Name the limits that have no room for a contested message beside what is booked and not used yet."""
+        return self.budget.lacking(now, self.disputes.besides(now, use))
+
+    def lacking_for_copy(self, now: float, use: Use) -> tuple[str, ...]:
+        """Name the limits that have no room for a copy beside the samples that room is booked for.
+
+        Else the copies for who was away cost the others their alarms: 21 and 26 of 60, where copies took half of a
+        limit for 2 s.
+        """
+        self._weigh(now)
+        return self.lacking_beside_booked(now, use)
+
+    def lacking_beside_rivals(self, now: float, stream: Stream | None, use: Use) -> tuple[tuple[str, ...], float]:
+        """Name the limits that have no room for a sample beside what others with a better claim may just have sent.
+
+        And say until when at least, as far as nothing is heard of them [s].
+        """
+        budget = self.budget
+        if stream is None or budget.alone or not self.view.peers:
+            return (), math.inf
+        if any(amount > c.limit for amount, c in zip(use, budget.usable(now), strict=True)):
+            return (), math.inf  # there never is room beside it
+        grew = budget.grew(now)
+        taken, until = rivals(now, self.view, self.disputes, stream, budget.limits, own=use, grew=grew)
+        return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
+
+    def _weigh(self, now: float) -> None:
+        """Weigh anew how streams stand, if it is time to."""
+        self.disputes.look(now, self.budget.usable(now), alone=self.budget.alone)

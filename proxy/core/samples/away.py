@@ -1,0 +1,147 @@
+"""One robot that is away, or is back and does not have everything yet, and the copies that are kept for it."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from proxy.core.model.waiting import Waiting
+from proxy.core.view.interest import intersects
+
+
+@dataclass(slots=True, eq=False)
+class Copy:
+    """A sample kept for the robot with the tag `to`, worth nothing after `until` [s]."""
+
+    waiting: Waiting
+    to: str
+    until: float
+    most: int
+    """This many of its stream are kept for one robot."""
+    delete: bool
+    ready_at: float = -math.inf
+    """When it is looked at again [s]."""
+
+    def postpone(self, until: float) -> None:
+        """It is not looked at before that time [s]."""
+        self.ready_at = until
+
+    @property
+    def age_order(self) -> tuple[float, int]:
+        """Orders copies from the oldest to the newest."""
+        return self.waiting.t_gen, self.waiting.sample
+
+
+@dataclass(frozen=True, slots=True)
+class Leaving:
+    """A robot whose token has vanished. `reached` are keys of `once` of which it was sent a sample.
+
+    A robot whose specs are `alike` ours notices what it has received already.
+    """
+
+    name: str
+    tag: str
+    subscriptions: tuple[str, ...]
+    reached: frozenset[str]
+    alike: bool
+
+
+class Away:
+    """A robot that is kept for; it is `back` when its token is, and `known` when its subscriptions are, too."""
+
+    def __init__(self, now: float, robot: Leaving) -> None:
+        self.robot = robot
+        self.since = now
+        self.back = False
+        self.known = False
+        self._copies: dict[str, list[Copy]] = {}
+        """By key, the oldest first."""
+        self._handing: dict[int, Copy] = {}
+        """Those on their way to the mesh session, by sample."""
+
+    def vanish(self, now: float, robot: Leaving) -> None:
+        """It has vanished again; what it subscribes to it can only have changed if we were told so."""
+        if self.known:
+            self.robot, self.since = robot, now
+        self.back = self.known = False
+
+    def appear(self) -> None:
+        """Its token is back."""
+        self.back = True
+
+    def subscribe(self) -> None:
+        """What it subscribes to is known: new samples reach it."""
+        self.known = True
+
+    def wants(self, key: str) -> bool:
+        """Whether it subscribed to a key."""
+        return any(intersects(expression, key) for expression in self.robot.subscriptions)
+
+    def waiting(self) -> Iterator[Copy]:
+        """Return the copies that wait."""
+        return (copy for copies in self._copies.values() for copy in copies)
+
+    def all(self) -> list[Copy]:
+        """Return the copies that wait, and those on their way to the mesh session."""
+        return [*self.waiting(), *self._handing.values()]
+
+    def oldest(self) -> Iterator[Copy]:
+        """Return the oldest copy of each key that waits."""
+        return (copies[0] for copies in self._copies.values())
+
+    def has(self, copy: Copy) -> bool:
+        """Whether a copy waits."""
+        return any(each is copy for each in self._copies.get(copy.waiting.key, ()))
+
+    @property
+    def count(self) -> int:
+        """How many copies there are."""
+        return len(self._handing) + sum(map(len, self._copies.values()))
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """The keys of which not all copies are handed over."""
+        return frozenset(self._copies) | {copy.waiting.key for copy in self._handing.values()}
+
+    @property
+    def reached(self) -> frozenset[str]:
+        """The keys of `once` of which it has a sample for certain."""
+        return self.robot.reached - self._copies.keys()
+
+    def add(self, copy: Copy) -> Copy | None:
+        """Keep one more; return the one that is too many of its key: the least valuable, a deletion last."""
+        copies = self._copies.setdefault(copy.waiting.key, [])
+        copies.append(copy)
+        return min(copies, key=_value) if len(copies) > copy.most else None
+
+    def remove(self, copy: Copy) -> None:
+        """A copy waits no longer."""
+        copies = self._copies[copy.waiting.key]
+        copies.remove(copy)
+        if not copies:
+            del self._copies[copy.waiting.key]
+
+    def hand(self, copy: Copy) -> None:
+        """A copy is on its way to the mesh session."""
+        self.remove(copy)
+        self._handing[copy.waiting.sample] = copy
+
+    def answer(self, sample: int) -> Copy | None:
+        """The mesh session has answered; return the copy that it was about, if it is still on its way."""
+        return self._handing.pop(sample, None)
+
+    def turn_back(self, copy: Copy) -> None:
+        """A copy goes on waiting, before all others of its key."""
+        self._copies.setdefault(copy.waiting.key, []).insert(0, copy)
+
+    def offer_again(self) -> None:
+        """Whether those on their way to the mesh session arrive is not known: they wait again."""
+        for copy in self._handing.values():
+            self._copies.setdefault(copy.waiting.key, []).append(copy)
+        self._handing = {}
+        for copies in self._copies.values():
+            copies.sort(key=lambda copy: copy.age_order)
+
+
+def _value(copy: Copy) -> tuple[bool, float, float, int]:
+    """Order those of one stream by what they are worth; a deletion stays."""
+    return copy.delete, copy.waiting.scale, *copy.age_order

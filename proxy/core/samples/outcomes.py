@@ -1,0 +1,91 @@
+"""What becomes of our samples: each is sent, passed on or dropped for a reason, and counted."""
+
+from collections.abc import Iterable
+
+from planner import Aggregation
+from proxy.core.interface.commands import Command, Drop, Forward
+from proxy.core.model.mode import Mode
+from proxy.core.model.waiting import Waiting
+from proxy.core.samples.appraisal import Appraisal, Use
+from proxy.core.samples.counts import Counts
+from proxy.core.samples.decisions import Decisions, Shortcut
+from proxy.core.samples.inbox import Evicted
+from proxy.core.view.stream import Sent, Stream
+
+
+class Outcomes:
+    """Notes what becomes of samples wherever that counts: in the view, the budget and the statistics."""
+
+    def __init__(self, appraisal: Appraisal, counts: Counts, decisions: Decisions) -> None:
+        self._appraisal = appraisal
+        self._view, self._budget = appraisal.view, appraisal.budget
+        self._counts = counts
+        self._decisions = decisions
+        self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
+        """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
+
+    def pass_on(self, sample: int, reason: str) -> Command:
+        """Forward a sample that needs no decision."""
+        self._counts.approve(sample, reason)
+        return Forward(sample)
+
+    def send(self, now: float, stream: Stream | None, sample: Waiting, use: Use, reason: str) -> Command:
+        """Forward what was decided for."""
+        if stream is not None:
+            sent = Sent(min(sample.t_gen, now), now, sample.size, sample.scale, sample.features)
+            if stream.information_type.aggregation is Aggregation.ONCE:
+                self._first[sample.sample] = stream, self._view.gaining(stream)
+            self._view.note_sent(stream, stream.forwarded + 1, sent)
+            stream.fates[reason] += 1
+        self._count_on_air(stream, sample)
+        self._budget.use(now, use, sample.sample)
+        return self.pass_on(sample.sample, reason)
+
+    def refuse(
+        self, now: float, stream: Stream | None, sample: Waiting, reason: str, lacking: tuple[str, ...] = ()
+    ) -> Command:
+        """Drop what was decided against; in `shadow` it goes all the same, and only its traffic is announced."""
+        self._decisions.refused(lacking)
+        if stream is not None:
+            stream.fates[reason] += 1
+        if self._appraisal.mode_of(stream) is not Mode.SHADOW:
+            return self._drop(sample.sample, reason)
+        self._decisions.count(Shortcut.WOULD_DROP)
+        self._count_on_air(stream, sample)
+        specs = self._view.specs
+        if "enforce" in specs.modes or self._appraisal.mode is Mode.ENFORCE:
+            # What is enforced has to do with what is left.
+            self._budget.use_at_most(now, self._appraisal.use(stream, sample), 1.0 - specs.floor)
+        return self.pass_on(sample.sample, "passed:shadow")
+
+    def evict(self, evicted: Iterable[Evicted]) -> list[Command]:
+        """Drop what had to leave before it was decided."""
+        commands: list[Command] = []
+        for each in evicted:
+            stream = self._view.known(self._view.settings.robot, each.key)
+            if stream is not None:
+                stream.fates[each.reason] += 1
+            commands.append(self._drop(each.sample, each.reason))
+        return commands
+
+    def handed(self, now: float, sample: int) -> None:
+        """The mesh session took the sample."""
+        self._first.pop(sample, None)
+        self._budget.handed(now, sample)
+
+    def refused(self, sample: int) -> None:
+        """The mesh session did not take the sample: if it is the first one that counts, the next one is."""
+        self._budget.refused(sample)
+        first = self._first.pop(sample, None)
+        if first is not None:
+            stream, names = first
+            stream.miss(names)
+
+    def _count_on_air(self, stream: Stream | None, sample: Waiting) -> None:
+        """Count a sample in what we announce that we put on the air."""
+        copies = self._appraisal.copies(stream)
+        self._view.aired(copies, copies * sample.size)
+
+    def _drop(self, sample: int, reason: str) -> Command:
+        self._counts.drop(sample, reason)
+        return Drop(sample, reason)

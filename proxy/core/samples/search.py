@@ -1,0 +1,75 @@
+"""The decision that is being searched for: one at a time, so that each sees what the one before did."""
+
+from dataclasses import dataclass
+
+from proxy.core.coordination.budget import Budget
+from proxy.core.interface.commands import Command, Decide
+from proxy.core.model.settings import CoreSettings
+from proxy.core.model.waiting import Waiting
+from proxy.core.samples.away import Copy
+from proxy.core.samples.decisions import Decisions
+from proxy.core.samples.inbox import Inbox
+from proxy.core.samples.tuning import TUNING
+from proxy.core.window.span import Span
+from proxy.core.window.window import WindowBuilder
+
+
+@dataclass(frozen=True, slots=True)
+class Pending:
+    """The sample being decided, or the copy of one, beside so many other messages; of too many some were left out."""
+
+    ticket: int
+    sample: Waiting
+    constraints: tuple[str, ...]
+    held: int = 0
+    thinned: bool = False
+    copy: Copy | None = None
+
+
+class Search:
+    """Asks for a decision, and awaits its answer."""
+
+    def __init__(self, settings: CoreSettings, budget: Budget, windows: WindowBuilder, decisions: Decisions) -> None:
+        self.pending: Pending | None = None
+        self.span = Span(settings.deadline)
+        self._iterations = settings.iterations
+        self._budget = budget
+        self._windows = windows
+        self._decisions = decisions
+
+    def busy(self) -> bool:
+        """Whether an answer is awaited."""
+        return self.pending is not None
+
+    def start(self, now: float, sample: Waiting, inbox: Inbox, ticket: int, copy: Copy | None = None) -> Command:
+        """Have a sample decided, or the copy of one, while others wait in the inbox."""
+        problem, full = self._windows.within(now, sample, inbox, self._budget.problem_limits(now), self.span.most)
+        held = sum(not message.sent for message in problem.messages) - 1
+        thinned = self.span.most < full
+        if thinned:
+            self._decisions.thin(held, full)
+        self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints), held, thinned, copy)
+        fewer = self._iterations // (1 + len(inbox) // TUNING.samples_per_halving)
+        iterations = min(max(TUNING.fewest_iterations, fewer), self._iterations)
+        return Decide(ticket, problem, ticket, iterations, now)
+
+    def answered(self, ticket: int, overhead: float) -> Pending | None:
+        """Return what waits for the answer with this ticket, and does so no longer.
+
+        All but the search took `overhead` [s]; infinite where the answer did not come in time.
+        """
+        pending = self.pending
+        if pending is None or pending.ticket != ticket:
+            return None
+        self.pending = None
+        self.span.note(pending.held, overhead, thinned=pending.thinned)
+        return pending
+
+    def deciding(self) -> list[Waiting]:
+        """The sample that is being decided, if one is; a copy stays where it is kept."""
+        return [] if self.pending is None or self.pending.copy is not None else [self.pending.sample]
+
+    def cancel(self) -> list[Waiting]:
+        """The answer counts no more; return the sample that was being decided."""
+        deciding, self.pending = self.deciding(), None
+        return deciding

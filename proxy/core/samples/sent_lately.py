@@ -1,0 +1,66 @@
+"""Samples sent lately of which each counts: a robot whose loss is noticed now may not have got them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from proxy.core.samples.away import Copy, Leaving
+from proxy.core.samples.payloads import Payloads
+from proxy.core.samples.tuning import TUNING
+
+
+@dataclass(frozen=True, slots=True)
+class _Sent:
+    """A sample that was sent, when to whom, by tag [s], as a copy for any of them would be."""
+
+    copy: Copy
+    at: Mapping[str, float]
+
+
+class SentLately:
+    """Of each key as many as are kept for one robot."""
+
+    def __init__(self, payloads: Payloads) -> None:
+        self._payloads = payloads
+        self._sent: dict[str, dict[int, _Sent]] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._sent)
+
+    def note(self, copy: Copy, at: Mapping[str, float]) -> None:
+        """A sample was sent at these times to these robots."""
+        waiting = copy.waiting
+        many = self._sent.setdefault(waiting.key, {})
+        known = many.pop(waiting.sample, None)
+        many[waiting.sample] = _Sent(copy, {**(known.at if known is not None else {}), **at})
+        if known is None:
+            self._payloads.hold(waiting)
+        if len(many) > copy.most:
+            self.forget(waiting.key, next(iter(many)))
+
+    def doubtful(self, now: float, robot: Leaving) -> list[Copy]:
+        """Return what a robot may not have got that vanishes now; nothing if it would not notice what it has."""
+        if not robot.alike:
+            return []
+        sent = (each for many in self._sent.values() for each in many.values())
+        return [each.copy for each in sent if each.at.get(robot.tag, -math.inf) >= now - TUNING.doubtful]
+
+    def forget(self, key: str, sample: int) -> None:
+        """Nobody needs a sample any more."""
+        many = self._sent.get(key, {})
+        if many.pop(sample, None) is not None:
+            if not many:
+                del self._sent[key]
+            self._payloads.release(sample)
+
+    def forget_oldest(self) -> None:
+        """There is no room for all: one leaves."""
+        key, many = next(iter(self._sent.items()))
+        self.forget(key, next(iter(many)))
+
+    def sweep(self, now: float) -> None:
+        """Forget what has arrived for certain."""
+        since = now - TUNING.doubtful
+        old = [(k, n) for k, many in self._sent.items() for n, sent in many.items() if max(sent.at.values()) < since]
+        for key, sample in old:
+            self.forget(key, sample)

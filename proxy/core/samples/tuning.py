@@ -1,0 +1,47 @@
+"""The constants of this package, each with why it is what it is."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class SamplesTuning:
+    """Constants of the gate, and of what is kept for robots that are away."""
+
+    taken_up_at_once: int = 128
+    """Samples taken up at one event at most: what else happens has its turn before the rest of a burst."""
+    patience: float = 3.0
+    """A sample gives way to others' for this many times as long as it waits for room, and is dropped then. With random
+    sizes 93.8 % of a central decider was reached with 1.0, 95.2 with 3.0, at 20 ms in unicast, but a point less in
+    broadcast."""
+    shortest_wait: float = 1e-3
+    """A sample gives way for at least this long [s]."""
+    stale_waits: int = 64
+    """Waits of samples that left are forgotten when there are this many."""
+    fewest_iterations: int = 50
+    """Iterations of a search, however many samples wait."""
+    samples_per_halving: int = 4
+    """With as many samples waiting a search has half the iterations, with twice as many a third."""
+    proven_gap: float = 1e-9
+    """A plan is the best one if its utility may be exceeded by no more than this part of it."""
+    warnings_apart: float = 60.0
+    """The log repeats that samples were dropped for the same reason after this long [s]."""
+    doubtful: float = 14.0
+    """What was sent this shortly before a loss was noticed may not have arrived [s]: Zenoh's lease of 10 s, where the
+    other end's kernel answers and nobody reads, and what waits in the buffers of a slow channel, which hide 3.8 s."""
+    retry: float = 0.25
+    """A copy that a plan was against is decided again after this long [s]."""
+    room_checked_every: float = 0.05
+    """Copies are tried again this often while there is no room for them [s]."""
+    robots: int = 64
+    """Robots that copies are kept for; of more, the one that left first is gone."""
+    copies: int = 8192
+    """Copies in all."""
+    payload_bytes: int = 16 * 1024 * 1024
+    """Bytes of the payloads that the driver keeps, each counted once [B]."""
+    reminder_every: float = 1.0
+    """A robot that is back is reminded this often that copies still wait for it [s]."""
+    named_keys: int = 64
+    """A robot that is back is told the names of at most this many keys of which copies wait."""
+
+
+TUNING = SamplesTuning()

@@ -1,0 +1,78 @@
+"""The samples of ours that are undecided: those that wait, those that are read again, and the one being decided.
+
+Deletions of a key pass between its samples. Of a Markovian stream the newest sample wins: it takes the place of what
+waits of its key, a deletion does so too, and a sample that was read again gives way to one that came meanwhile.
+"""
+
+from collections.abc import Callable, Iterator
+from itertools import chain
+
+from proxy.core.interface.commands import Command, Reread
+from proxy.core.model.settings import CoreSettings
+from proxy.core.model.waiting import Waiting
+from proxy.core.samples.deletions import Deletions
+from proxy.core.samples.inbox import SUPERSEDED, Evicted, Inbox
+from proxy.core.samples.outcomes import Outcomes
+from proxy.core.samples.search import Search
+
+
+class Undecided:
+    """Holds all that is undecided, in order."""
+
+    def __init__(self, settings: CoreSettings, search: Search, outcomes: Outcomes) -> None:
+        self.inbox = Inbox(settings.inbox, settings.backlog, settings.inbox_bytes)
+        self._search = search
+        self._outcomes = outcomes
+        self._deletions = Deletions()
+        self._unsettled: dict[int, Waiting] = {}
+        """Samples whose worth by the specs in force is not known yet."""
+
+    def __iter__(self) -> Iterator[Waiting]:
+        return chain(self.inbox, self._unsettled.values(), self._search.deciding())
+
+    def put(self, waiting: Waiting) -> list[Command]:
+        """Queue a sample; drop what has to leave for it."""
+        return [*self._outcomes.evict(self.inbox.put(waiting)), *self.pass_deletions()]
+
+    def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
+        """Remove and return the next sample to decide, but none that is `held` or comes after a deletion."""
+        return self.inbox.take(lambda waiting: self._deletions.holds(waiting) or held(waiting))
+
+    def take_all(self) -> Iterator[Waiting]:
+        """Remove and return the sample being decided, and then all that waits, as deletions pass."""
+        yield from self._search.cancel()
+        while (sample := self.take()) is not None:
+            yield sample
+
+    def unsettle(self) -> list[Command]:
+        """Take back all that is undecided: specs changed, and no decision may mix what two of them say."""
+        taken = [*self.inbox.clear(), *self._search.cancel()]
+        self._unsettled |= {waiting.sample: waiting for waiting in taken}
+        return [Reread(each.sample, each.key) for each in self._unsettled.values()]
+
+    def settled(self, sample: int) -> Waiting | None:
+        """Return a sample that was taken back, for it to be `put` again; None when it has left meanwhile."""
+        return self._unsettled.pop(sample, None)
+
+    def settle_all(self) -> None:
+        """Queue all that was taken back as it is."""
+        self.inbox.put_back(self._unsettled.values())
+        self._unsettled.clear()
+
+    def supersede(self, waiting: Waiting) -> list[Command] | None:
+        """Drop a sample that was taken back if a newer one of its Markovian stream came meanwhile; else None."""
+        newer = any(each.key == waiting.key and each.t_gen > waiting.t_gen for each in self)
+        if not (newer and waiting.markovian):
+            return None
+        evicted = Evicted(waiting.sample, SUPERSEDED, waiting.key)
+        return [*self._outcomes.evict([evicted]), *self.pass_deletions()]
+
+    def delete(self, key: str, sample: int) -> list[Command]:
+        """A deletion of the key passes, behind what was published before it and is still undecided."""
+        commands = self._outcomes.evict(self.inbox.supersede(key))
+        self._deletions.add(sample, key, self)
+        return [*commands, *self.pass_deletions()]
+
+    def pass_deletions(self) -> list[Command]:
+        """Pass the deletions that have nothing before them any more."""
+        return [self._outcomes.pass_on(sample, "passed:delete") for sample in self._deletions.due(self)]

@@ -1,0 +1,96 @@
+"""Samples that are not taken up yet, for room opens soon, or news of what others sent comes soon."""
+
+import math
+
+from proxy.core.coordination.claims import leads, news_take, opening
+from proxy.core.market.prices import Standing
+from proxy.core.model.limits import Limit, changes_plans
+from proxy.core.model.mode import Mode
+from proxy.core.model.waiting import Waiting
+from proxy.core.samples.appraisal import Appraisal
+from proxy.core.samples.inbox import Inbox
+from proxy.core.samples.tuning import TUNING
+from proxy.core.view.stream import Stream
+
+
+class Waits:
+    """When the samples that wait for room can be taken up."""
+
+    def __init__(self, appraisal: Appraisal) -> None:
+        self.wakes_at = math.inf
+        """When one of those that were looked at since the last `restart` can be taken up [s]."""
+        self._appraisal = appraisal
+        self._view, self._budget, self._disputes = appraisal.view, appraisal.budget, appraisal.disputes
+        self._opening: dict[int, tuple[float, tuple[Limit, ...]]] = {}
+        """When there is room for samples that wait for it [s], under which limits."""
+
+    def restart(self, inbox: Inbox) -> None:
+        """All that waits in the inbox is looked at again."""
+        self.wakes_at = math.inf
+        if len(self._opening) > 2 * len(inbox) + TUNING.stale_waits:
+            here = {waiting.sample for waiting in inbox}
+            self._opening = {sample: wait for sample, wait in self._opening.items() if sample in here}
+
+    def holds(self, now: float, sample: Waiting) -> bool:
+        """Whether a sample is not taken up yet."""
+        return bool(self._budget.limits) and (self._for_greetings(now, sample) or self._for_room(now, sample))
+
+    def gives_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
+        """Whether a sample waits until it is known what others have sent, which may be known by `until` [s]."""
+        known_at = max(now + TUNING.shortest_wait, min(until, now + news_take(self._view)))
+        if known_at > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
+            return False
+        self._opening[sample.sample] = known_at, self._budget.limits
+        return True
+
+    def _for_greetings(self, now: float, sample: Waiting) -> bool:
+        """Whether a large sample waits for what robots that have just been met sent lately.
+
+        Who joined or met others again sent its first frame beside two of theirs, and the window held 1.4 limits.
+        """
+        until = self._view.greeted_by(now)
+        if now >= until or self._budget.alone:
+            return False
+        stream = self._appraisal.stream_of(now, sample)
+        if self._appraisal.mode_of(stream) is not Mode.ENFORCE:
+            return False
+        if not changes_plans(self._appraisal.use(stream, sample), self._budget.limits):
+            return False
+        self.wakes_at = min(self.wakes_at, until)
+        return True
+
+    def _for_room(self, now: float, sample: Waiting) -> bool:
+        """Whether a sample waits, as what we sent leaves room for it soon.
+
+        Under the same limits no room opens earlier than it seemed to.
+        """
+        limits = self._budget.limits
+        opens_at, known_for = self._opening.get(sample.sample, (-math.inf, limits))
+        if now >= opens_at or known_for != limits:
+            opens_at = self._room_opens(now, sample)
+            self._opening[sample.sample] = opens_at, limits
+        if now >= opens_at:
+            del self._opening[sample.sample]
+            return False
+        self.wakes_at = min(self.wakes_at, opens_at)
+        return True
+
+    def _room_opens(self, now: float, sample: Waiting) -> float:
+        """Return when there is room for a sample that is worth waiting for it; −∞ where it is taken up now."""
+        appraisal = self._appraisal
+        stream = appraisal.stream_of(now, sample)
+        if stream is None or appraisal.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
+            return -math.inf
+        standing = appraisal.standing(now, stream, sample)
+        until = sample.t_gen + self._disputes.patience(stream, standing)
+        if standing is Standing.HOPELESS or now >= until:
+            return -math.inf
+        needed, anybodys, later = appraisal.use(stream, sample), standing is Standing.UNDISPUTED, 0.0
+        if standing is Standing.CONTESTED:
+            needed = self._disputes.besides(now, needed)
+            if not self._budget.alone and leads(now, self._view, self._disputes, stream, self._budget.limits):
+                anybodys, later = True, opening(self._view)
+        room = self._budget.opens(now, needed, anybodys=anybodys)
+        if room > now:
+            room += later
+        return room if room < math.inf and room <= until else -math.inf
