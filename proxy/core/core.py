@@ -377,9 +377,9 @@ class Core:
             new = self.outsiders.found - before
             commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
         limits, waiting = self.budget.limits, self.channel.waiting
-        looked = self.coordination.look(now, limits, waiting, self.telling.announcing, self.budget.using)
-        self.telling.parts_changed |= looked
-        self.coordination.mute_until = self.telling.announces_at(now)
+        announces = self.coordination.advance(now, limits, waiting, self.telling.announcing, self.budget.using)
+        self.telling.parts_changed |= announces
+        self.budget.mute(self.telling.announces_at(now))
         commands += self.gate.next(now)
         commands += self.telling.due(now)
         self.view.sweep(now)

@@ -30,7 +30,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "zid": core.settings.zid,
         "mode": core.gate.appraisal.mode.value,
         "specs": core.view.specs.generation,
-        "coordination": "split" if core.coordination.splits else "announce",
+        "coordination": "split" if core.coordination.team.splits else "announce",
         "transport": core.settings.transport,
         "wall_error": core.view.clock_error or None,
         "uptime": now - core.started,

@@ -61,7 +61,7 @@ class Probe:
 
 def _plans(member: Member) -> bool:
     """Whether a robot plans for the others: not where each has its part of the limits."""
-    return not member.core.coordination.splits
+    return not member.core.coordination.team.splits
 
 
 def _expected(member: Member, frame: Frame, t: float, until: float) -> list[float]:

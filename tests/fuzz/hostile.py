@@ -93,7 +93,7 @@ class Besieged:
         assert all(len(kept) <= MOST_EACH for kept in core.strangers._heard.values())
         assert set(core.telling.asking._open) <= set(view.peers)
         taking_part = view.peers.keys() - core.outsiders.found
-        assert core.coordination._voting <= taking_part
+        assert core.coordination.team._votes <= taking_part
         assert core.wake_at(self.now) >= self.now
         honest = view.peers[HONEST[:8]]
         assert (honest.name, honest.keys, honest.subscriptions) == ("honest", {1: KEY}, ("robot/*/camera",))

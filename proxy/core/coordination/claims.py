@@ -24,6 +24,7 @@ import math
 from collections.abc import Sequence
 from operator import itemgetter
 
+from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.prices import Standing
@@ -32,47 +33,13 @@ from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import integral
 
-DECIDED = 0.01
-"""What is decided elsewhere is on its way so much later than generated [s]."""
-SPREAD = 2.0
-"""A sample may come later than it is due by so many standard deviations of that: with one, eight robots sent as many
-bytes, and 20 times as many windows were over the limit; with three, four robots sent 1 % less..."""
-MOST_SPREAD = 0.2
-"""... but by no more than this part of the period: where little is known of a rhythm nobody would send for long. With
-half of the period ten robots with equal messages at loose rhythms reached one percent less (20 ms)."""
-AGAIN = 2.0
-"""What generates at random and may have given way is undecided for so many times as long as news take."""
-UNSURE = 0.25
-"""Part of the way that news take; without it the room seemed to open too early in 1 % of the windows."""
-LARGER = 1.5
-"""What may have been sent is so many deviations larger than usual: of four robots with cameras 2 % of the windows were
-over the limit without both, by 1 to 3 %, and with both none."""
-CAUTION = 0.3
-"""What generates at random counts as taken by this power of the probability that it did. Five robots with samples of
-random sizes reached 94.6 to 97.1 % of a central decider with 0.6 to 2.5 % of windows over at 0.25, 95.3 to 97.8 with
-1.3 to 3.0 at 0.3, and 95.6 to 98.8 with 2.1 to 3.4 at 0.5 (four seeds; 20 and 100 ms, unicast and broadcast)."""
-
-LATE, SMALL, SELDOM = 0.03, 0.2, 0.25
-"""Where news take such a part of the shortest window, a message that is so small a part of each limit does not give way
-to one alike, if its stream generates that seldom [windows]: it would wait for as long as news take, and again behind
-each better claim, and no newer one comes meanwhile. With equal messages ten robots reached 84 to 95 % of a central
-decider at 300 ms in unicast, and 90 to 96 now, in broadcast 90 to 100, and 96 to 100, with twice as many windows over
-the limit (by one message)."""
-CLOSE = 0.003
-"""Clocks and the wire round: who has the later name counts as silent for so much longer, or two take their own claim
-for the best that are as long silent as each other [s]. Where nothing of a stream was sent it is one period: when it
-began is known from numbers alone.
-"""
-MOST_DUE = 16
-"""Of bursts the newest sample is among so many of a period."""
-
 Claim = tuple[float, str]
 """What a byte of a stream gains by how long nothing of it was sent; of equal ones the robot's name tells."""
 
 
 def news_take(view: SharedView) -> float:
     """Return how long it takes until we have heard what became of a sample of another robot [s]."""
-    return view.longest_way + view.delay + DECIDED
+    return view.longest_way + view.delay + TUNING.deciding
 
 
 def leads(now: float, view: SharedView, disputes: Disputes, stream: Stream, limits: tuple[Limit, ...]) -> bool:
@@ -83,7 +50,7 @@ def leads(now: float, view: SharedView, disputes: Disputes, stream: Stream, limi
 
 def opening(view: SharedView) -> float:
     """Return how much later than it seems room opens that others leave [s]: how long news take is not known better."""
-    return UNSURE * view.longest_way
+    return TUNING.opening_part * view.longest_way
 
 
 def rivals(
@@ -119,11 +86,11 @@ def rivals(
                 since = grew + opening(view) + view.delay
             ends = max(since, decided) + news + _spread(now, each)
             decided, part = max(decided, ends), float(now < ends)
-            size = max(each.mean_size, each.usual_size) + LARGER * each.size_deviation
+            size = max(each.mean_size, each.usual_size) + TUNING.larger_deviations * each.size_deviation
         else:
             ends, size = now + news, each.mean_size
-            back = news * (AGAIN if rank else 1.0)
-            part = float((-math.expm1(-back / each.schedule.period)) ** CAUTION)
+            back = news * (TUNING.undecided_news if rank else 1.0)
+            part = float((-math.expm1(-back / each.schedule.period)) ** TUNING.caution)
         if part > 0.0:
             use = use_of(round(size), view.copies(each), limits, own=False)
             more = [max(0.0, part * amount - less) for amount, less in zip(use, let_off, strict=True)]
@@ -134,9 +101,9 @@ def rivals(
 def _may_collide(stream: Stream, news: float, own: tuple[float, ...], limits: tuple[Limit, ...]) -> bool:
     """Whether one message that may just have been sent matters less than waiting for news of it."""
     window = shortest_window(limits)
-    seldom = _waits(stream) and stream.schedule.period >= max(SELDOM * window, news)
-    small = all(amount <= SMALL * limit.limit for amount, limit in zip(own, limits, strict=True))
-    return news >= LATE * window and seldom and small
+    seldom = _waits(stream) and stream.schedule.period >= max(TUNING.collision_period * window, news)
+    small = all(amount <= TUNING.collision_size * limit.limit for amount, limit in zip(own, limits, strict=True))
+    return news >= TUNING.collision_news * window and seldom and small
 
 
 def _due(now: float, stream: Stream, news: float) -> float:
@@ -147,7 +114,9 @@ def _due(now: float, stream: Stream, news: float) -> float:
     """
     schedule, half = stream.schedule, 0.5 * stream.schedule.period
     soon = now + max(news, min(schedule.unsure(now), half))
-    due = max(schedule.forecast(now - schedule.period - schedule.jitter, soon, MOST_DUE, now), default=-math.inf)
+    due = max(
+        schedule.forecast(now - schedule.period - schedule.jitter, soon, TUNING.due_samples, now), default=-math.inf
+    )
     if schedule.last is not None and schedule.last > max(now - schedule.period, due - half):
         due = schedule.last  # it was told of, and may wait still
     return due if stream.sent is None or stream.sent.t_gen < due - half else -math.inf
@@ -155,7 +124,7 @@ def _due(now: float, stream: Stream, news: float) -> float:
 
 def _spread(now: float, stream: Stream) -> float:
     """Return how much later than it is due a sample of another robot may come [s]."""
-    return min(SPREAD * stream.schedule.unsure(now), MOST_SPREAD * stream.schedule.period)
+    return min(TUNING.late_deviations * stream.schedule.unsure(now), TUNING.late_part * stream.schedule.period)
 
 
 def _claims(
@@ -204,7 +173,7 @@ def claim(now: float, stream: Stream) -> Claim:
 
 def _theirs(now: float, stream: Stream, ours: Stream) -> Claim:
     """Return the claim of a stream of another robot, as it is compared with that of ours."""
-    close = stream.schedule.period if stream.sent is None else CLOSE
+    close = stream.schedule.period if stream.sent is None else TUNING.claim_tolerance
     return claim(now + close if stream.robot > ours.robot else now, stream)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 
 from planner import Aggregation
+from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.prices import interval_of, variance_of
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.bid import Bid
@@ -12,17 +13,6 @@ from proxy.core.view.paths import Audience
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import integral
-
-FOREVER = 3600.0
-"""Messages are worth nothing any more after this [s]."""
-TOO_LATE = 1.5
-"""Messages that take so many times as long as they are worth anything are not asked for: what takes about as long comes
-and goes, and each time all would agree anew."""
-AGAIN = 4.0
-"""A new stream may generate so many times as much in a window as it has so far: of one sample nobody knows its period,
-and a robot whose first alarm came asked for two thirds of the limit."""
-SPREAD = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
-"""Sizes of a stream are taken to be so many standard deviations from their mean."""
 
 
 def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
@@ -37,12 +27,12 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: fl
         if not view.competes(now, stream) or _late(view, stream, audience := view.audiences.of(now, stream)):
             continue
         copies, spread = view.copies(stream), stream.size_deviation
-        sizes = {max(1, round(stream.mean_size + off * spread)) for off in SPREAD}
+        sizes = {max(1, round(stream.mean_size + off * spread)) for off in TUNING.size_deviations}
         parts = [
             max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
             for size in sorted(sizes)
         ]
-        interval = interval_of(now, stream, window, AGAIN)
+        interval = interval_of(now, stream, window, TUNING.new_stream)
         mean = sum(parts) / len(parts)
         variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.mean_size, 1.0))
         yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share), variance)
@@ -50,7 +40,9 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: fl
 
 def _late(view: SharedView, stream: Stream, audience: Audience) -> bool:
     """Whether messages of a stream are worth nothing any more long before they are received."""
-    return audience.share > 0.0 and audience.mean >= TOO_LATE * view.lifetimes.end(stream.information_type.utility)
+    return audience.share > 0.0 and audience.mean >= TUNING.too_late * view.lifetimes.end(
+        stream.information_type.utility
+    )
 
 
 def _value(stream: Stream, share: float, rate: float) -> float:
@@ -62,5 +54,5 @@ def _value(stream: Stream, share: float, rate: float) -> float:
     """
     kind, like = stream.information_type, stream.newest
     lasting = kind.aggregation in (Aggregation.SUM, Aggregation.ONCE)
-    until = FOREVER if lasting else 1.0 / max(rate, 1.0 / FOREVER)
+    until = TUNING.worthless if lasting else 1.0 / max(rate, 1.0 / TUNING.worthless)
     return integral(kind.utility_of(like.features), until) * like.scale * share * rate

@@ -9,15 +9,7 @@ The others are taken to be like us; however unlike they are, the sum of the mean
 
 import math
 
-MEMORY = 5.0
-"""What is used counts by exponential weights with this time constant [s]..."""
-KNOWN = 2.0
-"""... and not before it was looked at for so long [s]."""
-DEVIATIONS = 1.5
-"""Room for so many standard deviations of what all use is left: with 2.5 fifty robots reached 92.5 % of central
-instead of 93.6."""
-MOST = 2.0
-"""No robot uses more than so many times its part of a window."""
+from proxy.core.coordination.tuning import TUNING
 
 
 class Overbooking:
@@ -28,20 +20,20 @@ class Overbooking:
         self._began = self._looked = -math.inf
         self._weight = self._mean = self._square = 0.0
 
-    def look(self, now: float, used: float, robots: int) -> None:
+    def advance(self, now: float, used: float, robots: int) -> None:
         """Of what we may use within the windows that end now this part is used, in a team of so many robots."""
         since = now - self._looked
-        if since > MEMORY:
+        if since > TUNING.use_memory:
             self._began, self._weight, self._mean, self._square = now, 0.0, 0.0, 0.0
             since = 0.0
         self._looked = now
-        fades = math.exp(-since / MEMORY)
+        fades = math.exp(-since / TUNING.use_memory)
         self._weight = fades * self._weight + 1.0 - fades
         self._mean = fades * self._mean + (1.0 - fades) * used
         self._square = fades * self._square + (1.0 - fades) * used * used
-        if now < self._began + KNOWN:
+        if now < self._began + TUNING.use_known:
             self.factor = 1.0
             return
         mean, square = self._mean / self._weight, self._square / self._weight
         spread = math.sqrt(max(0.0, square - mean * mean) / robots)
-        self.factor = 1.0 / min(1.0, max(mean + DEVIATIONS * spread, 1.0 / MOST))
+        self.factor = 1.0 / min(1.0, max(mean + TUNING.use_deviations * spread, 1.0 / TUNING.overbooked))

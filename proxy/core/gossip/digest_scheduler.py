@@ -125,7 +125,7 @@ class Telling:
     def met(self, now: float) -> None:
         """Somebody came: of a large team, where it may ask only a few, it hears from us what our apps subscribe to."""
         self.pacer.forget()
-        if self._coordination.large and self.state.subscriptions and math.isinf(self._push_at):
+        if self._coordination.team.large and self.state.subscriptions and math.isinf(self._push_at):
             self._push_at = self._pushed = max(now + GATHER, self._pushed + PUSHED_APART)
 
     def answered(self, now: float) -> None:
@@ -142,7 +142,7 @@ class Telling:
             self._push_at = math.inf
             self._owe(now, len(pack_state(self.state)), self._copies())
             commands.append(SendState(self.state, None))
-        pace = self.pacer.question_takes() if self._coordination.large else PACE
+        pace = self.pacer.question_takes() if self._coordination.team.large else PACE
         if (name := self.asking.due(now, pace)) is not None:
             self._owe(now, QUESTION, 1)
             commands.append(AskState(self._view.peers[name].name, name))
@@ -223,12 +223,12 @@ class Telling:
 
     def _takes(self, update: State) -> float:
         """Return how long news of our streams wait: nobody plans with them where a large team has equal parts [s]."""
-        if not self._coordination.quiet:
+        if not self._coordination.team.quiet:
             return 0.0
         return self.pacer.state_takes(len(pack_state(update)), self._copies())
 
     def _state_due(self, now: float) -> float:
-        ahead = self._large_is_new and not self._coordination.large
+        ahead = self._large_is_new and not self._coordination.team.large
         return max(self._state_at + STATE_PACE, now if ahead else self.pacer.state_due(now))
 
     def _tell(self, now: float, commands: list[Command]) -> None:
@@ -256,8 +256,8 @@ class Telling:
             or self._view.messages != self._told_messages
             or self._channel.capacity.speak(now)
         )
-        splits, begins = self._coordination.splits, self._coordination.begins(now)
-        self.pacer.follow(now, splits=splits, quiet=self._coordination.quiet, begins=begins, window=self._window)
+        splits, begins = self._coordination.team.splits, self._coordination.begins(now)
+        self.pacer.follow(now, splits=splits, quiet=self._coordination.team.quiet, begins=begins, window=self._window)
         due = self.pacer.due(now, news=news, copies=self._digest_copies())
         if self._coordination.forming(now) and not self.parts_changed:
             return max(due, now + IDLE)
@@ -297,7 +297,7 @@ class Telling:
 
     def announces_at(self, now: float) -> float:
         """When what is sent now could be announced [s]."""
-        waits = self._coordination.rivals and self._announces and not self._overheard
+        waits = self._coordination.team.rivals and self._announces and not self._overheard
         return self.pacer.due_ahead(now, DEBT) if waits else now
 
     @property
@@ -308,7 +308,7 @@ class Telling:
     @property
     def _announces(self) -> bool:
         """Whether others plan with what we send."""
-        return self._coordination.tells and not self._coordination.splits
+        return self._coordination.team.must_announce and not self._coordination.team.splits
 
     def _sent_much(self) -> bool:
         """Whether we sent something since the last digest that changes what others plan."""
@@ -354,11 +354,11 @@ class Telling:
             echoes=() if lean else self._echoes(now, copies),
             state=self.state.number,
             capacity=self._channel.capacity.telling(now),
-            splits=self._coordination.finds_due,
-            split=self._coordination.telling(now),
+            splits=self._coordination.team.votes_to_split,
+            split=self._coordination.announcement(now),
         )
         self._channel.capacity.told(digest)
-        self._coordination.told(digest)
+        self._coordination.announced(digest)
         self.urgent = self.parts_changed = False
         if sent_much and self._overheard:
             large = {stream.id for stream in self._view.own() if self._large(stream)}
@@ -375,7 +375,7 @@ class Telling:
     def _tells_parts(self, now: float) -> bool:
         """Whether a digest tells of parts alone: nobody plans with others' streams where each has its own part."""
         coordination = self._coordination
-        if not coordination.splits or not self.parts_changed:
+        if not coordination.team.splits or not self.parts_changed:
             return False
         return coordination.forming(now) or not self._tells_all(now, self._digest_copies())
 

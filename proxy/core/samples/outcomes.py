@@ -71,11 +71,11 @@ class Outcomes:
     def handed(self, now: float, sample: int) -> None:
         """The mesh session took the sample."""
         self._first.pop(sample, None)
-        self._budget.handed(now, sample)
+        self._budget.own.handed(now, sample)
 
     def refused(self, sample: int) -> None:
         """The mesh session did not take the sample: if it is the first one that counts, the next one is."""
-        self._budget.refused(sample)
+        self._budget.own.refused(sample)
         first = self._first.pop(sample, None)
         if first is not None:
             stream, names = first

@@ -5,28 +5,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
 
-from proxy.core.protocol.bid import QUARTERS, STEPS, UNIT, Bid, Segment, density_of
+from proxy.core.protocol.bid import QUARTERS, UNIT, Bid, Segment, density_of
+from proxy.core.split.tuning import TUNING
 
 RULES = 2
 """Counts how parts are made of bids: robots that do it another way never agree with us."""
-LEAST = 8
-"""Every robot gets what it asks for up to an equal part by this, before values count: so nobody is silent."""
-PIECES = 16
-"""A slot is shared in time by so many pieces: so many robots can ask for it alike."""
-MOST_UNEQUAL = 4
-"""A turn is at most so many times as long as another one of its slot, so that nobody waits for long."""
 
-UNLIKE, LITTLE = 0.125, 50
-"""Amounts that differ by no more than this part and so many units are about the same: not worth an agreement. With
-these, and new streams that ask for little, frames of four robots of *mixed* traffic reach 61 % of a central decider's
-utility instead of 48."""
-URGENT = 4 * STEPS
-"""Who gains sixteen times as much by a message has the first turn with a slot."""
-
-WHOLE = UNIT // 2
-"""A message larger than the limit needs a slot of at least this, and gets what is left, too."""
-
-Table = Mapping[str, Bid | None]
+Bids = Mapping[str, Bid | None]
 """What each robot asks for, by tag; None: not known yet."""
 
 
@@ -80,7 +65,7 @@ class Allocation:
             return False
         sizes = [(one.size, two.size) for one, two in zip(self.slots, other.slots, strict=True)]
         amounts = [*sizes, *((part, other.parts.get(tag, -UNIT)) for tag, part in self.parts.items())]
-        return all(abs(one - two) <= UNLIKE * max(one, two) + LITTLE for one, two in amounts)
+        return all(abs(one - two) <= TUNING.alike_part * max(one, two) + TUNING.alike_units for one, two in amounts)
 
 
 def _worth(bid: Bid, room: float, largest: float) -> float:
@@ -101,10 +86,10 @@ def _worth(bid: Bid, room: float, largest: float) -> float:
 
 def _needed(amount: int) -> int:
     """Return the room that a message needs which takes so much [units]."""
-    return WHOLE if amount == UNIT else amount
+    return TUNING.whole_slot if amount == UNIT else amount
 
 
-def allocate(table: Table, members: int, floor: int, seed: int = 0) -> Allocation:
+def allocate(table: Bids, members: int, floor: int, seed: int = 0) -> Allocation:
     """Return what each robot of the `table` may use.
 
     Units go to segments by falling value density, as an auction by marginal utility would sell them: where values
@@ -142,13 +127,16 @@ class _Open:
 
     size: int
     pieces: dict[str, int]
-    left: int = PIECES
+    left: int = TUNING.slot_pieces
     whole: bool = False
 
     def take(self, tag: str, amount: int) -> None:
         self.whole |= amount == UNIT
         self.pieces[tag] = self.pieces.get(tag, 0) + 1
         self.left -= 1
+
+    def grow(self, amount: int) -> None:
+        self.size += amount
 
 
 class _Filling:
@@ -162,7 +150,7 @@ class _Filling:
         self._slots: list[_Open] = []
         self._urgency = {tag: _urgency(bid or ()) for tag, bid in table}
         self._advance: dict[str, int] = {}
-        least = min(equal, self._left // max(1, len(self._known))) // LEAST
+        least = min(equal, self._left // max(1, len(self._known))) // TUNING.assured_part
         for tag, bid in table:
             asked = sum(segment.amount for segment in bid or () if not segment.quarters)
             self._advance[tag] = min(asked, least)
@@ -180,9 +168,9 @@ class _Filling:
                 wanted[tag] += segment.amount
         self._evenly({tag: self._beyond_advance(tag, amount) for tag, amount in wanted.items()})
         messages = [(tag, segment) for tag, segment in segments if segment.quarters]
-        for piece in range(PIECES):
+        for piece in range(TUNING.slot_pieces):
             for tag, segment in messages:
-                if segment.quarters * PIECES > piece * QUARTERS:
+                if segment.quarters * TUNING.slot_pieces > piece * QUARTERS:
                     self._place(tag, segment.amount)
 
     def _beyond_advance(self, tag: str, amount: int) -> int:
@@ -219,14 +207,16 @@ class _Filling:
         if not slots:
             return None
         slot = min(slots, key=lambda slot: (max(0, size - slot.size), -slot.left))
-        self._left -= max(0, size - slot.size)
-        slot.size = max(slot.size, size)
+        more = max(0, size - slot.size)
+        self._left -= more
+        slot.grow(more)
         return slot
 
     def allocation(self, seed: int) -> Allocation:
         """Return what each has; what is left goes to all who bid, alike."""
         for slot in [slot for slot in self._slots if slot.whole][:1]:
-            slot.size, self._left = slot.size + self._left, 0
+            slot.grow(self._left)
+            self._left = 0
         for slot in self._slots:
             if len(slot.pieces) == 1:
                 self._parts[next(iter(slot.pieces))] += slot.size
@@ -239,7 +229,7 @@ class _Filling:
 
 def _urgency(bid: Bid) -> int:
     """Return what the first message is worth for which a robot wants a slot, roughly."""
-    return max((segment.level for segment in bid if segment.quarters), default=0) // URGENT
+    return max((segment.level for segment in bid if segment.quarters), default=0) // TUNING.urgency_levels
 
 
 def _ring(pieces: dict[str, int], urgency: Mapping[str, int], seed: int) -> tuple[tuple[str, int], ...]:
@@ -250,4 +240,4 @@ def _ring(pieces: dict[str, int], urgency: Mapping[str, int], seed: int) -> tupl
     least, tags = min(pieces.values()), sorted(pieces)
     first = seed % len(tags)
     order = sorted(tags[first:] + tags[:first], key=lambda tag: -urgency[tag])
-    return tuple((tag, min(MOST_UNEQUAL, (2 * pieces[tag] + least) // (2 * least))) for tag in order)
+    return tuple((tag, min(TUNING.turn_ratio, (2 * pieces[tag] + least) // (2 * least))) for tag in order)

@@ -6,22 +6,8 @@ from dataclasses import dataclass
 from itertools import groupby, pairwise
 
 from proxy.core.protocol.bid import MOST_SEGMENTS, QUARTERS, UNIT, Bid, Segment, level_of
+from proxy.core.split.tuning import TUNING
 
-SMALL = 0.05
-"""Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
-DEVIATIONS = 3.0
-"""Room beside the mean is asked for as so many standard deviations of what is generated in a window..."""
-SPARE = 8
-"""... at so many levels less: half of the windows use some of it, one in a hundred all. With four robots of *mixed*
-traffic 83 % of small samples were sent where it was room for one message more, and 99 so."""
-MOST_DIVISIBLE = 3
-"""Segments of small messages."""
-MOST_SIZES = 8
-"""Sizes of a stream at which its value is looked at."""
-SEVERAL = (2.0, 3.0)
-"""More than one of the largest messages in a window is asked for up to so many."""
-PACKED = 0.85
-"""What of a part is used by messages that vary in size: there is seldom one for all that is left."""
 ROUNDING = 1e-9
 """Numbers that differ by no more than this part are equal."""
 
@@ -46,7 +32,7 @@ def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
     Small messages ask for what they use in the mean, and for what they vary by. Large ones of one size ask for slots.
     Where sizes vary, more room lets larger messages through, so what is asked for beyond the smallest is divisible.
     """
-    small = min(SMALL, 0.5 / max(1, robots))
+    small = min(TUNING.small_message, 0.5 / max(1, robots))
     asking = [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]
     few = _small([demand for demand in asking if max(demand.sizes) <= small], window)
     large = [s for demand in asking if max(demand.sizes) > small for s in _large(demand, window, small)]
@@ -59,12 +45,12 @@ def _small(demands: Sequence[Demand], window: float) -> list[Segment]:
     for demand in demands:
         amount = UNIT * sum(demand.sizes) / len(demand.sizes) * demand.rate * window
         levels.append((level_of(demand.value(demand.rate) / amount), amount))
-    joined = [Segment(_units(amount), level) for level, amount in _joined(levels, MOST_DIVISIBLE)]
-    spare = UNIT * DEVIATIONS * math.sqrt(sum(demand.variance for demand in demands))
+    joined = [Segment(_units(amount), level) for level, amount in _joined(levels, TUNING.divisible_segments)]
+    spare = UNIT * TUNING.spare_deviations * math.sqrt(sum(demand.variance for demand in demands))
     if not spare:
         return joined
     usual = sum(level * amount for level, amount in levels) / sum(amount for _, amount in levels)
-    return [*joined, Segment(_units(spare), max(0, round(usual) - SPARE))]
+    return [*joined, Segment(_units(spare), max(0, round(usual) - TUNING.spare_levels))]
 
 
 def _joined(rooms: Sequence[tuple[int, float]], most: int) -> list[tuple[int, float]]:
@@ -96,9 +82,11 @@ def _parts(demand: Demand) -> list[float]:
     """Parts of a limit at which to look: the stream's sizes, and several times the largest, as far as that is asked."""
     sizes = sorted(demand.sizes)
     some = {
-        sizes[(i + 1) * len(sizes) // MOST_SIZES - 1] for i in range(MOST_SIZES) if (i + 1) * len(sizes) >= MOST_SIZES
+        sizes[(i + 1) * len(sizes) // TUNING.sizes - 1]
+        for i in range(TUNING.sizes)
+        if (i + 1) * len(sizes) >= TUNING.sizes
     }
-    several = {times * sizes[-1] for times in SEVERAL if times * sizes[-1] <= 1.0}
+    several = {times * sizes[-1] for times in TUNING.multiples if times * sizes[-1] <= 1.0}
     return sorted({min(1.0, size) for size in some} | several)
 
 
@@ -108,7 +96,7 @@ def _rate(demand: Demand, part: float, window: float, share: float = 1.0) -> flo
     if not fitting:
         return min(demand.rate, share * part / min(demand.sizes) / window)
     alike = math.floor(part / max(fitting) + 1e-9)
-    together = max(alike, PACKED * part * len(fitting) / sum(fitting))
+    together = max(alike, TUNING.packing * part * len(fitting) / sum(fitting))
     return min(demand.rate * len(fitting) / len(demand.sizes), share * together / window)
 
 

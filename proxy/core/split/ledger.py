@@ -11,6 +11,12 @@ class _Send:
     uses: list[float]
     """What it used of each limit [units]."""
 
+    def strike(self, part: float) -> "_Send":
+        """Return this part of it, which it loses."""
+        struck = _Send(self.time, [part * use for use in self.uses])
+        self.uses = [(1.0 - part) * use for use in self.uses]
+        return struck
+
 
 class Ledger:
     """Our sends within each limit's window, as parts of the limits.
@@ -55,8 +61,7 @@ class Ledger:
     def strike(self, now: float, left: float, given_up: float) -> None:
         """Strike off what does not fit in what is `left`, up to what is given up [units]."""
         for send, part in self._excess(now, left, given_up):
-            self._struck.append(_Send(send.time, [part * use for use in send.uses]))
-            send.uses = [(1.0 - part) * use for use in send.uses]
+            self._struck.append(send.strike(part))
             self.last_struck = max(self.last_struck, send.time)
         self._kept = [send for send in self._kept if any(send.uses)]
 

@@ -1,26 +1,21 @@
-"""Turns: who of those that share a slot may use it.
+"""Turns: who of those that share a slot may use it, as with the token of a token ring.
 
 A slot's turn has a number. The robot at that place of the ring holds the slot, and it alone makes the number greater.
-A robot knows each number that it told itself. So two robots never hold a slot at once, however digests are lost, late
-or repeated. What was sent in the slot stays in the window for a while: who passes the slot on tells how long it has
-been unused.
+A robot knows each number that it announced itself. So two robots never hold a slot at once, however digests are lost,
+late or repeated. What was sent in the slot stays in the window for a while: who passes the slot on announces how long
+it has been unused.
 """
 
 import math
 from dataclasses import dataclass
 
 from proxy.core.split.allocation import Slot
-
-TURN = 15.0
-"""A turn lasts at least so many times what news take: then passing slots on costs about a fifteenth of them."""
-
-ROUND = 40.0
-"""Where news take long, turns are so short that everyone's comes this often [s], if they are to last one window."""
+from proxy.core.split.tuning import TUNING
 
 
 @dataclass(slots=True)
 class Turn:
-    """Whose turn it is with a slot, as far as we know."""
+    """Whose turn it is with a slot, as far as one robot knows."""
 
     slot: Slot
     number: int = 0
@@ -40,13 +35,25 @@ class Turn:
     def _at(self, number: int) -> tuple[str, int]:
         return self.slot.ring[number % len(self.slot.ring)]
 
-    def heard(self, now: float, teller: str, number: int, unused: float) -> bool:
+    def begin(self, now: float) -> None:
+        """All have agreed on the slot: what was sent before may have used its room, if nobody passed it on yet."""
+        self.used = self.used if self.number else now
+
+    def heard(self, now: float, sender: str, number: int, unused: float) -> bool:
         """Take over a greater number; `unused`: for how long, says the one that passed the slot on [s]."""
         if number <= self.number:
             return False
         self.number = number
-        self.used = now - unused if teller == self.giver else now
+        self.used = now - unused if sender == self.giver else now
         return True
+
+    def pass_on(self) -> None:
+        """It is the next one's turn."""
+        self.number += 1
+
+    def note_use(self, until: float) -> None:
+        """The slot was used until then [s]."""
+        self.used = max(self.used, until)
 
     def ends(self, window: float, news: float) -> float:
         """Return when the holder's turn ends [s]: some windows after it began, more where `news` take long [s]."""
@@ -54,7 +61,7 @@ class Turn:
 
     def _windows(self, window: float, news: float) -> int:
         """How many windows the shortest turn lasts."""
-        enough = math.ceil(TURN * news / window - 1e-9)
+        enough = math.ceil(TUNING.turn_news * news / window - 1e-9)
         shares = sum(share for _, share in self.slot.ring)
-        most = (ROUND - len(self.slot.ring) * (news + window)) / (shares * window)
+        most = (TUNING.round_time - len(self.slot.ring) * (news + window)) / (shares * window)
         return max(1, min(enough, math.floor(most)))

@@ -407,9 +407,9 @@ def test_what_others_send_uses_none_of_our_energy(make_talk, make_specs):
     uses = {limit.measure.kind: limit.limit for limit in talk.core.gate.limits}
     room = [0.0, 0.0, 0.0, uses["energy"]]
     assert [limit.measure.kind for limit in talk.core.gate.limits] == ["throughput", "messages", "airtime", "energy"]
-    assert talk.core.budget.fits(0.2, tuple(room))
-    assert not talk.core.budget.fits(0.2, (uses["throughput"] - 4000.0, 0.0, 0.0, 0.0))
-    assert not talk.core.budget.fits(0.2, (0.0, uses["messages"] - 0.5, 0.0, 0.0))
+    assert not talk.core.budget.lacking(0.2, tuple(room))
+    assert talk.core.budget.lacking(0.2, (uses["throughput"] - 4000.0, 0.0, 0.0, 0.0))
+    assert talk.core.budget.lacking(0.2, (0.0, uses["messages"] - 0.5, 0.0, 0.0))
 
 
 def test_messages_that_nobody_decides_on_are_counted_one_by_one(make_talk, make_specs):

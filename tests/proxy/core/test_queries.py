@@ -117,10 +117,13 @@ def queries(core, now):
         yield "schedule", lambda s=schedule: (s.period, s.jitter, s.kind, s.rhythm, s.last, s.patience, s.prospect())
         yield "forecast", lambda s=schedule: (s.over(now), s.forecast(now, now + 5.0, 5), s.forecast(0.0, now, 9, now))
         yield "stream", lambda s=stream: (s.mean_interval, s.forecasts, s.expected(now) if s.last else None)
-    yield "coordination", lambda: (core.coordination.splits, core.coordination.due_at(now), core.coordination.settled)
+    yield (
+        "coordination",
+        lambda: (core.coordination.team.splits, core.coordination.due_at(now), core.coordination.settled),
+    )
     yield "what we may use", lambda: [(budget.whole(now, k), budget.used(now, k)) for k in limits]
     yield "what is free", lambda: (budget.free(now), budget.left(now), budget.others(now))
-    yield "what fits", lambda: (budget.fits(now, use), budget.lacking(now, use), budget.opens(now, use))
+    yield "what fits", lambda: (budget.lacking(now, use), budget.opens(now, use))
     yield "limits", lambda: (budget.problem_limits(now), budget.alone, [gate.appraisal.mode_of(s) for s in view.own()])
     yield "capacity", lambda: (capacity.waiting(now), capacity.due(now), capacity.factors, capacity.wake_at(now))
     yield "words", lambda: (capacity.speak(now), capacity.news(now), capacity.telling(now))
@@ -199,4 +202,4 @@ def test_the_status_of_a_fresh_core_changes_no_coordination():
         core = Core(CoreSettings("r1", "0000000001", coordination=coordination, settle=0.3), SPECS, 0.0)
         core.status(5.0)
         assert core.wake_at(5.0) >= 5.0
-        assert core.coordination.splits is (coordination == "split")
+        assert core.coordination.team.splits is (coordination == "split")

@@ -8,8 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from planner.measures import Energy, Messages, Throughput
-from proxy.core.coordination.budget import LEAST, MOST_STRETCHED, Budget
+from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.coordination import Coordination
+from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.model.limits import Limit
 from proxy.core.model.settings import CoreSettings
@@ -60,10 +61,10 @@ def test_what_was_sent_counts_for_a_window(make_budget):
     assert budget.used(1.5, 0) == 300.0
     assert budget.free(1.5) == [300.0]
     assert budget.left(1.5) == [600.0]
-    assert budget.fits(1.6, (300.0,))
+    assert not budget.lacking(1.6, (300.0,))
     assert budget.lacking(1.6, (301.0,)) == ("bytes",)
     assert budget.free(2.0) == [300.0]
-    assert budget.free(2.0 + LEAST) == [600.0]
+    assert budget.free(2.0 + TUNING.least_limit) == [600.0]
     assert budget.free(2.6) == [1000.0]
 
 
@@ -72,9 +73,9 @@ def test_a_large_sample_counts_from_when_the_mesh_took_it(make_budget):
     budget, _ = make_budget()
     for now, size, sample in ((1.0, 600.0, 1), (1.001, 2.0, 2), (1.002, 300.0, 3)):
         budget.use(now, (size,), sample)
-    budget.refused(3)
+    budget.own.refused(3)
     for sample in (1, 2, 3, 4, 1):
-        budget.handed(1.005 + 0.001 * sample, sample)
+        budget.own.handed(1.005 + 0.001 * sample, sample)
     assert budget.used(2.0, 0) == 902.0
     assert budget.used(2.0015, 0) == 900.0
     assert budget.used(2.003, 0) == 600.0
@@ -87,13 +88,13 @@ def test_samples_of_others_are_taken_to_leave_as_late_as_ours(make_budget):
     heard(view, 1.0, 600)
     assert budget.others(1.1) == ((1.0, (600.0,)),)
     budget.use(1.1, (200.0,), 1)
-    budget.handed(1.105, 1)
+    budget.own.handed(1.105, 1)
     assert budget.others(1.2) == ((pytest.approx(1.005), (600.0,)),)
     budget.use(1.3, (200.0,), 2)
-    budget.handed(1.3, 2)
+    budget.own.handed(1.3, 2)
     assert budget.others(1.4) == ((pytest.approx(1.0045), (600.0,)),)
     budget.use(1.5, (200.0,), 3)
-    budget.handed(1.9, 3)
+    budget.own.handed(1.9, 3)
     heard(view, 1.95, 100)
     assert budget.others(1.96) == ((pytest.approx(1.02), (600.0,)), (1.96, (100.0,)))
 
@@ -103,7 +104,7 @@ def test_a_sample_that_leaves_under_other_limits_counts_under_these(make_budget)
     budget, _ = make_budget()
     budget.use(1.0, (600.0,), 1)
     budget.set_limits((COUNT, BYTES))
-    budget.handed(1.4, 1)
+    budget.own.handed(1.4, 1)
     assert budget.used(2.0, 1) == 600.0
     assert budget.used(2.1, 1) == 0.0
 
@@ -116,19 +117,19 @@ def test_when_room_opens_that_our_own_sends_leave_is_known(make_budget):
     heard(view, 1.4, 300)
     opens = [budget.opens(1.5, (size,)) for size in (100.0, 300.0, 700.0, 800.0, 1001.0)]
     assert opens == pytest.approx([-math.inf, 2.0, 2.2, math.inf, math.inf], abs=1e-5)
-    assert budget.fits(opens[2], (700.0,))
+    assert not budget.lacking(opens[2], (700.0,))
 
 
 def test_a_sample_waits_for_a_part_that_grows(make_budget):
     """As what others sent in a slot of ours leaves the window; for more than that nothing waits."""
     budget, _ = make_budget(kind="split", peers=0)
     coordination = budget._coordination
-    coordination.look(0.5, (BYTES,), 0.0, lambda _: 0.0, lambda _: 0.0)
+    coordination.advance(0.5, (BYTES,), 0.0, lambda _: 0.0, lambda _: 0.0)
     grows = coordination.grows_at(0.6)
     assert 0.6 < grows < math.inf
-    assert not budget.fits(0.6, (900.0,))
+    assert budget.lacking(0.6, (900.0,))
     assert budget.opens(0.6, (900.0,)) == grows
-    assert budget.fits(grows, (900.0,))
+    assert not budget.lacking(grows, (900.0,))
     assert budget.opens(0.6, (1001.0,)) == math.inf
     assert budget.opens(grows, (1001.0,)) == math.inf
 
@@ -175,20 +176,20 @@ def test_a_message_larger_than_the_limit_has_the_window_stretched_for_it(make_bu
     budget, view = make_budget()
     heard(view, 1.0, 10)
     large = (2500.0,)
-    assert not budget.fits(3.4, large)
-    assert budget.fits(3.6, large)
+    assert budget.lacking(3.4, large)
+    assert not budget.lacking(3.6, large)
     budget.use(3.6, large)
-    assert not budget.fits(4.5, (1.0,))
-    assert not budget.fits(6.0, large)
-    assert budget.fits(6.2, large)
+    assert budget.lacking(4.5, (1.0,))
+    assert budget.lacking(6.0, large)
+    assert not budget.lacking(6.2, large)
 
 
 def test_windows_are_stretched_no_further_than_sends_are_remembered(make_budget):
     """A message of a thousand limits goes after so many windows."""
     budget, _ = make_budget()
     budget.use(0.0, (1.0,))
-    assert not budget.fits(0.5 * MOST_STRETCHED, (1e6,))
-    assert budget.fits(MOST_STRETCHED + 0.1, (1e6,))
+    assert budget.lacking(0.5 * TUNING.stretched_windows, (1e6,))
+    assert not budget.lacking(TUNING.stretched_windows + 0.1, (1e6,))
 
 
 def test_traffic_that_nobody_decided_on_leaves_a_part(make_budget):
@@ -198,7 +199,7 @@ def test_traffic_that_nobody_decided_on_leaves_a_part(make_budget):
     assert budget.used(1.0, 0) == 900.0
     budget.use_at_most(1.1, (5000.0,), 0.9)
     assert budget.used(1.1, 0) == 900.0
-    assert budget.fits(1.2, (100.0,))
+    assert not budget.lacking(1.2, (100.0,))
 
 
 def test_under_new_limits_what_was_sent_counts_against_those_of_the_same_name_and_kind(make_budget):
@@ -217,7 +218,7 @@ def test_without_limits_everything_fits(make_budget):
     budget, _ = make_budget()
     budget.use(0.5, (1000.0,))
     budget.set_limits(())
-    assert budget.fits(1.0, ())
+    assert not budget.lacking(1.0, ())
     assert budget.free(1.0) == []
     assert budget.opens(1.0, ()) == -math.inf
 
@@ -253,7 +254,7 @@ def test_whoever_sends_what_fits_keeps_every_limit(make_budget, coordination, st
         if not ours:
             heard(view, now, size)
             sent += [(now, use, False)] * (coordination == "announce")
-        elif size <= budget.whole(now, 0) and budget.fits(now, use):
+        elif size <= budget.whole(now, 0) and not budget.lacking(now, use):
             budget.use(now, use)
             sent.append((now, use, True))
     for end, _, ours in sent:

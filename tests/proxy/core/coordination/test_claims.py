@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from proxy.core.coordination.claims import CAUTION, CLOSE, DECIDED, LATE, SELDOM, both, claim, leads, news_take, rivals
+from proxy.core.coordination.claims import both, claim, leads, news_take, rivals
+from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.market.disputes import Disputes
 from proxy.core.model.limits import limits_of
@@ -50,21 +51,21 @@ def test_a_better_claim_that_was_due_just_now_counts_as_taken(view):
     """The other one sent longer ago."""
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
-    assert taken(view, 10.0 + 0.5 * DECIDED) == (SIZE,)
+    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
 
 
 def test_a_worse_claim_waits_for_us(view):
     """So never do both wait, nor both send."""
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.5)
-    assert taken(view, 10.0 + 0.5 * DECIDED) == (0.0,)
+    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (0.0,)
 
 
 def test_of_equal_claims_one_is_better(view):
     """Names tell which, alike everywhere."""
     sent(view, "r1", 9.5)
     sent(view, "r2", 9.5)
-    assert taken(view, 10.0 + 0.5 * DECIDED) == (SIZE,)
+    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
 
 
 def test_a_better_claim_that_comes_before_it_can_have_heard_of_us_counts_as_taken(view):
@@ -87,7 +88,7 @@ def test_what_we_know_to_be_sent_is_counted_elsewhere(view):
     sent(view, "r1", 9.0)
     sent(view, "r2", 10.0)
     view.known("r2", "robot/r2/camera").renew(Generated(9.9, SIZE, 100.0))
-    assert taken(view, 10.0 + 0.5 * DECIDED) == (0.0,)
+    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (0.0,)
 
 
 def test_what_comes_at_random_counts_by_how_likely_it_was_sent(view):
@@ -96,7 +97,7 @@ def test_what_comes_at_random_counts_by_how_likely_it_was_sent(view):
     sent(view, "r2", 9.0)
     view.known("r2", "robot/r2/camera").schedule.assume(PERIOD, "poisson")
     likely = 1.0 - math.exp(-news_take(view) / PERIOD)
-    assert taken(view, 10.0) == (pytest.approx(likely**CAUTION * SIZE),)
+    assert taken(view, 10.0) == (pytest.approx(likely**TUNING.caution * SIZE),)
 
 
 @pytest.mark.parametrize("later", [0.0, 0.2, 0.9])
@@ -176,9 +177,9 @@ def test_of_two_that_are_as_long_silent_one_leads(view):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.look(10.0, limits, alone=False)
     sent(view, "r1", 9.0)
-    sent(view, "r2", 9.0 + 0.5 * CLOSE)
+    sent(view, "r2", 9.0 + 0.5 * TUNING.claim_tolerance)
     assert not leads(10.0, view, disputes, view.known("r1", "robot/r1/camera"), limits)
-    assert taken(view, 10.0 + 0.5 * DECIDED) == (SIZE,)
+    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
     view.note_sent(view.known("r2", "robot/r2/camera"), 2, Sent(9.1, 9.1, SIZE, 1.0))
     assert leads(10.0, view, disputes, view.known("r1", "robot/r1/camera"), limits)
 
@@ -228,7 +229,7 @@ def test_the_best_claim_may_have_waited_for_the_room_that_opened(view):
     sent(view, "r2", 9.0)
     now = 10.05
     assert taken(view, now) == (0.0,)
-    assert taken(view, now, grew=now - 0.5 * DECIDED) == (SIZE,)
+    assert taken(view, now, grew=now - 0.5 * TUNING.deciding) == (SIZE,)
     assert taken(view, now, grew=now - 2.0 * news_take(view)) == (0.0,)
 
 
@@ -262,11 +263,13 @@ def test_news_take_as_long_as_most_of_the_last_digests_did(view):
 @pytest.mark.parametrize("late", [True, False])
 def test_a_small_message_of_a_slow_stream_does_not_wait_for_late_news_of_one_other(view, seldom, size, late):
     """One that may collide with it matters less than the time."""
-    window = news_take(view) / LATE * (0.9 if late else 1.1)
+    window = news_take(view) / TUNING.collision_news * (0.9 if late else 1.1)
     limits = tuple(replace(limit, window=window) for limit in limits_of(view.specs, 0.02, 2))
     disputes, ours = Disputes(view), view.known("r1", "robot/r1/camera")
     disputes.look(10.0, limits, alone=False)
-    ours.schedule.observe(101, 9.9, Rhythm((2.0 if seldom else 0.5) * SELDOM * window, 9.9, 101, 0.0, 16))
+    ours.schedule.observe(
+        101, 9.9, Rhythm((2.0 if seldom else 0.5) * TUNING.collision_period * window, 9.9, 101, 0.0, 16)
+    )
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
     found, _ = rivals(10.0, view, disputes, ours, limits, own=(float(size),), grew=-math.inf)

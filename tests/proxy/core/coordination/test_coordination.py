@@ -2,18 +2,8 @@
 
 import pytest
 
-from proxy.core.coordination.coordination import (
-    AFFORDABLE,
-    FEW,
-    FORMING,
-    LARGE,
-    LASTING,
-    LATE,
-    PACE,
-    STILL,
-    Coordination,
-)
-from proxy.core.coordination.overbooking import MOST
+from proxy.core.coordination.coordination import Coordination
+from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
@@ -47,8 +37,8 @@ class Team:
                 stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
 
     def look(self, *, waiting=0.0, announcing=0.0, using=0.0):
-        self.now += PACE
-        return self.coordination.look(self.now, self.limits, waiting, lambda _: announcing, lambda _: using)
+        self.now += TUNING.interval
+        return self.coordination.advance(self.now, self.limits, waiting, lambda _: announcing, lambda _: using)
 
     def say(self, peer, **digest):
         self.now += 0.01
@@ -63,8 +53,8 @@ def make_team(make_specs):
 def test_each_plans_for_all_while_news_are_early_and_announcements_affordable(make_team):
     """All of every limit is what all have together."""
     team = make_team()
-    assert not team.look(waiting=0.9 * LATE * WINDOW, announcing=AFFORDABLE)
-    assert not team.coordination.splits
+    assert not team.look(waiting=0.9 * TUNING.late_news * WINDOW, announcing=TUNING.affordable)
+    assert not team.coordination.team.splits
     assert team.coordination.part(team.now, 0) == 1.0
     assert team.coordination.whole_turn(team.now, 0)
 
@@ -72,11 +62,15 @@ def test_each_plans_for_all_while_news_are_early_and_announcements_affordable(ma
 @pytest.mark.parametrize(
     ("enough", "less", "little"),
     [
-        ({"waiting": 1.01 * LATE * WINDOW}, {"waiting": 0.9 * LATE * WINDOW}, {"waiting": 0.9 * STILL * LATE * WINDOW}),
         (
-            {"announcing": 1.01 * AFFORDABLE},
-            {"announcing": 0.9 * AFFORDABLE},
-            {"announcing": 0.9 * STILL * AFFORDABLE},
+            {"waiting": 1.01 * TUNING.late_news * WINDOW},
+            {"waiting": 0.9 * TUNING.late_news * WINDOW},
+            {"waiting": 0.9 * TUNING.hysteresis * TUNING.late_news * WINDOW},
+        ),
+        (
+            {"announcing": 1.01 * TUNING.affordable},
+            {"announcing": 0.9 * TUNING.affordable},
+            {"announcing": 0.9 * TUNING.hysteresis * TUNING.affordable},
         ),
     ],
     ids=["late", "dear"],
@@ -84,15 +78,15 @@ def test_each_plans_for_all_while_news_are_early_and_announcements_affordable(ma
 def test_where_news_are_late_or_cost_too_much_a_robot_finds_that_the_team_has_to_split(make_team, enough, less, little):
     """And still when it is a little less, so that it does not change its mind all the time."""
     team = make_team()
-    for _ in range(1 + round(LASTING / PACE)):
+    for _ in range(1 + round(TUNING.dear_time / TUNING.interval)):
         team.look(**enough)
-    assert team.coordination.finds_due
-    assert team.coordination.splits
+    assert team.coordination.team.votes_to_split
+    assert team.coordination.team.splits
     assert team.coordination.part(team.now, 0) < 1.0 / 3.0
     team.look(**less)
-    assert team.coordination.finds_due
+    assert team.coordination.team.votes_to_split
     team.look(**little)
-    assert not team.coordination.finds_due
+    assert not team.coordination.team.votes_to_split
     assert team.coordination.part(team.now, 0) == 1.0
 
 
@@ -103,9 +97,9 @@ def test_who_has_nothing_to_send_does_not_ask_for_a_split(make_team):
         stream = team.view.stream(0.0, robot, f"robot/{robot}/camera")
         for count in range(9):
             stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
-    team.look(waiting=2.0 * LATE * WINDOW)
-    assert team.coordination.rivals
-    assert not team.coordination.finds_due
+    team.look(waiting=2.0 * TUNING.late_news * WINDOW)
+    assert team.coordination.team.rivals
+    assert not team.coordination.team.votes_to_split
 
 
 def test_news_that_wait_on_their_way_are_late(make_team):
@@ -115,18 +109,18 @@ def test_news_that_wait_on_their_way_are_late(make_team):
         digest = Digest("p1", "p1", sent, brief=sent == 5.0)
         team.view.heard_digest(sent + took, digest)
         team.coordination.heard(sent + took, digest)
-        team.now = max(team.now + PACE, sent + took)
+        team.now = max(team.now + TUNING.interval, sent + took)
         team.look()
-        assert team.coordination.finds_due is (sent == 6.0)
+        assert team.coordination.team.votes_to_split is (sent == 6.0)
 
 
 def test_it_is_looked_at_now_and_then(make_team):
     """And only while there is somebody."""
     team = make_team()
     team.look()
-    assert team.coordination.due_at(team.now) == team.now + PACE
-    team.coordination.look(team.now + 0.5 * PACE, team.limits, 99.0, lambda _: 99.0, lambda _: 0.0)
-    assert not team.coordination.finds_due
+    assert team.coordination.due_at(team.now) == team.now + TUNING.interval
+    team.coordination.advance(team.now + 0.5 * TUNING.interval, team.limits, 99.0, lambda _: 99.0, lambda _: 0.0)
+    assert not team.coordination.team.votes_to_split
     alone = make_team(())
     assert not alone.look(waiting=99.0, announcing=99.0)
     assert alone.coordination.due_at(alone.now) > 1e9
@@ -136,19 +130,19 @@ def test_where_only_one_robot_has_something_to_send_it_has_all(make_team):
     """However late news are: there is nobody to split with. Of a large team some always have."""
     team = make_team(send=1)
     assert not team.look(waiting=99.0, announcing=99.0)
-    assert not team.coordination.splits
-    crowd = make_team(tuple(f"p{number}" for number in range(FEW + 1)), send=1)
+    assert not team.coordination.team.splits
+    crowd = make_team(tuple(f"p{number}" for number in range(TUNING.few_robots + 1)), send=1)
     crowd.look(waiting=99.0)
-    assert crowd.coordination.splits
+    assert crowd.coordination.team.splits
 
 
 def test_what_an_operator_configured_stays(make_team):
     """Whatever news take, and whatever the others say."""
     team = make_team(coordination="split")
     team.look()
-    assert team.coordination.splits
+    assert team.coordination.team.splits
     team.say("p1", splits=False)
-    assert team.coordination.splits
+    assert team.coordination.team.splits
 
 
 def test_a_team_splits_while_any_of_it_says_so(make_team):
@@ -156,14 +150,14 @@ def test_a_team_splits_while_any_of_it_says_so(make_team):
     team = make_team()
     team.look()
     team.say("p1", splits=True)
-    assert team.coordination.splits
+    assert team.coordination.team.splits
     team.say("p1", brief=True)
-    assert team.coordination.splits
+    assert team.coordination.team.splits
     team.say("p1")
-    assert not team.coordination.splits
+    assert not team.coordination.team.splits
     team.say("p1", splits=True)
     team.coordination.set_members(team.now, ["p2"])
-    assert not team.coordination.splits
+    assert not team.coordination.team.splits
 
 
 def test_who_takes_no_part_has_no_say(make_team):
@@ -173,7 +167,7 @@ def test_who_takes_no_part_has_no_say(make_team):
     team.coordination.set_members(0.0, ["p2"])
     team.say("p1", splits=True, split=Told(1, (), 1, 1))
     team.say("p9", splits=True, split=Told(1, (), 1, 1))
-    assert not team.coordination.splits
+    assert not team.coordination.team.splits
 
 
 def test_a_robot_without_shared_limits_never_splits(make_specs):
@@ -181,7 +175,7 @@ def test_a_robot_without_shared_limits_never_splits(make_specs):
     text = '[[information_type]]\nname = "camera"\nkeys = ["robot/*/camera"]\nutility = { kind = "video" }\n'
     team = Team(make_specs(text=text))
     assert not team.look(waiting=99.0, announcing=99.0)
-    assert not team.coordination.splits
+    assert not team.coordination.team.splits
 
 
 def test_status_says_how_robots_keep_the_limit(make_talk):
@@ -212,8 +206,8 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     bid = (Segment(9_000, 250),)
     team.say("p1", splits=True, split=Told(1, bid, 1, 0))
     assert team.coordination.part(team.now, 0) == pytest.approx(equal)
-    ours = team.coordination.telling(team.now)
-    team.coordination.told(Digest("us", "zz-us", team.now, splits=True, split=ours))
+    ours = team.coordination.announcement(team.now)
+    team.coordination.announced(Digest("us", "zz-us", team.now, splits=True, split=ours))
     assert team.coordination.part(team.now, 0) < 0.5 * equal
     team.say("p1", splits=True, split=Told(1, None, ours.table, 0))
     team.look(waiting=99.0)
@@ -226,21 +220,21 @@ def test_who_asks_for_a_part_is_a_rival_however_seldom_its_streams_are_told_of(m
     """Else a team would change back and forth."""
     team = make_team(("p1",), send=1)
     team.look(waiting=99.0)
-    assert not team.coordination.rivals
+    assert not team.coordination.team.rivals
     stream = team.view.stream(0.0, "p1", "robot/p1/camera")
     for count in range(9):
         stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
     team.look(waiting=99.0)
-    assert team.coordination.splits
+    assert team.coordination.team.splits
     team.say("p1", splits=True, split=Told(1, (Segment(5_000, 120),), 1, 0))
     team.now += 60.0
     for count in range(9, 80):
         team.view.stream(0.0, "r1", "robot/r1/camera").note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
     team.look(waiting=99.0)
-    assert team.coordination.rivals
+    assert team.coordination.team.rivals
     team.say("p1", splits=True, split=Told(2, (), 1, 0))
     team.look(waiting=99.0)
-    assert not team.coordination.rivals
+    assert not team.coordination.team.rivals
 
 
 def test_a_team_that_splits_from_the_beginning_begins_by_agreeing(make_team):
@@ -248,7 +242,7 @@ def test_a_team_that_splits_from_the_beginning_begins_by_agreeing(make_team):
     team = make_team(coordination="split")
     assert team.coordination.begins(0.0)
     assert team.coordination.forming(0.0)
-    assert not team.coordination.begins(FORMING)
+    assert not team.coordination.begins(TUNING.forming_time)
     assert not make_team().coordination.begins(0.0)
 
 
@@ -258,38 +252,38 @@ def names(count):
 
 def test_a_large_team_agrees_on_nothing_and_uses_more_than_equal_parts(make_team):
     """Nobody has to tell of them. A message that is larger goes where nothing went for as many windows."""
-    team = make_team(names(LARGE), coordination="announce")
+    team = make_team(names(TUNING.large_team), coordination="announce")
     team.look(waiting=99.0, using=0.6)
-    assert team.coordination.splits
-    assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (LARGE + 1))
+    assert team.coordination.team.splits
+    assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.large_team + 1))
     for _ in range(30):
         assert not team.look(waiting=99.0, using=0.1)
-    assert team.coordination.part(team.now, 0) == pytest.approx(MOST / (LARGE + 1))
-    assert team.coordination.telling(team.now) is None
+    assert team.coordination.part(team.now, 0) == pytest.approx(TUNING.overbooked / (TUNING.large_team + 1))
+    assert team.coordination.announcement(team.now) is None
     assert team.coordination.settled
     assert team.coordination.whole_turn(team.now, 0)
-    team.coordination.set_members(team.now, names(LARGE - 1))
+    team.coordination.set_members(team.now, names(TUNING.large_team - 1))
     team.look(waiting=99.0)
-    assert team.coordination.telling(team.now) is not None
+    assert team.coordination.announcement(team.now) is not None
 
 
 def test_where_a_large_team_splits_strictly_each_has_an_equal_part(make_team):
     """However little it uses of it."""
-    team = make_team(names(LARGE), coordination="split")
+    team = make_team(names(TUNING.large_team), coordination="split")
     for _ in range(200):
         team.look(using=0.1)
-    equal = (1.0 - team.view.settings.floor) / (LARGE + 1)
+    equal = (1.0 - team.view.settings.floor) / (TUNING.large_team + 1)
     assert team.coordination.part(team.now, 0) == pytest.approx(equal, rel=0.06)
     assert not team.coordination.whole_turn(team.now, 0)
-    assert team.coordination.telling(team.now) is None
+    assert team.coordination.announcement(team.now) is None
 
 
 def test_very_many_that_send_at_once_split_though_each_hears_all(make_team):
     """News come too late where fifty send; until far fewer do."""
-    team = make_team(names(LARGE), send=LARGE - 1)
+    team = make_team(names(TUNING.large_team), send=TUNING.large_team - 1)
     team.look()
-    assert not team.coordination.splits
-    team = make_team(names(LARGE), send=LARGE)
+    assert not team.coordination.team.splits
+    team = make_team(names(TUNING.large_team), send=TUNING.large_team)
     team.look()
-    assert team.coordination.splits
-    assert team.coordination.large
+    assert team.coordination.team.splits
+    assert team.coordination.team.large

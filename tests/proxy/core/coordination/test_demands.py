@@ -2,7 +2,8 @@
 
 import pytest
 
-from proxy.core.coordination.demands import TOO_LATE, bid
+from proxy.core.coordination.demands import bid
+from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.bid import UNIT
@@ -80,5 +81,5 @@ def test_what_comes_too_late_asks_for_nothing(make_view):
     late = make_view(2_000)
     (peer,) = late.peers.values()
     end = late.lifetimes.end(late.known("r1", "robot/r1/camera").information_type.utility)
-    peer.latency_out = Latency(TOO_LATE * end)
+    peer.latency_out = Latency(TUNING.too_late * end)
     assert asked(late) == ()

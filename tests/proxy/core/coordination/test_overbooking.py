@@ -4,7 +4,8 @@ import random
 
 import pytest
 
-from proxy.core.coordination.overbooking import DEVIATIONS, KNOWN, MEMORY, MOST, Overbooking
+from proxy.core.coordination.overbooking import Overbooking
+from proxy.core.coordination.tuning import TUNING
 
 PACE = 0.25
 
@@ -13,18 +14,20 @@ def looked(overbooking, used, robots=50, seconds=30.0, now=0.0):
     """Robots use of their part what `used` says, at each look; return when the last one was."""
     for step in range(round(seconds / PACE)):
         now += PACE
-        overbooking.look(now, used(step), robots)
+        overbooking.advance(now, used(step), robots)
     return now
 
 
 def test_at_first_a_part_is_a_part():
     """What seldom happens is not known yet."""
     overbooking = Overbooking()
-    looked(overbooking, lambda _: 0.1, seconds=0.9 * KNOWN)
+    looked(overbooking, lambda _: 0.1, seconds=0.9 * TUNING.use_known)
     assert overbooking.factor == 1.0
 
 
-@pytest.mark.parametrize(("used", "factor"), [(1.0, 1.0), (0.8, 1.25), (0.1, MOST), (0.0, MOST)])
+@pytest.mark.parametrize(
+    ("used", "factor"), [(1.0, 1.0), (0.8, 1.25), (0.1, TUNING.overbooked), (0.0, TUNING.overbooked)]
+)
 def test_who_uses_little_of_what_it_may_may_use_more(used, factor):
     """So much more that it uses its part in the mean, and never more than a few times that."""
     overbooking = Overbooking()
@@ -39,7 +42,9 @@ def test_room_is_left_for_what_use_varies_by():
         overbooking = Overbooking()
         looked(overbooking, lambda step: (0.3, 0.9)[step % 2], robots)
         found.append(1.0 / overbooking.factor)
-    assert found == pytest.approx([0.6 + DEVIATIONS * 0.3 / 5.0, 0.6 + DEVIATIONS * 0.3 / 10.0], abs=0.02)
+    assert found == pytest.approx(
+        [0.6 + TUNING.use_deviations * 0.3 / 5.0, 0.6 + TUNING.use_deviations * 0.3 / 10.0], abs=0.02
+    )
 
 
 def test_all_together_use_what_they_have():
@@ -51,7 +56,7 @@ def test_all_together_use_what_they_have():
         for overbooking, filled in team:
             used = rng.choice([filled, filled, 0.5 * filled])
             use += used * overbooking.factor / robots
-            overbooking.look(step * PACE, used, robots)
+            overbooking.advance(step * PACE, used, robots)
         together.append(use)
     settled = together[len(together) // 2 :]
     assert 0.8 < sum(settled) / len(settled) < 1.0
@@ -62,5 +67,5 @@ def test_a_team_that_is_large_again_begins_anew():
     """What was used long ago says nothing of now."""
     overbooking = Overbooking()
     now = looked(overbooking, lambda _: 0.2)
-    overbooking.look(now + 2.0 * MEMORY, 1.0, 50)
+    overbooking.advance(now + 2.0 * TUNING.use_memory, 1.0, 50)
     assert overbooking.factor == 1.0

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.coordination.coordination import LARGE
+from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.gossip.digest_scheduler import DEBT, GATHER, STATE_PACE
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward, SendDigest, SendState
@@ -268,7 +268,7 @@ def test_announcements_that_the_allowance_has_no_room_for_leave_out_what_is_smal
     assert {stream.id for digest in told for stream in digest.streams} == ({large} if spent else {small, large})
 
 
-def many(talk, now, count=LARGE):
+def many(talk, now, count=COORDINATION.large_team):
     """So many robots appear, and each answers."""
     for number in range(count):
         talk.tell(ev.PeerAppeared(now, f"x{number}", f"{number:08x}"))

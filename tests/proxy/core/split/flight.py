@@ -77,11 +77,11 @@ class Flight:
 
     def speak(self, name):
         self.spoken[name] = self.now
-        if self.splits[name].silent:
+        if self.splits[name].agreement.silent:
             return
-        told, self.number = self.splits[name].telling(self.clock(name)), self.number + 1
-        self.splits[name].told(self.clock(name), told)
-        self.splits[name]._bid_told = -1, self.now  # each digest tells the bid again: nobody has to ask
+        told, self.number = self.splits[name].exchange.announcement(self.clock(name)), self.number + 1
+        self.splits[name].announced(self.clock(name), told)
+        self.splits[name].exchange._bid_sent = -1, self.now  # each digest tells the bid again: nobody has to ask
         for to in self.splits:
             for _ in range(self.rng.choice([1, 1, 2])):
                 if to != name and name not in self.mute and self.rng.random() >= self.loss:
@@ -100,13 +100,13 @@ class Flight:
     def room(self, name):
         """What a robot may send now, as a part of the limit: its part less all that it sent in the window."""
         recent = sum(use for t, use, by, _ in self.sends if by == name and t > self.now - WINDOW)
-        room = self.splits[name].part(self.clock(name)) - recent
-        assert room <= self.splits[name].free(self.clock(name)) + 1e-6
+        room = self.splits[name].own_part.of(self.clock(name)) - recent
+        assert room <= self.splits[name].own_part.free(self.clock(name)) + 1e-6
         return room
 
     def in_transit(self):
         """Slots that were passed on and not yet taken [units]."""
-        slots = [turn.slot for split in self.splits.values() for turn in split._agreement.turns]
+        slots = [turn.slot for split in self.splits.values() for turn in split.agreement.turns]
         return max((sum(slot.size for slot in slots) // len(self.splits), 0)) if slots else 0
 
     def send(self, name, use):
@@ -125,7 +125,7 @@ class Flight:
         self.notice()
         self.hear()
         for name, split in self.splits.items():
-            if split.look(self.clock(name), self.delay) or self.spoken[name] < self.now - self.pace:
+            if split.advance(self.clock(name), self.delay) or self.spoken[name] < self.now - self.pace:
                 self.speak(name)
             split.bid(self.clock(name), self.demand[name])
 

@@ -5,8 +5,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from proxy.core.protocol.bid import UNIT, Segment, packed
-from proxy.core.split.agreement import NEWCOMERS
 from proxy.core.split.split import Split
+from proxy.core.split.tuning import TUNING
 from tests.proxy.core.split.flight import FLOOR, WINDOW, Flight
 
 SMALL = (Segment(300, 150),)
@@ -31,8 +31,15 @@ def fleet(robots, bid=SMALL, **kwargs):
     return flight
 
 
+def waits_for_turn(split):
+    """Whether it shares slots of which none is its own now."""
+    own, turns = split.agreement.own, split.agreement.turns
+    shares = any(own in dict(turn.slot.ring) for turn in turns)
+    return shares and all(turn.holder != own for turn in turns)
+
+
 def parts(flight):
-    return {name: round(split.part(flight.clock(name)) * UNIT) for name, split in flight.splits.items()}
+    return {name: round(split.own_part.of(flight.clock(name)) * UNIT) for name, split in flight.splits.items()}
 
 
 @some
@@ -68,9 +75,9 @@ def test_all_agree_soon_and_use_the_limit_once_digests_get_through(seed, robots,
     flight = Flight(seed, robots, loss=loss, delay=delay)
     for _ in range(STEPS // 5):
         flight.step()
-    flight.loss, flight.demand = 0.0, {name: split._agreement.bid[1] for name, split in flight.splits.items()}
+    flight.loss, flight.demand = 0.0, {name: split.agreement.bid[1] for name, split in flight.splits.items()}
     settle(flight, 2.0 + 8 * delay)
-    assert all(split.settled for split in flight.splits.values())
+    assert all(split.agreement.settled for split in flight.splits.values())
     assert sum(parts(flight).values()) >= UNIT * (1.0 - FLOOR) - 2 * robots - flight.in_transit()
 
 
@@ -82,18 +89,18 @@ def test_nobody_is_silent(seed, robots, loss, delay):
     for number in range(STEPS):
         flight.step()
         flight.happen(number)
-        assert min(parts(flight).values()) >= min(UNIT * FLOOR // NEWCOMERS, UNIT * (1.0 - FLOOR) // 8 // 12)
+        assert min(parts(flight).values()) >= min(UNIT * FLOOR // TUNING.newcomers, UNIT * (1.0 - FLOOR) // 8 // 12)
 
 
 def test_a_robot_alone_has_everything_once_settled():
     """One window later, as one that it never saw may just have sent; before, it has a newcomer's part."""
     split = Split("a", 0.0, (WINDOW,), floor=FLOOR, settled_at=1.0)
-    split.look(0.9, 0.0)
-    assert split.part(0.9) == FLOOR / NEWCOMERS
+    split.advance(0.9, 0.0)
+    assert split.own_part.of(0.9) == FLOOR / TUNING.newcomers
     assert split.due_at(0.9) == 1.0
-    split.look(1.0, 0.0)
+    split.advance(1.0, 0.0)
     assert split.due_at(1.0) == 1.0 + WINDOW
-    assert (split.part(1.9), split.part(1.0 + WINDOW)) == (FLOOR / NEWCOMERS, 1.0 - FLOOR)
+    assert (split.own_part.of(1.9), split.own_part.of(1.0 + WINDOW)) == (FLOOR / TUNING.newcomers, 1.0 - FLOOR)
 
 
 def test_equal_bids_have_equal_parts():
@@ -135,7 +142,7 @@ def test_a_newcomer_has_an_equal_part_left_at_once_and_takes_it_when_all_know_it
     flight = fleet(3)
     flight.join("n")
     settle(flight, 0.25)
-    assert parts(flight)["n"] == UNIT * FLOOR / NEWCOMERS
+    assert parts(flight)["n"] == UNIT * FLOOR / TUNING.newcomers
     settle(flight, 3.0)
     assert set(parts(flight).values()) == {2450}
 
@@ -146,7 +153,7 @@ def test_a_robot_whose_digests_never_arrive_has_an_equal_part():
     flight.mute.add("n")
     flight.join("n")
     settle(flight, 0.9)
-    assert parts(flight)["n"] == UNIT * FLOOR / NEWCOMERS
+    assert parts(flight)["n"] == UNIT * FLOOR / TUNING.newcomers
     settle(flight, 3.0)
     assert set(parts(flight).values()) == {2450}
 
@@ -202,7 +209,7 @@ def test_small_messages_go_on_beside_a_large_one_whose_slot_was_passed_on():
 def test_a_slot_of_a_robot_that_is_gone_goes_to_the_others():
     """They agree on a table without it, in which turns begin anew."""
     flight = fleet(2, (*SMALL, Segment(6000, 100, 4)))
-    (holder,) = [name for name, split in flight.splits.items() if not split.waits_for_turn]
+    (holder,) = [name for name, split in flight.splits.items() if not waits_for_turn(split)]
     flight.leave(holder)
     settle(flight, 5.0)
     assert list(parts(flight).values()) == [UNIT * (1.0 - FLOOR)]
@@ -213,8 +220,8 @@ def test_a_message_larger_than_the_limit_has_windows_for_itself():
     flight = fleet(1, (Segment(UNIT, 100, 1),))
     flight.send("r0", 2.45)
     split, now = flight.splits["r0"], flight.clock("r0")
-    assert split.free(now + 2.4 * WINDOW) == pytest.approx(0.0, abs=1e-9)
-    assert split.free(now + 2.5 * WINDOW + 0.001) == pytest.approx(0.98)
+    assert split.own_part.free(now + 2.4 * WINDOW) == pytest.approx(0.0, abs=1e-9)
+    assert split.own_part.free(now + 2.5 * WINDOW + 0.001) == pytest.approx(0.98)
 
 
 def test_a_bid_changes_when_all_agree_and_it_differs_enough():
@@ -238,28 +245,28 @@ def test_the_first_bids_of_a_robot_follow_soon():
     settle(flight, 0.6)
     flight.demand["r0"] = FRAMES
     settle(flight, 0.6)
-    assert flight.splits["r0"]._agreement.bid[1] == FRAMES
+    assert flight.splits["r0"].agreement.bid[1] == FRAMES
 
 
 def test_a_bid_is_told_until_all_have_it():
     """Then digests name the table alone."""
     flight = fleet(3)
-    told = flight.splits["r0"].telling(flight.clock("r0"))
+    told = flight.splits["r0"].exchange.announcement(flight.clock("r0"))
     assert told.bid is None
     assert told.table == told.agreed
     flight.join("n")
     flight.notice_all()
-    assert flight.splits["r0"].telling(flight.clock("r0")).bid == SMALL
+    assert flight.splits["r0"].exchange.announcement(flight.clock("r0")).bid == SMALL
     assert len(packed(FRAMES)) == 12
 
 
 def test_each_limit_has_its_own_window():
     """A message counts as what it uses of each."""
     split = Split("a", 0.0, (1.0, 2.0), floor=FLOOR, settled_at=0.0)
-    split.look(0.0, 0.0)
+    split.advance(0.0, 0.0)
     split.sent(3.0, (0.5, 0.25))
-    assert [split.free(3.0, limit) for limit in (0, 1)] == pytest.approx([0.48, 0.73])
-    assert [split.free(4.0, limit) for limit in (0, 1)] == pytest.approx([0.98, 0.73])
+    assert [split.own_part.free(3.0, limit) for limit in (0, 1)] == pytest.approx([0.48, 0.73])
+    assert [split.own_part.free(4.0, limit) for limit in (0, 1)] == pytest.approx([0.98, 0.73])
 
 
 def team_of(tags, bid=SMALL):
@@ -274,8 +281,8 @@ def team_of(tags, bid=SMALL):
 
 def say(splits, now, by, *missed):
     """A robot tells what there is to tell, and all but some hear it."""
-    told = splits[by].telling(now)
-    splits[by].told(now, told)
+    told = splits[by].exchange.announcement(now)
+    splits[by].announced(now, told)
     for tag, split in splits.items():
         if tag != by and tag not in missed:
             split.heard(now, by, told, now)
@@ -286,13 +293,13 @@ def test_agreeing_takes_two_digests_of_each_robot():
     """One with its bid, and one once it has those of all; nothing in between is worth telling."""
     splits = team_of("abcd")
     for tag in "abc":
-        assert splits[tag].has_news(0.1)
+        assert splits[tag].exchange.has_news(0.1)
         say(splits, 0.1, tag)
-        assert not splits[tag].has_news(0.1)
+        assert not splits[tag].exchange.has_news(0.1)
     told = [say(splits, 0.2, tag) for tag in "dabc"]
     assert [each.bid for each in told] == [SMALL, None, None, None]
-    assert all(split.formed for tag, split in splits.items())
-    assert not any(split.has_news(0.3) for split in splits.values())
+    assert all(split.agreement.formed for tag, split in splits.items())
+    assert not any(split.exchange.has_news(0.3) for split in splits.values())
 
 
 def test_who_missed_a_digest_asks_and_only_who_is_asked_tells_again():
@@ -303,18 +310,18 @@ def test_who_missed_a_digest_asks_and_only_who_is_asked_tells_again():
     say(splits, 0.1, "c")
     say(splits, 0.1, "d")
     say(splits, 0.2, "a")
-    assert not any(splits[tag].has_news(0.5) for tag in "cd")
+    assert not any(splits[tag].exchange.has_news(0.5) for tag in "cd")
     first = min(splits["c"].due_at(0.5), splits["d"].due_at(0.5))
-    asking = next(tag for tag in "cd" if splits[tag].has_news(5.0))
+    asking = next(tag for tag in "cd" if splits[tag].exchange.has_news(5.0))
     told = say(splits, 5.0, asking)
     assert first < 5.0
     assert told.missing == 0b0010
-    assert splits["b"].has_news(5.0)
-    assert not splits["d" if asking == "c" else "c"].has_news(5.0)
+    assert splits["b"].exchange.has_news(5.0)
+    assert not splits["d" if asking == "c" else "c"].exchange.has_news(5.0)
     assert say(splits, 5.1, "b").bid == SMALL
     for tag in "cdab":
         say(splits, 5.2, tag)
-    assert all(split.formed for split in splits.values())
+    assert all(split.agreement.formed for split in splits.values())
 
 
 def test_who_has_nothing_to_ask_for_speaks_once_it_knows_all_other_bids():
@@ -324,10 +331,10 @@ def test_who_has_nothing_to_ask_for_speaks_once_it_knows_all_other_bids():
     for tag, split in splits.items():
         split.set_members(0.0, splits.keys() - {tag})
     say(splits, 0.1, "a")
-    assert not splits["op"].has_news(0.2)
-    assert splits["op"].has_news(2.0)
+    assert not splits["op"].exchange.has_news(0.2)
+    assert splits["op"].exchange.has_news(2.0)
     say(splits, 0.2, "b")
-    assert splits["op"].has_news(0.2)
+    assert splits["op"].exchange.has_news(0.2)
     assert say(splits, 0.2, "op").bid == ()
 
 
@@ -336,19 +343,19 @@ def test_a_slot_that_was_passed_on_unheard_is_passed_on_again():
     splits = team_of("ab", (Segment(6000, 100, 4),))
     for tag in "abab":
         say(splits, 0.1, tag)
-    (holder,) = [tag for tag, split in splits.items() if not split.waits_for_turn]
+    (holder,) = [tag for tag, split in splits.items() if not waits_for_turn(split)]
     (other,) = splits.keys() - {holder}
     now = 0.1
-    while not splits[holder].look(now, 0.01):
+    while not splits[holder].advance(now, 0.01):
         now += 0.1
     say(splits, now, holder, other)
-    assert all(split.waits_for_turn for split in splits.values())
-    splits[holder].look(now + 1.0, 0.01)
-    assert not splits[holder].has_news(now + 1.0)
-    splits[holder].look(now + 8.0, 0.01)
-    assert splits[holder].has_news(now + 8.0)
+    assert all(waits_for_turn(split) for split in splits.values())
+    splits[holder].advance(now + 1.0, 0.01)
+    assert not splits[holder].exchange.has_news(now + 1.0)
+    splits[holder].advance(now + 8.0, 0.01)
+    assert splits[holder].exchange.has_news(now + 8.0)
     say(splits, now + 8.0, holder)
-    assert not splits[other].waits_for_turn
+    assert not waits_for_turn(splits[other])
 
 
 def test_a_bid_that_changes_nobodys_part_is_not_told():
@@ -375,9 +382,9 @@ def test_a_team_that_splits_again_says_so_at_once():
     splits = team_of("ab")
     for tag in "abab":
         say(splits, 0.1, tag)
-    assert not splits["a"].has_news(9.0)
-    splits["a"].begin(9.0)
-    assert splits["a"].has_news(9.0)
+    assert not splits["a"].exchange.has_news(9.0)
+    splits["a"].exchange.begin(9.0)
+    assert splits["a"].exchange.has_news(9.0)
 
 
 def test_a_large_team_keeps_equal_parts_and_says_nothing():
@@ -385,11 +392,14 @@ def test_a_large_team_keeps_equal_parts_and_says_nothing():
     flight = Flight(1, 4, bids=lambda _: (Segment(2000, 120), Segment(9000, 120, 4)), rest=0.0)
     quieten(flight)
     settle(flight, 4.0)
-    assert all(split.silent and split.settled and not split.has_news(0.0) for split in flight.splits.values())
+    assert all(
+        split.agreement.silent and split.agreement.settled and not split.exchange.has_news(0.0)
+        for split in flight.splits.values()
+    )
     assert set(parts(flight).values()) == {(UNIT - UNIT * FLOOR) // 4}
     (split, *_) = flight.splits.values()
     assert split.bid(flight.now + 60.0, (Segment(4000, 120, 4),))
-    assert not split.silent
+    assert not split.agreement.silent
 
 
 @some

@@ -1,7 +1,8 @@
 """Whose turn it is with a slot."""
 
 from proxy.core.split.allocation import Slot
-from proxy.core.split.turns import ROUND, Turn
+from proxy.core.split.tuning import TUNING
+from proxy.core.split.turns import Turn
 
 RING = Slot(4000, (("a", 1), ("b", 2), ("c", 1)))
 
@@ -38,5 +39,5 @@ def test_turns_are_longer_where_news_take_long():
     turn = Turn(RING, used=0.0)
     assert turn.ends(0.5, 0.2) == 0.5 + 3.0
     long = turn.ends(0.5, 3.0) - 0.5
-    assert 0.5 < long <= ROUND / 4
+    assert 0.5 < long <= TUNING.round_time / 4
     assert turn.ends(0.5, 100.0) == 1.0

@@ -5,13 +5,13 @@ import random
 import pytest
 
 from proxy.core.protocol.bid import Segment
-from proxy.core.split.standing import Standing
+from proxy.core.split.table import Table
 
 BID = (Segment(300, 120),)
 
 
 def table(entries, members=2, kind=b""):
-    return Standing("a", entries, members=members, floor=100, kind=kind)
+    return Table("a", entries, members=members, floor=100, kind=kind)
 
 
 @pytest.mark.parametrize(
@@ -46,21 +46,21 @@ def test_names_are_spread_over_four_bytes():
 
 def test_a_table_is_agreed_on_once_all_whose_bids_it_holds_told_it():
     """One whose bid nobody knows cannot have it."""
-    standing = table({"a": (1, BID), "b": (1, BID), "c": None}, members=3)
-    assert not standing.agreed
-    standing.told.add("b")
-    assert standing.agreed
-    assert not standing.complete
+    held = table({"a": (1, BID), "b": (1, BID), "c": None}, members=3)
+    assert not held.agreed
+    held.confirm({"b": (held.name, 0)})
+    assert held.agreed
+    assert not held.complete
 
 
 def test_a_slot_counts_for_the_one_whose_turn_it_is():
     """Beside what is its own."""
     bid = (Segment(300, 150), Segment(8000, 120, 4))
-    standing = table({"a": (1, bid), "b": (1, bid)})
-    (turn,) = standing.turns
-    own = standing.allocation.parts["a"]
+    held = table({"a": (1, bid), "b": (1, bid)})
+    (turn,) = held.turns
+    own = held.allocation.parts["a"]
     totals = set()
     for _ in range(2):
-        totals.add(standing.total)
-        turn.number += 1
+        totals.add(held.total)
+        turn.pass_on()
     assert totals == {own, own + 8000}

@@ -1,0 +1,108 @@
+"""The team as one robot sees it: who takes part, who has something to send, and whether the team splits the limits."""
+
+import math
+from collections import deque
+from collections.abc import Callable, Collection, Sequence
+
+from proxy.core.coordination.tuning import TUNING
+from proxy.core.model.limits import Limit, shortest_window
+from proxy.core.protocol.messages import Digest
+from proxy.core.view.view import SharedView
+
+
+class Team:
+    """Each robot votes, in its digests, for a split when it finds that one is due; one vote is enough."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self.strict = view.settings.coordination == "split"
+        """Whether an operator wants the team to split whatever it votes for."""
+        self.members: frozenset[str] = frozenset()
+        """Tags of the others that take part."""
+        self._votes: set[str] = set()
+        """Tags of the others that find that the team has to split."""
+        self._took: deque[float] = deque(maxlen=TUNING.late_digests)
+        """How long the last digests took to us [s]."""
+        self._dear_since = math.inf
+        """Since when announcements cost too much [s]."""
+        self.votes_to_split = self.strict
+        """Whether we find that the team has to split."""
+        self.rivals = False
+        """Whether several robots have something to send."""
+        self.must_announce = False
+        """Whether others have to hear of what we send, as far as we know."""
+
+    @property
+    def splits(self) -> bool:
+        """Whether each robot has a part of every limit."""
+        return self.strict or (self.rivals and (self.votes_to_split or bool(self._votes)))
+
+    @property
+    def robots(self) -> int:
+        """How many robots take part."""
+        return len(self.members) + 1
+
+    @property
+    def large(self) -> bool:
+        """Whether the team is too large to agree on parts, or to announce all to all."""
+        return len(self.members) >= TUNING.large_team
+
+    @property
+    def quiet(self) -> bool:
+        """Whether a large team has equal parts: nobody plans with what the others announce."""
+        return self.splits and self.large
+
+    def set_members(self, members: Collection[str]) -> None:
+        """These robots take part, and we."""
+        self.members = frozenset(members)
+        self._votes &= self.members
+
+    def heard(self, digest: Digest, took: float) -> None:
+        """A digest of a member came, which took so long [s]; an announcement holds no vote."""
+        self._took.append(took)
+        if not digest.brief:
+            (self._votes.add if digest.splits else self._votes.discard)(digest.tag)
+
+    def news_take(self, waiting: float) -> float:
+        """Return what digests take from or to any robot at most, took to us lately, or are `waiting` for now [s].
+
+        Not what samples take: frames wait for each other on a channel that is full, and news go by. What others hear
+        late they say themselves.
+        """
+        return max(self._view.longest_way, min(self._took, default=0.0), waiting)
+
+    def judge(
+        self,
+        now: float,
+        limits: Sequence[Limit],
+        waiting: float,
+        announcing: Callable[[float], float],
+        *,
+        asked: bool,
+    ) -> None:
+        """Find whether the team has to split; `asked`: whether another robot asks for a part."""
+        view, window, still = self._view, shortest_window(limits), TUNING.hysteresis if self.votes_to_split else 1.0
+        sending = {stream.robot for stream in view.competition.all(now)} | self._unheard()
+        # Where each has its part, digests seldom say what a robot sends, and its bid says that it does.
+        self.rivals = asked or len(sending) > 1 or len(view.peers) > TUNING.few_robots
+        # Who has just been met may send before it can say so.
+        self.must_announce = self.rivals or bool(view.met_lately(now))
+        if not self.rivals or math.isinf(window):
+            self.votes_to_split = self.strict
+            return
+        # Of very many that send at once each hears too late of the others.
+        many = len(sending) >= still * TUNING.large_team
+        # Late news harm nobody who has nothing to decide: an operator hears digests behind the frames it gets.
+        # Where limits follow the channel it is a queue that makes news late, and these dissolve it.
+        decides = view.settings.robot in sending and all(limit.least >= 1.0 for limit in limits)
+        late = decides and self.news_take(waiting) >= still * TUNING.late_news * window
+        dear = announcing(now) > still * TUNING.affordable
+        self._dear_since = min(self._dear_since, now) if dear else math.inf
+        lasting = 0.0 if len(view.peers) > TUNING.few_robots else TUNING.dear_time
+        self.votes_to_split = self.strict or late or many or now >= self._dear_since + lasting
+
+    def _unheard(self) -> set[str]:
+        """Return the robots that have streams, as their states say, of which no digest has said anything yet."""
+        known = {stream.robot for stream in self._view.streams()}
+        new = (peer for peer in self._view.peers.values() if peer.robot not in known and not peer.plain)
+        return {peer.robot for peer in new if any(self._view.specs.planned(key) for key in peer.told)}

@@ -1,0 +1,122 @@
+"""What one robot announces of the split, and what it requests again of what it missed.
+
+A bid is announced once, the name of a table once it holds the bids of all. What is lost is requested by who misses it,
+after a while and for all who miss the same; who is asked announces it again.
+"""
+
+import math
+import zlib
+
+from proxy.core.protocol.parts import MOST_ASKED, Told
+from proxy.core.split.agreement import Agreement
+from proxy.core.split.tuning import TUNING
+
+
+class Exchange:
+    """One robot's announcements and requests."""
+
+    def __init__(self, now: float, agreement: Agreement, window: float) -> None:
+        self._agreement, self._window = agreement, window
+        self._phase = zlib.crc32(agreement.own.encode()) / 2**32
+        """Who misses the same does not request it at the same moment: one does for all."""
+        self.delay = 0.0
+        """How long news take to others [s]."""
+        self._last: Told | None = None
+        """What we announced last; None where the team has just begun to split."""
+        self.last_at, self._met = now, math.inf
+        """When that was, and when we saw the first other robot [s]."""
+        self._bid_sent = -1, now
+        """The version of our bid that was announced last, and when [s]."""
+        self._heard_at, self._requests = now, 0
+        """When we last heard what is news, or requested it [s], and how often we did since."""
+        self._again = False
+        """Whether we announce again, because another robot requests it, or a slot was passed on and not taken."""
+        self.passes_on = False
+        """Whether that is for a slot: one robot waits for us alone."""
+
+    @property
+    def patience(self) -> float:
+        """How long we wait for what we miss [s]."""
+        return TUNING.request_delay + TUNING.request_news * self.delay
+
+    @property
+    def requests_at(self) -> float:
+        """When we request what we miss [s]; never where we miss nothing."""
+        if self._agreement.quiet or not self._agreement.unconfirmed:
+            return math.inf
+        if self._last is None:
+            return self._met + TUNING.silence
+        return max(self._heard_at, self.last_at) + self.patience * (1.0 + self._phase) * 2.0**self._requests
+
+    def announcement(self, now: float) -> Told:
+        """Return what our next digest announces."""
+        agreement, (version, bid) = self._agreement, self._agreement.bid
+        recent = self._bid_sent[0] == version and now < self._bid_sent[1] + self.patience
+        passed = [now - turn.used for turn in agreement.turns if turn.giver == agreement.own]
+        return Told(
+            version,
+            None if agreement.known or (recent and not self._again) else bid,
+            agreement.log.newest.name,
+            0 if agreement.newcomer else agreement.log.agreed.name,
+            tuple(turn.number for turn in agreement.turns),
+            min([self._window, *passed]),
+            self._mask(agreement.unconfirmed) if now >= self.requests_at else 0,
+        )
+
+    def has_news(self, now: float) -> bool:
+        """Whether others wait to hear from us: a bid, that we have everybody's, that a slot is passed on.
+
+        A table that lacks bids is no news yet, for nobody else has it; nor is what others know sooner than we.
+        """
+        agreement, last, newest = self._agreement, self._last, self._agreement.log.newest
+        if agreement.silent:
+            return False
+        if self._again or now >= self.requests_at:
+            return True
+        if last is None:
+            return bool(agreement.bid[1]) or (newest.complete and len(agreement.members) > 1)
+        return last.version != agreement.bid[0] or (newest.complete and last.table != newest.name)
+
+    def begin(self, now: float) -> None:
+        """From now on digests announce parts; what was announced while the team split before was long ago."""
+        self._met, self._last = now, None
+
+    def restart(self) -> None:
+        """All give up what they agreed on."""
+        self._last, self._again = None, False
+
+    def met(self, now: float) -> None:
+        """There is another robot."""
+        self._met = min(self._met, now)
+
+    def announced(self, now: float, announcement: Told) -> None:
+        """This goes out in a digest."""
+        if announcement.missing:
+            self._heard_at, self._requests = now, min(self._requests + 1, TUNING.request_doublings)
+        self._last, self.last_at, self._again, self.passes_on = announcement, now, False, False
+        if announcement.bid is not None:
+            self._bid_sent = announcement.version, now
+
+    def heard(self, now: float, announcement: Told, sent: float, unconfirmed: set[str]) -> None:
+        """An announcement of another robot came, sent at `sent` [s]; before it these were `unconfirmed`."""
+        requested = bool(announcement.missing & self._mask({self._agreement.own}))
+        self._again |= requested and sent > self.last_at + self.delay
+        if self._agreement.unconfirmed != unconfirmed:
+            self._heard_at, self._requests = now, 0
+        ours = self._mask(self._agreement.unconfirmed)
+        if ours and announcement.missing & ours == ours:
+            self._heard_at = now
+
+    def note_delay(self, delay: float) -> None:
+        """News take so long to others now [s]."""
+        self.delay = delay
+
+    def note_turns(self, *, passed_on: bool) -> None:
+        """Whether the next robot of a slot has to hear that we passed it on."""
+        self.passes_on |= passed_on
+        self._again |= self.passes_on
+
+    def _mask(self, tags: set[str]) -> int:
+        """Return a bit for each of some robots, as far as there are bits for them."""
+        members = sorted(self._agreement.members)
+        return sum(1 << place for place, tag in enumerate(members[:MOST_ASKED]) if tag in tags)

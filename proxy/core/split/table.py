@@ -1,0 +1,87 @@
+"""A table: the bids of all robots that one robot knows, what they give it, and who has the same table."""
+
+import hashlib
+from collections.abc import Mapping
+
+from proxy.core.protocol.bid import Bid, packed
+from proxy.core.split.allocation import RULES, Allocation, allocate
+from proxy.core.split.turns import Turn
+
+Entry = tuple[int, Bid]
+"""A version and the bid in it."""
+
+
+class Table:
+    """The bids of all members, None where one is not known, and which robots confirmed that they have the same.
+
+    Its name is a hash, which stands for the table itself: two tables of one name are the same one.
+    """
+
+    def __init__(
+        self,
+        own: str,
+        entries: Mapping[str, Entry | None],
+        *,
+        members: int,
+        floor: int,
+        kind: bytes,
+        counts: bool = False,
+    ) -> None:
+        self.own, self.entries, self._floor = own, dict(entries), floor
+        self.name = _name(self.entries, members, kind)
+        bids = {tag: entry and entry[1] for tag, entry in self.entries.items()}
+        self.allocation: Allocation = allocate(bids, members, floor, self.name)
+        self.turns = [Turn(slot) for slot in self.allocation.slots]
+        self.bidders = {tag for tag, entry in self.entries.items() if entry is not None} - {own}
+        """Whose bids it holds, without us. One whose bid is not known cannot have this table, and needs not."""
+        self.confirmed_by: set[str] = set()
+        self.counts = counts
+        """Whether what it gives us is the most that we may use: we agreed on it, or others may have."""
+
+    @property
+    def agreed(self) -> bool:
+        """Whether all whose bids it holds have it."""
+        return self.bidders <= self.confirmed_by
+
+    @property
+    def complete(self) -> bool:
+        """Whether it holds everybody's bid."""
+        return None not in self.entries.values()
+
+    @property
+    def part(self) -> int:
+        """What it gives us alone [units]."""
+        return self.allocation.parts[self.own]
+
+    @property
+    def total(self) -> int:
+        """What it gives us now [units]: our part, and the slots that we hold."""
+        return self.part + sum(turn.slot.size for turn in self.turns if turn.holder == self.own)
+
+    def confirm(self, names: Mapping[str, tuple[int, int]]) -> None:
+        """By tag, these are the names of tables that robots have."""
+        self.confirmed_by |= {tag for tag, held in names.items() if self.name in held}
+
+    def announced(self) -> None:
+        """Others hear that we have it, and may agree on it."""
+        self.counts = True
+
+    def begin(self, now: float) -> None:
+        """It is agreed on: its turns begin."""
+        self.counts = True
+        for turn in self.turns:
+            turn.begin(now)
+
+    def allocated(self, bids: Mapping[str, Bid]) -> Allocation:
+        """Return what each would have with these bids."""
+        return allocate(bids, len(bids), self._floor, self.name)
+
+
+def _name(entries: Mapping[str, Entry | None], members: int, kind: bytes) -> int:
+    """Return four bytes that stand for a table; never 0, which stands for none."""
+    digest = hashlib.blake2b(b"%d " % RULES + kind + members.to_bytes(4, "big"), digest_size=4)
+    for tag, entry in sorted(entries.items()):
+        version, bid = entry or (-1, ())
+        data = packed(bid)
+        digest.update(b"%d %d %d " % (len(tag.encode()), version, len(data)) + tag.encode() + data)
+    return int.from_bytes(digest.digest(), "big") or 1
