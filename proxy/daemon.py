@@ -1,65 +1,44 @@
 """The daemon of one robot: the core, the bridge and their threads, started and stopped together."""
 
 import logging
-import os
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from functools import partial
-from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import zenoh
 
 from planner import SearchSettings
 from proxy import clock
 from proxy.bridge.air import Broadcast
-from proxy.bridge.bridge import Bridge
+from proxy.bridge.bridge import Bridge, CoreLink
 from proxy.bridge.control import Control
 from proxy.bridge.fleet import Fleet
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lane import Lane
-from proxy.bridge.lookout import SCOUTING_GROUP, Lookout, around
+from proxy.bridge.lookout import SCOUTING_GROUP, Lookout
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.radio import Scouted
-from proxy.bridge.room import rooms
-from proxy.bridge.rules import Rules
-from proxy.bridge.sides import open_sides
-from proxy.bridge.silence import longest_silence
+from proxy.bridge.sides import Sides, open_sides
 from proxy.config import Config
 from proxy.config_changes import Change
 from proxy.core.core import Core
-from proxy.core.interface.commands import (
-    AskState,
-    Command,
-    Decide,
-    Drop,
-    Forget,
-    Forward,
-    Keep,
-    NoteInterest,
-    Notice,
-    Reread,
-    Retain,
-    SendCopy,
-    SendDigest,
-    SendState,
-    SetPace,
-    TellBacklog,
-)
-from proxy.core.interface.events import ModeChanged, SampleRefused, SampleReread, SpecsChanged
-from proxy.core.model import transport
+from proxy.core.interface.commands import Command
+from proxy.core.interface.events import ModeChanged, SpecsChanged
 from proxy.core.model.mode import Mode
-from proxy.core.model.settings import CoreSettings
 from proxy.core.view.plausible import is_old
+from proxy.core_settings import core_settings
+from proxy.daemon_status import DaemonStatus
+from proxy.execution import Execution
 from proxy.features import Extractor
 from proxy.loop import Loop
 from proxy.orders import orders
 from proxy.planning import Planning
 from proxy.reloading import Loaded, Reloading
-from utility_specs import InformationType, Specs
+from proxy.runtime import LiveRuntime, Runtime
+from utility_specs import Specs
 
 log = logging.getLogger(__name__)
 
@@ -76,9 +55,6 @@ STOP = 0.7
 ORDERS = 16
 """Orders that may wait, each of which may be of megabytes."""
 
-AWAY = 600.0
-"""A robot that has vanished for longer is gone: nothing is kept for it any more [s]."""
-
 SWAP = 2.0
 """How long whoever reloads waits until it is done [s]."""
 
@@ -93,7 +69,7 @@ class Daemon:
         self, config: Config, specs: Specs, file: Path | None = None, read: Callable[[], Config] | None = None
     ) -> None:
         self._config = config
-        self._specs = specs
+        self._live = LiveRuntime(Runtime(config.mode, specs))
         self.reloading = Reloading(Loaded(config, specs), file, read or (lambda: config), self._apply)
         """Puts other files in force while the daemon runs."""
         self.robot = config.robot
@@ -144,7 +120,7 @@ class Daemon:
         """Put changes in force between two events, and wait for it. Raises TimeoutError."""
 
         def apply() -> None:
-            if loaded.specs.generation != self._specs.generation:
+            if loaded.specs.generation != self._live.runtime.specs.generation:
                 self._swap(loaded.specs)
             for change in changed:
                 match change.path:
@@ -157,9 +133,20 @@ class Daemon:
 
     def _swap(self, specs: Specs) -> None:
         """Put specs in force, on the loop's thread."""
-        self._specs = specs
-        self._bridge.swap(specs)
+        self._live.swap(specs)
+        self._bridge.renew()
         self._loop.handle(SpecsChanged(clock.monotonic(), specs))
+
+    def _switch(self, mode: Mode) -> None:
+        """Put a mode in force, on the loop's thread."""
+        self._live.switch(mode)
+        self._bridge.renew()
+        self._loop.handle(ModeChanged(clock.monotonic(), mode))
+
+    def _ordered(self, mode: Mode) -> None:
+        """Somebody has us switch; a mode that changes with the configuration is logged with all that changes there."""
+        self._switch(mode)
+        log.info("mode %s", mode.value)
 
     def _close(self) -> None:
         closing, self._closing = self._closing, ExitStack()
@@ -171,46 +158,49 @@ class Daemon:
     def _open(self, opening: ExitStack) -> None:
         """Build everything between the sessions, and start it from the core outwards."""
         config = self._config
-        self._scouted = Scouted(config.mesh.interface) if config.mesh.scouts else None
+        scouted = Scouted(config.mesh.interface) if config.mesh.scouts else None
         sides = open_sides(config.app, config.mesh, opening, _FAREWELL)
-        self._air = sides.air
-        self._zids = {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())}
-        robot = self.robot = free_name(sides.mesh, config.robot)
-        core = Core(_core_settings(config, robot, self._zids["mesh"]), self._specs, clock.monotonic())
-        loop = self._loop = Loop(core, self._execute, config.clock.error)
-        planner = config.planner
+        self.robot = free_name(sides.mesh, config.robot)
+        self._loop = self._make_loop(sides)
+        self._planning = self._make_planning()
+        extractor = Extractor(self._loop.post_at, self._live.match)
+        self._neighbours = neighbours = Neighbours(sides.app, self.robot, str(sides.mesh.zid()), sides.wake.set)
+        opening.callback(neighbours.close)
+        hold_back = HoldBack(self._loop.core.view.tag_of)
+        link = CoreLink(extractor.submit, self._loop.post, self._loop.offer)
+        self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
+        presence = self._make_presence(sides, hold_back)
+        self._execution = Execution(bridge, presence, self._planning, extractor, self._loop)
+        for thread in (self._planning, extractor, self._loop):
+            thread.start()
+            opening.callback(thread.close, _PATIENCE)
+        for part in (bridge, presence):
+            opening.callback(part.close)
+            part.open()
+        self._lookout = self._look_out(sides, scouted, opening)
+        parts = (sides, self._loop, bridge, presence, extractor, neighbours, self._lookout, scouted, self.reloading)
+        self._serve_operator(sides, DaemonStatus(config, *parts), opening)
+        self._serve_fleet(sides, opening)
+
+    def _make_loop(self, sides: Sides) -> Loop:
+        settings = core_settings(self._config, self.robot, str(sides.mesh.zid()))
+        core = Core(settings, self._live.runtime.specs, clock.monotonic())
+        return Loop(core, self._execute, self._config.clock.error)
+
+    def _execute(self, command: Command) -> None:
+        self._execution(command)
+
+    def _make_planning(self) -> Planning:
+        planner = self._config.planner
         # The paper's search comes with the paper's reduction; `best` has its own and ignores this.
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
-        self._planning = Planning(search, planner.deadline, loop)
-        self._extractor = Extractor(loop.post_at, self._match)
-        self._neighbours = Neighbours(sides.app, robot, self._zids["mesh"], sides.wake.set)
-        opening.callback(self._neighbours.close)
-        hold_back = HoldBack(core.view.tag_of)
-        self._bridge = Bridge(
-            app=sides.app,
-            mesh=sides.mesh,
-            air=sides.air,
-            apps=sides.apps,
-            others=sides.others,
-            neighbours=self._neighbours,
-            wake=sides.wake,
-            specs=self._specs,
-            mode=config.mode,
-            connect=config.mesh.connect,
-            rules=Rules(config.bridge),
-            app_connect=config.app.connect,
-            relayed=config.mesh.relayed,
-            recall=sides.recall,
-            rooms=rooms(config.queue.samples, config.queue.bytes),
-            hold_back=hold_back,
-            silent=longest_silence(config.mesh.zenoh),
-            submit=self._extractor.submit,
-            post=loop.post,
-            offer=loop.offer,
-        )
-        self._presence = Presence(
+        return Planning(search, planner.deadline, self._loop)
+
+    def _make_presence(self, sides: Sides, hold_back: HoldBack) -> Presence:
+        core, loop = self._loop.core, self._loop
+        return Presence(
             sides.mesh,
-            robot,
+            self.robot,
             self._bridge.lanes[0],
             loop.post,
             loop.offer,
@@ -219,172 +209,53 @@ class Daemon:
             hold_back=hold_back,
             air=sides.air if isinstance(sides.air, Broadcast) and core.settings.digests_on_air else None,
         )
-        for part in (self._planning, self._extractor, loop):
-            part.start()
-            opening.callback(part.close, _PATIENCE)
-        opening.callback(self._bridge.close)
-        self._bridge.open()
-        opening.callback(self._presence.close)
-        self._presence.open()
-        self._sides = sides
-        self._lookout = Lookout(config.mesh.interface, self._zids.values(), _scouting_group(config))
-        opening.callback(self._lookout.close, _PATIENCE)
-        self._lookout.start()
-        for warning in self._scouted.warnings() if self._scouted else ():
+
+    def _look_out(self, sides: Sides, scouted: Scouted | None, opening: ExitStack) -> Lookout:
+        """Look for what goes around the daemon, and say where no robots are looked for."""
+        ours = str(sides.app.zid()), str(sides.mesh.zid())
+        lookout = Lookout(self._config.mesh.interface, ours, _scouting_group(self._config))
+        opening.callback(lookout.close, _PATIENCE)
+        lookout.start()
+        for warning in scouted.warnings() if scouted else ():
             log.warning("%s", warning)
+        return lookout
+
+    def _serve_operator(self, sides: Sides, status: DaemonStatus, opening: ExitStack) -> None:
+        """Answer whoever operates this robot."""
         lane = Lane("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(lane.close, _PATIENCE)
         control = Control(
             app=sides.app,
-            robot=robot,
+            robot=self.robot,
             lane=lane,
-            on_loop=loop.post,
-            status=self._status,
+            on_loop=self._loop.post,
+            status=status.read,
             switch=self._ordered,
         )
         opening.callback(control.close)
-        fleet_lane = Lane("fleet", ORDERS)
-        opening.callback(fleet_lane.close, _PATIENCE)
+
+    def _serve_fleet(self, sides: Sides, opening: ExitStack) -> None:
+        """Pass on and obey orders for all robots."""
+        loop, view = self._loop, self._loop.core.view
+        lane = Lane("fleet", ORDERS)
+        opening.callback(lane.close, _PATIENCE)
         fleet = Fleet(
             app=sides.app,
             mesh=sides.mesh,
-            robot=robot,
-            lane=fleet_lane,
+            robot=self.robot,
+            lane=lane,
             obeyed=orders(
-                config.fleet, robot, lambda mode: loop.ask(partial(self._ordered, mode), SWAP), self.reloading
+                self._config.fleet,
+                self.robot,
+                lambda mode: loop.ask(partial(self._ordered, mode), SWAP),
+                self.reloading,
             ),
-            members=lambda: loop.ask(lambda: [peer.robot for peer in core.view.peers.values()], SWAP),
+            members=lambda: loop.ask(lambda: [peer.robot for peer in view.peers.values()], SWAP),
         )
         opening.callback(fleet.close)
-
-    def _execute(self, command: Command) -> None:
-        match command:
-            case Decide():
-                self._planning.decide(command)
-            case Forward(sample):
-                self._bridge.forward(sample)
-            case Drop(sample):
-                self._bridge.drop(sample)
-            case Keep() | Forget() | SendCopy() | TellBacklog() | Retain():
-                self._keep(command)
-            case Reread(sample, key):
-                self._reread(sample, key)
-            case NoteInterest(zid, subscriptions):
-                self._bridge.demand.told(zid, subscriptions)
-            case SetPace(rate):
-                self._bridge.set_pace(rate)
-            case Notice(level, text):
-                log.log(_LEVELS[level], "%s", text)
-            case SendDigest() | SendState() | AskState():
-                self._speak(command)
-
-    def _keep(self, command: Keep | Forget | SendCopy | TellBacklog | Retain) -> None:
-        match command:
-            case Keep(sample):
-                self._bridge.keep(sample)
-            case Forget(sample):
-                self._bridge.forget(sample)
-            case SendCopy(sample, to):
-                self._bridge.send_copy(sample, to)
-            case TellBacklog(to, number, keys, grows):
-                self._presence.tell_backlog(to, number, keys, grows=grows)
-            case Retain(expressions):
-                self._bridge.retain(expressions)
-
-    def _speak(self, command: SendDigest | SendState | AskState) -> None:
-        match command:
-            case SendDigest(digest):
-                self._presence.send_digest(digest)
-            case SendState(state, update):
-                self._presence.send_state(state, update)
-            case AskState(name, tag):
-                self._presence.ask_state(name, tag)
-
-    def _match(self, key: str) -> InformationType | None:
-        return self._specs.match(key)
-
-    def _reread(self, sample: int, key: str) -> None:
-        held = self._bridge.held(sample)
-        if held is None:
-            self._loop.post(SampleRefused(clock.monotonic(), sample))
-            return
-        event = SampleReread(clock.monotonic(), sample, {})
-        self._extractor.reread(event, key, held.sample.payload, held.sample.attachment)
-
-    def _switch(self, mode: Mode) -> None:
-        self._bridge.switch(mode)
-        self._loop.handle(ModeChanged(clock.monotonic(), mode))
-
-    def _ordered(self, mode: Mode) -> None:
-        """Somebody has us switch; a mode that changes with the configuration is logged with all that changes there."""
-        self._switch(mode)
-        log.info("mode %s", mode.value)
-
-    def _warnings(self) -> list[str]:
-        sides, peers = self._sides, self._loop.core.view.peers.values()
-        others = {origin: peer.robot for peer in peers for origin in peer.origins if origin != peer.zid}
-        return [
-            *self._neighbours.warnings(),
-            *around(sides.app, sides.mesh, others),
-            *self._lookout.warnings(),
-            *(self._scouted.warnings() if self._scouted else ()),
-            *self.reloading.warnings(),
-            *self._bridge.warnings(),
-            *self._presence.floods.warnings(clock.monotonic()),
-        ]
-
-    def _status(self) -> dict[str, Any]:
-        self._bridge.flush()
-        self._presence.floods.flush(clock.monotonic())
-        status = self._loop.core.status(clock.monotonic())
-        return status | {
-            "warnings": [*status.get("warnings", ()), *self._warnings()],
-            "daemon": {
-                "sessions": self._zids,
-                "app": list(self._config.app.listen),
-                "mesh": list(self._config.mesh.listens),
-                "waiting": self._loop.waiting,
-                "faults": self._loop.faults,
-                "refused": self._loop.refused,
-                "floods": self._presence.floods.describe(clock.monotonic()),
-                "looks": self._lookout.looks,
-                "features": {"superseded": self._extractor.superseded},
-                "reloads": self.reloading.describe(),
-                "specs": os.path.realpath(self.reloading.loaded.config.specs.path),
-                **self._bridge.describe(),
-                **({"broadcast": self._air.describe()} if isinstance(self._air, Broadcast) else {}),
-            },
-        }
 
 
 def _scouting_group(config: Config) -> str:
     """Where applications of this robot scout."""
     scouting = config.app.zenoh.get("scouting", {})
     return str(scouting.get("multicast", {}).get("address", SCOUTING_GROUP))
-
-
-def _core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
-    planner, mesh = config.planner, config.mesh
-    return CoreSettings(
-        robot=robot,
-        zid=zid,
-        mode=config.mode,
-        horizon=planner.horizon,
-        iterations=planner.iterations,
-        deadline=planner.deadline,
-        inbox=config.queue.samples // 2,
-        inbox_bytes=config.queue.bytes // 2,
-        backlog=planner.backlog,
-        coordination=planner.coordination,
-        transport=transport.broadcast(mesh.group) if mesh.transport == "broadcast" else transport.UNICAST,
-        allowance=mesh.allowance,
-        relayed=mesh.relayed,
-        # Where TLS says who speaks on the mesh, what anybody can broadcast is not believed.
-        digests_on_air=mesh.transport == "broadcast" and not mesh.secured,
-        wall_offset=clock.wall_offset(),
-        version=metadata.version("sendworthy"),
-        away=AWAY,
-    )
-
-
-_LEVELS = {"info": logging.INFO, "warning": logging.WARNING, "error": logging.ERROR}

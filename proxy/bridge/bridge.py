@@ -1,15 +1,13 @@
 """Everything that crosses between the apps and the mesh, put together."""
 
 import math
-import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-import zenoh
-
 from proxy import clock
-from proxy.bridge.air import Air, Broadcast
-from proxy.bridge.declarations.declarations import Declarations
+from proxy.bridge.air import Broadcast
+from proxy.bridge.courses import Courses
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
@@ -21,119 +19,132 @@ from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
+from proxy.bridge.payloads import Payloads
 from proxy.bridge.queries import Queries
-from proxy.bridge.recall import Recall
-from proxy.bridge.room import Rooms
+from proxy.bridge.room import rooms
 from proxy.bridge.rules import Rules
-from proxy.bridge.sample import Held
-from proxy.bridge.silence import SILENT, Silence
-from proxy.bridge.watch import Watch
+from proxy.bridge.sides import Sides
+from proxy.bridge.silence import Silence, longest_silence
+from proxy.bridge.watch import Checked, Watch
+from proxy.config import Config
 from proxy.core.interface.events import CopyRefused, Event, SampleRefused
-from proxy.core.model.mode import Mode
-from utility_specs import InformationType, Specs
+from proxy.runtime import LiveRuntime
 
 _PATIENCE = 0.15
 """How long closing waits for a thread that is inside a call of Zenoh [s]."""
 
 
+@dataclass(frozen=True, slots=True)
+class CoreLink:
+    """How the core learns of covered samples, of what it must know, and of what it may miss when it is busy."""
+
+    submit: Submit
+    post: Callable[[Event], None]
+    offer: Callable[[Event], object]
+
+
 class Bridge:
-    """Carries samples between the session `app` and the `air`, queries and tokens between their mirror sessions.
+    """Carries samples between the app side and the air, queries and tokens between the mirror sessions of `sides`.
 
-    In unicast the air is the session `mesh`.
-
-    What an information type covers goes to `submit` and waits until `forward` or `drop`; all else crosses by itself.
-    `post` gets what the core must know, `offer` what arrived, as far as it keeps up. In mode `enforce` forwarded samples
-    are paced to the specs' rate. `apps` and `others` must have been opened with `wake.set` as what to call when
-    something changed. Links to robots that are silent for `silent` [s] are ended. `hold_back` puts what comes anew from
+    What an information type covers waits among `payloads` until the core says what becomes of it; all else crosses by
+    itself. In mode `enforce` what is forwarded is paced to the rate of the specs. `hold_back` puts what comes anew from
     robots that were lost after what they kept for us.
     """
 
     def __init__(
         self,
+        config: Config,
+        sides: Sides,
+        live: LiveRuntime,
         *,
-        app: zenoh.Session,
-        mesh: zenoh.Session,
-        air: Air,
-        apps: Declarations,
-        others: Declarations,
         neighbours: Neighbours,
-        wake: threading.Event,
-        specs: Specs,
-        mode: Mode,
-        connect: tuple[str, ...],
-        rules: Rules,
-        app_connect: tuple[str, ...],
-        relayed: bool,
-        rooms: Rooms,
-        recall: Recall,
         hold_back: HoldBack,
-        silent: float = SILENT,
-        submit: Submit,
-        post: Callable[[Event], None],
-        offer: Callable[[Event], object],
+        core: CoreLink,
     ) -> None:
-        self._specs = specs
-        self._most = math.inf
-        self._post = post
-        self._rules = rules
-        self._rooms = rooms
-        self._kept: dict[int, Held] = {}
-        """Samples that may be sent to a robot that is away or was; the core bounds them."""
-        self.demand = Demand(mesh, post, wake.set, broadcast=air is not mesh, relayed=relayed)
-        passed = Passed()
-        sourced = apps.keeps_source and others.keeps_source
-        self._egress = Egress(air, self.demand, passed, post, _pace(specs, mode), rooms=rooms)
-        self._ingress = Ingress(
-            app=app,
-            mesh=mesh,
-            match=self._match,
+        self._live = live
+        self._limit = live.runtime.specs, math.inf
+        """Where limits have moved to [B/s], and the specs whose limits they are."""
+        self._core = core
+        self._rules = Rules(config.bridge)
+        self.rooms = rooms(config.queue.samples, config.queue.bytes)
+        self.payloads = Payloads(self.rooms.covered)
+        self.lanes = (Lane("queries out"), Lane("queries in"))
+        sourced = sides.apps.keeps_source and sides.others.keeps_source
+        self._courses = Courses(live, self._rules, sourced=sourced)
+        self._passed = Passed()
+        self.demand = _demand(config, sides, core)
+        self._egress = Egress(sides.air, self.demand, self._passed, core.post, live.runtime.pace, rooms=self.rooms)
+        self._ingress = self._make_ingress(sides)
+        self._delivery = self._make_delivery(sides, hold_back, sourced=sourced)
+        fence = Fence(sides.wake.set)
+        self._outward, self._inward = self._make_queries(sides, fence, sourced=sourced)
+        self._links = Links(sides.mesh, config.mesh.connect, clock.monotonic())
+        self._half_open = HalfOpen(sides.mesh)
+        links = (
+            self._links,
+            Links(sides.app, config.app.connect, clock.monotonic(), "app"),
+            sides.recall,
+            Silence(sides.mesh, longest_silence(config.mesh.zenoh)),
+            self._half_open,
+            hold_back,
+        )
+        self._watch = self._make_watch(sides, links, neighbours, fence)
+
+    def _make_ingress(self, sides: Sides) -> Ingress:
+        return Ingress(
+            app=sides.app,
+            mesh=sides.mesh,
+            courses=self._courses,
             egress=self._egress,
             demand=self.demand,
-            passed=passed,
-            rules=rules,
-            submit=submit,
-            mode=mode,
-            sourced=sourced,
-            room=rooms.covered,
+            passed=self._passed,
+            rules=self._rules,
+            submit=self._core.submit,
+            payloads=self.payloads,
+            room=self.rooms.covered,
         )
-        self._delivery = Delivery(
-            app,
-            mesh,
-            self._match,
-            rules,
-            offer,
+
+    def _make_delivery(self, sides: Sides, hold_back: HoldBack, *, sourced: bool) -> Delivery:
+        delivery = Delivery(
+            sides.app,
+            sides.mesh,
+            self._live.match,
+            self._rules,
+            self._core.offer,
             numbered=sourced,
-            counts_each=self._counts_each,
+            counts_each=self._live.counts_each,
             hold_back=hold_back,
         )
-        if isinstance(air, Broadcast):
-            air.listen(self._delivery.overhear)
-        self.lanes = (Lane("queries out"), Lane("queries in"))
-        fence = Fence(wake.set)
-        near, far = (apps, others.session, self.lanes[0]), (others, apps.session, self.lanes[1])
-        self._outward = Queries(*near, fence, rules.into, dropped=self._dropped, numbered=lambda _: sourced)
-        self._inward = Queries(*far, fence, rules.out, dropped=self._dropped, numbered=self._ingress.numbered)
-        self._links = Links(mesh, connect, clock.monotonic())
-        routers = Links(app, app_connect, clock.monotonic(), "app")
-        self._half_open = HalfOpen(mesh)
-        self._watch = Watch(
-            apps=apps,
-            others=others,
+        if isinstance(sides.air, Broadcast):
+            sides.air.listen(delivery.overhear)
+        return delivery
+
+    def _make_queries(self, sides: Sides, fence: Fence, *, sourced: bool) -> tuple[Queries, Queries]:
+        """Return those from apps to the mesh, and from the mesh to apps."""
+        near, far, (out, into) = sides.apps, sides.others, self.lanes
+        dropped = self._live.drops_queries
+        return (
+            Queries(near, far.session, out, fence, self._rules.into, dropped=dropped, numbered=lambda _: sourced),
+            Queries(far, near.session, into, fence, self._rules.out, dropped=dropped, numbered=self._courses.numbered),
+        )
+
+    def _make_watch(self, sides: Sides, links: tuple[Checked, ...], neighbours: Neighbours, fence: Fence) -> Watch:
+        return Watch(
+            sides,
             ingress=self._ingress,
             delivery=self._delivery,
             demand=self.demand,
             outward=self._outward,
             inward=self._inward,
-            links=(self._links, routers, recall, Silence(mesh, silent), self._half_open, hold_back),
+            links=links,
             headroom=self._egress.headroom,
-            rules=rules,
+            rules=self._rules,
             neighbours=neighbours,
-            passed=passed,
-            post=post,
-            wake=wake,
+            passed=self._passed,
+            post=self._core.post,
+            live=self._live,
             fence=fence,
         )
-        self._watch.gauging = _adaptive(specs)
 
     def open(self) -> None:
         """Let things cross."""
@@ -154,62 +165,35 @@ class Bridge:
 
     def forward(self, number: int) -> None:
         """Send a covered sample to the mesh."""
-        held = self._ingress.release(number)
+        held = self.payloads.release(number)
         if held is None:
-            self._post(SampleRefused(clock.monotonic(), number))
+            self._core.post(SampleRefused(clock.monotonic(), number))
         else:
             self._egress.forward(number, held)
 
-    def drop(self, number: int) -> None:
-        """Forget a covered sample."""
-        self._ingress.drop(number)
-
-    def keep(self, number: int) -> None:
-        """Keep a covered sample besides, whatever becomes of it, until `forget`."""
-        if (held := self._ingress.waiting(number)) is not None:
-            self._kept[number] = held
-
-    def forget(self, number: int) -> None:
-        """Keep a sample no longer."""
-        self._kept.pop(number, None)
-
     def send_copy(self, number: int, to: str) -> None:
         """Send a sample that is kept to the robot with this tag alone."""
-        held = self._kept.get(number)
+        held = self.payloads.copy(number, to)
         if held is None:
-            self._post(CopyRefused(clock.monotonic(), number, to))
+            self._core.post(CopyRefused(clock.monotonic(), number, to))
         else:
-            self._egress.forward(number, held._replace(to=to))
+            self._egress.forward(number, held)
 
     def retain(self, expressions: tuple[str, ...]) -> None:
         """Take what apps publish on these key expressions, even if nobody who is here wants it."""
         self._watch.retain(expressions)
 
-    def held(self, number: int) -> Held | None:
-        """Return a covered sample that waits for its decision; None when it does not (any more)."""
-        return self._ingress.waiting(number)
-
-    def switch(self, mode: Mode) -> None:
-        """Change the mode for samples that come from now on."""
-        self._ingress.mode = mode
-        self._pace_egress()
-
-    def swap(self, specs: Specs) -> None:
-        """Put another generation of specs in force for samples that come from now on."""
-        self._specs = specs
-        self._ingress.renew()
-        self._watch.gauging = _adaptive(specs)
-        self._most = math.inf
-        self._pace_egress()
+    def renew(self) -> None:
+        """Take note that another runtime is in force: for samples that come from now on."""
+        runtime = self._live.runtime
+        specs, limit = self._limit
+        pace = runtime.pace
+        self._egress.pace(pace if pace is None or specs is not runtime.specs else min(pace, limit))
 
     def set_pace(self, rate: float) -> None:
         """Send what was decided no faster than `rate` [B/s], until specs are swapped: a limit has moved."""
-        self._most = rate
-        self._pace_egress()
-
-    def _pace_egress(self) -> None:
-        rate = _pace(self._specs, self._ingress.mode)
-        self._egress.pace(None if rate is None else min(rate, self._most))
+        self._limit = self._live.runtime.specs, rate
+        self.renew()
 
     def flush(self) -> None:
         """Report what passed without a decision up to now."""
@@ -221,10 +205,10 @@ class Bridge:
             "denied": self._rules.describe(),
             "surplus": {"out": dict(self._rules.out.surplus), "in": dict(self._rules.into.surplus)},
             "links": self._links.describe(),
-            "held": self._ingress.held,
+            "held": len(self.payloads),
             "returned": self._ingress.returned,
             "egress": self._egress.waiting | {"risked": self._egress.risked},
-            "queue": self._rooms.describe(),
+            "queue": self.rooms.describe(),
             "delivered": self._delivery.delivered,
             "repeated": self._delivery.repeated,
             "held_back": self._delivery.hold_back.held,
@@ -242,25 +226,12 @@ class Bridge:
         """Name what is declared and not mirrored."""
         return self._rules.warnings()
 
-    def _match(self, key: str) -> InformationType | None:
-        return self._specs.match(key)
 
-    def _counts_each(self, key: str) -> bool:
-        covering = self._match(key)
-        return covering is not None and not covering.markovian
-
-    def _dropped(self, key: str) -> bool:
-        """Whether a spec drops the queries for a key."""
-        covering = self._match(key)
-        return covering is not None and covering.queries == "drop"
-
-
-def _pace(specs: Specs, mode: Mode) -> float | None:
-    """Return the rate of the tightest limit of the channel [B/s]; None: as fast as it goes, as some of it must."""
-    rate = min((constraint.measure.pace for constraint in specs.constraints), default=math.inf)
-    return rate if mode is Mode.ENFORCE and "shadow" not in specs.modes and math.isfinite(rate) else None
-
-
-def _adaptive(specs: Specs) -> bool:
-    """Whether any limit follows the channel."""
-    return any(constraint.least < 1.0 for constraint in specs.constraints)
+def _demand(config: Config, sides: Sides, core: CoreLink) -> Demand:
+    return Demand(
+        sides.mesh,
+        core.post,
+        sides.wake.set,
+        broadcast=sides.air is not sides.mesh,
+        relayed=config.mesh.relayed,
+    )

@@ -41,7 +41,7 @@ class HalfOpen:
             links(zenoh.handlers.Callback(self._change, indirect=False)),
         )
 
-    def check(self, _now: float) -> None:
+    def check(self, now: float) -> None:  # noqa: ARG002 - as all that looks at links is called
         """Look at who lost a link: a transport that ends with it has ended by the second look."""
         with self._lock:
             outlived = [zid for zid, seen in self._lost.items() if seen]

@@ -4,28 +4,25 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
+from typing import Protocol
 
 import zenoh
 
 from proxy import clock
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.declarations.declarations import Declarations
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.fence import Fence
-from proxy.bridge.half_open import HalfOpen
 from proxy.bridge.headroom import Headroom
-from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.ingress import Ingress
-from proxy.bridge.links import Links
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
-from proxy.bridge.recall import Recall
 from proxy.bridge.rules import Rules
-from proxy.bridge.silence import Silence
+from proxy.bridge.sides import Sides
 from proxy.core.interface.events import Event, InterestChanged, LinksGauged
+from proxy.runtime import LiveRuntime
 
 log = logging.getLogger(__name__)
 
@@ -38,34 +35,40 @@ LONG, RESTS, MOST_REST = 0.01, 3.0, 0.25
 _NOTHING: Mapping[str, bool] = {}
 
 
+class Checked(Protocol):
+    """Something that looks at links, or at what waits for them, now and then."""
+
+    def check(self, now: float) -> None:
+        """Look."""
+
+
 class Watch:
-    """Follows what `apps` and `others` on the mesh declare, on a thread of its own.
+    """Follows what nodes of both `sides` declare, on a thread of its own.
 
     The main sessions of these sides declare what `ingress` and `delivery` subscribe to;
-    `outward` and `inward` are queries from apps to mesh and from mesh to apps. `wake` is set when there is news.
+    `outward` and `inward` are queries from apps to mesh and from mesh to apps.
     """
 
     def __init__(
         self,
+        sides: Sides,
         *,
-        apps: Declarations,
-        others: Declarations,
         ingress: Ingress,
         delivery: Delivery,
         demand: Demand,
         outward: Queries,
         inward: Queries,
-        links: tuple[Links | Recall | Silence | HalfOpen | HoldBack, ...],
+        links: tuple[Checked, ...],
         headroom: Headroom,
         rules: Rules,
         neighbours: Neighbours,
         passed: Passed,
         post: Callable[[Event], None],
-        wake: threading.Event,
+        live: LiveRuntime,
         fence: Fence,
     ) -> None:
-        self._apps = apps
-        self._others = others
+        self._apps = apps = sides.apps
+        self._others = others = sides.others
         self._ingress = ingress
         self._delivery = delivery
         self._demand = demand
@@ -77,7 +80,8 @@ class Watch:
         self._neighbours = neighbours
         self._passed = passed
         self._post = post
-        self._wake = wake
+        self._live = live
+        self._wake = sides.wake
         self._fence = fence
         self._tokens_out = Mirror(_token(others.session))
         self._tokens_in = Mirror(_token(apps.session))
@@ -87,8 +91,6 @@ class Watch:
         self._retained: Mapping[str, bool] = {}
         self._retained_now: Mapping[str, bool] = self._retained
         self._stop = False
-        self.gauging = False
-        """Whether the core is told how long what the links send is on its way."""
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
     def start(self) -> None:
@@ -145,7 +147,8 @@ class Watch:
             time.sleep(min(MOST_REST, RESTS * took))
 
     def _gauge(self) -> None:
-        if self.gauging and (waits := self._headroom.waits()):
+        """Tell the core how long what the links send is on its way, where a limit follows that."""
+        if self._live.runtime.adaptive and (waits := self._headroom.waits()):
             self._post(LinksGauged(clock.monotonic(), waits))
 
     def _look(self) -> bool:

@@ -6,15 +6,14 @@ from typing import Any, TypeVar
 
 import zenoh
 
-from proxy.bridge.bridge import Bridge
+from proxy.bridge.bridge import Bridge, CoreLink
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.neighbours import Neighbours
-from proxy.bridge.room import rooms
-from proxy.bridge.rules import Rules
 from proxy.bridge.sides import open_sides
-from proxy.config import AppConfig, BridgeConfig, MeshConfig
+from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig
 from proxy.core.interface.events import Event, SamplePublished
 from proxy.core.model.mode import Mode
+from proxy.runtime import LiveRuntime, Runtime
 from tests.proxy.nodes import closing, free_endpoint, pass_fence, plain_session
 from tests.waiting import wait_until
 from utility_specs import InformationType, Specs, load_specs
@@ -43,45 +42,40 @@ class Robot:
         **mesh_options: Any,
     ) -> None:
         self._stack = stack
-        self.rooms = rooms(4096, 32 * 1024 * 1024)
         self.asked: list[SamplePublished] = []
         self.attachments: list[bytes | None] = []
         self.events: list[Event] = []
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
-        app = AppConfig(listen=(self.app_endpoint,))
-        mesh = MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False, **mesh_options)
-        sides = self._sides = open_sides(app, mesh, stack)
-        self._connect, self._specs, self._rules = connect, specs, rules
+        self._config = config = Config(
+            app=AppConfig(listen=(self.app_endpoint,)),
+            mesh=MeshConfig(listen=(self.mesh_endpoint,), connect=connect, scouting=False, **mesh_options),
+            bridge=BridgeConfig.model_validate(rules or {}),
+        )
+        self._live = LiveRuntime(Runtime(Mode.ENFORCE, specs))
+        sides = self._sides = open_sides(config.app, config.mesh, stack)
         self.app, self.mesh, self.air, self.mirror = sides.app, sides.mesh, sides.air, sides.apps.session
 
     def begin(self) -> None:
         """Let things cross."""
-        stack, sides = self._stack, self._sides
+        sides = self._sides
         neighbours = Neighbours(sides.app, "robot", str(sides.mesh.zid()), sides.wake.set)
-        stack.callback(neighbours.close)
+        self._stack.callback(neighbours.close)
+        core = CoreLink(self._submit, self.events.append, self.events.append)
         self.bridge = Bridge(
-            app=sides.app,
-            mesh=sides.mesh,
-            air=sides.air,
-            apps=sides.apps,
-            others=sides.others,
-            neighbours=neighbours,
-            wake=sides.wake,
-            specs=self._specs,
-            mode=Mode.ENFORCE,
-            connect=self._connect,
-            rules=Rules(BridgeConfig.model_validate(self._rules or {})),
-            app_connect=(),
-            relayed=False,
-            rooms=self.rooms,
-            recall=sides.recall,
-            hold_back=HoldBack(lambda _: ""),
-            submit=self._submit,
-            post=self.events.append,
-            offer=self.events.append,
+            self._config, sides, self._live, neighbours=neighbours, hold_back=HoldBack(lambda _: ""), core=core
         )
-        stack.callback(self.bridge.close)
+        self._stack.callback(self.bridge.close)
         self.bridge.open()
+
+    def switch(self, mode: Mode) -> None:
+        """Put a mode in force."""
+        self._live.switch(mode)
+        self.bridge.renew()
+
+    def swap(self, specs: Specs) -> None:
+        """Put specs in force."""
+        self._live.swap(specs)
+        self.bridge.renew()
 
     def _submit(
         self,

@@ -126,7 +126,7 @@ def test_dropped_samples_never_reach_the_mesh_but_always_local_apps(team):
     assert not remote.samples
     for event in list(team[0].asked):
         if event.sample % 2:
-            team[0].bridge.drop(event.sample)
+            team[0].bridge.payloads.drop(event.sample)
         else:
             team[0].bridge.forward(event.sample)
     wait_until(lambda: len(team[0].posted(SampleHanded)) == 5, what="five samples handed over")
@@ -173,7 +173,7 @@ def test_in_mode_pass_covered_samples_pass_undecided(pair):
     """After a switch to `pass` nobody is asked, and specs swapped in are used from the next sample on."""
     remote = Heard(pair[1].node(), "covered/**")
     wait_interest(pair[1], pair[0], keys=("covered/**",))
-    pair[0].bridge.switch(Mode.PASS)
+    pair[0].switch(Mode.PASS)
     pair[0].node().put("covered/a", b"x")
     wait_until(lambda: remote.samples, what="the sample")
     assert not pair[0].asked

@@ -3,7 +3,7 @@
 import pytest
 import zenoh
 
-from proxy.bridge import ingress as ingress_module
+from proxy.bridge import courses
 from proxy.bridge.egress import Egress
 from proxy.bridge.room import Room
 from proxy.core.interface.events import SamplesPassed
@@ -24,7 +24,7 @@ def wanted(pair):
 @pytest.mark.usefixtures("wanted")
 def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     """When the core does not answer, samples beyond the bound are dropped, counted, and local apps still hear all."""
-    monkeypatch.setattr(pair[0].rooms.covered, "most", 3)
+    monkeypatch.setattr(pair[0].bridge.rooms.covered, "most", 3)
     local = Heard(pair[0].node(), "covered/**")
     wait_interest(pair[0], keys=("covered/**",))
     publisher = pair[0].node()
@@ -35,7 +35,7 @@ def test_no_more_is_held_than_the_bound(pair, monkeypatch):
     assert len(pair[0].asked) == pair[0].bridge.describe()["held"] == 3
     assert {event.reason for event in pair[0].posted(SamplesPassed)} == {"dropped:overflow"}
     for asked in pair[0].asked:
-        pair[0].bridge.drop(asked.sample)
+        pair[0].bridge.payloads.drop(asked.sample)
     assert pair[0].bridge.describe()["queue"]["covered"] == {"samples": 0, "bytes": 0}
 
 
@@ -45,7 +45,7 @@ def test_where_many_are_held_only_who_would_rather_wait_lingers(pair, monkeypatc
     """A moment for each sample, so that the core catches up."""
     lingered = []
     monkeypatch.setattr(Room, "linger", lambda _, size: lingered.append(size))
-    monkeypatch.setattr(pair[0].rooms.covered, "most", 4)
+    monkeypatch.setattr(pair[0].bridge.rooms.covered, "most", 4)
     control = zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
     publisher = pair[0].node()
     for _ in range(4):
@@ -60,7 +60,7 @@ def test_for_a_mesh_that_stands_still_nobody_lingers(pair, monkeypatch):
     lingered = []
     monkeypatch.setattr(Room, "linger", lambda _, size: lingered.append(size))
     monkeypatch.setattr(Egress, "stands", True)
-    monkeypatch.setattr(pair[0].rooms.covered, "most", 2)
+    monkeypatch.setattr(pair[0].bridge.rooms.covered, "most", 2)
     publisher = pair[0].node()
     for _ in range(3):
         publisher.put("covered/a", "x", congestion_control=zenoh.CongestionControl.BLOCK)
@@ -71,13 +71,13 @@ def test_for_a_mesh_that_stands_still_nobody_lingers(pair, monkeypatch):
 @pytest.mark.usefixtures("wanted")
 def test_no_more_bytes_are_held_than_the_bound(pair, monkeypatch):
     """Two samples are held whatever their size, and what is released makes room."""
-    monkeypatch.setattr(pair[0].rooms.covered, "most_bytes", 100)
+    monkeypatch.setattr(pair[0].bridge.rooms.covered, "most_bytes", 100)
     publisher = pair[0].node()
     for i in range(3):
         publisher.put(f"covered/{i}", "x" * 101, congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: pair[0].posted(SamplesPassed), what="the count")
     first, _ = pair[0].asked
-    pair[0].bridge.drop(first.sample)
+    pair[0].bridge.payloads.drop(first.sample)
     publisher.put("covered/3", "x" * 101)
     wait_until(lambda: len(pair[0].asked) == 3, what="the next one")
     assert pair[0].bridge.describe()["held"] == 2
@@ -89,10 +89,10 @@ def test_what_is_held_can_be_looked_at(pair):
     pair[0].node().put("covered/a", "x")
     wait_until(lambda: pair[0].asked, what="the sample")
     number = pair[0].asked[0].sample
-    held = pair[0].bridge.held(number)
+    held = pair[0].bridge.payloads.waiting(number)
     assert (held.key, held.sample.payload.to_string()) == ("covered/a", "x")
-    pair[0].bridge.drop(number)
-    assert pair[0].bridge.held(number) is None
+    pair[0].bridge.payloads.drop(number)
+    assert pair[0].bridge.payloads.waiting(number) is None
 
 
 @pytest.mark.usefixtures("wanted")
@@ -234,7 +234,7 @@ def test_types_that_are_not_planned_go_at_once_and_are_counted(stack, tmp_path):
 
 def test_what_becomes_of_a_key_is_worked_out_anew_when_the_mode_changes(pair, wanted, monkeypatch):
     """And when more keys come in between than are remembered."""
-    monkeypatch.setattr(ingress_module, "COURSES_KEPT", 1)
+    monkeypatch.setattr(courses, "COURSES_KEPT", 1)
     publisher = pair[0].node()
 
     def heard():
@@ -242,7 +242,7 @@ def test_what_becomes_of_a_key_is_worked_out_anew_when_the_mode_changes(pair, wa
 
     asked = []
     for done, mode in enumerate((Mode.ENFORCE, Mode.PASS, Mode.ENFORCE), 1):
-        pair[0].bridge.switch(mode)
+        pair[0].switch(mode)
         for key in ("covered/a", "free/a"):
             publisher.put(key, "x", congestion_control=zenoh.CongestionControl.BLOCK)
         wait_until(lambda done=done: heard().count("free/a") == done, what="both samples")

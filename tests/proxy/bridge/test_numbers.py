@@ -204,7 +204,7 @@ def test_a_very_long_key_goes_without_numbers(pair):
 def test_what_is_dropped_on_purpose_is_not_fetched(pair, stamps, recovery):
     """A subscriber that recovers hears what the decisions forwarded, and misses nothing; also when it knew numbers."""
     for robot in pair:
-        robot.bridge.switch(Mode.PASS)
+        robot.switch(Mode.PASS)
     app = pair[1].node(stamps=stamps)
     publisher = publisher_of(app, "covered/a")
     recovered = Recovered(pair[0], "covered/a", recovery)
@@ -213,12 +213,12 @@ def test_what_is_dropped_on_purpose_is_not_fetched(pair, stamps, recovery):
     wait_cache(pair[0])
     publisher.put("before")
     wait_until(lambda: recovered.heard, what="a sample with a number")
-    pair[1].bridge.switch(Mode.ENFORCE)
+    pair[1].switch(Mode.ENFORCE)
     for i in range(6):
         publisher.put(str(i))
     wait_until(lambda: len(pair[1].asked) == 6, what="the samples to be asked for")
     for event in pair[1].asked:
-        (pair[1].bridge.forward if event.sample % 2 else pair[1].bridge.drop)(event.sample)
+        (pair[1].bridge.forward if event.sample % 2 else pair[1].bridge.payloads.drop)(event.sample)
     wait_until(lambda: len(recovered.heard) >= 4, what="every other one, but the last")
     wait_periods(pair, recovery, "dropped:heartbeat")
     assert recovered.heard == ["befor", "0", "2", "4"]
@@ -246,11 +246,11 @@ def test_replies_for_covered_keys_go_by_their_stamps_alone(pair):
 @pytest.mark.parametrize("mode", [Mode.PASS, Mode.SHADOW])
 def test_where_nothing_is_dropped_covered_samples_keep_their_numbers(pair, mode):
     """Live, in replies and in heartbeats."""
-    pair[1].bridge.switch(mode)
-    assert pair[1].bridge._ingress.numbered("covered/a")
-    pair[1].bridge.switch(Mode.ENFORCE)
-    assert not pair[1].bridge._ingress.numbered("covered/a")
-    assert pair[1].bridge._ingress.numbered("free/a")
+    pair[1].switch(mode)
+    assert pair[1].bridge._courses.numbered("covered/a")
+    pair[1].switch(Mode.ENFORCE)
+    assert not pair[1].bridge._courses.numbered("covered/a")
+    assert pair[1].bridge._courses.numbered("free/a")
 
 
 def test_when_replies_cannot_have_numbers_nothing_has(stack, tmp_path):

@@ -154,7 +154,7 @@ def test_what_was_dropped_is_not_fetched_from_the_cache(pair):
         publisher.put(str(i))
     wait_until(lambda: len(pair[1].asked) == 6, what="the samples to be asked for")
     for event in pair[1].asked:
-        (pair[1].bridge.drop if event.sample % 2 else pair[1].bridge.forward)(event.sample)
+        (pair[1].bridge.payloads.drop if event.sample % 2 else pair[1].bridge.forward)(event.sample)
 
     def beats():
         return sum(event.count for event in pair[1].posted(SamplesPassed) if event.reason == "dropped:heartbeat")

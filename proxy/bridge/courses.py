@@ -1,0 +1,78 @@
+"""What becomes of the samples of each key, as long as mode and specs stay as they are."""
+
+from typing import NamedTuple
+
+from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC
+from proxy.bridge.rules import ADVANCED, Rules, Verdict
+from proxy.core.model.mode import Mode
+from proxy.runtime import LiveRuntime, Runtime
+from utility_specs import InformationType
+
+COURSES_KEPT = 8192
+"""Keys of which it is remembered what becomes of their samples."""
+
+
+class Course(NamedTuple):
+    """What becomes of the samples of a key."""
+
+    dropped: str | None
+    """Why they do not cross."""
+    passes: str | None
+    """Why they need no decision."""
+    covering: InformationType | None
+    numbered: bool
+    """Whether they keep the numbers of their publishers."""
+    each: bool
+    """Whether the core must be told of each, for all of them go."""
+
+
+class Courses:
+    """Works courses out once for each runtime. Without `sourced` no sample keeps the number of its publisher."""
+
+    def __init__(self, live: LiveRuntime, rules: Rules, *, sourced: bool) -> None:
+        self._live = live
+        self._rules = rules
+        self._sourced = sourced
+        self._known: tuple[Runtime, dict[str, Course]] = live.runtime, {}
+        """Those of one runtime: callbacks that still fill the courses of another one cannot spoil them."""
+
+    def of(self, key: str) -> Course:
+        """Return the course of a key. Called for every sample."""
+        runtime = self._live.runtime
+        of, courses = self._known
+        if of is not runtime:
+            courses = {}
+            self._known = runtime, courses
+        return courses.get(key) or self._work_out(key, runtime, courses)
+
+    def numbered(self, key: str) -> bool:
+        """Whether samples of `key` keep the numbers of their publishers.
+
+        Not where some may be dropped on purpose: subscribers would fetch those.
+        """
+        return self._numbered(key, self._live.runtime)
+
+    def _numbered(self, key: str, runtime: Runtime) -> bool:
+        if self._rules.outward(key) is not Verdict.ORDINARY:
+            return self._sourced
+        return self._sourced and not runtime.drops(runtime.specs.match(key))
+
+    def _work_out(self, key: str, runtime: Runtime, courses: dict[str, Course]) -> Course:
+        if len(courses) >= COURSES_KEPT:
+            courses.clear()
+        course = courses[key] = self._course(key, runtime)
+        return course
+
+    def _course(self, key: str, runtime: Runtime) -> Course:
+        verdict = self._rules.outward(key)
+        dropped = DENIED if verdict is Verdict.DENIED else None
+        if verdict is Verdict.COMPANION and not self._numbered(key.partition(ADVANCED)[0], runtime):
+            dropped = HEARTBEAT
+        covering = runtime.specs.match(key) if verdict is Verdict.ORDINARY else None
+        if covering is not None and covering.bypass:
+            covering, verdict = None, Verdict.BYPASS
+        numbered = self._sourced and not runtime.drops(covering)
+        if covering is None:
+            return Course(dropped, BYPASS if verdict is Verdict.BYPASS else NO_SPEC, None, numbered, each=False)
+        mode = runtime.mode_of(covering)
+        return Course(dropped, MODE if mode is Mode.PASS else None, covering, numbered, each=mode is Mode.SHADOW)

@@ -1,0 +1,58 @@
+"""The samples that the core knows by number: the one home of their payloads."""
+
+import itertools
+
+from proxy.bridge.room import Room
+from proxy.bridge.sample import Held
+
+
+class Payloads:
+    """Samples that wait for their decision, which have a place in the `room`, and samples that are kept for copies.
+
+    One may be both. What waits is bounded by the room, what is kept by the core. From any thread.
+    """
+
+    def __init__(self, room: Room) -> None:
+        self._room = room
+        self._numbers = itertools.count(1)
+        self._waiting: dict[int, Held] = {}
+        self._kept: dict[int, Held] = {}
+
+    def __len__(self) -> int:
+        """Return how many samples wait for their decision."""
+        return len(self._waiting)
+
+    def enter(self, held: Held) -> int | None:
+        """Let a sample wait; return its number, or None when there is no room."""
+        if not self._room.enter(held.size):
+            return None
+        number = next(self._numbers)
+        self._waiting[number] = held
+        return number
+
+    def waiting(self, number: int) -> Held | None:
+        """Return a sample that waits; None when it does not (any more)."""
+        return self._waiting.get(number)
+
+    def release(self, number: int) -> Held | None:
+        """Give out a sample that waits, which keeps its place in the room; None when it does not wait (any more)."""
+        return self._waiting.pop(number, None)
+
+    def drop(self, number: int) -> None:
+        """Let a sample wait no longer, if it does."""
+        if (held := self.release(number)) is not None:
+            self._room.leave(held.size)
+
+    def keep(self, number: int) -> None:
+        """Keep a sample that waits, whatever becomes of it, until `forget`."""
+        if (held := self.waiting(number)) is not None:
+            self._kept[number] = held
+
+    def forget(self, number: int) -> None:
+        """Keep a sample no longer."""
+        self._kept.pop(number, None)
+
+    def copy(self, number: int, to: str) -> Held | None:
+        """Return a sample that is kept, addressed to the robot with the tag `to` alone; None when it is not kept."""
+        held = self._kept.get(number)
+        return None if held is None else held._replace(to=to)

@@ -1,0 +1,72 @@
+"""What `sendworthy status` shows of a daemon: what its core says, and what its other parts say."""
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+from proxy import clock
+from proxy.bridge.air import Broadcast
+from proxy.bridge.bridge import Bridge
+from proxy.bridge.lookout import Lookout, around
+from proxy.bridge.neighbours import Neighbours
+from proxy.bridge.presence import Presence
+from proxy.bridge.radio import Scouted
+from proxy.bridge.sides import Sides
+from proxy.config import Config
+from proxy.features import Extractor
+from proxy.loop import Loop
+from proxy.reloading import Reloading
+
+
+@dataclass(frozen=True, slots=True)
+class DaemonStatus:
+    """Asks the parts of a daemon, on the loop's thread. `scouted` is there where other robots are looked for."""
+
+    config: Config
+    sides: Sides
+    loop: Loop
+    bridge: Bridge
+    presence: Presence
+    extractor: Extractor
+    neighbours: Neighbours
+    lookout: Lookout
+    scouted: Scouted | None
+    reloading: Reloading
+
+    def read(self) -> dict[str, Any]:
+        """Return the whole status as plain JSON data."""
+        self.bridge.flush()
+        self.presence.floods.flush(clock.monotonic())
+        status = self.loop.core.status(clock.monotonic())
+        return status | {"warnings": [*status.get("warnings", ()), *self._warnings()], "daemon": self._describe()}
+
+    def _describe(self) -> dict[str, Any]:
+        sides = self.sides
+        return {
+            "sessions": {"app": str(sides.app.zid()), "mesh": str(sides.mesh.zid())},
+            "app": list(self.config.app.listen),
+            "mesh": list(self.config.mesh.listens),
+            "waiting": self.loop.waiting,
+            "faults": self.loop.faults,
+            "refused": self.loop.refused,
+            "floods": self.presence.floods.describe(clock.monotonic()),
+            "looks": self.lookout.looks,
+            "features": {"superseded": self.extractor.superseded},
+            "reloads": self.reloading.describe(),
+            "specs": os.path.realpath(self.reloading.loaded.config.specs.path),
+            **self.bridge.describe(),
+            **({"broadcast": sides.air.describe()} if isinstance(sides.air, Broadcast) else {}),
+        }
+
+    def _warnings(self) -> list[str]:
+        peers = self.loop.core.view.peers.values()
+        others = {origin: peer.robot for peer in peers for origin in peer.origins if origin != peer.zid}
+        return [
+            *self.neighbours.warnings(),
+            *around(self.sides.app, self.sides.mesh, others),
+            *self.lookout.warnings(),
+            *(self.scouted.warnings() if self.scouted else ()),
+            *self.reloading.warnings(),
+            *self.bridge.warnings(),
+            *self.presence.floods.warnings(clock.monotonic()),
+        ]
