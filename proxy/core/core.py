@@ -60,7 +60,7 @@ class Core:
         windows = WindowBuilder(self.view, now)
         self.kept = Kept(settings.away)
         self.gate = Gate(self.view, self.budget, self.counts, self.kept.copies, windows)
-        self.channel = Channel(now, self.view, self.budget, self.counts)
+        self.channel = Channel(now, self.view)
         self.telling = Telling(now, self.view, self.coordination, self.gate, self.channel)
         self.refused: Counter[str] = Counter()
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
@@ -92,7 +92,7 @@ class Core:
     def _due(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""
         due = min(self.telling.next_at(now), self.gate.wakes_at, self.coordination.due_at(now), now + 1.0)
-        return max(min((due, *self.channel.capacity.wake_at(now))), now)
+        return max(min(due, self.channel.capacity.wakes_at(now)), now)
 
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
@@ -334,7 +334,7 @@ class Core:
     @_on.register
     def _(self, event: ev.LinksGauged) -> list[Command]:
         for zid, wait in event.waits:
-            self.channel.capacity.gauged(event.now, tag(zid), wait)
+            self.channel.capacity.evidence.link_gauged(event.now, tag(zid), wait)
         return []
 
     @_on.register
@@ -367,8 +367,9 @@ class Core:
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event."""
         commands: list[Command] = []
-        self.telling.urgent |= self.channel.look(now)
-        if (pace := self.channel.follow()) is not None:
+        self.telling.urgent |= self.channel.look(now, self.counts.dropped)
+        if (pace := self.channel.apply()) is not None:
+            self.budget.set_limits(self.channel.limits)
             self.telling.set_rate()
             commands.append(pace)
         before = self.outsiders.found
@@ -376,7 +377,7 @@ class Core:
             self._membership(now)
             new = self.outsiders.found - before
             commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
-        limits, waiting = self.budget.limits, self.channel.waiting
+        limits, waiting = self.budget.limits, self.channel.staleness
         announces = self.coordination.advance(now, limits, waiting, self.telling.announcing, self.budget.using)
         self.telling.parts_changed |= announces
         self.budget.mute(self.telling.announces_at(now))
@@ -422,7 +423,7 @@ class Core:
             self.coordination.heard(now, digest)
             self.outsiders.heard(digest.tag)
             self.telling.heard(now, size)
-            self.channel.capacity.heard(now, digest)
+            self.channel.capacity.digest_received(now, digest)
             self.telling.look_for_state(now, digest.tag)
         return self.clocks.compare(now, (peer,))
 
@@ -434,6 +435,7 @@ class Core:
         robots = len(self.view.peers) + 1
         self.coordination.set_limits(now, limits_of(self.view.specs, self.settings.allowance, robots))
         self.channel.adopt(now, limits_of(self.view.specs, self.settings.allowance, robots))
+        self.budget.set_limits(self.channel.limits)
         self.telling.set_rate()
 
     def _compare_clocks(self, now: float) -> list[Command]:

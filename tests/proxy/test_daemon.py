@@ -19,7 +19,7 @@ from proxy.bridge import keys, presence
 from proxy.bridge.air import PREFIX, broadcast_options
 from proxy.bridge.sessions import zenoh_session
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
-from proxy.core.congestion.aimd import INITIAL
+from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.mode import Mode
 from proxy.daemon import Daemon
 from proxy.errors import PortInUseError
@@ -241,7 +241,7 @@ def test_a_limit_becomes_adaptive_while_running(pair, tmp_path):
         for _ in range(20):
             publisher.put(bytes(2000))
         (limit,) = pair[0].status()["budget"]
-        return abs(limit["adaptive"]["in_force"] - INITIAL) > 0.02
+        return abs(limit["adaptive"]["in_force"] - TUNING.initial) > 0.02
 
     wait_until(moved, what="another limit")
     wait_until(lambda: wanted.samples, what="a sample")

@@ -1,127 +1,115 @@
-"""How much of an adaptive limit the channel bears: additive increase, multiplicative decrease.
+"""How much of an adaptive limit the channel bears: additive increase, multiplicative decrease (AIMD).
 
-It grows only while it is used, so it is always known to have been borne. A decrease goes to what came through while a
-queue grew, then lower for the time that the queue needs to drain: who hears of it sees the delay vanish and, with it,
-the reason for another decrease.
+The estimate grows only while it is used, so the channel is always known to have borne it. A decrease goes to what came
+through while a queue grew, then lower for the time that the queue needs to drain: a robot that hears of the decrease
+sees the delay vanish and, with it, the reason for another decrease.
 """
 
 import math
 
-INITIAL = 0.25
-"""Where an estimate starts, as a part of the ceiling."""
-STEP = 0.025
-"""Part of the ceiling that an estimate grows by in a second, and so much more for each second that is calm."""
-PROBING = 0.5
-"""Part of itself that it grows by at most, and until the first decrease, after silence, and up to what others bear."""
-QUIET = 3.0
-"""So long after a decrease it is calm [s]."""
-LESS, LEAST_CUT, DEEPEST_CUT, AGAIN = 0.95, 0.9, 0.5, 0.7
-"""A decrease: to so much of what came through; at least and at most to so much; to so much when the last one failed."""
-DRAIN, LEFT = 0.5, 0.35
-"""A queue is to drain in this time [s]; so much of the estimate is left to send, even if it takes longer."""
-LONGEST_DRAIN = 2.0
-"""A queue is given up to this long to drain [s]."""
-AGAIN_WITHIN = 1.0
-"""The last decrease has failed when there is cause for another one so soon after it settled [s]."""
-SETTLE = 0.2
-"""So long it takes until the others know of a decrease and have sent what they had decided on [s]."""
+from proxy.core.congestion.tuning import TUNING
 
 
-PATIENCE = 1.0
-"""So long we wait for what a decrease of others comes to [s]."""
-
-
-class Estimate:
-    """One limit's, as a part of its ceiling, never below `floor`."""
+class Aimd:
+    """The estimate of one limit, as a part of its ceiling, never below `floor`."""
 
     def __init__(self, now: float, floor: float) -> None:
-        self.floor = floor
-        self.part = max(floor, INITIAL)
+        self._floor = floor
+        self.estimate = max(floor, TUNING.initial)
         self.bounded = False
         """Whether anything ever spoke against more."""
-        self._probing = True
-        self._draining = 1.0
-        self._cut_for = 0.0
-        self._cut_at = now
-        self._drained_at = now
-        self._settled_at = now
-
-    def told(self, now: float) -> float:
-        """What the channel bears now: less than the estimate while a queue drains."""
-        return max(self.floor, self.part * (self._draining if now < self._drained_at else 1.0))
-
-    @property
-    def settled_at(self) -> float:
-        """What is seen of what was sent from then on [s] is not the effect of what was decreased for."""
-        return self._settled_at
-
-    @property
-    def drained_at(self) -> float:
+        self.drained_at = now
         """When the last queue has drained [s]."""
-        return self._drained_at
+        self.settled_at = now
+        """What is sent from then on shows the effect of the last decrease [s]."""
+        self._slow_start = True
+        self._drain_factor = 1.0
+        self._decreased_at = now
+        self._decreased_for = 0.0
+        """The queue delay that led to the last decrease [s]."""
 
-    def grow(self, now: float, elapsed: float, most: float, others: float) -> None:
-        """It was used and nothing stood in the way for `elapsed` [s]; it grows to `most` at most.
+    def set_floor(self, floor: float) -> None:
+        """The least part of the ceiling is another one under new specs."""
+        self._floor = floor
 
-        It grows fast as long as all the `others` say that the channel bears more, unless a decrease says otherwise;
-        where they say nothing, what counts is known to us alone, and it grows no faster for being calm.
+    def allowed(self, now: float) -> float:
+        """What the channel bears now: less than the estimate while a queue drains."""
+        return max(self._floor, self.estimate * (self._drain_factor if now < self.drained_at else 1.0))
+
+    def increase(self, now: float, elapsed: float, most: float, others: float) -> None:
+        """The limit was used without congestion for `elapsed` [s]; the estimate grows to `most` at most.
+
+        It grows fast as long as all the `others` report that the channel bears more, unless it was decreased lately.
+        Where they report nothing (0), what speaks against more is known to us alone: then calm does not speed growth.
         """
-        calm = now - self._cut_at - QUIET
-        step = fastest = PROBING * self.part
-        if not self._probing and (calm < 0.0 or self.part >= others):
-            step = min(STEP * (1.0 + max(0.0, calm if others > 0.0 else 0.0)), fastest)
-        self.part = max(self.part, min(self.part + step * elapsed, most, 1.0))
+        calm = now - self._decreased_at - TUNING.calm_after
+        step = fastest = TUNING.slow_start * self.estimate
+        if not self._slow_start and (calm < 0.0 or self.estimate >= others):
+            step = min(TUNING.increase * (1.0 + max(0.0, calm if others > 0.0 else 0.0)), fastest)
+        self.estimate = max(self.estimate, min(self.estimate + step * elapsed, most, 1.0))
 
-    def follow(self, word: float, *, agrees: bool) -> None:
-        """Another robot says what is in force: that is ours, too, if we agree with it, or if it is less."""
-        self.part = max(self.floor, word if agrees else min(self.part, word))
+    def follow(self, report: float, *, agrees: bool) -> None:
+        """The leader reports what is in force: we take it over if we agree with the leader, or if it is less."""
+        self._lower(report if agrees else min(self.estimate, report))
 
-    def heed(self, now: float, word: float, delay: float) -> None:
-        """Others say that the channel bears less; here, too, a queue of `delay` [s] may be seen, which is to drain."""
-        self.part = max(self.floor, min(self.part, word))
+    def decrease_to(self, now: float, report: float, delay: float) -> None:
+        """Others report that the channel bears less; a queue of `delay` [s] that we see is to drain."""
+        self._lower(min(self.estimate, report))
         self._drain(now, delay)
 
-    def cut(self, now: float, used: float, share: float, delay: float) -> None:
+    def decrease(self, now: float, used: float, share: float, delay: float) -> None:
         """A queue of `delay` [s] grew while `used` was sent, of which `share` came through."""
-        failed = not self._probing and now < self._settled_at + AGAIN_WITHIN
-        factor = min(max(LESS * share, DEEPEST_CUT), LEAST_CUT)
-        self.part = max(self.floor, min(factor * used, (AGAIN if failed else factor) * self.part))
+        failed = not self._slow_start and now < self.settled_at + TUNING.failed_within
+        factor = min(max(TUNING.below_delivered * share, TUNING.deepest_decrease), TUNING.mildest_decrease)
+        self._lower(min(factor * used, (TUNING.repeated_decrease if failed else factor) * self.estimate))
         self._drain(now, delay)
 
-    def linger(self, now: float, delay: float) -> None:
-        """A queue still stands: if we decreased for it, it drains longer, and once more if it has doubled since."""
-        if not self._cut_at < now < min(self._drained_at + SETTLE, self._cut_at + LONGEST_DRAIN + delay / (1.0 - LEFT)):
+    def extend_drain(self, now: float, delay: float) -> None:
+        """The queue that we decreased for still stands: it drains longer. If it has doubled, decrease once more."""
+        longest = TUNING.longest_drain + delay / (1.0 - TUNING.least_while_draining)
+        if not self._decreased_at < now < min(self.drained_at + TUNING.settling, self._decreased_at + longest):
             return
-        if delay > 2.0 * self._cut_for:
-            self._cut_for = math.inf
-            self.part = max(self.floor, AGAIN * self.part)
-        self._draining = min(self._draining, max(LEFT, 1.0 - delay / DRAIN))
-        self._drained_at = max(self._drained_at, now + SETTLE)
-        self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
+        if delay > 2.0 * self._decreased_for:
+            self._decreased_for = math.inf
+            self._lower(TUNING.repeated_decrease * self.estimate)
+        self._drain_factor = min(self._drain_factor, _drain_factor(delay))
+        self.drained_at = max(self.drained_at, now + TUNING.settling)
+        self._settle(self.drained_at + TUNING.settling)
 
-    def hold(self, now: float) -> None:
-        """What tells of the channel is overdue: that may be a queue, so little is sent until something comes."""
-        self._draining = LEFT
-        self._drained_at = max(self._drained_at, now + SETTLE)
+    def hold_back(self, now: float) -> None:
+        """Digests are overdue and may wait in a queue: little is sent until one comes."""
+        self._drain_factor = TUNING.least_while_draining
+        self.drained_at = max(self.drained_at, now + TUNING.settling)
 
-    def wait(self, now: float) -> None:
-        """Others decreased for all: let that show."""
-        self._settled_at = max(self._settled_at, now + PATIENCE)
+    def await_others(self, now: float) -> None:
+        """Others decreased the limit for all: wait for the effect."""
+        self._settle(now + TUNING.effect_of_others)
 
-    def fade(self) -> None:
-        """Nothing was heard for too long; when something is, it may grow fast."""
-        self.part = max(self.floor, AGAIN * self.part)
-        self.bounded = self._probing = True
+    def decay(self) -> None:
+        """Nothing was heard for too long. Slow start follows once something is heard."""
+        self._lower(TUNING.repeated_decrease * self.estimate)
+        self.bounded = self._slow_start = True
 
-    def restore(self, part: float) -> None:
+    def restore(self, estimate: float) -> None:
         """A decrease was for nothing."""
-        self.part = max(self.part, min(part, 1.0))
+        self.estimate = max(self.estimate, min(estimate, 1.0))
+
+    def _lower(self, estimate: float) -> None:
+        self.estimate = max(self._floor, estimate)
+
+    def _settle(self, at: float) -> None:
+        self.settled_at = max(self.settled_at, at)
 
     def _drain(self, now: float, delay: float) -> None:
-        """Less is sent for as long as the queue needs to drain."""
-        self.bounded, self._probing = True, False
-        self._cut_at = now
-        self._cut_for = delay
-        self._draining = max(LEFT, 1.0 - delay / DRAIN)
-        self._drained_at = now + min(max(DRAIN, delay / (1.0 - LEFT)), LONGEST_DRAIN)
-        self._settled_at = max(self._settled_at, self._drained_at + SETTLE)
+        """Send less for as long as the queue needs to drain."""
+        self.bounded, self._slow_start = True, False
+        self._decreased_at, self._decreased_for = now, delay
+        self._drain_factor = _drain_factor(delay)
+        takes = max(TUNING.drain, delay / (1.0 - TUNING.least_while_draining))
+        self.drained_at = now + min(takes, TUNING.longest_drain)
+        self._settle(self.drained_at + TUNING.settling)
+
+
+def _drain_factor(delay: float) -> float:
+    """What part of the estimate lets a queue of `delay` [s] drain in time."""
+    return max(TUNING.least_while_draining, 1.0 - delay / TUNING.drain)

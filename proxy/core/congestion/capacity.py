@@ -1,66 +1,37 @@
-"""Adaptive limits: how much of each the channel bears, by our own evidence and by what the others tell of theirs.
+"""Adaptive limits: how much of each the channel bears, by our own evidence and by what the others report of theirs.
 
-Every robot watches how long digests wait on their way, here and there, and whether anything gets through; from that it
-estimates what the channel bears and tells it in its digests (`words.py`). Where one robot leads, what it has in force
-holds for all, so all keep to the same limit, and only its estimate grows. The others follow it up and down, and object
-when they see a queue: that decreases it for all, once, for who hears of it waits for the effect.
+Every robot watches how long digests wait in queues, here and there, and whether anything gets through; from that it
+estimates what the channel bears, and reports it in its digests (`capacity_reports.py`). Where one robot leads, what it
+has in force holds for all, so all keep to the same limit, and only its estimate grows. The others follow it up and
+down, and object when they see a queue: that decreases the limit for all, once, as whoever hears of it waits for the
+effect.
 
-After a decrease the queue has to drain: until then less is in force, which passes, so it is told beside what lasts. All
-would begin anew at once when it has; so they do one after the other.
+After a decrease the queue has to drain: until then less is in force. That passes, so it is reported beside what lasts.
+All would begin anew at once when it has drained; so they do one after the other.
 """
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from proxy.core.congestion.aimd import Estimate
-from proxy.core.congestion.capacity_reports import Words
-from proxy.core.congestion.delivery_ratio import HELPED, LOST, SPAN, Arrivals
-from proxy.core.congestion.liveness import Hearing
-from proxy.core.congestion.load import SPAN as SPAN_OF_USE
-from proxy.core.congestion.load import Load
-from proxy.core.congestion.queue_delay import NEW, Queue, Ways, queue
+from proxy.core.congestion.adaptive_limit import AdaptiveLimit
+from proxy.core.congestion.aimd import Aimd
+from proxy.core.congestion.capacity_reports import CapacityReports
+from proxy.core.congestion.evidence import Evidence
+from proxy.core.congestion.queue_delay import StandingQueue
+from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest
 
-BEARABLE, BEHIND = 0.05, 2.0
-"""Digests may wait so long [s], besides so many times what the longest sample takes: robots send independently."""
-LONGEST = 0.25
-"""The time of the longest sample counts up to this [s]."""
-PACE = 0.1
-"""The channel is looked at this often at most [s]."""
-USED, HALF_USED = 0.85, 0.5
-"""A limit is used when this part of it is, or the lesser part, and samples had to be dropped."""
-MOSTLY = 0.6
-"""Who uses so much of a limit uses it."""
-AHEAD = 1.3
-"""An estimate above the limit in force is not tested: it grows no further than so many times that."""
-BEAT = 0.25
-"""Digests of ours are so far apart at most while the channel is in use [s], if the allowance lets them."""
-RECENT = 0.8
-"""Delays are as old as this at most [s], or as twice the time between digests."""
-WIDEST = 0.5
-"""Bursts of limits with longer windows are taken for queues [s]."""
-LONGEST_TURN = 1.0
-"""When a queue has drained all robots send again within a window, but not later than this [s]."""
-LATELY = 2.5
-"""The others say something often if much was used so long ago [s]."""
-FADING = 1.0
-"""Silence decreases the estimates this often [s]."""
-SAID = 64
-"""Digests of ours remembered for their echoes."""
-FELL, ROSE = 0.98, 1.15
-"""Others are told at once when an estimate fell or rose to so much of what they were told last."""
-
 
 @dataclass(frozen=True, slots=True)
-class Seen:
-    """What the view knows of the use of the channel: samples `dropped` so far by anybody, whom our samples go to.
+class Traffic:
+    """What the view knows of the use of the channel: samples `dropped` so far by anybody, who receives our samples.
 
     `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
     of every adaptive limit's ceiling that one sample of each stream takes together, and `one` the largest of these.
-    The word of the `leader` counts for all.
+    The report of the `leader` counts for all.
     """
 
     dropped: int
@@ -73,327 +44,262 @@ class Seen:
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
-    """Estimates were decreased from these `parts` because so much was `lost`; at `until` [s] it shows if that helps."""
+    """These `estimates` were decreased because so much was `lost`; at `until` [s] it shows if that helps."""
 
     until: float
     lost: float
-    parts: tuple[float, ...]
+    estimates: tuple[float, ...]
 
 
 class Capacity:
-    """The adaptive limits among `limits`, which are those of the ceilings."""
+    """The adaptive limits among those of the specs, which are the ceilings."""
 
     def __init__(self, now: float, own: str) -> None:
         self._own = own
-        self._limits: tuple[Limit, ...] = ()
-        self._estimates: list[Estimate] = []
-        self._force: list[float] = []
-        self._lasting: list[float] = []
-        """What is in force when queues have drained."""
-        self._drained: list[float] = []
-        """What is in force for who begins anew first."""
-        self._turns: list[tuple[float, float]] = []
-        """Until when we send less, and how much, because a queue was there [s]."""
-        self._others_told: list[float] = []
+        self.evidence = Evidence(now, own)
+        self.factors: tuple[float, ...] = ()
+        """Of every adaptive limit, the part of its ceiling that is in force."""
+        self.due_at = math.inf
+        """When it is time to look at the channel [s]."""
+        self._limits: tuple[AdaptiveLimit, ...] = ()
+        self._ceilings: tuple[Limit, ...] = ()
         self._used: tuple[float, ...] = ()
-        self._ways: dict[str, Ways] = {}
-        self._words = Words(own)
-        self._last_told: tuple[float, ...] = ()
-        self._load = Load()
-        self._hearing = Hearing(now)
-        self._arrivals = Arrivals()
-        self._said: dict[float, int] = {}
-        """How many messages we had put on the air when our last digests were sent."""
+        self._reports = CapacityReports(own)
+        self._last_report: tuple[float, ...] = ()
+        self._queue: StandingQueue | None = None
+        self._reason = "nobody is there"
         self._trial: _Trial | None = None
         self._looked_at = now
         self._free_at = now
         """When growth began or was last granted [s]."""
-        self._faded_at = now
+        self._decayed_at = now
         self._most_dropped = 0
-        self._pressed_until = now
-        self._queue: Queue | None = None
-        self._why = "nobody is there"
+        self._dropping_until = now
         self._used_at = -math.inf
 
     def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
         """The constraints in force are now these; estimates of limits of the same name stay."""
-        before = {limit.name: estimate for limit, estimate in zip(self._limits, self._estimates, strict=True)}
-        self._limits = tuple(limit for limit in limits if limit.least < 1.0)
+        before = {limit.ceiling.name: limit.aimd for limit in self._limits}
+        self._ceilings = tuple(limit for limit in limits if limit.least < 1.0)
+        aimds = [before.get(each.name) or Aimd(now, each.least) for each in self._ceilings]
+        for aimd, ceiling in zip(aimds, self._ceilings, strict=True):
+            aimd.set_floor(ceiling.least)
+        pairs = enumerate(zip(self._ceilings, aimds, strict=True))
+        self._limits = tuple(AdaptiveLimit(now, k, ceiling, aimd) for k, (ceiling, aimd) in pairs)
         self._trial = None
-        self._estimates = [before.get(each.name) or Estimate(now, each.least) for each in self._limits]
-        for limit, estimate in zip(self._limits, self._estimates, strict=True):
-            estimate.floor = limit.least
-        self._force = [estimate.told(now) for estimate in self._estimates]
-        self._lasting = [estimate.part for estimate in self._estimates]
-        self._drained = list(self._force)
-        self._turns = [(now, 1.0)] * len(self._estimates)
-        self._others_told = [1.0] * len(self._estimates)
-        self._used = (0.0,) * len(self._estimates)
+        self._used = (0.0,) * len(self._limits)
+        self._take_effect()
 
-    def heard(self, now: float, digest: Digest) -> None:
+    def digest_received(self, now: float, digest: Digest) -> None:
         """A digest of another robot arrived."""
-        if not self._estimates:
-            return
-        if not self._ways:
-            self._hearing.restart(now)
-        ways = self._ways.setdefault(digest.tag, Ways())
-        if ways.here.note(now, digest.sent, now):
-            self._hearing.heard(now, ways.here.waited)
-        for echo in digest.echoes:
-            if echo.peer == self._own and ways.there.note(now, echo.sent, echo.received):
-                self._hearing.heard_by(now)
-                if echo.sent in self._said:
-                    self._arrivals.note(now, self._said[echo.sent], digest.tag, echo.samples)
-        if digest.brief:
-            return
-        self._load.note(now, digest.tag, digest.sent, digest.messages, digest.bytes)
-        self._words.note(now, digest)
-
-    def gauged(self, now: float, peer: str, wait: float) -> None:
-        """What we send a robot now is that long on its way [s], as our own socket tells."""
-        if peer in self._ways:
-            self._ways[peer].link.note(now + wait, now, now + wait)
-
-    def sent(self, now: float, messages: int, size: int) -> None:
-        """So much was put on the air by us so far."""
-        self._load.note(now, self._own, now, messages, size)
+        if self._limits:
+            self.evidence.digest_received(now, digest)
+            if not digest.brief:
+                self._reports.note(now, digest)
 
     def forget(self, peer: str) -> None:
         """A robot left: it is no evidence of anything."""
-        self._ways.pop(peer, None)
-        self._words.forget(peer)
-        self._load.forget(peer)
-        self._arrivals.forget(peer)
+        self.evidence.forget(peer)
+        self._reports.forget(peer)
         self._most_dropped = 0
 
-    def waiting(self, now: float) -> float:
+    def staleness(self, now: float) -> float:
         """How long news of others wait on their way here [s]."""
-        overdue = self._hearing.stale(now) if self._why == "overdue" else 0.0
-        return max(overdue, self._queue.delay if self._queue else 0.0)
+        overdue = self.evidence.liveness.staleness(now) if self._reason == "overdue" else 0.0
+        return max(overdue, self._queue_delay)
 
-    def due(self, now: float) -> bool:
-        """Whether it is time to look at the channel."""
-        return bool(self._estimates) and now >= self._looked_at + PACE
+    def wakes_at(self, now: float) -> float:
+        """When limits change by themselves [s], as a queue has drained."""
+        return min((t for limit in self._limits if (t := limit.aimd.drained_at) > now), default=math.inf)
 
-    def look(self, now: float, seen: Seen) -> None:
+    def look(self, now: float, traffic: Traffic) -> None:
         """Grow or decrease the estimates by what is seen now."""
-        self._looked_at, words = now, self._words
-        words.follow(now, seen.leader)
-        self._note_drops(now, seen.dropped)
-        bearable = BEARABLE + BEHIND * min(seen.longest, LONGEST)
-        recent = now - max(RECENT, 2.0 * self._hearing.gap(now))
-        settled = max(estimate.settled_at for estimate in self._estimates)
-        self._queue = self._worst(now, seen.receivers, -math.inf, recent, bearable)
-        new = self._worst(now, seen.receivers, settled, recent, bearable)
-        used = self._used = words.used(self._limits) or self._load.parts(now, self._limits)
-        self._used_at = now if self._in_use else self._used_at
-        if not self._ways:
-            self._why = "nobody is there"
-        elif self._hears_nothing(now, bearable):
-            self._queue = None
-        elif new is not None and new.delay > bearable:
-            self._why = "delay"
-            self._trial = None
-            self._cut(now, used, new)
-        elif self._queue is not None and self._queue.delay > bearable:
-            self._why = "draining"
-            for estimate in self._estimates:
-                estimate.linger(now, self._queue.delay)
-        elif self._judge_loss(now, used):
-            self._why = "loss"
-        elif self._queue is None or new is None:
-            self._why = "settling"
-        elif self._queue is not None and self._queue.delay > bearable / 2.0:
-            self._why = "some delay"
-        else:
-            self._rise(now, used, seen)
-        if self._why not in ("free", "settling"):
+        self._looked_at = now
+        self._reports.set_leader(now, traffic.leader)
+        self._note_drops(now, traffic.dropped)
+        self._used = self._reports.used(len(self._limits)) or self.evidence.load.parts(now, self._ceilings)
+        if self._in_use:
+            self._used_at = now
+        self._reason = self._react(now, traffic)
+        if self._reason not in ("free", "settling"):
             self._free_at = now
-        self._combine(now, seen.receivers)
+        self._combine(now, traffic.receivers)
+        self._take_effect()
 
-    @property
-    def factors(self) -> tuple[float, ...]:
-        """Of every adaptive limit, the part of its ceiling that is in force."""
-        return tuple(self._force)
+    def probe_due(self, now: float) -> bool:
+        """Whether it is time for a digest only for its delay to be seen: the channel is in use."""
+        in_use = self._in_use or now < self._dropping_until
+        return in_use and bool(self.evidence.paths) and now >= self.evidence.liveness.last_sent + TUNING.probe_interval
 
-    def wake_at(self, now: float) -> list[float]:
-        """When limits change by themselves [s]."""
-        return [t for estimate in self._estimates if (t := estimate.drained_at) > now]
-
-    def speak(self, now: float) -> bool:
-        """Whether it is time for a digest of ours for its way alone: the channel is in use, and that tells of it."""
-        asked = self._in_use or now < self._pressed_until
-        return asked and bool(self._ways) and now >= self._hearing.last_said + BEAT
-
-    def news(self, now: float) -> bool:
-        """Whether the others should hear at once what we would tell them."""
-        told = self.telling(now)
-        if len(told) > len(self._last_told):
+    def has_news(self, now: float) -> bool:
+        """Whether the others should hear at once what we would report."""
+        report, last, count = self.report(now), self._last_report, len(self._limits)
+        if len(report) > len(last):
             return True
-        count = len(self._estimates)
-        places = [k for k in range(len(told)) if not count <= k < 2 * count]
-        pairs = [(told[k], self._last_told[k]) for k in places]
-        return any(new < FELL * old or new > ROSE * old for new, old in pairs)
+        changes = [
+            (new, old) for k, (new, old) in enumerate(zip(report, last, strict=False)) if not count <= k < 2 * count
+        ]
+        return any(new < TUNING.fell * old or new > TUNING.rose * old for new, old in changes)
 
-    def telling(self, now: float) -> tuple[float, ...]:
-        """What a digest says: of every adaptive limit, the part that the channel bears by our evidence.
+    def report(self, now: float) -> tuple[float, ...]:
+        """What a digest reports: of every adaptive limit, the part that the channel bears by our evidence.
 
-        Who leads says what it has in force, by the evidence of all, and of every limit the part that is used by all.
-        Who follows and has nothing against that says so, as does who knows of nothing against more.
+        Who leads reports what it has in force, by the evidence of all, and of every limit the part that is used by all.
+        Who follows and does not object reports that, as does who knows of nothing against more.
         """
-        if self._words.leads:
-            drains = self._drained if self._drained != self._lasting else ()
-            return (*self._lasting, *(min(used, 1.0) for used in self._used), *drains)
-        if self._words.follows:
-            pairs = zip(self._estimates, self._others_told, strict=True)
-            return tuple(estimate.part if estimate.part < FELL * others else 1.0 for estimate, others in pairs)
-        return tuple(estimate.told(now) if estimate.bounded else 1.0 for estimate in self._estimates)
+        if self._reports.leads:
+            drained, lasting = ([limit.drained for limit in self._limits], [limit.lasting for limit in self._limits])
+            return (*lasting, *(min(used, 1.0) for used in self._used), *(drained if drained != lasting else ()))
+        if self._reports.follows:
+            return tuple(limit.aimd.estimate if limit.objects else 1.0 for limit in self._limits)
+        return tuple(limit.aimd.allowed(now) if limit.aimd.bounded else 1.0 for limit in self._limits)
 
-    def told(self, digest: Digest) -> None:
+    def reported(self, digest: Digest) -> None:
         """This digest of ours goes out."""
-        self._last_told = digest.capacity
-        self._hearing.said(digest.sent)
-        self.said(digest.sent, digest.messages)
-
-    def said(self, now: float, messages: int) -> None:
-        """A digest of ours goes out when so many messages were put on the air: its echo tells what arrived of them."""
-        self._said[now] = messages
-        if len(self._said) > SAID:
-            del self._said[next(iter(self._said))]
+        self._last_report = digest.capacity
+        self.evidence.liveness.digest_sent(digest.sent)
+        self.evidence.digest_sent(digest.sent, digest.messages)
 
     def described(self, now: float, number: int) -> dict[str, Any]:
         """An adaptive limit as plain JSON data: parts of its ceiling, and what it reacts to."""
+        limit = self._limits[number]
         return {
-            "in_force": self._force[number],
-            "estimate": self._estimates[number].part,
-            "told": self._estimates[number].told(now),
-            "floor": self._limits[number].least,
-            "ceiling": self._limits[number].limit,
+            "in_force": limit.in_force,
+            "estimate": limit.aimd.estimate,
+            "told": limit.aimd.allowed(now),
+            "floor": limit.ceiling.least,
+            "ceiling": limit.ceiling.limit,
             "used": self._used[number],
             "delay": self._queue.delay if self._queue else None,
-            "lost": self._arrivals.lost(now),
-            "reason": self._why,
+            "lost": self.evidence.delivery.excess_loss(now),
+            "reason": self._reason,
         }
+
+    def _take_effect(self) -> None:
+        self.factors = tuple(limit.in_force for limit in self._limits)
+        self.due_at = self._looked_at + TUNING.look_interval if self._limits else math.inf
 
     def _note_drops(self, now: float, dropped: int) -> None:
         """More than ever before: a sample that still waits for its decision looks like a dropped one for a moment."""
         if dropped > self._most_dropped:
-            self._pressed_until = now + 1.0
+            self._dropping_until = now + TUNING.dropping
             self._most_dropped = dropped
 
-    def _worst(
-        self, now: float, receivers: Collection[str], since: float, recent: float, bearable: float
-    ) -> Queue | None:
-        """The longest that stands before what comes here, or before what we send to those whom it matters to.
+    def _react(self, now: float, traffic: Traffic) -> str:
+        """Increase or decrease the estimates; return why, in words for people."""
+        bearable = TUNING.bearable_delay + TUNING.bearable_samples * min(traffic.longest, TUNING.longest_sample)
+        self._queue = None
+        if not self.evidence.paths:
+            return "nobody is there"
+        if silence := self._react_to_silence(now, bearable):
+            return silence
+        self._queue = self.evidence.queue(now, self._ceilings, traffic.receivers, -math.inf, bearable)
+        if congestion := self._react_to_congestion(now, traffic.receivers, bearable):
+            return congestion
+        return self._follow(now) if self._reports.follows else self._increase(now, traffic)
 
-        A limit lets what it bears in its window be sent at once: a queue stands if it outlasts that.
-        """
-        span = min(max(NEW, *(limit.window for limit in self._limits)), WIDEST)
-        outward = [ways for peer, ways in self._ways.items() if not receivers or peer in receivers]
-        links = [ways.link for ways in outward]
-        inward = list(self._ways.values())
-        groups = [[ways.here for ways in inward], [ways.there for ways in outward], links]
-        found = [queue(now, ways, since, bearable / 2.0, recent=recent, span=span) for ways in groups]
-        return max((each for each in found if each), key=lambda each: each.delay, default=None)
+    def _react_to_silence(self, now: float, bearable: float) -> str:
+        """Send less while nothing comes through, or while what is overdue may wait in a queue."""
+        liveness = self.evidence.liveness
+        if liveness.silent(now):
+            if now >= self._decayed_at + TUNING.decay_interval:
+                self._decayed_at = now
+                for limit in self._limits:
+                    limit.aimd.decay()
+            return "silence"
+        recently_used = now < self._used_at + TUNING.recently_used
+        if recently_used and liveness.overdue(now, bearable, len(self.evidence.paths)):
+            for limit in self._limits:
+                limit.aimd.hold_back(now)
+            return "overdue"
+        return ""
 
-    def _hears_nothing(self, now: float, bearable: float) -> bool:
-        """Whether nothing comes through, or what is overdue may wait in a queue; then less is sent."""
-        if self._hearing.silent(now):
-            self._why = "silence"
-            self._fade(now)
-            return True
-        if now < self._used_at + LATELY and self._hearing.overdue(now, bearable, len(self._ways)):
-            self._why = "overdue"
-            for estimate in self._estimates:
-                estimate.hold(now)
-            return True
-        return False
-
-    def _fade(self, now: float) -> None:
-        if now >= self._faded_at + FADING:
-            self._faded_at = now
-            for estimate in self._estimates:
-                estimate.fade()
-
-    def _cut(self, now: float, used: Sequence[float], standing: Queue) -> None:
-        for part, force, estimate in zip(used, self._lasting, self._estimates, strict=True):
-            # Whole samples never fill a limit; much less than it means that others than us fill the channel.
-            # So soon after another decrease what is used says little.
-            lately = now < estimate.settled_at + 2.0 * SPAN_OF_USE
-            borne = force if lately else min(max(part / MOSTLY, 0.5 * force), force)
-            estimate.cut(now, borne, standing.share, standing.delay)
-
-    def _judge_loss(self, now: float, used: Sequence[float]) -> bool:
-        """Whether a decrease is on trial because of loss; begin one, and end it with what it shows."""
-        lost, trial = self._arrivals.lost(now), self._trial
-        if trial is None and lost > LOST and all(now >= estimate.settled_at + SPAN for estimate in self._estimates):
-            self._trial = _Trial(now + 2.0 * SPAN, lost, tuple(estimate.part for estimate in self._estimates))
-            self._arrivals.blame(now)
-            self._cut(now, used, Queue(0.0, 1.0 - lost))
-        elif trial is not None and now < trial.until:
-            self._trial = replace(trial, lost=max(lost, trial.lost))
-        elif trial is not None:
+    def _react_to_congestion(self, now: float, receivers: Collection[str], bearable: float) -> str:
+        """Decrease for a queue or for loss."""
+        settled = max(limit.aimd.settled_at for limit in self._limits)
+        new = self.evidence.queue(now, self._ceilings, receivers, settled, bearable)
+        if new is not None and new.delay > bearable:
             self._trial = None
-            if lost > HELPED * trial.lost:
-                self._arrivals.accept()
-                for estimate, part in zip(self._estimates, trial.parts, strict=True):
-                    estimate.restore(part)
+            self._decrease(now, new)
+            return "delay"
+        if self._queue_delay > bearable:
+            for limit in self._limits:
+                limit.aimd.extend_drain(now, self._queue_delay)
+            return "draining"
+        if self._tries_less(now):
+            return "loss"
+        if self._queue is None or new is None:
+            return "settling"
+        return "some delay" if self._queue_delay > bearable / 2.0 else ""
+
+    def _decrease(self, now: float, queue: StandingQueue) -> None:
+        for used, limit in zip(self._used, self._limits, strict=True):
+            # Much less used than a limit means that others than us fill the channel.
+            # So soon after another decrease what is used says little.
+            lately = now < limit.aimd.settled_at + 2.0 * TUNING.rate_span
+            lasting = limit.lasting
+            borne = lasting if lately else min(max(used / TUNING.mostly_used, 0.5 * lasting), lasting)
+            limit.aimd.decrease(now, borne, queue.share, queue.delay)
+
+    def _tries_less(self, now: float) -> bool:
+        """Whether a decrease is on trial because of loss; begin one, and end it with what it shows."""
+        delivery, trial = self.evidence.delivery, self._trial
+        lost = delivery.excess_loss(now)
+        if trial is None:
+            settled = all(now >= limit.aimd.settled_at + TUNING.ratio_span for limit in self._limits)
+            if lost > TUNING.excess_loss and settled:
+                estimates = tuple(limit.aimd.estimate for limit in self._limits)
+                self._trial = _Trial(now + 2.0 * TUNING.ratio_span, lost, estimates)
+                delivery.attribute_to_load(now)
+                self._decrease(now, StandingQueue(0.0, 1.0 - lost))
+        elif now < trial.until:
+            self._trial = replace(trial, lost=max(lost, trial.lost))
+        else:
+            self._trial = None
+            if lost > TUNING.helped * trial.lost:
+                delivery.accept()
+                for limit, estimate in zip(self._limits, trial.estimates, strict=True):
+                    limit.aimd.restore(estimate)
         return self._trial is not None
 
-    def _rise(self, now: float, used: Sequence[float], seen: Seen) -> None:
-        """Nothing stands in the way that we know of."""
-        self._why = "free"
-        if self._words.follows:
-            self._catch_up(now)
-        else:
-            self._grow(now, used, seen)
-
-    def _grow(self, now: float, used: Sequence[float], seen: Seen) -> None:
+    def _increase(self, now: float, traffic: Traffic) -> str:
         """Grow what is used, or what is too small for a sample of each stream: robots may wait for their turn then."""
-        elapsed = min(now - self._free_at, max(1.0, self._hearing.gap(now)))
+        elapsed = min(now - self._free_at, max(1.0, self.evidence.liveness.interval(now)))
         self._free_at = now
-        pressed = now < self._pressed_until
-        for k, (force, estimate) in enumerate(zip(self._force, self._estimates, strict=True)):
-            full = used[k] >= (HALF_USED if pressed else USED) * force
-            if full or (pressed and max(used[k] + seen.one[k], seen.each[k]) > force):
-                # Nothing when only we see what is lost by load; and who leads knows no better than it says.
-                others = 0.0 if self._arrivals.blamed(now) else self._words.least(now, k)
-                estimate.grow(now, elapsed, AHEAD * force, min(others, force) if self._words.leads else others)
+        dropping, reason = now < self._dropping_until, "free"
+        for k, limit in enumerate(self._limits):
+            force, used = limit.in_force, self._used[k]
+            full = used >= (TUNING.half_used if dropping else TUNING.used) * force
+            if full or (dropping and max(used + traffic.one[k], traffic.each[k]) > force):
+                # Nothing when only we see what is lost by load; and who leads knows no better than it reports.
+                others = 0.0 if self.evidence.delivery.congested(now) else self._reports.least(now, k)
+                others = min(others, force) if self._reports.leads else others
+                limit.aimd.increase(now, elapsed, TUNING.untested * force, others)
             else:
-                self._why = "not used"
+                reason = "not used"
+        return reason
 
-    def _catch_up(self, now: float) -> None:
+    def _follow(self, now: float) -> str:
         """Come to what the leader has in force."""
         elapsed, self._free_at = now - self._free_at, now
-        for estimate, word in zip(self._estimates, self._others_told, strict=True):
-            estimate.grow(now, elapsed, word, word)
+        for limit in self._limits:
+            limit.aimd.increase(now, elapsed, limit.others, limit.others)
+        return "free"
 
     def _combine(self, now: float, receivers: Collection[str]) -> None:
-        """Put in force what all tell together."""
-        words = self._words
-        for k, estimate in enumerate(self._estimates):
-            others = words.bound(now, k, self._limits[k], receivers)
-            if others < FELL * self._others_told[k] and others < estimate.told(now):
-                estimate.wait(now)
-            if words.follows:
-                estimate.follow(others, agrees=estimate.part >= FELL * self._others_told[k])
-            elif words.leads and others < FELL * estimate.part:
-                estimate.heed(now, others, self._queue.delay if self._queue else 0.0)
-            self._others_told[k] = others
-            self._lasting[k] = min(estimate.part, others)
-            self._drained[k] = min(estimate.told(now), others, words.draining(now, k, len(self._limits)))
-            self._force[k] = self._in_turn(now, k)
+        """Put in force what all report together."""
+        names = sorted((self._own, *self.evidence.paths))
+        for k, limit in enumerate(self._limits):
+            draining = self._reports.draining(now, k, len(self._limits))
+            limit.combine(now, self._reports, draining, receivers, self._queue_delay)
+            limit.take_turn(now, names.index(self._own), len(names))
 
-    def _in_turn(self, now: float, k: int) -> float:
-        """What is in force: when a queue has drained robots begin anew one after the other, within a window."""
-        if self._drained[k] < FELL * self._lasting[k]:
-            names = sorted((self._own, *self._ways))
-            turn = min(self._limits[k].window, LONGEST_TURN) * names.index(self._own) / len(names)
-            self._turns[k] = now + turn, self._drained[k]
-        begins, low = self._turns[k]
-        return min(self._drained[k], low) if now < begins else self._drained[k]
+    @property
+    def _queue_delay(self) -> float:
+        return self._queue.delay if self._queue else 0.0
 
     @property
     def _in_use(self) -> bool:
         """Whether much of any limit in force is used."""
-        return any(part > HALF_USED * force for part, force in zip(self._used, self._force, strict=True))
+        pairs = zip(self._used, self._limits, strict=True)
+        return any(used > TUNING.half_used * limit.in_force for used, limit in pairs)

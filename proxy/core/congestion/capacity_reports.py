@@ -1,32 +1,28 @@
-"""What the others tell of what the channel bears, and whose word counts.
+"""What the others report that the channel bears, and whose report counts.
 
-Where one robot leads its word counts: what it has in force, how much of that all use together, and for how little a
-queue that drains leaves room. The others tell it what they have against that, if anything. Where nobody leads, or we
-do, the least counts that any of them tells; but of those whom our samples go to, and of the rest, the word of a single
-one does not where there are several: it may be far away.
+Where one robot leads its report counts: what it has in force, how much of that all use together, and how much is left
+while a queue drains. The others report what they have against that, if anything. Where nobody leads, or we do, the
+least report counts; but of our receivers, and of the rest, a single one does not where there are several: it may be far
+away.
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
+from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest
 
-FRESH = 5.0
-"""What a robot tells counts for so long [s]."""
-BRIEFLY = 0.5
-"""What the leader tells of a queue that drains counts for so long [s]."""
 
-
-class Words:
-    """Of every adaptive limit the last words of each robot, by tag, as parts of its ceiling."""
+class CapacityReports:
+    """The last report of each robot, by tag: parts of the ceilings of all adaptive limits."""
 
     def __init__(self, own: str) -> None:
         self._own = own
-        self._told: dict[str, tuple[float, tuple[float, ...]]] = {}
+        self._reports: dict[str, tuple[float, tuple[float, ...]]] = {}
         self.leader = ""
         self.follows = False
-        """Whether another robot leads whose word we have."""
+        """Whether another robot leads whose report we have."""
 
     @property
     def leads(self) -> bool:
@@ -34,45 +30,46 @@ class Words:
         return self.leader == self._own
 
     def note(self, now: float, digest: Digest) -> None:
-        """A robot tells something."""
-        self._told[digest.tag] = now, digest.capacity
+        """A robot reports something."""
+        self._reports[digest.tag] = now, digest.capacity
 
     def forget(self, peer: str) -> None:
         """A robot left."""
-        self._told.pop(peer, None)
+        self._reports.pop(peer, None)
 
-    def follow(self, now: float, leader: str) -> None:
-        """The leader is this one now, if anybody."""
+    def set_leader(self, now: float, leader: str) -> None:
+        """This robot leads now, if anybody."""
         self.leader = leader
-        self.follows = not self.leads and self._told.get(leader, (-math.inf, ()))[0] > now - FRESH
+        self.follows = not self.leads and self._reports.get(leader, (-math.inf, ()))[0] > now - TUNING.lifetime
 
     def bound(self, now: float, k: int, limit: Limit, receivers: Collection[str]) -> float:
-        """What the others leave of a limit: what those tell who receive what we send, and what the rest does."""
+        """What the others leave of a limit: what our receivers report, and what the rest does."""
         return min(self._bound(now, k, limit, receivers, inside=inside) for inside in (True, False))
 
     def least(self, now: float, k: int) -> float:
-        """The least that any other robot tells of a limit; nothing when none does."""
-        return min((told[k] for _, told in self._words(now, k)), default=0.0)
+        """The least that any other robot reports of a limit; nothing when none does."""
+        return min((report[k] for _, report in self._fresh(now, k)), default=0.0)
 
-    def used(self, limits: Sequence[Limit]) -> tuple[float, ...] | None:
-        """What part of every limit is used by all, if a leader tells."""
-        count = len(limits)
-        told = self._told[self.leader][1] if self.follows else ()
-        return told[count : 2 * count] if len(told) >= 2 * count else None
+    def used(self, count: int) -> tuple[float, ...] | None:
+        """What part of each of so many limits all use, if a leader reports it."""
+        report = self._reports[self.leader][1] if self.follows else ()
+        return report[count : 2 * count] if len(report) >= 2 * count else None
 
     def draining(self, now: float, k: int, count: int) -> float:
-        """For how much of the `k`-th of so many limits a queue leaves room, as the leader has just told."""
-        t, told = self._told[self.leader] if self.follows else (-math.inf, ())
-        return told[2 * count + k] if t >= now - BRIEFLY and len(told) == 3 * count else 1.0
+        """How much of the `k`-th of so many limits is left while a queue drains, as the leader has just reported."""
+        t, report = self._reports[self.leader] if self.follows else (-math.inf, ())
+        return report[2 * count + k] if t >= now - TUNING.drain_lifetime and len(report) == 3 * count else 1.0
 
     def _bound(self, now: float, k: int, limit: Limit, receivers: Collection[str], *, inside: bool) -> float:
-        """What those tell who receive what we send, or the others: the least but one, where there are several."""
-        words = sorted(
-            min(max(told[k], limit.least), 1.0) for peer, told in self._words(now, k) if (peer in receivers) is inside
+        """What our receivers report, or the others: the least but one, where there are several."""
+        reports = sorted(
+            min(max(report[k], limit.least), 1.0)
+            for peer, report in self._fresh(now, k)
+            if (peer in receivers) is inside
         )
-        return words[min(1, len(words) - 1)] if words else 1.0
+        return reports[min(1, len(reports) - 1)] if reports else 1.0
 
-    def _words(self, now: float, k: int) -> list[tuple[str, tuple[float, ...]]]:
-        """Who tells of a limit, and what: who leads, where we follow."""
-        heard = {self.leader: (now, self._told[self.leader][1])} if self.follows else self._told
-        return [(peer, told) for peer, (t, told) in heard.items() if t >= now - FRESH and len(told) > k]
+    def _fresh(self, now: float, k: int) -> list[tuple[str, tuple[float, ...]]]:
+        """The reports on a limit that count: that of the leader alone, where we follow."""
+        counting = {self.leader: (now, self._reports[self.leader][1])} if self.follows else self._reports
+        return [(p, report) for p, (t, report) in counting.items() if t >= now - TUNING.lifetime and len(report) > k]

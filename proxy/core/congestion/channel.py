@@ -2,93 +2,88 @@
 
 import math
 
-from proxy.core.congestion.capacity import Capacity, Seen
-from proxy.core.coordination.budget import Budget
+from proxy.core.congestion.capacity import Capacity, Traffic
 from proxy.core.interface.commands import SetPace
 from proxy.core.model.limits import Limit, in_force, use_of
 from proxy.core.protocol.messages import tag
-from proxy.core.samples.counts import Counts
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
 
 class Channel:
-    """Keeps the limits of the `budget`."""
+    """The limits of the specs as ceilings, and what is in force of them."""
 
-    def __init__(self, now: float, view: SharedView, budget: Budget, counts: Counts) -> None:
+    def __init__(self, now: float, view: SharedView) -> None:
         self.capacity = Capacity(now, tag(view.settings.zid))
-        self._view = view
-        self._budget = budget
-        self._counts = counts
-        self._ceilings: tuple[Limit, ...] = ()
-        self._factors: tuple[float, ...] | None = ()
-        self.waiting = 0.0
+        self.limits: tuple[Limit, ...] = ()
+        """The limits in force."""
+        self.staleness = 0.0
         """How long news of others wait on a channel that is full [s]."""
+        self._view = view
+        self._ceilings: tuple[Limit, ...] = ()
+        self._adaptive: tuple[Limit, ...] = ()
+        self._factors: tuple[float, ...] | None = ()
+        """Those of which the driver knows."""
 
     @property
-    def part(self) -> float:
-        """How much of the allowance is left: less than in proportion, for where little gets through digests tell."""
+    def allowance_factor(self) -> float:
+        """How much of the allowance is left: less than in proportion, as digests tell where little gets through."""
         return math.sqrt(min(self.capacity.factors, default=1.0))
 
     def adopt(self, now: float, limits: tuple[Limit, ...]) -> None:
         """The limits are now these; adaptive ones begin where those of the same name are."""
-        self._ceilings = limits
+        self._ceilings, self._adaptive = limits, tuple(limit for limit in limits if limit.least < 1.0)
         self.capacity.set_limits(now, limits)
         if self._factors or self.capacity.factors:
             self._factors = None  # so that the driver is told
-        self._force(self.capacity.factors)
-        self.waiting = 0.0  # until it is looked at again: without adaptive limits never
+        self.limits = in_force(limits, self.capacity.factors)
+        self.staleness = 0.0  # until the next look: without adaptive limits there is none
 
-    def look(self, now: float) -> bool:
-        """Look at the channel when it is time to; return whether all should hear of it at once."""
-        if not self.capacity.due(now):
+    def look(self, now: float, dropped: int) -> bool:
+        """Look at the channel when it is time to; return whether all should hear of it at once.
+
+        So many samples of ours were `dropped` so far.
+        """
+        if now < self.capacity.due_at:
             return False
-        self.capacity.sent(now, self._view.messages, self._view.bytes)
-        self.capacity.look(now, self._seen(now))
-        self.waiting = self.capacity.waiting(now)
-        return self.capacity.news(now)
+        self.capacity.evidence.sent(now, self._view.messages, self._view.bytes)
+        self.capacity.look(now, self._traffic(now, dropped))
+        self.staleness = self.capacity.staleness(now)
+        return self.capacity.has_news(now)
 
-    def follow(self) -> SetPace | None:
-        """Put in force what the channel bears; return the pace for the mesh when that is news."""
+    def apply(self) -> SetPace | None:
+        """Put in force what the channel bears; return the pace for the mesh when other limits are in force."""
         if self.capacity.factors == self._factors:
             return None
         self._factors = self.capacity.factors
-        self._force(self._factors)
+        self.limits = in_force(self._ceilings, self._factors)
         if not self._factors:
             return SetPace(math.inf)
-        pairs = zip(self._budget.limits, self._ceilings, strict=True)
+        pairs = zip(self.limits, self._ceilings, strict=True)
         return SetPace(min(limit.measure.pace * limit.limit / ceiling.limit for limit, ceiling in pairs))
 
-    def _force(self, factors: tuple[float, ...]) -> None:
-        self._budget.set_limits(in_force(self._ceilings, factors))
-
-    def _seen(self, now: float) -> Seen:
+    def _traffic(self, now: float, dropped: int) -> Traffic:
         streams = self._view.competition.all(now)
         own = self._view.settings.robot
-        wanting = (self._view.wanting(stream) for stream in streams if stream.robot == own)
+        receivers = {name for s in streams if s.robot == own for name in self._view.wanting(s)}
         others = (stream for stream in self._view.streams() if stream.robot != own)
-        factors = self.capacity.factors
         parts = [self._parts(stream) for stream in streams]
-        windows = [limit.window / factor for limit, factor in zip(self._adaptive(), factors, strict=True)]
-        return Seen(
-            dropped=self._counts.dropped + sum(stream.generated - stream.forwarded for stream in others),
-            receivers={name for names in wanting for name in names},
+        windows = [limit.window / part for limit, part in zip(self._adaptive, self.capacity.factors, strict=True)]
+        return Traffic(
+            dropped=dropped + sum(stream.generated - stream.forwarded for stream in others),
+            receivers=receivers,
             longest=max((part * time for each in parts for part, time in zip(each, windows, strict=True)), default=0.0),
-            each=tuple(sum(each[k] for each in parts) for k in range(len(factors))),
-            one=tuple(max((each[k] for each in parts), default=0.0) for k in range(len(factors))),
+            each=tuple(sum(each[k] for each in parts) for k in range(len(windows))),
+            one=tuple(max((each[k] for each in parts), default=0.0) for k in range(len(windows))),
             leader=self._leader(),
         )
 
     def _leader(self) -> str:
-        """Whose word on the channel counts: of all that take part the robot with the least tag."""
+        """Whose report on the channel counts: of all that take part the robot with the least tag."""
         present = (name for name, peer in self._view.peers.items() if not peer.plain)
         return min((tag(self._view.settings.zid), *present))
 
     def _parts(self, stream: Stream) -> tuple[float, ...]:
         """What a sample takes of the ceilings of adaptive limits."""
-        adaptive = self._adaptive()
-        uses = use_of(stream.newest.size, self._view.copies(stream), adaptive, own=False)
-        return tuple(use / limit.limit for use, limit in zip(uses, adaptive, strict=True))
-
-    def _adaptive(self) -> tuple[Limit, ...]:
-        return tuple(limit for limit in self._ceilings if limit.least < 1.0)
+        uses = use_of(stream.newest.size, self._view.copies(stream), self._adaptive, own=False)
+        return tuple(use / limit.limit for use, limit in zip(uses, self._adaptive, strict=True))

@@ -167,7 +167,7 @@ class Telling:
     def set_rate(self) -> None:
         """Take note of what all robots may tell each other, and how many they are."""
         robots = len(self._view.peers) + 1
-        allowance = self._view.settings.allowance * self._channel.part
+        allowance = self._view.settings.allowance * self._channel.allowance_factor
         follows = bool(self._channel.capacity.factors)
         self._allowance = allowance_of(self._view.specs, allowance, robots)
         copies = 1 if self._view.settings.digests_on_air else robots
@@ -254,7 +254,7 @@ class Telling:
             self._news
             or not self._coordination.settled
             or self._view.messages != self._told_messages
-            or self._channel.capacity.speak(now)
+            or self._channel.capacity.probe_due(now)
         )
         splits, begins = self._coordination.team.splits, self._coordination.begins(now)
         self.pacer.follow(now, splits=splits, quiet=self._coordination.team.quiet, begins=begins, window=self._window)
@@ -353,11 +353,11 @@ class Telling:
             streams=() if lean else self.pacer.changed(now, list(self._view.own())),
             echoes=() if lean else self._echoes(now, copies),
             state=self.state.number,
-            capacity=self._channel.capacity.telling(now),
+            capacity=self._channel.capacity.report(now),
             splits=self._coordination.team.votes_to_split,
             split=self._coordination.announcement(now),
         )
-        self._channel.capacity.told(digest)
+        self._channel.capacity.reported(digest)
         self._coordination.announced(digest)
         self.urgent = self.parts_changed = False
         if sent_much and self._overheard:
@@ -381,14 +381,14 @@ class Telling:
 
     def _tells_all(self, now: float, copies: int) -> bool:
         """Whether it is time to tell all that is new: announcements never take the place of that."""
-        return self.pacer.due(now, news=self._channel.capacity.speak(now), copies=copies) <= now
+        return self.pacer.due(now, news=self._channel.capacity.probe_due(now), copies=copies) <= now
 
     def _announce(self, now: float) -> Command:
         """Tell all at once what was sent, in as few bytes as that takes; what is small only if there is room."""
         own = list(self._view.own())
         told = {s.key for s in own if self._large(s)} if self.pacer.in_debt(now) else {s.key for s in own}
         digest = self._brief(now, self.pacer.changed(now, own, told))
-        self._channel.capacity.said(now, self._view.messages)
+        self._channel.capacity.evidence.digest_sent(now, self._view.messages)
         if self._overheard:
             self._announced(digest)
         return self._send(now, digest)

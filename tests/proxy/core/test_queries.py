@@ -114,7 +114,7 @@ def queries(core, now):
         yield "called", lambda p=peer: (view.peer_called(p.robot), p.offset.known and p.offset.uncertainty(now))
     for stream in list(view.streams()):
         schedule = stream.schedule
-        yield "schedule", lambda s=schedule: (s.period, s.jitter, s.kind, s.rhythm, s.last, s.patience, s.prospect())
+        yield "schedule", lambda s=schedule: (s.period, s.jitter, s.kind, s.rhythm, s.last, s.timeout, s.prospect())
         yield "forecast", lambda s=schedule: (s.over(now), s.forecast(now, now + 5.0, 5), s.forecast(0.0, now, 9, now))
         yield "stream", lambda s=stream: (s.mean_interval, s.forecasts, s.expected(now) if s.last else None)
     yield (
@@ -125,8 +125,8 @@ def queries(core, now):
     yield "what is free", lambda: (budget.free(now), budget.left(now), budget.others(now))
     yield "what fits", lambda: (budget.lacking(now, use), budget.opens(now, use))
     yield "limits", lambda: (budget.problem_limits(now), budget.alone, [gate.appraisal.mode_of(s) for s in view.own()])
-    yield "capacity", lambda: (capacity.waiting(now), capacity.due(now), capacity.factors, capacity.wake_at(now))
-    yield "words", lambda: (capacity.speak(now), capacity.news(now), capacity.telling(now))
+    yield "capacity", lambda: (capacity.staleness(now), capacity.due_at, capacity.factors, capacity.wakes_at(now))
+    yield "reports", lambda: (capacity.probe_due(now), capacity.has_news(now), capacity.report(now))
     yield "telling", lambda: (telling.announcing(now), telling.state)
     yield "counts", lambda: (core.counts.conserved, core.counts.queued, core.outsiders.warnings())
 

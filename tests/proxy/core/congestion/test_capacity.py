@@ -1,10 +1,12 @@
 """Adaptive limits follow the channel, by evidence that comes in digests."""
 
+import math
+
 import pytest
 
 from planner import Throughput
-from proxy.core.congestion.aimd import INITIAL
-from proxy.core.congestion.capacity import Capacity, Seen
+from proxy.core.congestion.capacity import Capacity, Traffic
+from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest, Echo
 
@@ -35,14 +37,14 @@ class Channel:
             self.now = round(self.now + 0.1, 6)
             self.sent += 1000 * self.use * self.factor * RATE * 0.1 / 1000
             self.dropped += self.drops
-            self.capacity.sent(self.now, round(self.sent / 1000), round(self.sent))
+            self.capacity.evidence.sent(self.now, round(self.sent / 1000), round(self.sent))
             digest = Digest("us", "us", self.now - 0.05, round(self.sent / 1000), round(self.sent))
-            self.capacity.told(digest)
+            self.capacity.reported(digest)
             for number, (peer, wait) in enumerate(self.waits.items()):
                 if wait is not None:
                     self._speak(peer, wait, self.now - 0.001 * number, digest)
-            if self.capacity.due(self.now):
-                self.capacity.look(self.now, Seen(self.dropped, self.receivers, 0.0, (0.01,), (0.01,), self.leader))
+            if self.now >= self.capacity.due_at:
+                self.capacity.look(self.now, Traffic(self.dropped, self.receivers, 0.0, (0.01,), (0.01,), self.leader))
         return self
 
     def _speak(self, peer, wait, now, ours):
@@ -50,7 +52,7 @@ class Channel:
         echoes = (Echo("us", ours.sent, ours.sent + 500.0 + wait, samples, 0.0),) if self.hears_us else ()
         capacity = self.tells[peer], *self.tells_use
         told = Digest(peer, peer, now + 77.0 - wait, 0, 0, echoes=echoes, capacity=capacity)
-        self.capacity.heard(now, told)
+        self.capacity.digest_received(now, told)
 
     @property
     def factor(self):
@@ -65,32 +67,32 @@ class Channel:
 def test_a_free_channel_that_is_used_is_used_more_until_the_ceiling():
     """From a quarter of it, in seconds; fixed limits have no part in it."""
     channel = Channel()
-    assert channel.factor == INITIAL
+    assert channel.factor == TUNING.initial
     assert channel.run(20.0).factor == 1.0
     assert channel.why == "free"
-    assert channel.capacity.telling(channel.now) == (1.0,)
+    assert channel.capacity.report(channel.now) == (1.0,)
 
 
 def test_what_is_not_used_does_not_grow():
     """Nobody knows whether the channel bore more."""
     channel = Channel()
     channel.use = 0.3
-    assert channel.run(20.0).factor == INITIAL
+    assert channel.run(20.0).factor == TUNING.initial
     assert channel.why == "not used"
 
 
 def test_a_growing_queue_decreases_the_limit_at_once_and_not_again_while_it_drains():
     """And the others hear of it at once."""
     channel = Channel().run(20.0)
-    channel.capacity.told(Digest("us", "us", channel.now, 0, 0, capacity=(1.0,)))
-    assert not channel.capacity.news(channel.now)
+    channel.capacity.reported(Digest("us", "us", channel.now, 0, 0, capacity=(1.0,)))
+    assert not channel.capacity.has_news(channel.now)
     for wait in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35):
         channel.waits["op"] = wait
         channel.run(0.1)
     assert channel.why in ("delay", "settling")
     assert 0.2 <= channel.factor <= 0.7
-    assert channel.capacity.news(channel.now)
-    assert channel.capacity.wake_at(channel.now)
+    assert channel.capacity.has_news(channel.now)
+    assert math.isfinite(channel.capacity.wakes_at(channel.now))
     low = channel.run(0.3).factor
     channel.waits["op"] = 0.0
     assert channel.run(1.0).factor > low
@@ -140,7 +142,7 @@ def test_what_two_robots_tell_is_in_force():
     assert channel.run(0.2).factor == pytest.approx(0.3)
     channel.tells |= {"a": 1.0, "b": 1.0, "op": 0.001}
     assert channel.run(0.2).factor == pytest.approx(0.05)
-    assert channel.capacity.telling(channel.now) == (1.0,)
+    assert channel.capacity.report(channel.now) == (1.0,)
     channel.tells["op"] = 1.0
     assert channel.run(0.2).factor == 1.0
 
@@ -149,8 +151,8 @@ def test_our_own_links_tell_as_well():
     """Of robots that we know."""
     channel = Channel().run(20.0)
     for i in range(8):
-        channel.capacity.gauged(channel.now + 0.05, "op", 0.05 * i)
-        channel.capacity.gauged(channel.now + 0.05, "stranger", 9.0)
+        channel.capacity.evidence.link_gauged(channel.now + 0.05, "op", 0.05 * i)
+        channel.capacity.evidence.link_gauged(channel.now + 0.05, "stranger", 9.0)
         channel.run(0.1)
     assert channel.factor < 0.8
 
@@ -191,7 +193,7 @@ def test_loss_by_load_decreases():
 def test_without_anybody_nothing_is_known():
     """What was in force stays, and limits that stay keep their estimates under new specs."""
     channel = Channel(peers=())
-    assert channel.run(10.0).factor == INITIAL
+    assert channel.run(10.0).factor == TUNING.initial
     assert channel.why == "nobody is there"
     channel.waits, channel.tells = {"op": 0.0}, {"op": 1.0}
     channel.run(20.0)
@@ -199,31 +201,31 @@ def test_without_anybody_nothing_is_known():
     assert channel.factor == 1.0
     channel.capacity.set_limits(channel.now, (FIXED,))
     assert channel.capacity.factors == ()
-    assert not channel.capacity.due(channel.now + 9.0)
-    channel.capacity.heard(channel.now, Digest("x", "x", 0.0, 0, 0))
-    assert not channel.capacity.news(channel.now)
+    assert channel.capacity.due_at == math.inf
+    channel.capacity.digest_received(channel.now, Digest("x", "x", 0.0, 0, 0))
+    assert not channel.capacity.has_news(channel.now)
 
 
 def test_who_uses_the_channel_speaks_often():
     """The time that digests take is what tells of it; who drops samples does not wait to hear that much is used."""
     channel = Channel().run(5.0)
-    assert not channel.capacity.speak(channel.now)
-    assert channel.capacity.speak(channel.now + 0.3)
+    assert not channel.capacity.probe_due(channel.now)
+    assert channel.capacity.probe_due(channel.now + 0.3)
     channel.use = 0.1
-    assert channel.run(5.0).capacity.speak(channel.now + 0.3)
+    assert channel.run(5.0).capacity.probe_due(channel.now + 0.3)
     channel.drops = False
-    assert not channel.run(5.0).capacity.speak(channel.now + 0.3)
+    assert not channel.run(5.0).capacity.probe_due(channel.now + 0.3)
 
 
 def test_who_knows_of_nothing_against_more_does_not_object():
     """Where estimates begin is no evidence; what a robot has seen is."""
     channel = Channel()
     channel.use = 0.3
-    assert channel.run(5.0).factor == INITIAL
-    assert channel.capacity.telling(channel.now) == (1.0,)
+    assert channel.run(5.0).factor == TUNING.initial
+    assert channel.capacity.report(channel.now) == (1.0,)
     queue_of(channel, *(0.1 * i for i in range(1, 10)))
-    assert channel.capacity.telling(channel.now) == (channel.factor,)
-    assert channel.factor < INITIAL
+    assert channel.capacity.report(channel.now) == (channel.factor,)
+    assert channel.factor < TUNING.initial
 
 
 def test_who_follows_a_leader_takes_its_word_for_the_limit():
@@ -232,7 +234,7 @@ def test_who_follows_a_leader_takes_its_word_for_the_limit():
     channel.leader, channel.use, channel.tells_use = "op", 0.1, (0.05,)
     channel.tells |= {"op": 0.2, "a": 0.1, "b": 0.1}
     assert channel.run(10.0).factor == pytest.approx(0.2)
-    assert channel.capacity.telling(channel.now) == (1.0,)
+    assert channel.capacity.report(channel.now) == (1.0,)
     channel.tells["op"] = 0.6
     assert channel.run(0.2).factor == pytest.approx(0.6)
     assert channel.why in ("free", "not used")
@@ -252,7 +254,7 @@ def test_who_leads_tells_what_is_in_force_and_how_much_is_used():
     channel = Channel(peers=("a", "b"), receivers=())
     channel.leader = "us"
     channel.run(20.0).tells |= {"a": 0.4, "b": 0.4}
-    force, used = channel.run(3.0).capacity.telling(channel.now)
+    force, used = channel.run(3.0).capacity.report(channel.now)
     assert force == channel.factor == pytest.approx(0.4)
     assert used == pytest.approx(0.4, rel=0.1)
     channel.tells |= {"a": 1.0, "b": 1.0}
@@ -274,15 +276,15 @@ def test_who_leads_tells_apart_what_passes():
     channel = Channel(peers=("a", "b"), receivers=())
     channel.leader = "us"
     queue_of(channel.run(20.0), *(0.1 * i for i in range(1, 7)), peers=("a", "b"))
-    lasting, _, draining = channel.capacity.telling(channel.now)
+    lasting, _, draining = channel.capacity.report(channel.now)
     assert draining == channel.factor < 0.7 * lasting
-    assert (lasting,) == tuple(channel.capacity._lasting)
-    assert channel.capacity.news(channel.now)
-    assert channel.capacity.waiting(channel.now) > 0.3
+    assert (lasting,) == tuple(limit.lasting for limit in channel.capacity._limits)
+    assert channel.capacity.has_news(channel.now)
+    assert channel.capacity.staleness(channel.now) > 0.3
     queue_of(channel, *[0.0] * 30, peers=("a", "b"))
-    assert len(channel.capacity.telling(channel.now)) == 2
+    assert len(channel.capacity.report(channel.now)) == 2
     assert channel.factor >= lasting
-    assert channel.capacity.waiting(channel.now) == 0.0
+    assert channel.capacity.staleness(channel.now) == 0.0
 
 
 def test_who_follows_drains_with_its_leader():
@@ -291,7 +293,7 @@ def test_who_follows_drains_with_its_leader():
     channel.leader, channel.tells_use = "op", (0.5, 0.2)
     channel.tells["op"] = 0.6
     assert channel.run(5.0).factor == pytest.approx(0.2)
-    assert tuple(channel.capacity._lasting) == pytest.approx((0.6,))
+    assert tuple(limit.lasting for limit in channel.capacity._limits) == pytest.approx((0.6,))
     channel.tells_use = (0.5,)
     assert channel.run(0.5).factor == pytest.approx(0.6)
 
@@ -302,11 +304,11 @@ def test_who_sees_a_queue_that_its_leader_does_not_objects():
     channel.leader, channel.tells_use = "op", (0.9,)
     channel.tells["op"] = 0.8
     queue_of(channel.run(10.0), *(0.1 * i for i in range(1, 9)))
-    (told,) = channel.capacity.telling(channel.now)
+    (told,) = channel.capacity.report(channel.now)
     assert told < 0.75
-    assert channel.capacity.news(channel.now)
+    assert channel.capacity.has_news(channel.now)
     queue_of(channel, *[0.0] * 100)
-    assert channel.capacity.telling(channel.now) == (1.0,)
+    assert channel.capacity.report(channel.now) == (1.0,)
     assert channel.factor == pytest.approx(0.8)
 
 
@@ -318,7 +320,7 @@ def test_who_leads_drains_a_queue_that_others_noticed_first():
     assert channel.factor == 1.0
     channel.tells |= {"a": 0.5, "b": 0.5}
     queue_of(channel, 0.3, peers=("a", "b"))
-    lasting, _, draining = channel.capacity.telling(channel.now)
+    lasting, _, draining = channel.capacity.report(channel.now)
     assert lasting <= 0.5
     assert draining == channel.factor < 0.95 * lasting
 

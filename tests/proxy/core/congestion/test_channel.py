@@ -19,9 +19,9 @@ def test_fixed_limits_are_in_force_as_they_are(make_talk, make_specs):
     talk = make_talk(make_specs(limit="80 kbit/s"))
     talk.want(0.0)
     channel = talk.core.channel
-    assert not channel.look(1.0)
-    assert channel.follow() is None
-    assert channel.part == 1.0
+    assert not channel.look(1.0, 0)
+    assert channel.apply() is None
+    assert channel.allowance_factor == 1.0
     assert talk.core.gate.limits == limits_of(talk.core.view.specs, 0.0, 2)
 
 
@@ -34,7 +34,7 @@ def test_an_adaptive_limit_begins_with_a_part_of_its_ceiling(make_talk, make_spe
     assert 0.0 < factor < 1.0
     (ceiling,) = limits_of(talk.core.view.specs, 0.0, 2)
     assert limit.limit == pytest.approx(factor * ceiling.limit)
-    assert talk.core.channel.part == pytest.approx(math.sqrt(factor))
+    assert talk.core.channel.allowance_factor == pytest.approx(math.sqrt(factor))
     assert talk.all(SetPace)[-1].rate == pytest.approx(factor * 100_000.0)
 
 
@@ -50,6 +50,6 @@ def test_what_is_not_looked_at_any_more_is_not_late_for_ever(make_talk, make_spe
     """Where limits stop being adaptive, nobody finds that a queue has drained."""
     talk = make_talk(make_specs(text=ADAPTIVE))
     talk.want(0.0)
-    talk.core.channel.waiting = 0.5
+    talk.core.channel.staleness = 0.5
     talk.tell(ev.SpecsChanged(1.0, make_specs(limit="80 kbit/s")))
-    assert talk.core.channel.waiting == 0.0
+    assert talk.core.channel.staleness == 0.0

@@ -4,12 +4,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.congestion.queue_delay import OneWay, queue
+from proxy.core.congestion.queue_delay import OneWayDelays, standing_queue
 
 
 def way(waits, *, clock=0.0, every=0.2, start=0.0):
     """A way on which what was sent each so often waited so long; the sender's clock is off by `clock`."""
-    made = OneWay()
+    made = OneWayDelays()
     waits = [
         max(wait, *(w - (i - k) * every for k, w in enumerate(waits[:i]))) if i else wait
         for i, wait in enumerate(waits)
@@ -24,7 +24,7 @@ def way(waits, *, clock=0.0, every=0.2, start=0.0):
 def test_no_clock_matters(clock, waits):
     """The delay is the same whatever the sender's clock shows, never negative and never more than all waited."""
     now = 0.2 * len(waits) + 2.5
-    ours, theirs = (queue(now, [way(waits, clock=c)], 0.0, 0.05) for c in (0.0, clock))
+    ours, theirs = (standing_queue(now, [way(waits, clock=c)], 0.0, 0.05) for c in (0.0, clock))
     assert (ours is None) == (theirs is None)
     if ours is None or theirs is None:
         return
@@ -35,14 +35,14 @@ def test_no_clock_matters(clock, waits):
 
 def test_a_queue_that_is_empty_now_and_then_does_not_stand():
     """A burst waits behind itself; the next message finds the way free."""
-    found = queue(2.72, [way([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.3], every=0.4)], 0.0, 0.05)
+    found = standing_queue(2.72, [way([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.3], every=0.4)], 0.0, 0.05)
     assert found is not None
     assert found.delay == pytest.approx(0.0)
 
 
 def test_a_growing_queue_tells_what_comes_through():
     """Of what is sent at twice the rate of the channel, half comes through."""
-    found = queue(1.9, [way([0.0, 0.0, 0.2, 0.4, 0.6])], 0.0, 0.1)
+    found = standing_queue(1.9, [way([0.0, 0.0, 0.2, 0.4, 0.6])], 0.0, 0.1)
     assert found is not None
     assert found.delay == pytest.approx(0.4)
     assert found.share == pytest.approx(0.5)
@@ -51,7 +51,7 @@ def test_a_growing_queue_tells_what_comes_through():
 def test_one_robot_far_away_is_no_full_channel():
     """Where there are several ways what stands must stand on two of them."""
     far, near = way([0.0, 0.5, 0.5, 0.5]), way([0.0, 0.0, 0.0, 0.0])
-    alone, both = queue(1.3, [far], 0.0, 0.05), queue(1.3, [far, near], 0.0, 0.05)
+    alone, both = standing_queue(1.3, [far], 0.0, 0.05), standing_queue(1.3, [far, near], 0.0, 0.05)
     assert alone is not None
     assert alone.delay == pytest.approx(0.5)
     assert both is not None
@@ -61,14 +61,14 @@ def test_one_robot_far_away_is_no_full_channel():
 @pytest.mark.parametrize("since", [0.85, 5.0])
 def test_too_little_tells_nothing(since):
     """One message since then, or none: a queue may be there or not."""
-    assert queue(1.0, [way([0.0, 0.0, 0.0, 0.0, 0.0])], since, 0.05) is None
-    assert queue(1.0, [OneWay()], since, 0.05) is None
+    assert standing_queue(1.0, [way([0.0, 0.0, 0.0, 0.0, 0.0])], since, 0.05) is None
+    assert standing_queue(1.0, [OneWayDelays()], since, 0.05) is None
 
 
 def test_a_longer_way_is_taken_for_what_it_is_after_a_while():
     """And what is told twice is no news."""
     made = way([0.0] * 5 + [0.3] * 95)
-    found = queue(20.2, [made], 0.0, 0.05)
+    found = standing_queue(20.2, [made], 0.0, 0.05)
     assert found is not None
     assert found.delay == pytest.approx(0.0)
     assert not made.note(21.0, 99 * 0.2, 21.0)
