@@ -113,7 +113,7 @@ def _due(now: float, stream: Stream, news: float) -> float:
     cameras exceeded the limit in up to 2.4 % of their windows (four, 20 ms; now none) and 2.8 % (eight, 5 ms; now 1.4).
     """
     schedule, half = stream.schedule, 0.5 * stream.schedule.period
-    soon = now + max(news, min(schedule.unsure(now), half))
+    soon = now + max(news, min(schedule.uncertainty(now), half))
     due = max(
         schedule.forecast(now - schedule.period - schedule.jitter, soon, TUNING.due_samples, now), default=-math.inf
     )
@@ -124,7 +124,7 @@ def _due(now: float, stream: Stream, news: float) -> float:
 
 def _spread(now: float, stream: Stream) -> float:
     """Return how much later than it is due a sample of another robot may come [s]."""
-    return min(TUNING.late_deviations * stream.schedule.unsure(now), TUNING.late_part * stream.schedule.period)
+    return min(TUNING.late_deviations * stream.schedule.uncertainty(now), TUNING.late_part * stream.schedule.period)
 
 
 def _claims(

@@ -7,16 +7,7 @@ from itertools import pairwise
 from proxy.core.forecast.gaps import gaps_of
 from proxy.core.forecast.patterns import Memoryless, Periodic, Span, evenly, merged
 from proxy.core.forecast.rhythm import Numbered, Rhythm, fit
-
-APART = 3.0
-"""The shortest pause is at least so many times as long as the longest gap within a burst."""
-ALIKE = 2
-"""Of a few bursts the largest has at most so many times the members of the smallest:"""
-SURE = 3
-"""so many tell for themselves. What goes on for longer than so many times the largest of them is none."""
-REGULAR = 0.3
-"""Bursts whose starts deviate by more than this part of their spacing come at random."""
-MOST_MEMBERS = 10_000
+from proxy.core.forecast.tuning import TUNING
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +42,7 @@ class Bursts:
 
     def joined(self, t: float) -> "Bursts | None":
         """Return the bursts with one more sample at `t` [s] in the last one; None when it is none of it."""
-        if t > self.last + APART * self.step or self.begun >= ALIKE * self.size:
+        if t > self.last + TUNING.burst_pause * self.step or self.begun >= TUNING.burst_sizes * self.size:
             return None
         return replace(self, last=t, begun=self.begun + 1)
 
@@ -59,7 +50,7 @@ class Bursts:
         """Return what is missing of the last burst, and the members of those to come."""
         rest = evenly(self.last + self.step, self.step, span.until, self.size - self.begun)
         since = Span(span.now, max(span.after, self.last), span.until, span.most // self.size + 2)
-        regular = self.starts.looseness <= REGULAR
+        regular = self.starts.looseness <= TUNING.no_rhythm
         starts = (Periodic(self.starts) if regular else Memoryless(self.starts.period)).expect(since)
         return merged([rest, *(evenly(t, self.step, span.until, self.size) for t in starts)], span)
 
@@ -75,22 +66,22 @@ def bursts_in(past: Sequence[Numbered], *, whole: bool) -> Bursts | None:
     rest = past[-1][0] - past[heads[-1]][0] + 1
     sizes = [past[b][0] - past[a][0] for a, b in pairwise(heads)][0 if whole else 1 :]
     size = round(sum(sizes) / max(1, len(sizes)))
-    few = len(sizes) < SURE and max(*sizes, rest, heads[1]) > ALIKE * min(sizes, default=0)
+    few = len(sizes) < TUNING.run and max(*sizes, rest, heads[1]) > TUNING.burst_sizes * min(sizes, default=0)
     starts = fit([(i, times[head]) for i, head in enumerate(heads)][0 if whole else 1 :])
-    endless = rest > ALIKE * max(sizes, default=0)
+    endless = rest > TUNING.burst_sizes * max(sizes, default=0)
     if starts is None or size < 2 or few or endless:
         return None
     steps = sorted([gap for gap in gaps if gap <= longest_step])
     return Bursts(starts, size, steps[len(steps) // 2], times[-1], rest)
 
 
-def told_bursts(words: Sequence[str], period: float, last: float) -> Bursts | None:
-    """Return the bursts of which a robot told size and step, as `Bursts.kind` writes them; None for nonsense."""
+def reported_bursts(words: Sequence[str], period: float, last: float) -> Bursts | None:
+    """Return the bursts of which a robot reported size and step, as `Bursts.kind` writes them; None for nonsense."""
     try:
         size, step = int(words[1]), float(words[2])
     except (IndexError, ValueError):
         return None
-    if not (2 <= size <= MOST_MEMBERS and 0.0 < step < period):
+    if not (2 <= size <= TUNING.most_members and 0.0 < step < period):
         return None
     return Bursts(Rhythm(size * period, last - (size - 1) * step, 1, 0.0, 1), size, step, last, size)
 
@@ -98,7 +89,7 @@ def told_bursts(words: Sequence[str], period: float, last: float) -> Bursts | No
 def _longest_step(gaps: Sequence[float]) -> float | None:
     """Return the longest of the short gaps, where short and long ones are far apart and half at least are short."""
     ordered = sorted(gaps)
-    best, found = APART, None
+    best, found = TUNING.burst_pause, None
     for i in range((len(ordered) - 1) // 2, len(ordered) - 2):
         if ordered[i + 1] >= best * ordered[i]:
             best, found = ordered[i + 1] / ordered[i], ordered[i]

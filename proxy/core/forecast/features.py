@@ -3,16 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 
 from planner.errors import ProblemError
+from proxy.core.forecast.tuning import TUNING
 from utility_specs.forecast import Method
-
-MEMORY = 16
-"""Values looked back on."""
-YOUNG = 6
-"""With fewer errors nothing is chosen: the last value will do."""
-BETTER = 0.9
-"""Another method must have erred by less than this part of what the first one did."""
-FADE = 0.9
-"""Errors are forgotten: each weighs so much of the next one."""
 
 
 class FeatureTrack:
@@ -29,21 +21,21 @@ class FeatureTrack:
     @property
     def method(self) -> Method:
         """The method that is used: the one that erred least, or the first while none is clearly better."""
-        if self._judged < YOUNG and len(self._methods) > 1:
+        if self._judged < TUNING.young and len(self._methods) > 1:
             return self._methods[0]
         best = min(range(len(self._methods)), key=self._errors.__getitem__)
-        return self._methods[best if self._errors[best] < BETTER * self._errors[0] else 0]
+        return self._methods[best if self._errors[best] < TUNING.better_method * self._errors[0] else 0]
 
     def note(self, t: float, value: float) -> None:
         """The sample generated at `t` [s] had this value."""
         if self._times and len(self._methods) > 1:
             for i, method in enumerate(self._methods):
                 error = abs(self._predicted(method, t) - value)
-                self._errors[i] = FADE * self._errors[i] + (1.0 - FADE) * error
+                self._errors[i] = TUNING.error_fade * self._errors[i] + (1.0 - TUNING.error_fade) * error
             self._judged += 1
         self._times.append(t)
         self._values.append(value)
-        del self._times[:-MEMORY], self._values[:-MEMORY]
+        del self._times[: -TUNING.values], self._values[: -TUNING.values]
 
     def expect(self, t: float) -> float:
         """Return the value expected at `t` [s]; something was noted before."""

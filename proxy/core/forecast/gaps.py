@@ -9,15 +9,7 @@ from itertools import pairwise
 from math import sqrt
 
 from proxy.core.forecast.rhythm import Numbered, Rhythm
-
-NEAR = 0.25
-"""A gap is a multiple of a period when it is this part of the period away at most."""
-SAME = 4.0
-"""Gaps that differ by less than so many times the jitter are the same; with little jitter, by a tenth."""
-CHANCE = 0.01
-"""Losses that are less likely than this are none: the rate changed."""
-RUN = 3
-"""So many gaps tell a new period."""
+from proxy.core.forecast.tuning import TUNING
 
 
 def gaps_of(times: Sequence[float]) -> list[float]:
@@ -35,7 +27,7 @@ def numbered(times: Sequence[float], base: float) -> list[Numbered]:
     points = [(0, times[0])]
     for t in times[1:]:
         number, before = points[-1]
-        period = (before - times[0]) / number if number > RUN else base
+        period = (before - times[0]) / number if number > TUNING.run else base
         points.append((number + max(1, round((t - before) / period)), t))
     return points
 
@@ -43,21 +35,21 @@ def numbered(times: Sequence[float], base: float) -> list[Numbered]:
 def faster(times: Sequence[float], rhythm: Rhythm) -> float | None:
     """Return a shorter period [s] that two of these times' gaps hint at; None when there is none."""
     first, second = sorted(gaps_of(times))[:2]
-    return second if second < (1.0 - NEAR) * rhythm.period and first > (1.0 - NEAR) * second else None
+    return second if second < (1.0 - TUNING.near) * rhythm.period and first > (1.0 - TUNING.near) * second else None
 
 
 def slower(times: Sequence[float], rhythm: Rhythm, lost: float) -> bool:
     """Whether the last gaps have in common a longer period; `lost` is the part of gaps that hold losses (not 0)."""
     gaps = gaps_of(times)[::-1]
-    mean = sum(gaps[:RUN]) / RUN
-    same = SAME * max(rhythm.looseness, NEAR / 10.0) * mean
-    if mean < (1.0 + 2.0 * NEAR) * rhythm.period or max(gaps[:RUN]) - min(gaps[:RUN]) > same:
+    mean = sum(gaps[: TUNING.run]) / TUNING.run
+    same = TUNING.same * max(rhythm.looseness, TUNING.near / 10.0) * mean
+    if mean < (1.0 + 2.0 * TUNING.near) * rhythm.period or max(gaps[: TUNING.run]) - min(gaps[: TUNING.run]) > same:
         return False
     spans = [gap / rhythm.period for gap in gaps]
-    if any(abs(span - round(span)) > NEAR for span in spans[:RUN]):
+    if any(abs(span - round(span)) > TUNING.near for span in spans[: TUNING.run]):
         return True
     run = next((i for i, span in enumerate(spans) if round(span) != round(spans[0])), len(spans))
-    return bool(run >= RUN and lost**run < CHANCE)
+    return bool(run >= TUNING.run and lost**run < TUNING.chance)
 
 
 def spread(points: Sequence[Numbered]) -> float:

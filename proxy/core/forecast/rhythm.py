@@ -10,18 +10,10 @@ from itertools import pairwise
 from math import sqrt
 from typing import NamedTuple
 
+from proxy.core.forecast.tuning import TUNING
+
 Numbered = tuple[int, float]
 """The number of a sample and when it was generated [s]."""
-
-FAR = 4.0
-"""So many median deviations from the line is too far."""
-EXACT = 1e-4
-"""Deviations below this part of the period are never too far: clocks and the wire round."""
-LEAST_PERIOD = 1e-4
-"""What is faster than times travel is no rhythm [s]."""
-WANDERING, WALK = 0.75, 96.0
-"""Jitter's variance over that of its steps: about 1/2 where deviations are independent; where they add up it is 1 with
-16 samples and grows as these do, so that the bound does: by one in so many."""
 
 
 class Rhythm(NamedTuple):
@@ -47,7 +39,7 @@ class Rhythm(NamedTuple):
         """When a sample was or is due [s]."""
         return self.origin + (number - self.number) * self.period
 
-    def unsure(self, t: float) -> float:
+    def uncertainty(self, t: float) -> float:
         """The standard deviation of the time of a sample that is due at about `t` from when it is due [s].
 
         Period and phase are known from so many samples, so it grows with the time since.
@@ -71,7 +63,7 @@ class Rhythm(NamedTuple):
 def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:
     """Return the rhythm of generation times, of which numbers and times rise; None for fewer than two.
 
-    There is none either where they are all at about the same time. A `period` that is told [s] holds as it is: then one
+    There is none either where they are all at about the same time. A given `period` [s] holds as it is: then one time
     is enough.
     """
     if not points or (len(points) < 2 and not period):
@@ -80,16 +72,18 @@ def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:
     x = [n - number for n, _ in points]
     y = [t - last for _, t in points]
     slope = period or _slope(x, y)
-    if slope < LEAST_PERIOD:
+    if slope < TUNING.least_period:
         return None
     kept = _near(x, y, slope)
     if len(kept) > 2 and not period:
-        slope = max(LEAST_PERIOD, max(0.0, least_squares(kept)) or slope)
+        slope = max(TUNING.least_period, max(0.0, least_squares(kept)) or slope)
     rest = [b - slope * a for a, b in kept]
     start = sum(rest) / len(rest)
     square = sum([(e - start) ** 2 for e in rest]) / max(len(rest) - 2, 1)
     steps = sum([(b - a) ** 2 for a, b in pairwise(rest)]) / max(len(rest) - 1, 1)
-    wanders = len(rest) > 4 and square > max(WANDERING, 0.5 + len(rest) / WALK) * steps and kept[-1][0] == 0
+    wanders = (
+        len(rest) > 4 and square > max(TUNING.wandering, 0.5 + len(rest) / TUNING.walk) * steps and kept[-1][0] == 0
+    )
     if wanders:
         start, square = rest[-1], steps
     return Rhythm(slope, last + start, number, sqrt(square), len(points), wanders)
@@ -106,7 +100,7 @@ def _near(x: list[int], y: list[float], slope: float) -> list[Numbered]:
     rest = [b - slope * a for a, b in zip(x, y, strict=True)]
     middle = sorted(rest)[len(rest) // 2]
     off = [abs(e - middle) for e in rest]
-    most = max(FAR * sorted(off)[len(off) // 2], EXACT * slope)
+    most = max(TUNING.far * sorted(off)[len(off) // 2], TUNING.exact * slope)
     return [(a, b) for a, b, e in zip(x, y, off, strict=True) if e <= most]
 
 

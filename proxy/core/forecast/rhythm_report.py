@@ -5,27 +5,24 @@ Its robot sees every sample, others those that digests tell of; so nobody need f
 
 from collections.abc import Callable
 
-from proxy.core.forecast.rhythm import LEAST_PERIOD, Rhythm
-from proxy.core.forecast.tracker import LONG
+from proxy.core.forecast.rhythm import Rhythm
+from proxy.core.forecast.tuning import TUNING
 from proxy.core.protocol.fixed import rounded
 from proxy.core.protocol.messages import PHASES, StreamDigest
 
-FEWEST = 4
-"""At least so many samples are taken to tell it; at most as many as it is found from."""
 
-
-def told(rhythm: Rhythm | None, number: int, t: float) -> tuple[float, int, int]:
+def encoded(rhythm: Rhythm | None, number: int, t: float) -> tuple[float, int, int]:
     """Return period, lateness of sample `number` of time `t`, and jitter, as a digest has them."""
-    if rhythm is None or rhythm.period < LEAST_PERIOD:
+    if rhythm is None or rhythm.period < TUNING.least_period:
         return 0.0, 0, 0
     part = rhythm.period / PHASES
     return rounded(rhythm.period), round((t - rhythm.due(number)) / part), round(rhythm.jitter / part)
 
 
-def heard(news: StreamDigest, ours: Callable[[float], float]) -> Rhythm | None:
+def decoded(news: StreamDigest, ours: Callable[[float], float]) -> Rhythm | None:
     """Return the rhythm that news tell of, on `ours` clock; None where the stream has none."""
-    if news.period < LEAST_PERIOD:
+    if news.period < TUNING.least_period:
         return None
     part = news.period / PHASES
-    known = min(max(news.generated, FEWEST), LONG)
+    known = min(max(news.generated, TUNING.fewest), TUNING.memory)
     return Rhythm(news.period, ours(news.t_generated) - news.late * part, news.generated, news.jitter * part, known)

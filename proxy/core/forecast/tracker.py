@@ -10,36 +10,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import gcd, sqrt
 
-from proxy.core.forecast.gaps import RUN, base_of, faster, gaps_of, numbered, slower
-from proxy.core.forecast.rhythm import EXACT, LEAST_PERIOD, Numbered, Rhythm, fit, least_squares
-
-MEMORY = 16
-"""Generation times that tell the rhythm..."""
-LONG = 48
-"""... and of a tight one, whose period is known five times as well then: four robots with cameras, which hear of each
-other now and then, sent 2 % more bytes, and of eight 1.1 % of the windows were over the limit instead of 1.7."""
-BETTER = 1.93
-"""What so many samples tell holds unless the squares of the last ones are smaller by this factor on their own line:
-1 + 2 F / 14 with the 99 % quantile of F(2, 14), so by chance it does not once in a hundred. Where the deviations of two
-estimates were compared one in five rhythms was of 16 samples, and eight robots with cameras knew no better when another
-one's next frame was due than by 18 ms after 40 of them; now 5 ms."""
-RECENT = 9
-"""Times looked back on for gaps of another period."""
-FEW = 6
-"""With fewer samples the jitter is not known: it is taken for a tenth of the period at least."""
-GATE = 4.0
-"""A sample may be so many times the jitter off, and a tenth of a period."""
-LEAST_GATE = 0.1
-REFIT = 6
-"""Every so many samples a long line is fitted anew, which takes ten times as long as to go on with what is known."""
-PATIENT = 5
-"""So many suspects without anything in common are no outliers."""
-LOOSE = 0.2
-"""Jitter of more than this part of the period may be two rhythms seen as one."""
-TIGHT = 0.12
-"""The newer one of them shows by jitter less than this."""
-ALIKE = 1.6
-"""Steps of up to this ratio are of one period."""
+from proxy.core.forecast.gaps import base_of, faster, gaps_of, numbered, slower
+from proxy.core.forecast.rhythm import Numbered, Rhythm, fit, least_squares
+from proxy.core.forecast.tuning import TUNING
 
 
 class Tracker:
@@ -47,11 +20,11 @@ class Tracker:
 
     def __init__(self) -> None:
         self.rhythm: Rhythm | None = None
-        self.told = 0.0
-        """A period that holds while too few samples were seen [s]; 0.0: none."""
+        self._reported = 0.0
+        """A period that its robot reported, which holds while too few samples were seen [s]; 0.0: none."""
         self._line: list[Numbered] = []
         self._suspects: list[Numbered] = []
-        self._times: deque[float] = deque(maxlen=RECENT)
+        self._times: deque[float] = deque(maxlen=TUNING.recent)
         self._since = 0
 
     def observe(self, count: int, t: float) -> None:
@@ -66,9 +39,9 @@ class Tracker:
         """Take in that a sample was generated at `t` [s], and perhaps others before it that were lost."""
         self._times.append(t)
         rhythm = self.rhythm
-        if rhythm is None or len(self._line) < FEW:
+        if rhythm is None or len(self._line) < TUNING.few:
             self._restart(list(self._times))
-        elif len(self._times) <= RUN or not self._changed(rhythm):
+        elif len(self._times) <= TUNING.run or not self._changed(rhythm):
             number = round((t - rhythm.origin) / rhythm.period) + rhythm.number
             if number > self._line[-1][0] and abs(t - rhythm.due(number)) <= _gate(rhythm):
                 self._take(number, t)
@@ -103,14 +76,14 @@ class Tracker:
         if self.rhythm is not None:
             shift = t - self.rhythm.due(number)
             self._line = [(n, old + shift) for n, old in self._line]
-            self._since = REFIT
+            self._since = TUNING.seldom
         self._take(number, t)
 
     def begin(self, samples: list[Numbered], *, known: bool = True) -> None:
         """Take in these samples; what was seen before them counts no more. Whether their numbers are `known`."""
         times = [t for _, t in samples]
         self._suspects.clear()
-        self._times = deque(times, maxlen=RECENT)
+        self._times = deque(times, maxlen=TUNING.recent)
         self._line = samples if known or len(times) < 2 else numbered(times, base_of(gaps_of(times)))
         self._fit()
 
@@ -121,10 +94,10 @@ class Tracker:
         self._suspects.clear()
         self._times.clear()
 
-    def tell(self, period: float) -> None:
+    def report(self, period: float) -> None:
         """Use a period that the stream's robot found [s]: if it differs, what was seen before it is over."""
-        self.told = period
-        if self.rhythm is not None and not 1.0 / ALIKE < period / self.rhythm.period < ALIKE:
+        self._reported = period
+        if self.rhythm is not None and not 1.0 / TUNING.alike < period / self.rhythm.period < TUNING.alike:
             self._line, self._suspects = self._line[-1:], []
         self._fit()
 
@@ -132,29 +105,31 @@ class Tracker:
         self._suspects.clear()
         self._line.append((number, t))
         self._since += 1
-        if self.rhythm is not None and self.rhythm.known >= MEMORY // 2 and self._since < REFIT:
+        if self.rhythm is not None and self.rhythm.known >= TUNING.short_memory // 2 and self._since < TUNING.seldom:
             step = (number - self._line[0][0]) / (len(self._line) - 1)
             nudged = self.rhythm.nudged(number, t, step)
-            if nudged.period >= LEAST_PERIOD:
+            if nudged.period >= TUNING.least_period:
                 self.rhythm = nudged
                 return
         self._fit()
-        if self.rhythm is not None and self.rhythm.looseness > LOOSE and len(self._line) > FEW + 1:
+        if self.rhythm is not None and self.rhythm.looseness > TUNING.two_rhythms and len(self._line) > TUNING.few + 1:
             self._tighten()
 
     def _fit(self) -> None:
         self._since = 0
-        del self._line[:-LONG]
-        self.rhythm = fit(self._line[-MEMORY:], self.told if len(self._line) < RUN + 1 else 0.0)
-        if len(self._line) > MEMORY and self.rhythm is not None and self.rhythm.looseness < TIGHT:
+        del self._line[: -TUNING.memory]
+        self.rhythm = fit(
+            self._line[-TUNING.short_memory :], self._reported if len(self._line) < TUNING.run + 1 else 0.0
+        )
+        if len(self._line) > TUNING.short_memory and self.rhythm is not None and self.rhythm.looseness < TUNING.tight:
             whole = fit(self._line)
-            if whole is not None and not whole.wanders and _holds(whole, self._line[-MEMORY:]):
+            if whole is not None and not whole.wanders and _holds(whole, self._line[-TUNING.short_memory :]):
                 self.rhythm = whole
 
     def _doubt(self, rhythm: Rhythm, number: int, t: float) -> None:
         self._suspects.append((number, t))
-        suspects = self._suspects[-RUN:]
-        if len(suspects) < RUN:
+        suspects = self._suspects[-TUNING.run :]
+        if len(suspects) < TUNING.run:
             return
         off = sorted([at - rhythm.due(n) for n, at in suspects])
         if off[-1] - off[0] <= _gate(rhythm):
@@ -162,7 +137,7 @@ class Tracker:
         elif _steady(suspects):
             last = self._line[-1:]
             self._line = last if _steady([*last, *suspects]) else []
-        elif len(self._suspects) < PATIENT:
+        elif len(self._suspects) < TUNING.unlike:
             return
         else:
             suspects = self._suspects
@@ -178,13 +153,13 @@ class Tracker:
         times = list(self._times)
         lost = sum([b - a > 1 for (a, _), (b, _) in pairwise(self._line)])
         if slower(times, rhythm, (lost + 0.5) / len(self._line)):
-            self._restart(times[-RUN - 1 :])
+            self._restart(times[-TUNING.run - 1 :])
             return True
-        steps = [b - a for (a, _), (b, _) in pairwise(self._line[-FEW - 1 :])]
-        if len(times) == RECENT and gcd(*steps) > 1:
+        steps = [b - a for (a, _), (b, _) in pairwise(self._line[-TUNING.few - 1 :])]
+        if len(times) == TUNING.recent and gcd(*steps) > 1:
             self._restart(times, gcd(*steps) * rhythm.period)
             return True
-        base = faster(times[-RUN - 2 :], rhythm)
+        base = faster(times[-TUNING.run - 2 :], rhythm)
         if base is None:
             return False
         other = fit(numbered(times, base))
@@ -195,39 +170,41 @@ class Tracker:
 
     def _tighten(self) -> None:
         """Where the past is two rhythms seen as one, keep the newer one."""
-        recent = self._line[-FEW:]
-        times = list(self._times)[-FEW - 2 :]
-        if len(times) > FEW:
+        recent = self._line[-TUNING.few :]
+        times = list(self._times)[-TUNING.few - 2 :]
+        if len(times) > TUNING.few:
             recent = numbered(times, base_of(gaps_of(times)))
         alone = fit(recent)
-        if alone is not None and alone.looseness < TIGHT:
+        if alone is not None and alone.looseness < TUNING.tight:
             self._line, self.rhythm = recent, alone
 
 
 def _gate(rhythm: Rhythm) -> float:
     """How far from its time a sample of the rhythm may be [s]; if it has hardly any, at any time."""
-    looseness = max(rhythm.looseness, LEAST_GATE) if rhythm.known < FEW else rhythm.looseness
-    if looseness > 1.5 * LOOSE:
+    looseness = max(rhythm.looseness, TUNING.least_gate) if rhythm.known < TUNING.few else rhythm.looseness
+    if looseness > 1.5 * TUNING.two_rhythms:
         return float("inf")
-    return max(LEAST_GATE, GATE * looseness) * rhythm.period
+    return max(TUNING.least_gate, TUNING.gate * looseness) * rhythm.period
 
 
 def _holds(rhythm: Rhythm, points: Sequence[Numbered]) -> bool:
     """Whether these times, but for those far off, are about as near to the rhythm as to the best line through them."""
-    most = GATE * rhythm.jitter + EXACT * rhythm.period
+    most = TUNING.gate * rhythm.jitter + TUNING.exact * rhythm.period
     off = [(n - rhythm.number, e) for n, t in points if abs(e := t - rhythm.due(n)) <= most]
     if len(off) <= len(points) // 2:
         return False
     x, y = (sum(each) / len(off) for each in zip(*off, strict=True))
     slope = least_squares(off)
     own = sum([(e - y - slope * (n - x)) ** 2 for n, e in off])
-    return bool(sum([e * e for _, e in off]) <= BETTER * own + len(off) * (EXACT * rhythm.period) ** 2)
+    return bool(
+        sum([e * e for _, e in off]) <= TUNING.better_line * own + len(off) * (TUNING.exact * rhythm.period) ** 2
+    )
 
 
 def _steady(points: list[Numbered]) -> bool:
     """Whether the steps between numbered times are alike."""
     steps = [(s - t) / (n - m) for (m, t), (n, s) in pairwise(points)]
-    return max(steps) <= ALIKE * min(steps)
+    return max(steps) <= TUNING.alike * min(steps)
 
 
 def _misfit(times: list[float], rhythm: Rhythm) -> float:

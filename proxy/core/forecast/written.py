@@ -8,10 +8,8 @@ from statistics import median
 from planner.errors import ProblemError
 from proxy.core.forecast.patterns import Memoryless, Pattern, Periodic, Span
 from proxy.core.forecast.rhythm import Numbered, Rhythm, fit
+from proxy.core.forecast.tuning import TUNING
 from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, ScheduleRule, TimesRule
-
-RECENT = 8
-"""So many of the last samples tell how far a stream is off its written times."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +98,7 @@ def _rhythm(rule: PeriodicRule, past: Sequence[Numbered]) -> Rhythm:
         start = first + rule.phase
         number = round((last - start) / period)
         return Rhythm(period, start + number * period, number, 0.0, len(past))
-    recent = past[-2 * RECENT :]
+    recent = past[-2 * TUNING.rule_recent :]
     numbers = [round((t - last) / period) for _, t in recent]
     return fit([(n, t) for n, (_, t) in zip(numbers, recent, strict=True)], period) or Rhythm(period, last, 0, 0.0, 1)
 
@@ -110,7 +108,7 @@ def _origin(rule: TimesRule, past: Sequence[Numbered]) -> float:
     count, first = past[0]
     begun = rule.at(count - 1)
     origin = first - (begun if begun < inf else 0.0)
-    return origin + median([_off(rule, t - origin) for _, t in past[-RECENT:]])
+    return origin + median([_off(rule, t - origin) for _, t in past[-TUNING.rule_recent :]])
 
 
 def _off(rule: TimesRule, elapsed: float) -> float:

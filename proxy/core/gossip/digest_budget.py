@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Container, Iterable
 from dataclasses import replace
 
-from proxy.core.forecast.told import told
+from proxy.core.forecast import rhythm_report
 from proxy.core.model.limits import LEAST_ALLOWANCE
 from proxy.core.protocol.fixed import feature, rounded
 from proxy.core.protocol.messages import Echo, State, StreamDigest
@@ -355,7 +355,7 @@ def _of(stream: Stream) -> StreamDigest | None:
         stream.last.size,
         rounded(stream.last.scale),
         tuple(map(feature, stream.information_type.told(stream.last.features))) if stream.last.features else (),
-        *told(stream.schedule.rhythm, stream.generated, stream.last.t_gen),
+        *rhythm_report.encoded(stream.schedule.rhythm, stream.generated, stream.last.t_gen),
     )
 
 

@@ -105,7 +105,7 @@ class Stream:
         self.changes += 1
         failures, before = information_type.failures, self.information_type
         self.information_type = information_type
-        self.schedule.obey(information_type.schedule, lambda: failures.note("schedule"))
+        self.schedule.set_rule(information_type.schedule, lambda: failures.note("schedule"))
         if information_type.forecast.plain:
             self._outlook = None
         elif self._outlook is None or before.forecast != information_type.forecast:

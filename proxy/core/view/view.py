@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from planner import Aggregation
-from proxy.core.forecast.told import heard
+from proxy.core.forecast import rhythm_report
 from proxy.core.interface.events import SampleHeard
 from proxy.core.model.lifetimes import Lifetimes
 from proxy.core.model.settings import CoreSettings
@@ -610,7 +610,7 @@ class SharedView:
         before, kind = stream.last, stream.information_type
         # Announcements leave features out, and what is as usual.
         features = kind.heard(news.features) if news.features or before is None else before.features
-        news, rhythm = _completed(stream, news, told), heard(news, peer.offset.ours)
+        news, rhythm = _completed(stream, news, told), rhythm_report.decoded(news, peer.offset.ours)
         last = Generated(t_gen, news.size, news.scale, features)
         stream.note_generated(news.generated, last, told=rhythm)
         t_sent = peer.offset.ours(news.t_forwarded)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.forecast.bursts import bursts_in, told_bursts
+from proxy.core.forecast.bursts import bursts_in, reported_bursts
 from proxy.core.forecast.patterns import Span
 from tests.proxy.core.streams import bursts, periodic, poisson
 
@@ -43,9 +43,9 @@ def test_not_every_pause_ends_a_burst(times):
     assert bursts_in(numbered(times), whole=True) is None
 
 
-def test_of_told_bursts_the_last_sample_ends_one():
+def test_of_reported_bursts_the_last_sample_ends_one():
     """Size and step come as words; nonsense is none."""
-    told = told_bursts(["bursts", "3", "0.1"], 1.0, 10.0)
+    told = reported_bursts(["bursts", "3", "0.1"], 1.0, 10.0)
     assert told.expect(Span(10.0, 10.0, 13.05, 9)) == pytest.approx([12.8, 12.9, 13.0])
     for nonsense in ("bursts", "bursts 3", "bursts 1 0.1", "bursts 3 nan", "bursts 3 2", "bursts x 1", "bursts 1e9 1"):
-        assert told_bursts(nonsense.split(), 1.0, 10.0) is None
+        assert reported_bursts(nonsense.split(), 1.0, 10.0) is None

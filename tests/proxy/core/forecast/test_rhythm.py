@@ -86,4 +86,4 @@ def test_the_longer_ago_a_rhythm_was_found_and_from_the_fewer_samples_the_less_s
             np.polyval(np.polyfit(np.arange(known), each, 1), known - 1 + ahead) - known + 1 - ahead for each in times
         ]
         rhythm = Rhythm(1.0, 0.0, known, 0.01, known)
-        assert rhythm.unsure(ahead) == pytest.approx(np.hypot(np.std(off), 0.01), rel=0.1)
+        assert rhythm.uncertainty(ahead) == pytest.approx(np.hypot(np.std(off), 0.01), rel=0.1)

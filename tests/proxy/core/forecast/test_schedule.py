@@ -10,7 +10,8 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from proxy.core.forecast.rhythm import Rhythm
-from proxy.core.forecast.schedule import STALE, Schedule
+from proxy.core.forecast.schedule import Schedule
+from proxy.core.forecast.tuning import TUNING
 from tests.proxy.core.streams import bursts, errors, observe, periodic, poisson
 from tests.utility_specs import outlooks
 from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, TimesRule
@@ -18,9 +19,9 @@ from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, Times
 BOTH = pytest.mark.parametrize("numbered", [True, False])
 
 
-def told(rule, failed=lambda: None):
+def ruled(rule, failed=lambda: None):
     schedule = Schedule()
-    schedule.obey(rule, failed)
+    schedule.set_rule(rule, failed)
     return schedule
 
 
@@ -208,8 +209,8 @@ def test_one_sample_predicts_nothing():
     assert schedule.over(0.0)
     schedule.observe(1, 1.0)
     assert schedule.forecast(1.0, 10.0, 5) == []
-    assert not schedule.over(1.0 + STALE / 2)
-    assert schedule.over(1.0 + STALE)
+    assert not schedule.over(1.0 + TUNING.lone_timeout / 2)
+    assert schedule.over(1.0 + TUNING.lone_timeout)
 
 
 @BOTH
@@ -235,7 +236,7 @@ def test_a_burst_is_not_over_between_two():
     assert observe(Schedule(), bursts(10, spacing=5.0)).over(61.0)
 
 
-def test_a_period_told_by_another_robot_serves_until_one_is_seen():
+def test_a_period_reported_by_another_robot_serves_until_one_is_seen():
     """An assumed period is used at once and replaced by the estimate."""
     schedule = Schedule()
     schedule.observe(1, 1.0)
@@ -249,7 +250,7 @@ def test_a_period_told_by_another_robot_serves_until_one_is_seen():
     assert schedule.period == pytest.approx(0.4)
 
 
-def test_another_period_told_ends_what_was_seen_before():
+def test_another_period_reported_ends_what_was_seen_before():
     """Its robot sees every sample, and saw the rate change before we could."""
     schedule = observe(Schedule(), periodic(20))
     schedule.assume(0.25, "periodic")
@@ -272,7 +273,7 @@ def test_what_kind_of_stream_it_is_its_robot_knows():
     assert schedule.kind == "periodic"
 
 
-def test_the_rhythm_that_its_robot_tells_holds():
+def test_the_rhythm_that_its_robot_reports_holds():
     """Whatever a few samples seem to tell, and from where it says; without one, what is seen counts again."""
     schedule = observe(Schedule(), [0.0, 1.3, 1.9, 3.2, 4.1])
     assert schedule.rhythm.jitter > 0.0
@@ -301,15 +302,15 @@ def test_old_news_changes_nothing():
 def test_a_written_period_holds_whatever_is_seen():
     """The phase comes from the samples unless it is written, too."""
     seen = [0.03, 2.01, 2.98, 6.0, 6.5]
-    assert observe(told(PeriodicRule(1.0)), seen).forecast(6.4, 8.2, 5) == pytest.approx([7.0, 8.0], abs=0.05)
-    shifted = observe(told(PeriodicRule(1.0, 0.25)), seen)
+    assert observe(ruled(PeriodicRule(1.0)), seen).forecast(6.4, 8.2, 5) == pytest.approx([7.0, 8.0], abs=0.05)
+    shifted = observe(ruled(PeriodicRule(1.0, 0.25)), seen)
     assert shifted.forecast(6.4, 8.5, 5) == pytest.approx([7.28, 8.28])
     assert shifted.period == 1.0
 
 
 def test_a_written_rate_holds_whatever_is_seen():
     """The next is expected from now on."""
-    schedule = observe(told(PoissonRule(4.0)), periodic(20))
+    schedule = observe(ruled(PoissonRule(4.0)), periodic(20))
     assert schedule.kind == "poisson"
     assert schedule.forecast(24.0, 40.0, 2, 26.0) == [30.0, 34.0]
 
@@ -317,12 +318,12 @@ def test_a_written_rate_holds_whatever_is_seen():
 @pytest.mark.parametrize("numbered", [True, False])
 def test_listed_times_are_counted_from_the_first_sample(numbered):
     """Again and again, or once; a sample that comes a little late is not expected again."""
-    schedule = told(TimesRule((0.0, 1.0, 5.0), 10.0))
+    schedule = ruled(TimesRule((0.0, 1.0, 5.0), 10.0))
     observe(schedule, [100.0, 101.02], numbered=numbered)
     assert schedule.forecast(101.02, 112.0, 9) == pytest.approx([105.01, 110.01, 111.01])
     assert schedule.kind == "times"
     assert schedule.period == pytest.approx(10.0 / 3.0)
-    once = observe(told(TimesRule((0.0, 1.0, 5.0))), [100.0, 101.0], numbered=numbered)
+    once = observe(ruled(TimesRule((0.0, 1.0, 5.0))), [100.0, 101.0], numbered=numbered)
     assert once.forecast(101.0, 200.0, 9) == [105.0]
     assert (once.period, once.jitter) == (2.5, 0.0)
     once.observe(3 if numbered else None, 105.0)
@@ -332,10 +333,10 @@ def test_listed_times_are_counted_from_the_first_sample(numbered):
 
 def test_who_comes_later_finds_its_place_in_the_list_by_number():
     """The fifth sample is the second one of the second round; the list of a stream that went on too long is over."""
-    schedule = told(TimesRule((0.0, 1.0, 5.0), 10.0))
+    schedule = ruled(TimesRule((0.0, 1.0, 5.0), 10.0))
     schedule.observe(5, 211.0)
     assert schedule.forecast(211.0, 221.0, 9) == [215.0, 220.0, 221.0]
-    beyond = told(TimesRule((0.0, 1.0)))
+    beyond = ruled(TimesRule((0.0, 1.0)))
     beyond.observe(5, 211.0)
     assert beyond.forecast(212.5, 300.0, 9) == []
 
@@ -348,7 +349,7 @@ def test_a_function_of_the_operators_says_when():
         asked.append((times, until))
         return [times[-1] + 2.0]
 
-    schedule = observe(told(PythonRule("mission:times", function)), [100.0, 101.0])
+    schedule = observe(ruled(PythonRule("mission:times", function)), [100.0, 101.0])
     assert schedule.forecast(101.0, 111.0, 9) == [103.0]
     assert schedule.forecast(102.0, 112.0, 9, 102.0) == [103.0]
     assert asked == [([0.0, 1.0], 21.0)]
@@ -361,7 +362,7 @@ def test_a_function_that_fails_in_flight_is_counted():
     """Then nothing is expected of the stream."""
     failures = []
     rule = PythonRule("mission:times", outlooks.two_then_nothing)
-    schedule = observe(told(rule, lambda: failures.append(1)), [1.0, 2.0])
+    schedule = observe(ruled(rule, lambda: failures.append(1)), [1.0, 2.0])
     assert schedule.forecast(2.0, 5.0, 9) == [4.0]
     observe(schedule, [3.0, 4.0], first=3)
     assert schedule.forecast(4.0, 9.0, 9) == schedule.forecast(4.0, 9.0, 9) == []
@@ -371,9 +372,9 @@ def test_a_function_that_fails_in_flight_is_counted():
 def test_a_rule_may_come_and_go():
     """What was seen is kept."""
     schedule = observe(Schedule(), periodic(20))
-    schedule.obey(PoissonRule(4.0), lambda: None)
+    schedule.set_rule(PoissonRule(4.0), lambda: None)
     assert schedule.kind == "poisson"
-    schedule.obey(None, lambda: None)
+    schedule.set_rule(None, lambda: None)
     assert (schedule.kind, schedule.period) == ("periodic", pytest.approx(1.0))
 
 
@@ -418,12 +419,12 @@ def test_a_period_that_no_clock_can_tell_is_not_believed(kind):
     assert schedule.forecast(100.3, 160.3, 60, 100.3) == []
 
 
-def test_last_sample_patience_and_next_sample_are_known_at_a_look():
+def test_last_sample_timeout_and_next_sample_are_known_at_a_look():
     """As they are asked for one by one; without a period nothing is due."""
     schedule = Schedule()
-    assert schedule.prospect() == (-math.inf, schedule.patience, math.inf)
+    assert schedule.prospect() == (-math.inf, schedule.timeout, math.inf)
     for count in range(1, 9):
         schedule.observe(count, 0.5 * count)
-    assert schedule.prospect() == (4.0, schedule.patience, pytest.approx(4.5))
+    assert schedule.prospect() == (4.0, schedule.timeout, pytest.approx(4.5))
     schedule.observe(9, 4.5)
-    assert schedule.prospect() == (4.5, schedule.patience, pytest.approx(5.0))
+    assert schedule.prospect() == (4.5, schedule.timeout, pytest.approx(5.0))

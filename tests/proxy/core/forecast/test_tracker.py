@@ -2,7 +2,8 @@
 
 import pytest
 
-from proxy.core.forecast.tracker import MEMORY, PATIENT, Tracker
+from proxy.core.forecast.tracker import Tracker
+from proxy.core.forecast.tuning import TUNING
 from tests.proxy.core.streams import periodic
 
 
@@ -29,7 +30,7 @@ def test_samples_without_anything_in_common_are_taken_in_at_last():
     tracker = followed(periodic(20))
     for number, off in enumerate([0.35, 0.95, 0.25, 0.9, 0.3] * 3, 21):
         tracker.observe(number, 4.0 + number + off)
-        if number < 20 + PATIENT:
+        if number < 20 + TUNING.unlike:
             assert tracker.rhythm.looseness < 0.01
     assert tracker.rhythm.looseness > 0.1
     assert tracker.rhythm.period == pytest.approx(1.0, abs=0.1)
@@ -105,7 +106,7 @@ def test_the_period_of_a_tight_rhythm_is_known_better_the_longer_it_lasts():
 def test_what_the_last_samples_show_by_chance_does_not_hide_what_all_of_them_do():
     """Of many rhythms with a jitter of a twentieth nearly all are known from all their samples."""
     known = [followed(periodic(60, 0.1, jitter=0.005, seed=seed)).rhythm for seed in range(40)]
-    assert sum(rhythm.known > MEMORY for rhythm in known) >= 36
+    assert sum(rhythm.known > TUNING.short_memory for rhythm in known) >= 36
     assert [rhythm.period for rhythm in known] == [pytest.approx(0.1, rel=3e-3)] * 40
 
 

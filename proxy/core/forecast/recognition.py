@@ -1,0 +1,94 @@
+"""Which pattern a stream has: as a spec says, as its robot reports, or as what was seen of it shows.
+
+A stream is periodic unless it shows otherwise: bursts by pauses far longer than the gaps within, randomness by
+generation times that no period explains. Of a random stream no more is known than its rate.
+"""
+
+from collections.abc import Callable
+
+from proxy.core.forecast.bursts import Bursts, bursts_in, reported_bursts
+from proxy.core.forecast.gaps import spread
+from proxy.core.forecast.history import History
+from proxy.core.forecast.patterns import Memoryless, Pattern, Periodic
+from proxy.core.forecast.rhythm import Numbered, Rhythm
+from proxy.core.forecast.tuning import TUNING
+from proxy.core.forecast.written import written
+from utility_specs.schedules import ScheduleRule
+
+
+class Recognition:
+    """What is known of the kind of one stream besides its generation times."""
+
+    def __init__(self) -> None:
+        self._rule: ScheduleRule | None = None
+        self._failed: Callable[[], None] = _nothing
+        self._reported = "", 0.0
+        self._bursts: Bursts | None = None
+        self._bursts_at = 0
+        """As so many samples had been seen bursts were last looked for."""
+        self._spread = 0.0
+        self._spread_at = -TUNING.memory
+        self._periodic = True
+
+    def set_rule(self, rule: ScheduleRule | None, failed: Callable[[], None]) -> bool:
+        """Go by a rule of a spec, or by what is seen; return whether that is another one."""
+        self._failed = failed
+        changes, self._rule = rule != self._rule, rule
+        return changes
+
+    def report(self, kind: str, period: float) -> bool:
+        """Go by what the stream's robot reports; return whether that is news."""
+        reported = kind, period
+        changes, self._reported = reported != self._reported, reported
+        return changes
+
+    def pattern(self, seen: History, rhythm: Rhythm | None) -> Pattern | None:
+        """Return the pattern of a stream of which at least one sample was seen; None while it is not known."""
+        first, last = seen.first or seen.past[0], seen.past[-1][1]
+        if self._rule is not None:
+            past = [*([first] if first != seen.past[0] else []), *seen.past]
+            return written(self._rule, past, rhythm.period if rhythm else 0.0, self._failed)
+        kind, period = self._reported
+        if kind == "poisson":
+            return Memoryless(period)
+        reported = reported_bursts(kind.split(), period, last) if kind.startswith("bursts") else None
+        if rhythm is None:
+            return reported
+        pauses = seen.resumed or seen.longest_gap > TUNING.run * rhythm.period
+        if pauses and kind != "periodic":
+            self._bursts = self._bursts_in(seen, first, last)
+            if self._bursts is not None:
+                return self._bursts
+        if reported is not None:
+            return reported
+        self._periodic = kind == "periodic" or self._has_rhythm(seen, rhythm)
+        return Periodic(rhythm) if self._periodic else Memoryless(_mean_interval(seen))
+
+    def _bursts_in(self, seen: History, first: Numbered, last: float) -> Bursts | None:
+        """Return the bursts of the past; where one goes on, those known are not looked for again."""
+        goes_on, self._bursts_at = self._bursts_at == seen.seen - 1, seen.seen
+        joined = self._bursts.joined(last) if self._bursts is not None and goes_on else None
+        return joined or bursts_in(seen.past, whole=seen.past[0] == first)
+
+    def _has_rhythm(self, seen: History, rhythm: Rhythm) -> bool:
+        """Whether the rhythm explains what was seen: a few samples, or any without numbers, always seem to have one."""
+        hysteresis = TUNING.hysteresis if self._periodic else -TUNING.hysteresis
+        if len(seen.past) <= TUNING.run + 1:
+            return True
+        if rhythm.looseness > TUNING.no_rhythm + hysteresis:
+            return False
+        by_chance = rhythm.known < TUNING.sure if seen.numbered else rhythm.looseness > TUNING.sure_jitter
+        if not by_chance:
+            return True
+        if seen.seen >= self._spread_at + TUNING.seldom or seen.seen < TUNING.sure:
+            self._spread, self._spread_at = spread(seen.past), seen.seen
+        return self._spread < TUNING.random_spread + hysteresis
+
+
+def _mean_interval(seen: History) -> float:
+    (count, first), (number, last) = seen.past[0], seen.past[-1]
+    return (last - first) / (number - count)
+
+
+def _nothing() -> None:
+    """Nobody counts failures."""
