@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from proxy.core.model.limits import LEAST_ALLOWANCE
 from proxy.core.model.transport import UNICAST
+from proxy.core.model.tuning import TUNING as MODEL
 from studies.simulation.churn import Happening
 from studies.simulation.clocks import Clock
 from studies.simulation.medium import Way
@@ -65,4 +65,4 @@ class Conditions:
         """Return what the specs allow per window so that `carried` is left to messages [B]."""
         if self.digests_inside:
             return carried
-        return max(carried / (1.0 - self.allowance), carried + LEAST_ALLOWANCE * self.members * WINDOW)
+        return max(carried / (1.0 - self.allowance), carried + MODEL.least_allowance * self.members * WINDOW)

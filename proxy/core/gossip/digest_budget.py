@@ -12,7 +12,7 @@ from collections.abc import Container, Iterable
 from dataclasses import replace
 
 from proxy.core.forecast import rhythm_report
-from proxy.core.model.limits import LEAST_ALLOWANCE
+from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.protocol.fixed import feature, rounded
 from proxy.core.protocol.messages import Echo, State, StreamDigest
 from proxy.core.view.stream import Stream, usual_scale
@@ -72,15 +72,15 @@ class DigestPacer:
         """Each robot begins with another `turn`, between 0 and 1; the allowance of so long was `saved` [s]."""
         self.revision = 0
         """How often what was told of streams changed."""
-        self._rate, self._robots, self._copies, self._follows = LEAST_ALLOWANCE, 1, 1, False
+        self._rate, self._robots, self._copies, self._follows = MODEL.least_allowance, 1, 1, False
         self._saved, self._splits, self._quiet, self._window = saved, False, False, 0.0
         self._recent: deque[tuple[float, float]] = deque()
         """What all told in the last window, and when."""
         self._common = 0.0
         """What is left of the allowance of all."""
-        self._tokens = LEAST_ALLOWANCE
+        self._tokens = MODEL.least_allowance
         """What is left of our part of what is for ordinary news."""
-        self._debt = -SAVED * LEAST_ALLOWANCE
+        self._debt = -SAVED * MODEL.least_allowance
         self._updated = now
         self._size, self._brief = 64.0, 48.0
         """What the last ordinary digest took, and the last other one [B]."""

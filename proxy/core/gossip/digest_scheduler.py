@@ -17,8 +17,9 @@ from proxy.core.gossip.retransmissions import Repeats
 from proxy.core.gossip.state_announcements import as_told, differs, shortened, state_of, update_of
 from proxy.core.gossip.state_requests import PACE, Asking
 from proxy.core.interface.commands import AskState, Command, Notice, SendDigest, SendState
-from proxy.core.model.limits import LEAST_ALLOWANCE, LEAST_DIGEST, allowance_of, changes_plans, shortest_window, use_of
+from proxy.core.model.limits import allowance_of, changes_plans, shortest_window, use_of
 from proxy.core.model.transport import is_broadcast
+from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.protocol.codec import pack_digest, pack_state
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, tag
 from proxy.core.samples.gate import Gate
@@ -76,7 +77,7 @@ class Telling:
         self.asking = Asking(now)
         self._talk = Talk()
         self._repeats = Repeats()
-        self._allowance = LEAST_ALLOWANCE
+        self._allowance = MODEL.least_allowance
         """What all robots may tell each other [B/s]."""
         self._uncounted = 0.0
         """What was told beyond the allowance and does not count against the limits yet; less: ahead of time [B]."""
@@ -195,7 +196,7 @@ class Telling:
             told = (size + OVERHEAD) * max(1, copies)
             self._uncounted += self._talk.note(now, told, window, self._allowance * window)
             if self._uncounted > 0.0:  # ahead of what follows: where limits are of messages, each note is one
-                ahead = max(self._uncounted, LEAST_DIGEST)
+                ahead = max(self._uncounted, MODEL.least_digest)
                 self._view.note_talk(now, math.ceil(ahead))
                 self._uncounted -= ahead
 

@@ -3,10 +3,8 @@
 import math
 
 from planner.utility import MessageUtility
+from proxy.core.model.tuning import TUNING
 from utility_specs.lifetimes import Lifetime
-
-MOST = 256
-"""Utilities that are remembered."""
 
 
 class Lifetimes:
@@ -28,7 +26,7 @@ class Lifetimes:
     def _of(self, utility: MessageUtility) -> Lifetime:
         known = self._known.get(id(utility))
         if known is None:
-            if len(self._known) >= MOST:
+            if len(self._known) >= TUNING.utilities:
                 self._known.clear()
             known = self._known[id(utility)] = utility, Lifetime.of(utility)
         return known[1]

@@ -7,16 +7,8 @@ from dataclasses import dataclass, replace
 
 from planner import Constraint
 from planner.measures import Measure
+from proxy.core.model.tuning import TUNING
 from utility_specs import ConstraintSpec, Specs
-
-LEAST_ALLOWANCE = 100.0
-"""What the digests of a team may use whatever the limit is, for each of its robots [B/s]."""
-LARGE = 0.02
-"""What takes more than this part of a limit is told at once when it is sent, or what of it was sent together."""
-LEAST_LEFT = 0.1
-"""Part of a limit that digests leave to messages in any case."""
-LEAST_DIGEST = 64
-"""A digest counts as at least this large [B], so that so many bytes are at most so many digests."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +69,7 @@ def in_force(limits: tuple[Limit, ...], factors: Sequence[float]) -> tuple[Limit
 def allowance_of(specs: Specs, allowance: float, robots: int) -> float:
     """Return what the digests of so many robots may use together [B/s], all copies counted."""
     rates = [robots * _digest_rate(spec.measure, allowance, robots) for spec in specs.constraints]
-    return max(min(rates, default=0.0), robots * LEAST_ALLOWANCE)
+    return max(min(rates, default=0.0), robots * TUNING.least_allowance)
 
 
 def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = True) -> tuple[float, ...]:
@@ -87,7 +79,7 @@ def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = Tru
 
 def changes_plans(use: Sequence[float], limits: Iterable[Limit]) -> bool:
     """Whether so much of the limits is used that all others have to hear of it at once."""
-    return any(amount > LARGE * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared)
+    return any(amount > TUNING.large * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared)
 
 
 def longest_window(limits: Iterable[Constraint]) -> float:
@@ -102,9 +94,9 @@ def shortest_window(limits: Iterable[Limit]) -> float:
 
 def _limit(spec: ConstraintSpec, allowance: float, robots: int) -> Limit:
     measure = spec.measure
-    least = LEAST_ALLOWANCE * _use_per_byte(measure, robots) * measure.window
+    least = TUNING.least_allowance * _use_per_byte(measure, robots) * measure.window
     digests = max(allowance * measure.limit, least * _users(measure, robots))
-    left = max(measure.limit - digests, LEAST_LEFT * measure.limit)
+    left = max(measure.limit - digests, TUNING.least_left * measure.limit)
     return Limit(spec.name, measure.window, left, measure, spec.least)
 
 
@@ -117,7 +109,7 @@ def _digest_rate(measure: Measure, allowance: float, robots: int) -> float:
 def _use_per_byte(measure: Measure, robots: int) -> float:
     """What digests use per byte at most, all copies together: the smallest ones use most."""
     copies = max(1, robots - 1)
-    return measure.use(LEAST_DIGEST, copies, own=True) / (LEAST_DIGEST * copies)
+    return measure.use(TUNING.least_digest, copies, own=True) / (TUNING.least_digest * copies)
 
 
 def _users(measure: Measure, robots: int) -> int:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planner import Aggregation, Constraint, Message, Problem, Stream
-from proxy.core.model.limits import LEAST_ALLOWANCE
+from proxy.core.model.tuning import TUNING as MODEL
 from studies.simulation import conditions, missions
 from studies.simulation.missions import OPERATOR, scenario, specs_of
 from studies.simulation.records import Frame
@@ -23,7 +23,7 @@ ALONE = "all"
 UNIFORM = "uniform-"
 """So the names of the workloads of equal messages begin; one of its scenarios follows."""
 ALLOWANCE = 0.02
-"""Part of the limit that all a team tells each other may use, if that is more than `LEAST_ALLOWANCE` for each robot."""
+"""Part of the limit that all a team tells each other may use, if that is more than the least allowance a robot."""
 RED_LASTS, RED_PAUSES, RED_AMOUNT = (3.0, 6.0), (2.0, 8.0), (0.2, 0.6)
 """An event [s], the time to the next one [s], and the part of the image that is red then; all uniformly drawn."""
 
@@ -50,7 +50,7 @@ class Mission:
     @property
     def allowed(self) -> float:
         """What the whole team may tell each other, all copies and framing counted [B/s]."""
-        return max(ALLOWANCE * self.limit / self.window, LEAST_ALLOWANCE * len(self.interests))
+        return max(ALLOWANCE * self.limit / self.window, MODEL.least_allowance * len(self.interests))
 
     @property
     def robots(self) -> list[str]:

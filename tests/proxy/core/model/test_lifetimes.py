@@ -5,7 +5,8 @@ import math
 import pytest
 
 from planner import Exponential, Power, Step
-from proxy.core.model.lifetimes import MOST, Lifetimes
+from proxy.core.model.lifetimes import Lifetimes
+from proxy.core.model.tuning import TUNING
 
 
 def test_each_utility_has_its_lifetime():
@@ -21,5 +22,5 @@ def test_each_utility_has_its_lifetime():
 def test_many_utilities_are_told_apart():
     """However many there were, and whichever are forgotten meanwhile."""
     lifetimes = Lifetimes()
-    for k in range(2 * MOST):
+    for k in range(2 * TUNING.utilities):
         assert lifetimes.end(Step(1.0, 1.0 + k)) == pytest.approx(1.0 + k, rel=0.01)
