@@ -11,8 +11,8 @@ from proxy.core.protocol.messages import Digest, State
 class Decide:
     """Search `problem` with `seed` for at most `iterations`; answer with `DecisionReady(ticket)`.
 
-    `asked` is when what led to it happened [s]: the deadline counts from then on, and when it is over without an answer
-    the core is told by `DecisionLate(ticket)`. With `ahead` it is about what others should send, and no sample waits.
+    The event that led to it happened at `asked` [s]. The deadline counts from then; when it passes without an answer
+    the driver sends `DecisionLate(ticket)`. With `ahead` it is about what others should send, and no sample waits.
     """
 
     ticket: int
@@ -40,14 +40,14 @@ class Drop:
 
 @dataclass(frozen=True, slots=True)
 class Keep:
-    """Keep the payload of a sample besides, whatever becomes of it, until `Forget`."""
+    """Keep the payload of a sample until `Forget`, whatever else becomes of the sample."""
 
     sample: int
 
 
 @dataclass(frozen=True, slots=True)
 class Forget:
-    """The payload of a sample that was to be kept is needed no more."""
+    """The kept payload of a sample is needed no more."""
 
     sample: int
 
@@ -62,10 +62,10 @@ class SendCopy:
 
 @dataclass(frozen=True, slots=True)
 class TellBacklog:
-    """Tell the robot with the tag `to` of which keys copies wait for it: what is new of these comes before its turn.
+    """Tell the robot with the tag `to` for which keys copies wait for it: new samples of these overtake the copies.
 
-    `keys` are None where there are too many to name. The word with the greatest `number` holds. With `grows` there are
-    keys that the last one did not name; else it must not overtake copies that were sent before.
+    `keys` are None where there are too many to name. The message with the greatest `number` holds. With `grows` it
+    names keys that the last one did not; else it must not overtake copies that were sent before.
     """
 
     to: str
@@ -83,7 +83,7 @@ class Retain:
 
 @dataclass(frozen=True, slots=True)
 class Reread:
-    """Extract the features of the sample anew, by the specs that are in force now; answer with `SampleReread`."""
+    """Extract the features of the sample again, by the specs in force now; answer with `SampleReread`."""
 
     sample: int
     key: str
@@ -98,7 +98,7 @@ class SendDigest:
 
 @dataclass(frozen=True, slots=True)
 class SendState:
-    """Answer queries with our state from now on, and publish it on the mesh, or instead of it the `update`."""
+    """Answer queries with our state from now on, and publish it on the mesh, or the `update` instead of it."""
 
     state: State
     update: State | None = None
@@ -114,7 +114,7 @@ class AskState:
 
 @dataclass(frozen=True, slots=True)
 class NoteInterest:
-    """The apps of the robot with this session subscribe to these key expressions: what we publish goes there too."""
+    """The apps of the robot with this session subscribe to these key expressions: what we publish goes there."""
 
     zid: str
     subscriptions: tuple[str, ...]
@@ -122,7 +122,7 @@ class NoteInterest:
 
 @dataclass(frozen=True, slots=True)
 class SetPace:
-    """Samples that were decided on go to the mesh no faster than `rate` [B/s, copies counted]: a limit has moved."""
+    """Samples that were decided on go to the mesh no faster than `rate` [B/s, copies counted]: a limit changed."""
 
     rate: float
 
