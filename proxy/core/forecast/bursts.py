@@ -1,50 +1,33 @@
 """Bursts: several samples close together, then a pause, and again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from proxy.core.forecast.gaps import gaps_of
-from proxy.core.forecast.patterns import Memoryless, Periodic, Span, evenly, merged
+from proxy.core.forecast.patterns import Memoryless, Pattern, Periodic, Span, evenly, merged
 from proxy.core.forecast.rhythm import Numbered, Rhythm, fit
 from proxy.core.forecast.tuning import TUNING
 
 
-@dataclass(frozen=True, slots=True)
-class Bursts:
-    """`size` samples every `step` [s], and that whenever a burst starts; `begun` samples of the last one are known."""
+class Bursts(Pattern):
+    """`size` samples every `step` [s], and that whenever a burst starts; `begun` samples of the last one are known.
 
-    starts: Rhythm
-    size: int
-    step: float
-    last: float
-    begun: int
+    Its `kind` tells size and step, its `jitter` is that of the bursts' starts, its `pause` the mean time between them.
+    """
 
-    @property
-    def kind(self) -> str:
-        """`bursts`, the members of one, and their step [s]."""
-        return f"bursts {self.size} {self.step:.6g}"
-
-    @property
-    def period(self) -> float:
-        """Mean time between samples [s]."""
-        return self.starts.period / self.size
-
-    @property
-    def jitter(self) -> float:
-        """That of the bursts' starts [s]."""
-        return self.starts.jitter
-
-    @property
-    def pause(self) -> float:
-        """Mean time between the starts of bursts [s]."""
-        return self.starts.period
+    def __init__(self, starts: Rhythm, size: int, step: float, last: float, begun: int) -> None:
+        super().__init__(f"bursts {size} {step:.6g}", starts.period / size, starts.jitter, starts.period)
+        self.starts = starts
+        self.size = size
+        self.step = step
+        self.last = last
+        self.begun = begun
 
     def joined(self, t: float) -> "Bursts | None":
         """Return the bursts with one more sample at `t` [s] in the last one; None when it is none of it."""
         if t > self.last + TUNING.burst_pause * self.step or self.begun >= TUNING.burst_sizes * self.size:
             return None
-        return replace(self, last=t, begun=self.begun + 1)
+        return Bursts(self.starts, self.size, self.step, t, self.begun + 1)
 
     def expect(self, span: Span) -> list[float]:
         """Return what is missing of the last burst, and the members of those to come."""

@@ -1,9 +1,9 @@
 """What is expected of a stream once it is known how it generates."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import floor
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from proxy.core.forecast.rhythm import Rhythm
 
@@ -20,53 +20,30 @@ class Span(NamedTuple):
     most: int
 
 
-class Pattern(Protocol):
-    """How a stream generates. `period` is the mean time between samples, `jitter` its standard deviation [s]."""
+class Pattern(ABC):
+    """How a stream generates, and in which word (`kind`) robots and people say so.
 
-    @property
-    def kind(self) -> str:
-        """The word that robots and people use for it."""
+    `period` is the mean time between samples, or 0.0 when there is none, `jitter` the standard deviation of a
+    generation time from what is expected, `pause` the longest time between two samples as the pattern has it [s].
+    """
 
-    @property
-    def period(self) -> float:
-        """Mean time between samples [s]; 0.0 when there is none."""
+    def __init__(self, kind: str, period: float, jitter: float, pause: float) -> None:
+        self.kind = kind
+        self.period = period
+        self.jitter = jitter
+        self.pause = pause
 
-    @property
-    def jitter(self) -> float:
-        """Standard deviation of a generation time from what is expected [s]."""
-
-    @property
-    def pause(self) -> float:
-        """The longest time between two samples as the pattern has it [s]."""
-
+    @abstractmethod
     def expect(self, span: Span) -> list[float]:
         """Return when samples are expected, in order."""
 
 
-class Periodic(NamedTuple):
+class Periodic(Pattern):
     """One sample every period; `rhythm.number` is the last one seen."""
 
-    rhythm: Rhythm
-
-    @property
-    def kind(self) -> str:
-        """`periodic`."""
-        return "periodic"
-
-    @property
-    def period(self) -> float:
-        """The period [s]."""
-        return self.rhythm.period
-
-    @property
-    def jitter(self) -> float:
-        """The jitter [s]."""
-        return self.rhythm.jitter
-
-    @property
-    def pause(self) -> float:
-        """One period [s]."""
-        return self.rhythm.period
+    def __init__(self, rhythm: Rhythm) -> None:
+        super().__init__("periodic", rhythm.period, rhythm.jitter, rhythm.period)
+        self.rhythm = rhythm
 
     def expect(self, span: Span) -> list[float]:
         """Return the times due from the next number on; what is late is not expected any more."""
@@ -77,36 +54,16 @@ class Periodic(NamedTuple):
         return evenly(rhythm.origin + number * rhythm.period, rhythm.period, span.until, span.most)
 
 
-@dataclass(frozen=True, slots=True)
-class Memoryless:
+class Memoryless(Pattern):
     """Samples at random moments: how long none has come says nothing about the next."""
 
-    interval: float
-
-    @property
-    def kind(self) -> str:
-        """`poisson`."""
-        return MEMORYLESS
-
-    @property
-    def period(self) -> float:
-        """The mean interval [s]."""
-        return self.interval
-
-    @property
-    def jitter(self) -> float:
-        """That of an exponential distribution is its mean [s]."""
-        return self.interval
-
-    @property
-    def pause(self) -> float:
-        """The mean interval [s]."""
-        return self.interval
+    def __init__(self, interval: float) -> None:
+        super().__init__(MEMORYLESS, interval, interval, interval)
 
     def expect(self, span: Span) -> list[float]:
         """Return the mean times of the samples to come, from now on."""
-        now = max(span.now, span.after)
-        return evenly(now + self.interval, self.interval, span.until, span.most)
+        first = max(span.now, span.after) + self.period
+        return evenly(first, self.period, span.until, span.most)
 
 
 def evenly(first: float, step: float, until: float, most: int) -> list[float]:

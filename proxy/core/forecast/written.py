@@ -1,7 +1,6 @@
 """Schedules that a spec gives, laid over what was seen of a stream."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from math import inf
 from statistics import median
 
@@ -12,53 +11,32 @@ from proxy.core.forecast.tuning import TUNING
 from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, ScheduleRule, TimesRule
 
 
-@dataclass(frozen=True, slots=True)
-class Listed:
-    """The times of a list, begun at `origin` [s]."""
+class Listed(Pattern):
+    """The times of a list, begun at `origin` [s]; the last sample came at `last` [s]."""
 
-    rule: TimesRule
-    origin: float
-    last: float
-
-    @property
-    def kind(self) -> str:
-        """`times`."""
-        return "times"
-
-    @property
-    def period(self) -> float:
-        """Mean time between samples [s]."""
-        return sum(self.rule.gaps) / max(1, len(self.rule.gaps))
-
-    @property
-    def jitter(self) -> float:
-        """None: times are what they are."""
-        return 0.0
-
-    @property
-    def pause(self) -> float:
-        """The longest time between two of them [s]."""
-        return max(self.rule.gaps, default=0.0)
+    def __init__(self, rule: TimesRule, origin: float, last: float) -> None:
+        gaps = rule.gaps
+        super().__init__("times", sum(gaps) / max(1, len(gaps)), 0.0, max(gaps, default=0.0))
+        self._rule = rule
+        self._origin = origin
+        self._last = last
 
     def expect(self, span: Span) -> list[float]:
         """Return the listed times; one that has just come is not expected again."""
-        early = 0.5 * min(self.rule.gaps, default=0.0)
-        number = self.rule.first_after(max(span.after, self.last + early) - self.origin)
+        early = 0.5 * min(self._rule.gaps, default=0.0)
+        number = self._rule.first_after(max(span.after, self._last + early) - self._origin)
         times: list[float] = []
-        while len(times) < span.most and (t := self.origin + self.rule.at(number)) <= span.until:
+        while len(times) < span.most and (t := self._origin + self._rule.at(number)) <= span.until:
             times.append(t)
             number += 1
         return times
 
 
-class Computed:
+class Computed(Pattern):
     """What a Python function expects, asked anew after each sample."""
 
-    kind = "python"
-    jitter = 0.0
-
     def __init__(self, rule: PythonRule, times: Sequence[float], period: float, failed: Callable[[], None]) -> None:
-        self.period = self.pause = period
+        super().__init__("python", period, 0.0, period)
         self._rule = rule
         self._times = times
         self._failed = failed
