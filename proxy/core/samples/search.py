@@ -10,7 +10,7 @@ from proxy.core.samples.away import Copy
 from proxy.core.samples.decisions import Decisions
 from proxy.core.samples.inbox import Inbox
 from proxy.core.samples.tuning import TUNING
-from proxy.core.window.span import Span
+from proxy.core.window.size import WindowSize
 from proxy.core.window.window import WindowBuilder
 
 
@@ -31,7 +31,7 @@ class Search:
 
     def __init__(self, settings: CoreSettings, budget: Budget, windows: WindowBuilder, decisions: Decisions) -> None:
         self.pending: Pending | None = None
-        self.span = Span(settings.deadline)
+        self._size = WindowSize(settings.deadline)
         self._iterations = settings.iterations
         self._budget = budget
         self._windows = windows
@@ -43,9 +43,9 @@ class Search:
 
     def start(self, now: float, sample: Waiting, inbox: Inbox, ticket: int, copy: Copy | None = None) -> Command:
         """Have a sample decided, or the copy of one, while others wait in the inbox."""
-        problem, full = self._windows.within(now, sample, inbox, self._budget.problem_limits(now), self.span.most)
+        problem, full = self._windows.build(now, sample, inbox, self._budget.problem_limits(now), self._size.messages)
         held = sum(not message.sent for message in problem.messages) - 1
-        thinned = self.span.most < full
+        thinned = self._size.messages < full
         if thinned:
             self._decisions.thin(held, full)
         self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints), held, thinned, copy)
@@ -62,7 +62,7 @@ class Search:
         if pending is None or pending.ticket != ticket:
             return None
         self.pending = None
-        self.span.note(pending.held, overhead, thinned=pending.thinned)
+        self._size.note(pending.held, overhead, thinned=pending.thinned)
         return pending
 
     def deciding(self) -> list[Waiting]:

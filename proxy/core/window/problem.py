@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from itertools import islice
 from operator import attrgetter
 from typing import NamedTuple
@@ -13,8 +14,6 @@ from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Sent
 from proxy.core.window.candidates import Candidate
 from proxy.core.window.tuning import TUNING
-
-_SENT = attrgetter("t_sent")
 
 
 class OpenMessage(NamedTuple):
@@ -51,70 +50,42 @@ def problem(now: float, started: float, contents: Contents, limits: Limits) -> P
     """Return the problem of a window; `started` is when this robot did [s]."""
     candidates, opened, demanded = contents
     nothing = (0.0,) * len(limits.union)
-    messages: list[tuple[Message, OpenMessage | None]] = [
-        (fact, None) for c in candidates for fact in _facts(c, now, nothing)
-    ]
-    messages += [(_fact(m.of, _sent(m, now), 0.0, nothing), None) for m in demanded]
-    t_sent, uses = -math.inf, _Uses(limits)
-    t_rcv = dict.fromkeys(range(len(candidates)), -math.inf)
+
+    @cache
+    def use(size: int, copies: int, own: bool) -> tuple[float, ...]:  # noqa: FBT001 - a cache knows no keywords
+        return use_of(size, copies, limits.union, own=own)
+
+    messages = [fact for c in candidates for fact in _facts(c, now, nothing)]
+    for m in demanded:
+        sent = Sent(m.t_gen, max(m.t_gen, now), m.size, m.scale, m.features)
+        messages.append(_fact(m.of, sent, 0.0, nothing))
+    t_sent, t_rcv = -math.inf, dict.fromkeys(range(len(candidates)), -math.inf)
     for m in opened:
+        place = m.of.place
         t_sent = max(t_sent, m.t_gen, now) if m.of.own else max(t_sent, m.t_gen)
-        t_rcv[m.of.place] = max(t_rcv[m.of.place], t_sent + m.of.audience.latency_of(m.size))
-        messages.append((_message(m, t_sent, t_rcv[m.of.place], uses.of(m)), m))
+        t_rcv[place] = max(t_rcv[place], t_sent + m.of.audience.latency_of(m.size))
+        utility = m.of.stream.information_type.utility_of(m.features)
+        uses = use(m.size, m.of.copies, m.of.own)
+        messages.append(Message(place, m.t_gen, t_sent, t_rcv[place], utility, m.scale, uses))
+        if m.current:
+            current = messages[-1]
+    messages.sort(key=attrgetter("t_gen", "stream"))
     robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
-    messages.sort(key=_order)
-    current = next(place for place, (_, m) in enumerate(messages) if m is not None and m.current)
-    last = opened[-1].of
+    since, last = now - longest_window(limits.union), opened[-1].of
+    traffic = [Traffic(t, each) for t, each in (*limits.others, *limits.sent) if t >= since]
+    traffic += [Traffic(max(m.t_gen, now), use(m.size, m.of.copies, m.of.own)) for m in demanded]
     return Problem(
         streams=tuple(
             PlannerStream(robots[c.stream.robot], c.stream.information_type.aggregation, c.audience.receivers)
             for c in candidates
         ),
-        messages=tuple(message for message, _ in messages),
-        current=current,
+        messages=tuple(messages),
+        current=next(place for place, message in enumerate(messages) if message is current),
         constraints=limits.union,
-        traffic=_traffic(now, demanded, limits, uses),
-        t_start=min(started, messages[0][0].t_gen),
+        traffic=tuple(sorted(traffic, key=attrgetter("t_sent"))),
+        t_start=min(started, messages[0].t_gen),
         t_end=t_sent + last.audience.slowest + max(last.stream.mean_interval, TUNING.shortest_life),
     )
-
-
-def _order(entry: tuple[Message, OpenMessage | None]) -> tuple[float, int]:
-    """Messages stand by generation time; candidates, and so their streams, by robot and key."""
-    return entry[0].t_gen, entry[0].stream
-
-
-class _Uses:
-    """What messages use of all constraints of a problem: those of one size and as many copies use the same."""
-
-    def __init__(self, limits: Limits) -> None:
-        self._limits = limits
-        self._known: dict[tuple[int, int, bool], tuple[float, ...]] = {}
-
-    def of(self, m: OpenMessage) -> tuple[float, ...]:
-        """Return what a message uses: of what robots do not share only our own do."""
-        place = m.size, m.of.copies, m.of.own
-        found = self._known.get(place)
-        if found is None:
-            found = self._known[place] = use_of(m.size, m.of.copies, self._limits.union, own=m.of.own)
-        return found
-
-
-def _traffic(now: float, demanded: list[OpenMessage], limits: Limits, uses: _Uses) -> tuple[Traffic, ...]:
-    """Return everything known to be sent that the windows still count, and what guarantees demand."""
-    longest = longest_window(limits.union)
-    traffic = [Traffic(t, use) for t, use in (*limits.others, *limits.sent) if t >= now - longest]
-    traffic += [Traffic(max(m.t_gen, now), uses.of(m)) for m in demanded]
-    return tuple(sorted(traffic, key=_SENT))
-
-
-def _message(m: OpenMessage, t_sent: float, t_rcv: float, use: tuple[float, ...]) -> Message:
-    utility = m.of.stream.information_type.utility_of(m.features)
-    return Message(m.of.place, m.t_gen, t_sent, t_rcv, utility, m.scale, use)
-
-
-def _sent(m: OpenMessage, now: float) -> Sent:
-    return Sent(m.t_gen, max(m.t_gen, now), m.size, m.scale, m.features)
 
 
 def _facts(c: Candidate, now: float, nothing: tuple[float, ...]) -> list[Message]:

@@ -41,16 +41,13 @@ class WindowBuilder:
         self.disputes = Disputes(view)
         """What is to decide, and what is load."""
 
-    def build(self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits) -> Problem:
-        """Return the problem of deciding `current` while others of our own samples are `waiting`."""
-        return self.within(now, current, waiting, limits, math.inf)[0]
-
-    def within(
-        self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits, most: float
+    def build(
+        self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits, most: float = math.inf
     ) -> tuple[Problem, int]:
-        """Return the same with about `most` other messages to decide, and how many there would be of themselves.
+        """Return the problem of deciding `current` while others of our own samples are `waiting`.
 
-        Half of the places are for samples that wait, those worth most, the rest for forecasts.
+        It has about `most` other messages to decide; return, too, how many there would be of themselves. Half of the
+        places are for samples that wait, those worth most, the rest for forecasts.
         """
         waiting, limits, horizon = list(waiting), self._contested(now, limits), self._view.settings.horizon
         queued = int(min(len(waiting), most // 2))
@@ -71,7 +68,7 @@ class WindowBuilder:
     def _contested(self, now: float, limits: Limits) -> Limits:
         """Return what is left of the limits to what is contested, without the sends that are booked."""
         disputes = self.disputes
-        disputes.advance(now, limits.union, alone=limits.alone)
+        disputes.look(now, limits.union, alone=limits.alone)
         union = tuple(
             replace(c, limit=max(left, TUNING.contested_at_least * c.limit), window=window)
             for c, left, window in zip(limits.union, *disputes.left(now), strict=True)

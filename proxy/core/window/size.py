@@ -10,12 +10,12 @@ import math
 from proxy.core.window.tuning import TUNING
 
 
-class Span:
-    """The messages that a window may hold besides the current one, for decisions within a `deadline` [s]: `most`."""
+class WindowSize:
+    """The `messages` that a window may hold besides the current one, for decisions within a `deadline` [s]."""
 
     def __init__(self, deadline: float) -> None:
         self._deadline = deadline
-        self.most = max(TUNING.fewest_messages, TUNING.overhead * deadline / TUNING.seconds_per_message)
+        self.messages = max(TUNING.fewest_messages, TUNING.overhead * deadline / TUNING.seconds_per_message)
         self._overruns: list[float] = []
         """By how much the last decisions in a row took too long: what of their time was allowed."""
 
@@ -24,9 +24,9 @@ class Span:
         fitting = TUNING.overhead * self._deadline / max(overhead, 1e-9)
         if fitting >= 1.0:
             self._overruns.clear()
-            self.most *= min(fitting, TUNING.growing) if thinned else 1.0
+            self.messages *= min(fitting, TUNING.growing) if thinned else 1.0
             return
         self._overruns = [*self._overruns, fitting][-TUNING.overruns :]
         if len(self._overruns) == TUNING.overruns:
             part = max(*self._overruns, TUNING.shrinking)
-            self.most = max(TUNING.fewest_messages, math.floor(min(held, self.most) * part))
+            self.messages = max(TUNING.fewest_messages, math.floor(min(held, self.messages) * part))
