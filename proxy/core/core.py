@@ -67,8 +67,6 @@ class Core:
         self.strangers = Strangers()
         self.clocks = WallClocks(self.view)
         self.outsiders = Outsiders(self.view)
-        self._keys: dict[int, str] = {}
-        """Of our samples that are not handed over yet."""
         self.retained: frozenset[str] = frozenset()
         """What apps publish on these is taken from them even if nobody who is here wants it."""
         self._wakes_at = now
@@ -105,15 +103,14 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SamplePublished) -> list[Command]:
-        self.counts.enter(event.sample)
-        self._keys[event.sample] = event.key
-        if event.superseded:
-            self.counts.passed(event.superseded, SUPERSEDED)
         if self.view.claim(event.origin):
             self.telling.restate(event.now)
         robot = self.settings.robot
-        if self.view.robot_of(event.origin) != robot:
-            del self._keys[event.sample]
+        ours = self.view.robot_of(event.origin) == robot
+        self.counts.enter(event.sample, event.key if ours else "")
+        if event.superseded:
+            self.counts.passed(event.superseded, SUPERSEDED)
+        if not ours:
             return [self.gate.outcomes.pass_on(event.sample, "passed:relayed")]
         if self.gate.appraisal.mode is Mode.PASS:
             return [self.gate.outcomes.pass_on(event.sample, "passed:mode")]
@@ -186,19 +183,13 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SampleHanded) -> list[Command]:
-        self.counts.hand(event.sample)
         self.gate.outcomes.handed(event.now, event.sample)
-        key = self._keys.pop(event.sample, None)
-        if key is not None:
-            self.view.handed(key)
         return []
 
     @_on.register
     def _(self, event: ev.SampleRefused) -> list[Command]:
         self.gate.undecided.settled(event.sample)
-        self.counts.drop(event.sample, event.reason)
-        self.gate.outcomes.refused(event.sample)
-        self.kept.refused(self._keys.pop(event.sample, ""), event.sample)
+        self.kept.refused(self.gate.outcomes.refused(event.sample, event.reason), event.sample)
         return []
 
     @_on.register
@@ -447,13 +438,10 @@ class Core:
         So is it with those for which there was no room: where robots share, it may be because of who has vanished.
         """
         for command in commands:
-            if isinstance(command, Forward | Drop):
-                if (key := self.kept.key_of(command.sample)) is not None:
-                    lost = isinstance(command, Drop) and command.reason != CONSTRAINT
-                    names = () if lost else self._names(key)
-                    self.kept.decided(now, command.sample, names, sent=isinstance(command, Forward))
-                if isinstance(command, Drop):
-                    self._keys.pop(command.sample, None)
+            if isinstance(command, Forward | Drop) and (key := self.kept.key_of(command.sample)) is not None:
+                lost = isinstance(command, Drop) and command.reason != CONSTRAINT
+                names = () if lost else self._names(key)
+                self.kept.decided(now, command.sample, names, sent=isinstance(command, Forward))
 
     def _names(self, key: str) -> tuple[str, ...]:
         """Return the tags of those that want a sample of ours."""

@@ -7,7 +7,7 @@ from typing import Any
 
 from proxy.core.samples.away import Away, Copy, Leaving
 from proxy.core.samples.backlog_announcements import BacklogAnnouncements
-from proxy.core.samples.payloads import Payloads
+from proxy.core.samples.held_payloads import HeldPayloads
 from proxy.core.samples.sent_lately import SentLately
 from proxy.core.samples.tuning import TUNING
 
@@ -18,7 +18,7 @@ class Copies:
     """The law: entered = waiting + on their way to the mesh session + the sum of `by_reason`."""
 
     def __init__(self) -> None:
-        self.payloads = Payloads()
+        self.payloads = HeldPayloads()
         self.sent = SentLately(self.payloads)
         self.announcements = BacklogAnnouncements()
         self.entered = 0

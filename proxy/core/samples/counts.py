@@ -13,25 +13,29 @@ class Counts:
         self.by_reason: Counter[str] = Counter()
         self.bytes: Counter[str] = Counter()
         """What passed without a decision put on the air, by reason [B]."""
-        self._queued: dict[int, str] = {}
+        self._queued: dict[int, tuple[str, str]] = {}
+        """The keys of samples, and why each was approved, if it was."""
 
-    def enter(self, sample: int) -> None:
-        """A sample came in and is queued."""
+    def enter(self, sample: int, key: str = "") -> None:
+        """A sample came in and is queued; the `key` is of one of ours."""
         self.received += 1
-        self._queued[sample] = ""
+        self._queued[sample] = key, ""
 
     def approve(self, sample: int, reason: str) -> None:
         """The sample was approved for `reason`; it stays queued until it is handed over."""
-        self._queued[sample] = reason
+        self._queued[sample] = self._queued[sample][0], reason
 
-    def hand(self, sample: int) -> None:
-        """The mesh session took the sample."""
-        self.by_reason[self._queued.pop(sample)] += 1
-
-    def drop(self, sample: int, reason: str) -> None:
-        """The sample was dropped."""
-        del self._queued[sample]
+    def hand(self, sample: int) -> str:
+        """The mesh session took the sample; return its key."""
+        key, reason = self._queued.pop(sample)
         self.by_reason[reason] += 1
+        return key
+
+    def drop(self, sample: int, reason: str) -> str:
+        """The sample was dropped; return its key."""
+        key, _ = self._queued.pop(sample)
+        self.by_reason[reason] += 1
+        return key
 
     def passed(self, count: int, reason: str, size: int = 0) -> None:
         """`count` samples went through at once, `size` bytes of the air in all."""

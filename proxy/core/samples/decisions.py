@@ -9,6 +9,8 @@ from typing import Any
 from planner import Plan
 from proxy.core.samples.tuning import TUNING
 
+_OF_A_PLAN = ("send", "utility", "opposite", "lead", "gap", "iterations", "nodes", "seconds")
+
 
 @dataclass(frozen=True, slots=True)
 class Decided:
@@ -32,15 +34,8 @@ class Decided:
         return {
             "age": now - self.now,
             "key": self.key,
-            "send": plan.send,
             "reason": self.reason,
-            "utility": plan.utility,
-            "opposite": plan.opposite,
-            "lead": plan.lead,
-            "gap": plan.gap,
-            "iterations": plan.iterations,
-            "nodes": plan.nodes,
-            "seconds": plan.seconds,
+            **{name: getattr(plan, name) for name in _OF_A_PLAN},
             "binding": list(plan.binding),
             "prices": dict(zip(self.constraints, plan.prices, strict=False)),
         }
@@ -69,24 +64,16 @@ class Decisions:
     """Statistics of all decisions since the start.
 
     `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
-    ones, whose gap is known [utility·s]. Of windows that were `thinned` to come in time `kept` counts the messages to
-    decide, `full` those there would be else. `binding` counts by constraint the dropped samples that it was in the way
-    of.
+    ones, whose gap is known [utility·s]. `thinned` are the windows that were thinned to come in time: how many, the
+    messages to decide in them, and those there would be else. `binding` counts by constraint the dropped samples that
+    it was in the way of. `seconds` and `longest` are in seconds.
     """
 
     def __init__(self) -> None:
-        self.made = 0
-        self.iterations = 0
-        self.shortcuts: dict[Shortcut, int] = dict.fromkeys(Shortcut, 0)
-        self.thinned = 0
-        self.kept = 0
-        self.full = 0
-        self.seconds = 0.0
-        self.longest = 0.0
-        self.proven = 0
-        self.bounded = 0
-        self.gap = 0.0
-        self.utility = 0.0
+        self.made = self.iterations = self.proven = self.bounded = 0
+        self.seconds = self.longest = self.gap = self.utility = 0.0
+        self.shortcuts = dict.fromkeys(Shortcut, 0)
+        self.thinned = Counter(windows=0, messages=0, of=0)
         self.binding: Counter[str] = Counter()
         self.last: Decided | None = None
 
@@ -109,29 +96,21 @@ class Decisions:
         if not plan.send:
             self.binding.update(plan.binding)
 
-    def thin(self, kept: int, full: int) -> None:
+    def thin(self, messages: int, of: int) -> None:
         """A window holds so many messages to decide, instead of all."""
-        self.thinned += 1
-        self.kept += kept
-        self.full += full
+        self.thinned.update(windows=1, messages=messages, of=of)
 
     def refused(self, lacking: Iterable[str]) -> None:
         """A sample was dropped for want of room in these constraints."""
         self.binding.update(lacking)
 
     def described(self, now: float) -> dict[str, Any]:
-        """All of it as plain JSON data; `seconds` and `longest` in seconds."""
+        """All of it as plain JSON data."""
+        sums = {name: value for name, value in vars(self).items() if isinstance(value, int | float)}
         return {
-            "made": self.made,
-            "iterations": self.iterations,
+            **sums,
             **{shortcut.value: count for shortcut, count in self.shortcuts.items()},
-            "thinned": {"windows": self.thinned, "messages": self.kept, "of": self.full},
-            "seconds": self.seconds,
-            "longest": self.longest,
-            "proven": self.proven,
-            "bounded": self.bounded,
-            "gap": self.gap,
-            "utility": self.utility,
+            "thinned": dict(self.thinned),
             "binding": dict(self.binding.most_common()),
             "last": None if self.last is None else self.last.described(now),
         }

@@ -46,7 +46,7 @@ class Gate:
         self._budget = budget
         self._copies = copies
         self._inbox = self.undecided.inbox
-        self._waits = Waits(self.appraisal)
+        self._waits = Waits(self.appraisal, self._inbox)
         self._copy_gate = CopyGate(self.appraisal, self.search, self.decisions, self._inbox, copies)
         self._rule = StaticRule(view, budget)
         self._complaint = ""
@@ -82,7 +82,7 @@ class Gate:
         if self.search.busy():
             return []
         self._tickets += 1
-        self._waits.restart(self._inbox)
+        self._waits.restart()
         self.wakes_at = math.inf
         commands, crowded = list[Command](), False
         if not self._inbox and not self._copies:
@@ -107,11 +107,11 @@ class Gate:
         pending = self.search.answered(event.ticket, event.overhead)
         if pending is None:
             return []
-        if event.plan is None:
-            commands = self._fall_back(event.now, pending, event.error)
-        else:
+        if event.plan is not None:
             self._complaint = ""
             commands = self._decided(event.now, pending, event.plan)
+        else:
+            commands = [*self._complain(event.error), *self._without_plan(event.now, pending, late=False)]
         return [*commands, *self.undecided.pass_deletions()]
 
     def overdue(self, now: float, ticket: int) -> list[Command]:
@@ -120,7 +120,7 @@ class Gate:
         if pending is None:
             return []
         self.decisions.count(Shortcut.LATE)
-        return [*self._decided_too_late(now, pending), *self.undecided.pass_deletions()]
+        return [*self._without_plan(now, pending, late=True), *self.undecided.pass_deletions()]
 
     def _takes_all(self, now: float, waiting: Waiting) -> bool:
         """Whether all that is undecided may be sent now by every constraint in force, and one more sample."""
@@ -192,7 +192,7 @@ class Gate:
         lacking = self.appraisal.lacking_beside_booked(now, use) if plan.send else ()
         if plan.send and not lacking:
             lacking, until = self.appraisal.lacking_beside_rivals(now, stream, use)
-            if lacking and stream is not None and self._gives_way(now, stream, sample, until):
+            if lacking and stream is not None and self._waits.gives_way(now, stream, sample, until):
                 return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, sample.key, plan, pending.constraints, reason))
@@ -200,44 +200,26 @@ class Gate:
             return [self.outcomes.refuse(now, stream, sample, reason, lacking)]
         return [self.outcomes.send(now, stream, sample, use, reason)]
 
-    def _gives_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
-        """Whether a sample waits until it is known what others have sent; not where a newer one is there by then."""
-        newer = any(waiting.key == sample.key for waiting in self._inbox)
-        if newer or not self._waits.gives_way(now, stream, sample, until):
-            return False
-        self._inbox.put_back([sample])
-        return True
+    def _complain(self, error: str) -> list[Command]:
+        """Say loudly that the planner failed, once for each error."""
+        before, self._complaint = self._complaint, error
+        text = f"the planner failed, a static rule decides: {error}"
+        return [Notice("error", text)] if error != before else []
 
-    def _fall_back(self, now: float, pending: Pending, error: str) -> list[Command]:
-        """Say loudly that the planner failed, and decide without it."""
-        commands: list[Command] = []
-        if error != self._complaint:
-            commands.append(Notice("error", f"the planner failed, a static rule decides: {error}"))
-        self._complaint = error
-        return [*commands, *self._by_rule(now, pending)]
+    def _without_plan(self, now: float, pending: Pending, *, late: bool) -> list[Command]:
+        """Decide by priority and token buckets; where the plan is `late` send what fits, or its room is lost.
 
-    def _decided_too_late(self, now: float, pending: Pending) -> list[Command]:
-        """Send what fits, unless something more urgent waits: what is not used now is lost."""
-        sample, stream = pending.sample, self.appraisal.stream_of(now, pending.sample)
-        if pending.copy is not None or any(waiting.priority < sample.priority for waiting in self._inbox):
-            return self._by_rule(now, pending)
-        use = self.appraisal.use(stream, sample)
-        lacking = self.appraisal.lacking_beside_booked(now, use)
-        lacking = lacking or self.appraisal.lacking_beside_rivals(now, stream, use)[0]
-        return [self._by_fallback(now, stream, sample, use, lacking)]
-
-    def _by_rule(self, now: float, pending: Pending) -> list[Command]:
-        """Decide by priority and token buckets."""
+        Unless something more urgent waits.
+        """
         if pending.copy is not None:
             return self._copy_gate.by_rule(now, pending.copy, self._rule)
-        sample = pending.sample
-        stream = self.appraisal.stream_of(now, sample)
+        sample, stream = pending.sample, self.appraisal.stream_of(now, pending.sample)
         use = self.appraisal.use(stream, sample)
-        return [self._by_fallback(now, stream, sample, use, self._rule.admit(now, sample, use))]
-
-    def _by_fallback(
-        self, now: float, stream: Stream | None, sample: Waiting, use: Use, lacking: tuple[str, ...]
-    ) -> Command:
+        if late and all(waiting.priority >= sample.priority for waiting in self._inbox):
+            lacking = self.appraisal.lacking_beside_booked(now, use)
+            lacking = lacking or self.appraisal.lacking_beside_rivals(now, stream, use)[0]
+        else:
+            lacking = self._rule.admit(now, sample, use)
         if lacking:
-            return self.outcomes.refuse(now, stream, sample, "dropped:fallback", lacking)
-        return self.outcomes.send(now, stream, sample, use, "passed:fallback")
+            return [self.outcomes.refuse(now, stream, sample, "dropped:fallback", lacking)]
+        return [self.outcomes.send(now, stream, sample, use, "passed:fallback")]

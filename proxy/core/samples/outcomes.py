@@ -72,14 +72,19 @@ class Outcomes:
         """The mesh session took the sample."""
         self._first.pop(sample, None)
         self._budget.own.handed(now, sample)
+        if key := self._counts.hand(sample):
+            self._view.handed(key)
 
-    def refused(self, sample: int) -> None:
-        """The mesh session did not take the sample: if it is the first one that counts, the next one is."""
+    def refused(self, sample: int, reason: str) -> str:
+        """The mesh session did not take the sample: if it is the first one that counts, the next one is.
+
+        Return its key.
+        """
         self._budget.own.refused(sample)
-        first = self._first.pop(sample, None)
-        if first is not None:
-            stream, names = first
+        stream, names = self._first.pop(sample, (None, ()))
+        if stream is not None:
             stream.miss(names)
+        return self._counts.drop(sample, reason)
 
     def _count_on_air(self, stream: Stream | None, sample: Waiting) -> None:
         """Count a sample in what we announce that we put on the air."""

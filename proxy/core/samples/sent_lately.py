@@ -2,27 +2,19 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from proxy.core.samples.away import Copy, Leaving
-from proxy.core.samples.payloads import Payloads
+from proxy.core.samples.held_payloads import HeldPayloads
 from proxy.core.samples.tuning import TUNING
-
-
-@dataclass(frozen=True, slots=True)
-class _Sent:
-    """A sample that was sent, when to whom, by tag [s], as a copy for any of them would be."""
-
-    copy: Copy
-    at: Mapping[str, float]
 
 
 class SentLately:
     """Of each key as many as are kept for one robot."""
 
-    def __init__(self, payloads: Payloads) -> None:
+    def __init__(self, payloads: HeldPayloads) -> None:
         self._payloads = payloads
-        self._sent: dict[str, dict[int, _Sent]] = {}
+        self._sent: dict[str, dict[int, tuple[Copy, Mapping[str, float]]]] = {}
+        """By key and sample: as a copy for anybody would be, and when it was sent to whom, by tag [s]."""
 
     def __bool__(self) -> bool:
         return bool(self._sent)
@@ -31,10 +23,10 @@ class SentLately:
         """A sample was sent at these times to these robots."""
         waiting = copy.waiting
         many = self._sent.setdefault(waiting.key, {})
-        known = many.pop(waiting.sample, None)
-        many[waiting.sample] = _Sent(copy, {**(known.at if known is not None else {}), **at})
-        if known is None:
+        if waiting.sample not in many:
             self._payloads.hold(waiting)
+        _, before = many.pop(waiting.sample, (copy, {}))
+        many[waiting.sample] = copy, {**before, **at}
         if len(many) > copy.most:
             self.forget(waiting.key, next(iter(many)))
 
@@ -42,8 +34,8 @@ class SentLately:
         """Return what a robot may not have got that vanishes now; nothing if it would not notice what it has."""
         if not robot.alike:
             return []
-        sent = (each for many in self._sent.values() for each in many.values())
-        return [each.copy for each in sent if each.at.get(robot.tag, -math.inf) >= now - TUNING.doubtful]
+        since, sent = now - TUNING.doubtful, (each for many in self._sent.values() for each in many.values())
+        return [copy for copy, at in sent if at.get(robot.tag, -math.inf) >= since]
 
     def forget(self, key: str, sample: int) -> None:
         """Nobody needs a sample any more."""
@@ -61,6 +53,6 @@ class SentLately:
     def sweep(self, now: float) -> None:
         """Forget what has arrived for certain."""
         since = now - TUNING.doubtful
-        old = [(k, n) for k, many in self._sent.items() for n, sent in many.items() if max(sent.at.values()) < since]
+        old = [(k, n) for k, many in self._sent.items() for n, (_, at) in many.items() if max(at.values()) < since]
         for key, sample in old:
             self.forget(key, sample)

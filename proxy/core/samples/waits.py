@@ -16,19 +16,20 @@ from proxy.core.view.stream import Stream
 class Waits:
     """When the samples that wait for room can be taken up."""
 
-    def __init__(self, appraisal: Appraisal) -> None:
+    def __init__(self, appraisal: Appraisal, inbox: Inbox) -> None:
         self.wakes_at = math.inf
         """When one of those that were looked at since the last `restart` can be taken up [s]."""
         self._appraisal = appraisal
+        self._inbox = inbox
         self._view, self._budget, self._disputes = appraisal.view, appraisal.budget, appraisal.disputes
         self._opening: dict[int, tuple[float, tuple[Limit, ...]]] = {}
         """When there is room for samples that wait for it [s], under which limits."""
 
-    def restart(self, inbox: Inbox) -> None:
+    def restart(self) -> None:
         """All that waits in the inbox is looked at again."""
         self.wakes_at = math.inf
-        if len(self._opening) > 2 * len(inbox) + TUNING.stale_waits:
-            here = {waiting.sample for waiting in inbox}
+        if len(self._opening) > 2 * len(self._inbox) + TUNING.stale_waits:
+            here = {waiting.sample for waiting in self._inbox}
             self._opening = {sample: wait for sample, wait in self._opening.items() if sample in here}
 
     def holds(self, now: float, sample: Waiting) -> bool:
@@ -36,11 +37,16 @@ class Waits:
         return bool(self._budget.limits) and (self._for_greetings(now, sample) or self._for_room(now, sample))
 
     def gives_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
-        """Whether a sample waits until it is known what others have sent, which may be known by `until` [s]."""
+        """Whether a sample goes back into the inbox until it is known what others have sent, `until` then at most [s].
+
+        It does not where a newer one is there, or where it would be too old by then.
+        """
         known_at = max(now + TUNING.shortest_wait, min(until, now + news_take(self._view)))
-        if known_at > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
+        newer = any(waiting.key == sample.key for waiting in self._inbox)
+        if newer or known_at > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
             return False
         self._opening[sample.sample] = known_at, self._budget.limits
+        self._inbox.put_back([sample])
         return True
 
     def _for_greetings(self, now: float, sample: Waiting) -> bool:

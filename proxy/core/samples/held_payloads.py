@@ -6,7 +6,7 @@ from proxy.core.interface.commands import Command, Forget, Keep
 from proxy.core.model.waiting import Waiting
 
 
-class Payloads:
+class HeldPayloads:
     """Counts who needs the payload of a sample."""
 
     def __init__(self) -> None:
