@@ -14,30 +14,12 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
-from proxy.core.market.prices import EACH, PACE, UNKNOWN, Amounts, Market, Row, Standing, Weighed, interval_of, reserve
+from proxy.core.market.prices import UNKNOWN, Amounts, Market, Row, Standing, Weighed, interval_of, reserve
+from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
-
-MOST_BOOKED = 0.9
-"""No more than this part of a limit is booked, nor what the largest contested messages need..."""
-SMALLER = 0.7
-"""... of which those are sent that are so many deviations smaller than the mean: with frames of 60 kB that nearly fill
-the limit, two robots exceeded it in 2.8 % of the windows and lost 1 % of the small samples where it was the mean, and
-in 0.04 % now."""
-PATIENCE = 0.75
-"""A sample waits for room for this part of its stream's period: with random sizes and times 95.5 % of the bound instead
-of 94.2; where each sample counts for the longest window."""
-LATE = 0.15
-"""A contested sample may be late by this part of the shortest period: a camera that sends every fifth frame needs
-windows that are a little shorter than five periods (82 % of the limit instead of 73)..."""
-MOST_LATE = 0.05
-"""... but not by more than this part of a window..."""
-FEW = 2
-"""... nor where more robots compete, for what they wait for is not known: two sent 3 % more bytes, four 2 % fewer."""
-ALIKE = 0.1
-"""A sample whose worth differs by more than this part from what was weighed is decided on its own."""
 
 Place = tuple[str, str]
 """The robot and key of a stream."""
@@ -48,14 +30,15 @@ class Disputes:
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
-        self._looked = -math.inf
-        self._for: tuple[tuple[Limit, ...], bool] = (), False
+        self._weighed_at = -math.inf
+        self._limits: tuple[Limit, ...] = ()
+        self._alone = False
         self._weighed: dict[Place, Weighed] = {}
         self._market: Market | None = None
         self._load: tuple[tuple[Stream, int], ...] = ()
         """The streams that are booked, and in how many copies their samples go."""
         self._reserve: Amounts = ()
-        self._known: tuple[float, ...] = ()
+        self._known: tuple[float, int, int] | None = None
         self._known_sends: list[Send] = []
         """The sends of what is booked, as they are after so many sends noted at that time: one event asks often."""
         self.settled: frozenset[Place] = frozenset()
@@ -63,17 +46,24 @@ class Disputes:
         self.late = 0.0
         """How much later than it was generated a contested sample may be sent [s]."""
 
-    def look(self, now: float, limits: tuple[Limit, ...], *, alone: bool) -> None:
-        """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to."""
-        if now < self._looked + max(PACE, EACH * len(self._weighed)) and self._for == (limits, alone):
+    def advance(self, now: float, limits: tuple[Limit, ...], *, alone: bool, deciding: Stream | None = None) -> None:
+        """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
+
+        It is sooner where a sample is to be decided of a stream that is new.
+        """
+        new = deciding is not None and _place(deciding) not in self._weighed
+        pause = TUNING.interval_each * len(self._weighed)
+        if now < self._weighed_at + (pause if new else max(TUNING.interval, pause)) and (self._limits, self._alone) == (
+            limits,
+            alone,
+        ):
             return
-        self._looked, self._for = now, (limits, alone)
-        view = self._view
+        view, self._weighed_at, self._limits, self._alone = self._view, now, limits, alone
         competing = [s for s in view.competition.all(now) if not alone or s.robot == view.settings.robot]
         rows = [self._row(now, stream) for stream in competing] if limits else []
         if alone:  # what is larger than our part has no turn now, and sets no price for what is not
             rows = [row for row in rows if all(use <= c.limit for use, c in zip(row.use, limits, strict=True))]
-        places = [(row.stream.robot, row.stream.key) for row in rows]
+        places = [_place(row.stream) for row in rows]
         self._market, weighed = None, list[Weighed]()
         if rows:
             self._market, steady = Market.of(rows, limits)
@@ -83,43 +73,39 @@ class Disputes:
 
     def weighed(self, stream: Stream) -> Weighed:
         """Return how a stream stands."""
-        return self._weighed.get((stream.robot, stream.key), UNKNOWN)
+        return self._weighed.get(_place(stream), UNKNOWN)
 
     def standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """Return how a sample of ours stands: undisputed, contested or hopeless."""
-        known = self._weighed.get((stream.robot, stream.key)) or self._weigh_new(now, stream)
-        if abs(known.scale - sample.scale) > ALIKE * known.scale:
+        known = self._weighed.get(_place(stream)) or self._weighed_alone(now, stream)
+        if abs(known.scale - sample.scale) > TUNING.alike * known.scale:
             return Standing.CONTESTED
         if known.standing is not Standing.PRICED:
             return known.standing
         due = stream.sent is None or sample.t_gen - stream.sent.t_gen >= known.apart - 0.5 * known.interval
         return Standing.UNDISPUTED if due else Standing.HOPELESS
 
-    def _weigh_new(self, now: float, stream: Stream) -> Weighed:
-        """Weigh a stream that is new: all of them if it is time to, else that one at the prices that there are."""
-        if now >= self._looked + EACH * len(self._weighed):
-            self._looked = -math.inf
-            self.look(now, self._for[0], alone=self._for[1])
-            return self.weighed(stream)
+    def _weighed_alone(self, now: float, stream: Stream) -> Weighed:
+        """Return how a stream stands that is new, at the prices that there are."""
         market = self._market
         return UNKNOWN if market is None or market.fits else market.weigh_new(self._row(now, stream))
 
     def patience(self, stream: Stream, standing: Standing = Standing.CONTESTED) -> float:
         """Return how long a sample that stands so waits for room [s]."""
         if stream.information_type.markovian:
-            return PATIENCE * stream.schedule.period
+            return TUNING.patience * stream.schedule.period
         if standing is Standing.UNDISPUTED:  # an alarm is not lost because the team sent too much for a moment
-            return max(longest_window(self._for[0]), self._view.lifetimes.half_life(stream.information_type.utility))
-        return longest_window(self._for[0])
+            return max(longest_window(self._limits), self._view.lifetimes.half_life(stream.information_type.utility))
+        return longest_window(self._limits)
 
     def left(self, now: float) -> tuple[Amounts, Amounts]:
         """Return what of each limit is left to contested messages, and how long its window is to them [s]."""
-        booked, limits = self._used(now), self._for[0]
+        booked, limits = self._used(now), self._limits
         limit = [
-            c.limit - min(max(amount, used), max(amount, MOST_BOOKED * c.limit))
+            c.limit - min(max(amount, used), max(amount, TUNING.booked * c.limit))
             for c, amount, used in zip(limits, self._reserve, booked, strict=True)
         ]
-        return tuple(limit), tuple([c.window - min(self.late, MOST_LATE * c.window) for c in limits])
+        return tuple(limit), tuple([c.window - min(self.late, TUNING.late_window * c.window) for c in limits])
 
     def besides(self, now: float, use: Amounts) -> Amounts:
         """Return the use of a contested message, and beside it what was booked and is not used yet."""
@@ -130,7 +116,7 @@ class Disputes:
 
     def unbooked(self, now: float, sends: Sequence[Send]) -> tuple[Send, ...]:
         """Return those of all sends within the longest window that were not booked."""
-        booked, left, since = Counter(self._sends(now)), [], self._since(now)
+        booked, left, since = Counter(self._sends(now)), [], now - longest_window(self._limits)
         for send in sends:
             if send[0] < since:
                 continue
@@ -142,7 +128,7 @@ class Disputes:
 
     def _row(self, now: float, stream: Stream) -> Row:
         """What there is to know of a stream."""
-        view, limits = self._view, self._for[0]
+        view, limits = self._view, self._limits
         own, copies, audience = self._own(stream), view.copies(stream), view.audiences.of(now, stream)
         size = round(stream.mean_size)
         use = use_of(size, copies, limits, own=own)
@@ -158,28 +144,31 @@ class Disputes:
 
     def _book(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> None:
         """Book what is no decision."""
-        limits = self._for[0]
+        limits = self._limits
         contested = [row for row, w in rows if w.standing is Standing.CONTESTED]
         load = [(row, w) for row, w in rows if w.standing in (Standing.UNDISPUTED, Standing.PRICED)]
         self._load = tuple([(row.stream, self._view.copies(row.stream)) for row, _ in load])
-        self._known = ()
+        self._known = None
         apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
         booked = reserve([row for row, _ in load], apart, limits)
         presumed = self._presumed(now, [row for row, _ in load], apart)
         kept = [
-            max((r.use[k] - SMALLER * r.deviation[k] for r in contested if r.use[k] <= c.limit), default=0.0)
+            max(
+                (r.use[k] - TUNING.smaller_deviations * r.deviation[k] for r in contested if r.use[k] <= c.limit),
+                default=0.0,
+            )
             for k, c in enumerate(limits)
         ]
         self._reserve = tuple(
             [
-                min(amount + more, MOST_BOOKED * c.limit, c.limit - keep)
+                min(amount + more, TUNING.booked * c.limit, c.limit - keep)
                 for amount, more, c, keep in zip(booked, presumed, limits, kept, strict=True)
             ]
         )
         self.settled = frozenset(place for place, w in self._weighed.items() if w.standing is not Standing.CONTESTED)
         periods = [row.interval for row in contested if row.stream.information_type.markovian]
-        few = len({row.stream.robot for row in contested}) <= FEW
-        self.late = LATE * min(periods, default=0.0) if few else 0.0
+        few = len({row.stream.robot for row in contested}) <= TUNING.late_robots
+        self.late = TUNING.late_period * min(periods, default=0.0) if few else 0.0
 
     def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float]) -> Amounts:
         """What robots that were met lately use of each limit, besides what is known of them, if they are like us.
@@ -188,8 +177,8 @@ class Disputes:
         the limit without it, 1 to 5 % with it. Who is known to send nothing is left out: an operator cost four robots
         2 % of their bytes for 10 s.
         """
-        limits, me = self._for[0], self._view.settings.robot
-        met = [] if self._for[1] else [p for p in self._view.met_lately(now) if not self._view.silent(p)]
+        limits, me = self._limits, self._view.settings.robot
+        met = [] if self._alone else [p for p in self._view.met_lately(now) if not self._view.silent(p)]
         uses = {robot: [0.0] * len(limits) for robot in (me, *(peer.robot for peer in met))}
         for row, interval in zip(load, apart, strict=True):
             if (use := uses.get(row.stream.robot)) is not None:
@@ -201,17 +190,14 @@ class Disputes:
     def _used(self, now: float) -> Amounts:
         """Return what was sent of what is booked in the windows that end now."""
         sends = self._sends(now)
-        return tuple([sum(use[k] for t, use in sends if t >= now - c.window) for k, c in enumerate(self._for[0])])
+        return tuple([sum(use[k] for t, use in sends if t >= now - c.window) for k, c in enumerate(self._limits)])
 
     def _sends(self, now: float) -> list[Send]:
         """Return the sends of streams that are booked, within the longest window."""
         known = now, self._view.sends_noted, self._view.messages
-        if self._known != known:
-            self._known, self._known_sends = known, self._look_for_sends(now)
-        return self._known_sends
-
-    def _look_for_sends(self, now: float) -> list[Send]:
-        limits, found, since = self._for[0], list[Send](), self._since(now)
+        if self._known == known:
+            return self._known_sends
+        limits, found, since = self._limits, list[Send](), now - longest_window(self._limits)
         for stream, copies in self._load:
             if stream.sent is None or stream.sent.t_sent < since:
                 continue
@@ -220,11 +206,12 @@ class Disputes:
                 if sent.t_sent < since:
                     break
                 found.append((sent.t_sent, use_of(sent.size, copies, limits, own=own)))
+        self._known, self._known_sends = known, found
         return found
-
-    def _since(self, now: float) -> float:
-        """Return when the longest window begins that ends now [s]."""
-        return now - longest_window(self._for[0])
 
     def _own(self, stream: Stream) -> bool:
         return stream.robot == self._view.settings.robot
+
+
+def _place(stream: Stream) -> Place:
+    return stream.robot, stream.key

@@ -23,38 +23,9 @@ from planner import Aggregation
 from planner.received import integrals
 from planner.steady import INTERVALS, Steady, clearing_prices
 from planner.utility.base import told_apart
+from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Stream
-
-SMALL = 0.05
-"""A message is small that takes no more than this part of every limit. With streams of equal messages, five to a
-window, booked as load teams reached 92.5 % of the bound instead of 99.4: room was kept for whole messages."""
-NEW = 4.0
-"""The samples of a new stream are undisputed only if they earn so many times their price: nobody knows its rate yet."""
-OFFERED = 0.95
-"""What varies needs the rest of a limit: so 250 small streams reached 99.4 % of the bound, without a rest 99.3, and
-their decisions took a sixth more time."""
-SMALL_PART = 0.3
-"""A stream is hopeless when its first sample earns no more than this part of the price."""
-STAY = 1.25
-"""What a stream was it stays until it is beyond the bound by this factor."""
-DEVIATIONS = 2.0
-"""The reserve is so many standard deviations above the mean: with three, four robots with cameras sent 4 % fewer bytes;
-with one, 2 % more, and three times as many windows of eight robots were over the limit."""
-SURELY = 3.0
-"""There is room for all where there is with so many standard deviations."""
-LEAST_SPREAD = 0.25
-"""In both the count of a periodic stream in a window varies by at least this (variance): by one or none."""
-RHYTHM = 3
-"""Of a stream that generated fewer samples nobody knows how far apart they are."""
-KNOWN = 8
-"""Of a stream that generated fewer samples nobody can say how often it does."""
-PACE = 0.25
-"""Streams are weighed anew this often [s]..."""
-EACH = 1e-3
-"""... where many streams compete only after so long for each of them [s]."""
-MOST_SCALE = 1e100
-"""What is worth more counts as this, so that all sums are finite."""
 
 Amounts = tuple[float, ...]
 
@@ -99,7 +70,7 @@ class Row(NamedTuple):
 
     def small(self, limits: Sequence[Limit]) -> bool:
         """Whether its messages are small by all limits."""
-        return all(u + d <= SMALL * c.limit for u, d, c in zip(self.use, self.deviation, limits, strict=True))
+        return all(u + d <= TUNING.small * c.limit for u, d, c in zip(self.use, self.deviation, limits, strict=True))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,8 +85,8 @@ class Market:
     def of(cls, rows: Sequence[Row], limits: tuple[Limit, ...]) -> tuple[Self, Steady]:
         """Return the market of all that competes, and what each of these streams earns."""
         steady = _steady(rows)
-        prices = clearing_prices(steady, OFFERED * np.array([c.limit / c.window for c in limits]))
-        most = reserve(rows, [row.interval for row in rows], limits, SURELY)
+        prices = clearing_prices(steady, TUNING.offered * np.array([c.limit / c.window for c in limits]))
+        most = reserve(rows, [row.interval for row in rows], limits, TUNING.sure_deviations)
         return cls(limits, prices, all(a <= c.limit for a, c in zip(most, limits, strict=True))), steady
 
     def weigh(self, rows: Sequence[Row], steady: Steady, before: Sequence[Weighed]) -> list[Weighed]:
@@ -142,22 +113,28 @@ class Market:
 
     def _standing(self, row: Row, before: Standing, last: float, first: float) -> Standing:
         """Return how a stream stands whose last and first sample a second earn so many times their price."""
-        kind, new, small = row.stream.information_type, row.stream.generated < KNOWN, row.small(self.limits)
+        kind, new, small = (
+            row.stream.information_type,
+            row.stream.generated < TUNING.rate_samples,
+            row.small(self.limits),
+        )
         if self.fits and not new:
             return Standing.UNDISPUTED
         if not isinstance(kind.aggregation, Aggregation):
             return Standing.CONTESTED
-        if small and last >= (NEW if new else 1.0 / STAY if before is Standing.UNDISPUTED else 1.0):
+        if small and last >= (
+            TUNING.new_price if new else 1.0 / TUNING.hysteresis if before is Standing.UNDISPUTED else 1.0
+        ):
             return Standing.UNDISPUTED
-        if row.stream.generated < RHYTHM or kind.guarantee.rate > 0.0:
+        if row.stream.generated < TUNING.rhythm_samples or kind.guarantee.rate > 0.0:
             return Standing.CONTESTED
-        if first <= SMALL_PART * (STAY if before is Standing.HOPELESS else 1.0):
+        if first <= TUNING.hopeless * (TUNING.hysteresis if before is Standing.HOPELESS else 1.0):
             return Standing.HOPELESS
         return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
 
 
 def reserve(
-    rows: Sequence[Row], apart: Sequence[float], limits: Sequence[Limit], deviations: float = DEVIATIONS
+    rows: Sequence[Row], apart: Sequence[float], limits: Sequence[Limit], deviations: float = TUNING.reserve_deviations
 ) -> Amounts:
     """Return what streams that send so far apart [s] use of each limit in a window, with few exceptions."""
     booked = []
@@ -188,7 +165,7 @@ def interval_of(now: float, stream: Stream, window: float, most: float = 2.0) ->
 
 def rate_known(now: float, stream: Stream, window: float) -> bool:
     """Whether it is known how often a stream generates: from several samples, over a window [s]."""
-    return stream.generated >= KNOWN and now - stream.began >= window
+    return stream.generated >= TUNING.rate_samples and now - stream.began >= window
 
 
 def _spread(stream: Stream, count: float) -> float:
@@ -196,7 +173,7 @@ def _spread(stream: Stream, count: float) -> float:
     kind = stream.schedule.kind
     if kind.startswith("periodic"):
         part = count - math.floor(count)
-        return max(part * (1.0 - part), LEAST_SPREAD)
+        return max(part * (1.0 - part), TUNING.least_variance)
     return count + count * count if kind.startswith("bursts") else count
 
 
@@ -209,7 +186,7 @@ def _steady(rows: Sequence[Row]) -> Steady:
     begin = np.broadcast_to(np.array([row.age for row in rows])[:, None], apart.shape)
     many = np.repeat(which, apart.shape[1])
     area = integrals(utilities, many, begin.ravel(), (begin + apart).ravel()).reshape(apart.shape)
-    area *= np.array([min(row.scale, MOST_SCALE) for row in rows])[:, None]
+    area *= np.array([min(row.scale, TUNING.most_scale) for row in rows])[:, None]
     for at, kind in enumerate(kinds):
         if kind.aggregation in (Aggregation.SUM, Aggregation.ONCE):
             area[at] = area[at, -1]

@@ -9,10 +9,8 @@ import math
 from collections.abc import Iterable, Sequence
 
 from planner import Constraint
+from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Send
-
-CLOSED = 1e-6
-"""Windows are closed: what was sent a whole window ago still counts for this moment [s]."""
 
 
 def opens(
@@ -39,5 +37,5 @@ def _opens(limit: Constraint, k: int, sends: Sequence[tuple[float, bool, tuple[f
     for t, ours, use in sends:
         used += use[k]
         if used + needed > limit.limit:
-            return t + limit.window + CLOSED if ours else math.inf
+            return t + limit.window + TUNING.closed if ours else math.inf
     return -math.inf

@@ -1,24 +1,17 @@
-"""Ample room: what all streams are to be expected to send fits easily into every limit, so nothing has to be dropped.
+"""Undersubscribed limits: what all streams are to be expected to send fits easily, so nothing has to be dropped.
 
 Then samples go without a search. Of new streams nobody knows what they need: it is taken that they generate as many
 again as they did so far. That is doubtful, so their first samples are decided unless it is a small part of every limit,
 or many samples wait, as in a burst: then a search for each would take longer than they are worth.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
-from proxy.core.market.prices import EACH, KNOWN, PACE, Amounts, rate_known
+from proxy.core.market.prices import Amounts, rate_known
+from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
-
-PART = 0.7
-"""There is ample room while all need no more than this part of every limit."""
-PART_OF_NEW = 0.05
-"""... and, while any of them is new, no more than this part. Where new streams come all the time searches for each of
-their samples lost others on an idle channel."""
-MANY = 8
-"""With more samples waiting than this there is no time for searches that are not needed."""
 
 
 def need(view: SharedView, stream: Stream, limits: Sequence[Limit], now: float) -> Amounts:
@@ -34,8 +27,8 @@ def _most(stream: Stream, window: float, now: float) -> float:
     return by_period if rate_known(now, stream, window) else min(by_period, 2.0 * stream.generated)
 
 
-class Ample:
-    """Whether there is ample room. What one stream needs is known at once, what all others do from time to time."""
+class Undersubscribed:
+    """Whether all fits. What one stream needs is known at once, what all others do from time to time."""
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
@@ -45,40 +38,30 @@ class Ample:
         self._new: set[tuple[str, str]] = set()
         self._total: Amounts = ()
 
-    def fits(
-        self, now: float, stream: Stream, limits: Sequence[Limit], held: Sequence[float], waiting: int, *, alone: bool
-    ) -> bool:
-        """Whether all fits into what is `held` of each limit: what our own streams need, if we hold it `alone`.
-
-        A sample of `stream` is to be decided, and so many others wait.
-        """
-        if now >= self._due or self._for != (limits, alone):
-            self._for = limits, alone
-            self._look(now, limits)
-        self.note(now, stream)
-        part = PART_OF_NEW if self._new and waiting <= MANY else PART
-        return all(total <= part * amount for total, amount in zip(self._total, held, strict=True))
+    def advance(self, now: float, limits: Sequence[Limit], *, alone: bool) -> None:
+        """See what all streams that compete need of these limits, ours `alone` or those of all, if it is time to."""
+        if now < self._due and self._for == (limits, alone):
+            return
+        view, self._for = self._view, (limits, alone)
+        self._needs, self._new, self._total = {}, set(), (0.0,) * len(limits)
+        streams = (s for s in view.own() if view.competes(now, s)) if alone else view.competition.all(now)
+        for stream in streams:
+            self.note(now, stream)
+        self._due = now + max(TUNING.interval, TUNING.interval_each * len(self._needs))
 
     def note(self, now: float, stream: Stream) -> None:
         """A stream has generated a sample."""
-        self._set(stream, need(self._view, stream, self._for[0], now))
-
-    def _look(self, now: float, limits: Sequence[Limit]) -> None:
-        view, alone = self._view, self._for[1]
-        own = (stream for stream in view.own() if view.competes(now, stream))
-        competing: Iterable[Stream] = own if alone else view.competition.all(now)
-        self._needs, self._total = {}, (0.0,) * len(limits)
-        self._new.clear()
-        for stream in competing:
-            self._set(stream, need(view, stream, limits, now))
-        self._due = now + max(PACE, EACH * len(self._needs))
-
-    def _set(self, stream: Stream, needed: Amounts) -> None:
-        place = stream.robot, stream.key
+        place, needed = (stream.robot, stream.key), need(self._view, stream, self._for[0], now)
         before = self._needs.get(place, (0.0,) * len(needed))
         self._needs[place] = needed
-        if stream.generated < KNOWN:
-            self._new.add(place)
-        else:
-            self._new.discard(place)
+        (self._new.add if stream.generated < TUNING.rate_samples else self._new.discard)(place)
         self._total = tuple([t + n - b for t, n, b in zip(self._total, needed, before, strict=True)])
+
+    def fits(self, held: Sequence[float], waiting: int) -> bool:
+        """Whether all fits into what is `held` of each limit: what our own streams need, if we hold it alone.
+
+        So many samples wait besides the one that is to be decided.
+        """
+        new = self._new and waiting <= TUNING.many_waiting
+        part = TUNING.undersubscribed_new if new else TUNING.undersubscribed
+        return all(total <= part * amount for total, amount in zip(self._total, held, strict=True))

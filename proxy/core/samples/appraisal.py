@@ -6,7 +6,7 @@ from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.claims import both, rivals
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.prices import Standing
-from proxy.core.market.undersubscribed import Ample
+from proxy.core.market.undersubscribed import Undersubscribed
 from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode, in_force
 from proxy.core.model.waiting import Waiting
@@ -27,7 +27,7 @@ class Appraisal:
         self.view = view
         self.budget = budget
         self.disputes = disputes
-        self._ample = Ample(view)
+        self._undersubscribed = Undersubscribed(view)
 
     def set_mode(self, mode: Mode) -> None:
         """Do this with decisions from now on."""
@@ -55,17 +55,20 @@ class Appraisal:
 
     def published(self, now: float, stream: Stream) -> None:
         """The stream has generated a sample while another one is decided."""
-        self._ample.note(now, stream)
+        self._undersubscribed.note(now, stream)
 
     def roomy(self, now: float, stream: Stream, waiting: int) -> bool:
         """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
-        limits, alone = self.budget.limits, self.budget.alone
-        whole = [limit.limit for limit in self.budget.usable(now)]
-        return not limits or self._ample.fits(now, stream, limits, whole, waiting, alone=alone)
+        limits = self.budget.limits
+        if not limits:
+            return True
+        self._undersubscribed.advance(now, limits, alone=self.budget.alone)
+        self._undersubscribed.note(now, stream)
+        return self._undersubscribed.fits([limit.limit for limit in self.budget.usable(now)], waiting)
 
     def standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """How a sample stands among all that competes with it."""
-        self._weigh(now)
+        self._weigh(now, stream)
         return self.disputes.standing(now, stream, sample)
 
     def lacking_beside_booked(self, now: float, use: Use) -> tuple[str, ...]:
@@ -95,6 +98,6 @@ class Appraisal:
         taken, until = rivals(now, self.view, self.disputes, stream, budget.limits, own=use, grew=grew)
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
-    def _weigh(self, now: float) -> None:
+    def _weigh(self, now: float, deciding: Stream | None = None) -> None:
         """Weigh anew how streams stand, if it is time to."""
-        self.disputes.look(now, self.budget.usable(now), alone=self.budget.alone)
+        self.disputes.advance(now, self.budget.usable(now), alone=self.budget.alone, deciding=deciding)

@@ -38,7 +38,7 @@ def taken(view, now, *, grew=-math.inf):
 
 def judged(view, now, *, own=(0.0,), grew=-math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
-    disputes.look(now, limits, alone=False)
+    disputes.advance(now, limits, alone=False)
     stream = view.known("r1", "robot/r1/camera")
     return rivals(now, view, disputes, stream, limits, own=own, grew=grew)
 
@@ -175,7 +175,7 @@ def test_a_sample_may_come_later_than_it_is_due(view):
 def test_of_two_that_are_as_long_silent_one_leads(view):
     """Though what each knows of the other is off by a bit: clocks and the wire round."""
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
-    disputes.look(10.0, limits, alone=False)
+    disputes.advance(10.0, limits, alone=False)
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.0 + 0.5 * TUNING.claim_tolerance)
     assert not leads(10.0, view, disputes, view.known("r1", "robot/r1/camera"), limits)
@@ -236,7 +236,7 @@ def test_the_best_claim_may_have_waited_for_the_room_that_opened(view):
 def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view):
     """What is small is soon no part of any dispute; a stream without a rhythm waits for nobody's room."""
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
-    disputes.look(10.0, limits, alone=False)
+    disputes.advance(10.0, limits, alone=False)
     ours, theirs = (view.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.5)
@@ -266,7 +266,7 @@ def test_a_small_message_of_a_slow_stream_does_not_wait_for_late_news_of_one_oth
     window = news_take(view) / TUNING.collision_news * (0.9 if late else 1.1)
     limits = tuple(replace(limit, window=window) for limit in limits_of(view.specs, 0.02, 2))
     disputes, ours = Disputes(view), view.known("r1", "robot/r1/camera")
-    disputes.look(10.0, limits, alone=False)
+    disputes.advance(10.0, limits, alone=False)
     ours.schedule.observe(
         101, 9.9, Rhythm((2.0 if seldom else 0.5) * TUNING.collision_period * window, 9.9, 101, 0.0, 16)
     )

@@ -3,7 +3,8 @@
 import pytest
 
 from planner import Throughput
-from proxy.core.market.prices import KNOWN, UNKNOWN, Market, Row, Standing, Weighed, interval_of, reserve
+from proxy.core.market.prices import UNKNOWN, Market, Row, Standing, Weighed, interval_of, reserve
+from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Generated, Stream
 
@@ -94,7 +95,7 @@ def test_new_streams_are_contested_unless_they_earn_many_times_their_price(make_
     cameras = [make_row("camera", 10.0, 26_000) for _ in range(4)]
     rows = make_row("alarm", 2.0, 76, generated=1), make_row("chatter", 2.0, 76, generated=1), *cameras
     assert standings(*rows)[:2] == [Standing.UNDISPUTED, Standing.CONTESTED]
-    few = make_row("camera", 2.0, 8_000, generated=KNOWN - 1)
+    few = make_row("camera", 2.0, 8_000, generated=TUNING.rate_samples - 1)
     assert standings(few) == [Standing.CONTESTED]
 
 

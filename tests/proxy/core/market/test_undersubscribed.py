@@ -7,9 +7,10 @@ import pytest
 from planner import Throughput
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward
-from proxy.core.market.undersubscribed import MANY, PART, PART_OF_NEW, Ample, need
+from proxy.core.market.tuning import TUNING
+from proxy.core.market.undersubscribed import Undersubscribed, need
 from proxy.core.model.limits import Limit
-from proxy.core.samples.tuning import TUNING
+from proxy.core.samples.tuning import TUNING as SAMPLES
 from tests.proxy.core.talk import only
 
 WINDOW, LIMIT = 0.5, 62_500.0
@@ -47,14 +48,18 @@ def test_where_many_wait_new_streams_may_need_a_part_of_what_is_held(talk, alone
     for robot in ("a", "b"):
         talk.publish(1.0, f"robot/{robot}/camera")
     first, second = talk.core.view.own()
-    ample = Ample(talk.core.view)
+    undersubscribed = Undersubscribed(talk.core.view)
 
-    def fits(now, stream, amount, waiting=MANY + 1):
-        return ample.fits(now, stream, LIMITS, [1.001 * amount / PART], waiting, alone=alone)
+    def fits(now, stream, amount, waiting=TUNING.many_waiting + 1):
+        undersubscribed.advance(now, LIMITS, alone=alone)
+        undersubscribed.note(now, stream)
+        return undersubscribed.fits([1.001 * amount / TUNING.undersubscribed], waiting)
 
     assert fits(1.0, first, 4000.0)
-    assert not fits(1.0, first, 0.99 * 4000.0 * PART / PART_OF_NEW, MANY)
-    assert fits(1.0, first, 4000.0 * PART / PART_OF_NEW, MANY)
+    assert not fits(
+        1.0, first, 0.99 * 4000.0 * TUNING.undersubscribed / TUNING.undersubscribed_new, TUNING.many_waiting
+    )
+    assert fits(1.0, first, 4000.0 * TUNING.undersubscribed / TUNING.undersubscribed_new, TUNING.many_waiting)
     assert not fits(1.0, second, 3990.0)
     talk.publish(1.01, "robot/b/camera")
     assert not fits(1.02, second, 4000.0)
@@ -96,8 +101,8 @@ def test_of_a_burst_so_many_are_taken_up_at_one_event(make_talk, make_specs):
         talk.tell(ev.TimePassed(1.01))
         sent.append(len(talk.all(Forward)))
     assert [after - before for before, after in pairwise(sent)][:2] == [
-        TUNING.taken_up_at_once,
-        TUNING.taken_up_at_once,
+        SAMPLES.taken_up_at_once,
+        SAMPLES.taken_up_at_once,
     ]
 
 

@@ -1,0 +1,71 @@
+"""The constants of the market."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class MarketTuning:
+    """Each with what it is for, and the measurement behind it where there is one."""
+
+    interval: float = 0.25
+    """Streams are weighed anew this often [s]..."""
+    interval_each: float = 1e-3
+    """... where many streams compete only after so long for each of them [s]."""
+
+    small: float = 0.05
+    """A message is small that takes no more than this part of every limit. With streams of equal messages, five to a
+    window, booked as load teams reached 92.5 % of the bound instead of 99.4: room was kept for whole messages."""
+    new_price: float = 4.0
+    """The samples of a new stream are undisputed only if they earn so many times their price: nobody knows its rate."""
+    offered: float = 0.95
+    """What varies needs the rest of a limit: so 250 small streams reached 99.4 % of the bound, without a rest 99.3, and
+    their decisions took a sixth more time."""
+    hopeless: float = 0.3
+    """A stream is hopeless when its first sample earns no more than this part of the price."""
+    hysteresis: float = 1.25
+    """What a stream was it stays until it is beyond the bound by this factor."""
+    reserve_deviations: float = 2.0
+    """The reserve is so many standard deviations above the mean: with three, four robots with cameras sent 4 % fewer
+    bytes; with one, 2 % more, and three times as many windows of eight robots were over the limit."""
+    sure_deviations: float = 3.0
+    """There is room for all where there is with so many standard deviations."""
+    least_variance: float = 0.25
+    """In both the count of a periodic stream in a window varies by at least this: by one or none."""
+    rhythm_samples: int = 3
+    """Of a stream that generated fewer samples nobody knows how far apart they are."""
+    rate_samples: int = 8
+    """Of a stream that generated fewer samples nobody can say how often it does."""
+    most_scale: float = 1e100
+    """What is worth more counts as this, so that all sums are finite."""
+
+    booked: float = 0.9
+    """No more than this part of a limit is booked, nor what the largest contested messages need..."""
+    smaller_deviations: float = 0.7
+    """... of which those are sent that are so many deviations smaller than the mean: with frames of 60 kB that nearly
+    fill the limit, two robots exceeded it in 2.8 % of the windows and lost 1 % of the small samples where it was the
+    mean, and in 0.04 % now."""
+    patience: float = 0.75
+    """A sample waits for room for this part of its stream's period: with random sizes and times 95.5 % of the bound
+    instead of 94.2; where each sample counts for the longest window."""
+    late_period: float = 0.15
+    """A contested sample may be late by this part of the shortest period: a camera that sends every fifth frame needs
+    windows that are a little shorter than five periods (82 % of the limit instead of 73)..."""
+    late_window: float = 0.05
+    """... but not by more than this part of a window..."""
+    late_robots: int = 2
+    """... nor where more robots compete, for what they wait for is not known: two sent 3 % more, four 2 % less."""
+    alike: float = 0.1
+    """A sample whose worth differs by more than this part from what was weighed is decided on its own."""
+
+    undersubscribed: float = 0.7
+    """A limit is undersubscribed while all need no more than this part of it..."""
+    undersubscribed_new: float = 0.05
+    """... and, while any of them is new, no more than this part. Where new streams come all the time searches for each
+    of their samples lost others on an idle channel."""
+    many_waiting: int = 8
+    """With more samples waiting than this there is no time for searches that are not needed."""
+    closed: float = 1e-6
+    """Windows are closed: what was sent a whole window ago still counts for this moment [s]."""
+
+
+TUNING = MarketTuning()
