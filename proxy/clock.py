@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from proxy.core.protocol.messages import MOST_CLOCK_ERROR
+from proxy.core.protocol.tuning import TUNING
 
 PACE = 1.0
 """Time between two looks at what the wall clock shows [s]."""
@@ -76,9 +76,9 @@ class WallWatch:
         """In steps of twice as much: what the kernel says grows until it is told anew, and each step is told."""
         if not self._bound:
             return 0.0
-        known = min(max(self._kernel(), self._bound), 2.0 * MOST_CLOCK_ERROR)
+        known = min(max(self._kernel(), self._bound), 2.0 * TUNING.clock_error)
         error = self._bound * 2.0 ** math.ceil(math.log2(known / self._bound))
-        error, told = error if error <= MOST_CLOCK_ERROR else 0.0, self._told.error
+        error, told = error if error <= TUNING.clock_error else 0.0, self._told.error
         if not told or not error or error >= told:
             self._worse_at = now
             return error

@@ -23,22 +23,13 @@ from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lane import Lane
 from proxy.bridge.tokens import MOST, Later, Tokens
 from proxy.core.interface.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
-from proxy.core.protocol.codec import (
-    MAX_BACKLOG,
-    MAX_BYTES,
-    MAX_DIGEST,
-    digest_head,
-    pack_backlog,
-    pack_digest,
-    pack_state,
-    state_version,
-    unpack_backlog,
-    unpack_digest,
-    unpack_state,
-)
+from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
+from proxy.core.protocol.digest_codec import digest_head, pack_digest, unpack_digest
 from proxy.core.protocol.errors import MalformedWireError, OtherVersionError
 from proxy.core.protocol.fixed import ticks
 from proxy.core.protocol.messages import Digest, State, tag
+from proxy.core.protocol.state_codec import pack_state, state_version, unpack_state
+from proxy.core.protocol.tuning import TUNING
 
 log = logging.getLogger(__name__)
 
@@ -200,7 +191,7 @@ class Presence:
         """Take in a digest if it is one and tells something new."""
         now, name = clock.monotonic(), keys.zid_of(key)
         size = len(sample.payload)
-        data = sample.payload.to_bytes() if size <= MAX_DIGEST else b""
+        data = sample.payload.to_bytes() if size <= TUNING.digest_bytes else b""
         robot, known = keys.robot_of(key), name in self._tokens.tags
         try:
             version, sent = digest_head(data)
@@ -224,7 +215,7 @@ class Presence:
         """States are large, and one that is not taken in is asked for: of who is not known none is read."""
         now, key = clock.monotonic(), str(sample.key_expr)
         robot, name = keys.robot_of(key), keys.zid_of(key)
-        if len(sample.payload) > MAX_BYTES:
+        if len(sample.payload) > TUNING.state_bytes:
             self.floods.refuse(now, robot, "state:malformed")
         elif name not in self._tokens.tags:
             self.floods.refuse(now, robot, "state:unknown")
@@ -239,7 +230,7 @@ class Presence:
         name = keys.zid_of(key)
         if name not in self._tokens.tags:
             return
-        if len(sample.payload) > MAX_BACKLOG or not self._admits(self._words, now, name):
+        if len(sample.payload) > TUNING.backlog_bytes or not self._admits(self._words, now, name):
             self.floods.refuse(now, name, "backlog:flood")
             return
         try:

@@ -16,8 +16,7 @@ from planner import Aggregation
 from proxy.core.congestion.channel import Channel
 from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.coordination import Coordination
-from proxy.core.gossip.digest_scheduler import Telling
-from proxy.core.gossip.state_announcements import WALL_STEP
+from proxy.core.gossip.gossip import Gossip
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Drop, Forward, NoteInterest, Notice, Retain
 from proxy.core.model.limits import limits_of, use_of
@@ -61,7 +60,7 @@ class Core:
         self.kept = Kept(settings.away)
         self.gate = Gate(self.view, self.budget, self.counts, self.kept.copies, windows)
         self.channel = Channel(now, self.view)
-        self.telling = Telling(now, self.view, self.coordination, self.gate, self.channel)
+        self.gossip = Gossip(now, self.view, self.coordination, self.budget, self.channel)
         self.refused: Counter[str] = Counter()
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
         self.strangers = Strangers()
@@ -89,7 +88,7 @@ class Core:
 
     def _due(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""
-        due = min(self.telling.next_at(now), self.gate.wakes_at, self.coordination.due_at(now), now + 1.0)
+        due = min(self.gossip.due_at(now), self.gate.wakes_at, self.coordination.due_at(now), now + 1.0)
         return max(min(due, self.channel.capacity.wakes_at(now)), now)
 
     def status(self, now: float) -> dict[str, Any]:
@@ -104,7 +103,7 @@ class Core:
     @_on.register
     def _(self, event: ev.SamplePublished) -> list[Command]:
         if self.view.claim(event.origin):
-            self.telling.restate(event.now)
+            self.gossip.states.review(event.now)
         robot = self.settings.robot
         ours = self.view.robot_of(event.origin) == robot
         self.counts.enter(event.sample, event.key if ours else "")
@@ -117,7 +116,7 @@ class Core:
         stream = self.view.stream(event.now, robot, event.key)
         # A stream that is there may have another period by and by; a new one is news.
         known = stream is None or stream.generated
-        self.telling.restate_stream(event.now, event.size, new=not known)
+        self.gossip.states.sample_came(event.now, event.size, new=not known)
         deletes = event.delete and (stream is None or stream.information_type.deletes == "bypass")
         if stream is None or deletes:
             self._uncovered(event.now, 1, event.size)
@@ -162,7 +161,7 @@ class Core:
             stream.note_generated(count, generated)
         elif stream.last is not None and stream.last.t_gen == waiting.t_gen:
             stream.renew(generated)
-        self.telling.urgent |= self.telling.pacer.value_changed(stream) and self.view.receivers(stream) > 0
+        self.gossip.digests.valued(stream)
         # In shadow all go, so none gives way to a newer one.
         markovian = stream.information_type.markovian and self.gate.appraisal.mode_of(stream) is not Mode.SHADOW
         return replace(waiting, scale=scale, markovian=markovian, features=features)
@@ -220,12 +219,12 @@ class Core:
         if wrong := objection_to_state(peer, event.state):
             self.refused[wrong] += 1
             return []
-        self.telling.heard_state(event.now, event.state, event.size)
+        self.gossip.account.heard_state(event.now, event.state, event.size)
         before, subscriptions = transport_warnings(self.view), peer.subscriptions
         if self.view.heard_state(event.now, event.state):
-            self.telling.look_for_state(event.now, name)
+            self.gossip.requests.compare(event.now, name, peer)
         else:
-            self.telling.asking.want(event.now, name)
+            self.gossip.requests.want(event.now, name)
         told: list[Command] = [NoteInterest(peer.zid, peer.subscriptions)] * (peer.subscriptions != subscriptions)
         if peer.state is not None:
             self.kept.subscribed(name, peer.subscriptions)
@@ -236,9 +235,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.ClockChanged) -> list[Command]:
-        stepped = abs(event.wall_offset - self.telling.state.wall_offset) > WALL_STEP
-        if stepped or event.error != self.view.clock_error:
-            self.telling.restate(event.now)
+        self.gossip.states.clock_set(event.now, event.wall_offset, event.error)
         self.view.set_wall_clock(event.wall_offset, event.error)
         return self._compare_clocks(event.now)
 
@@ -255,7 +252,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.StateAsked) -> list[Command]:
-        self.telling.answered(event.now)
+        self.gossip.state_asked(event.now)
         return []
 
     @_on.register
@@ -268,8 +265,7 @@ class Core:
         for other in known.keys() - self.view.peers.keys():  # it had to leave for the new one
             self._forget(other)
         self._membership(event.now)
-        self.telling.met(event.now)
-        self.telling.asking.want(event.now, name)
+        self.gossip.met(event.now, name)
         robot = self.view.peers[name].robot
         notices: list[Command] = [Notice("info", f"robot {robot} is on the mesh")]
         self.kept.appeared(event.robot, name)
@@ -308,13 +304,13 @@ class Core:
 
     def _forget(self, name: str) -> None:
         """The robot with this tag is not in the view any more."""
-        self.telling.asking.done(name)
+        self.gossip.requests.done(name)
         self.channel.capacity.forget(name)
 
     @_on.register
     def _(self, event: ev.InterestChanged) -> list[Command]:
         self.view.set_interest(event.keys)
-        self.telling.restate(event.now)
+        self.gossip.states.review(event.now)
         return []
 
     @_on.register
@@ -331,14 +327,14 @@ class Core:
     @_on.register
     def _(self, event: ev.SpecsChanged) -> list[Command]:
         self.view.set_specs(event.specs)
-        self.telling.restate(event.now)
+        self.gossip.states.review(event.now)
         self.view.restart_losses()
         self._adopt_limits(event.now)
         return [*self.gate.undecided.unsettle(), *self._retain()]
 
     @_on.register
     def _(self, event: ev.ModeChanged) -> list[Command]:
-        self.telling.restate(event.now)
+        self.gossip.states.review(event.now)
         self.view.restart_losses()
         released = self.gate.set_mode(event.now, event.mode)
         return [*released, *self._retain()]
@@ -358,10 +354,10 @@ class Core:
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event."""
         commands: list[Command] = []
-        self.telling.urgent |= self.channel.look(now, self.counts.dropped)
+        urgent = self.channel.look(now, self.counts.dropped)
         if (pace := self.channel.apply()) is not None:
             self.budget.set_limits(self.channel.limits)
-            self.telling.set_rate()
+            self._set_rate()
             commands.append(pace)
         before = self.outsiders.found
         if self.outsiders.look(now):
@@ -369,11 +365,11 @@ class Core:
             new = self.outsiders.found - before
             commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
         limits, waiting = self.budget.limits, self.channel.staleness
-        announces = self.coordination.advance(now, limits, waiting, self.telling.announcing, self.budget.using)
-        self.telling.parts_changed |= announces
-        self.budget.mute(self.telling.announces_at(now))
+        share = self.gossip.announcements.share
+        parts_changed = self.coordination.advance(now, limits, waiting, share, self.budget.using)
+        self.budget.mute(self.gossip.announcements.due_at(now))
         commands += self.gate.next(now)
-        commands += self.telling.due(now)
+        commands += self.gossip.advance(now, self.gate.appraisal.mode, urgent=urgent, parts_changed=parts_changed)
         self.view.sweep(now)
         if self.kept.sweep(now):
             commands += self._retain()
@@ -413,9 +409,9 @@ class Core:
         if self.view.heard_digest(now, digest):
             self.coordination.heard(now, digest)
             self.outsiders.heard(digest.tag)
-            self.telling.heard(now, size)
+            self.gossip.account.heard_digest(now, size)
             self.channel.capacity.digest_received(now, digest)
-            self.telling.look_for_state(now, digest.tag)
+            self.gossip.requests.compare(now, digest.tag, peer)
         return self.clocks.compare(now, (peer,))
 
     def _membership(self, now: float) -> None:
@@ -427,7 +423,11 @@ class Core:
         self.coordination.set_limits(now, limits_of(self.view.specs, self.settings.allowance, robots))
         self.channel.adopt(now, limits_of(self.view.specs, self.settings.allowance, robots))
         self.budget.set_limits(self.channel.limits)
-        self.telling.set_rate()
+        self._set_rate()
+
+    def _set_rate(self) -> None:
+        follows = bool(self.channel.capacity.factors)
+        self.gossip.account.set_rate(self.channel.allowance_factor, follows=follows)
 
     def _compare_clocks(self, now: float) -> list[Command]:
         return self.clocks.compare(now, self.view.peers.values())

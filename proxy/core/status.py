@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from proxy.core.protocol.codec import VERSION
+from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.messages import tag
 from proxy.core.view.latency import Latency
 from proxy.core.view.peer import Peer
@@ -55,8 +55,8 @@ def report(core: Core, now: float) -> dict[str, Any]:
         + core.strangers.forgotten
         + sum(p.evicted for p in core.view.peers.values())
         + sum(each.paces.evicted for each in core.view.specs.types),
-        "untold": core.telling.untold,
-        "asked": core.telling.asking.asked,
+        "untold": core.gossip.states.left_out,
+        "asked": core.gossip.requests.asked,
     }
 
 

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from proxy.core.gossip.digest_budget import QUESTION
+from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface import events as ev
-from proxy.core.protocol.codec import pack_state
 from proxy.core.protocol.messages import State
+from proxy.core.protocol.state_codec import pack_state
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Crash, Happening, Join, Leave, Merge, Partition
 from studies.simulation.medium import Medium
@@ -114,7 +114,7 @@ class Membership:
         """`one` asks a robot for its state, which arrives later if the robot is there."""
         other = self._members.get(robot)
         if other is not None:
-            self._count(t, one.robot, QUESTION)
+            self._count(t, one.robot, TUNING.question)
             self._agenda.at(self._medium.reliable(t, one.robot, robot), partial(self._asked, one, other))
 
     def _asked(self, one: Member, other: Member, t: float) -> None:

@@ -13,8 +13,8 @@ from planner import start
 from proxy.clock import PACE
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide, Drop, Forward, SendDigest
-from proxy.core.protocol.codec import pack_state
 from proxy.core.protocol.messages import Digest, tag
+from proxy.core.protocol.state_codec import pack_state
 from studies.simulation.clocks import BOOT, EPOCH, Clock
 from studies.simulation.medium import RELIABLE, Medium
 from studies.simulation.member import Member

@@ -6,13 +6,14 @@ from functools import partial
 
 from planner import Plan, SearchSettings, start
 from proxy.core.core import Core
-from proxy.core.gossip.digest_budget import ON_AIR
+from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import AskState, Command, Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import is_broadcast
-from proxy.core.protocol.codec import pack_digest, pack_state
+from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, State
+from proxy.core.protocol.state_codec import pack_state
 from proxy.core.view.interest import intersects
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Happening, joining
@@ -142,7 +143,7 @@ class Team:
         others = {other.robot: other for other in self.membership.linked(member)}
         send, copies = self.medium.unicast, len(others)
         if self.settings.digests_on_air:
-            size += ON_AIR + len(member.robot)
+            size += TUNING.on_air + len(member.robot)
             send, copies = self.medium.broadcast, 1
         self.digest_bytes += size * copies
         self.on_air.append(OnAir(t, member.robot, size * copies, digest=True))

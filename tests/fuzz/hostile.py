@@ -91,7 +91,7 @@ class Besieged:
         assert all(len(peer.pending) <= PENDING for peer in view.peers.values())
         assert len(core.strangers._heard) <= MOST
         assert all(len(kept) <= MOST_EACH for kept in core.strangers._heard.values())
-        assert set(core.telling.asking._open) <= set(view.peers)
+        assert set(core.gossip.requests._open) <= set(view.peers)
         taking_part = view.peers.keys() - core.outsiders.found
         assert core.coordination.team._votes <= taking_part
         assert core.wake_at(self.now) >= self.now

@@ -9,9 +9,10 @@ from functools import cache
 from pathlib import Path
 
 from proxy.core.interface import events as ev
-from proxy.core.protocol.codec import pack_digest, pack_state, unpack_digest, unpack_state
+from proxy.core.protocol.digest_codec import pack_digest, unpack_digest
 from proxy.core.protocol.errors import MalformedWireError
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState, tag
+from proxy.core.protocol.state_codec import pack_state, unpack_state
 from tests.fuzz.hostile import Besieged
 from tests.proxy.core.talk import ALL_KINDS
 from utility_specs import Specs, load_specs

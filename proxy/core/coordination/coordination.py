@@ -26,7 +26,7 @@ from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.bid import UNIT
 from proxy.core.protocol.messages import Digest, tag
-from proxy.core.protocol.parts import Told
+from proxy.core.protocol.split_report import SplitReport
 from proxy.core.split.split import Split
 from proxy.core.view.view import SharedView
 
@@ -42,7 +42,7 @@ class Coordination:
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
         self._overbooking = Overbooking()
-        self._announced: Told | None = None
+        self._announced: SplitReport | None = None
         """What our last digest said of parts."""
         self._forms_until, self._did_split = now + TUNING.forming_time, self.team.strict
         self._formed_at = math.inf
@@ -161,7 +161,7 @@ class Coordination:
         self._established |= now >= self._formed_at + max(self._kind[0])
         return split.exchange.has_news(now)
 
-    def announcement(self, now: float) -> Told | None:
+    def announcement(self, now: float) -> SplitReport | None:
         """Return what a digest says of parts; None where all plan for all."""
         split = self._agrees
         return None if split is None or split.agreement.silent else split.exchange.announcement(now)

@@ -1,114 +1,122 @@
-"""What a robot tells of itself: its state, what is news of it, and how much of it can be told."""
+"""When our state is announced to the others: what is new of it, or all."""
 
-from collections.abc import Iterable
+import math
 from dataclasses import replace
 
-from proxy.core.forecast.patterns import MEMORYLESS
-from proxy.core.model.limits import fingerprint
+from proxy.core.coordination.coordination import Coordination
+from proxy.core.gossip.account import Account
+from proxy.core.gossip.announcements import Announcements
+from proxy.core.gossip.own_state import as_announced, differs, shortened, state_of, update_of
+from proxy.core.gossip.state_budget import StateBudget
+from proxy.core.gossip.tuning import TUNING
+from proxy.core.interface.commands import Command, Notice, SendState
 from proxy.core.model.mode import Mode
-from proxy.core.protocol.messages import MOST_ORIGINS, MOST_SUBSCRIPTIONS, MOST_TEXT, MOST_TOLD, State, StreamState
-from proxy.core.view.stream import Stream
+from proxy.core.protocol.messages import State
+from proxy.core.protocol.state_codec import pack_state
 from proxy.core.view.view import SharedView
 
-LEAST_CHANGE = 0.1
-"""Periods are estimates: only one that moved by this part of the longer one is news..."""
-AT_RANDOM = 0.5
-"""... and by this part of it where samples come at random: what 32 of them show varies by a sixth without any news,
-what the first few show by a half. Five such robots told 122 % of what they may with a tenth, and the alarms of eight
-robots with cameras took a tenth of the allowance with three tenths."""
-LEAST_GROWTH = 0.5
-"""So are sizes, which every digest tells anew."""
-RHYTHMIC = {"", "periodic"}
-"""Of streams that generate so, digests tell the rhythm."""
-WALL_STEP = 1e-3
-"""A wall clock that moved by more than this is told anew [s]."""
 
+class StateAnnouncements:
+    """The state that was announced last, and when the next one may follow it."""
 
-def state_of(view: SharedView, mode: Mode) -> State:
-    """Return the state of this robot as it is now, without a number."""
-    settings = view.settings
-    return State(
-        robot=settings.robot,
-        zid=settings.zid,
-        mode=mode.value,
-        specs=view.specs.generation,
-        streams=tuple(_stream_state(stream) for stream in sorted(view.own(), key=lambda s: s.id)),
-        subscriptions=view.interest,
-        wall_offset=view.wall_offset,
-        origins=tuple(view.origins),
-        transport=settings.transport,
-        clock_error=view.clock_error,
-        version=settings.version,
-        limits=fingerprint(view.specs),
-    )
+    def __init__(
+        self,
+        now: float,
+        view: SharedView,
+        coordination: Coordination,
+        *,
+        account: Account,
+        budget: StateBudget,
+        announcements: Announcements,
+    ) -> None:
+        self._view = view
+        self._coordination = coordination
+        self._account = account
+        self._budget = budget
+        self._announcements = announcements
+        self.state = State(view.settings.robot, view.settings.zid, "", "")
+        """The one that was announced last; number 0: none."""
+        self.left_out = 0
+        """Streams, subscriptions and origins that did not fit into our state."""
+        self._announced_at = self._reviewed_at = now - TUNING.states_apart
+        self._review_at = now
+        """When to look whether our state is news."""
+        self._large_is_new = False
+        """Whether that is of a stream that others plan with."""
+        self._push_at, self._pushed = math.inf, -math.inf
+        """When our state is sent to all who have come, and when it is, or was, for the last time [s]."""
 
+    def review(self, at: float) -> None:
+        """Our state may be news; look then [s]."""
+        self._review_at = min(self._review_at, at)
 
-def shortened(state: State) -> tuple[State, int]:
-    """Return as much of a state as can be told, the latest streams left out first, and how much that leaves out."""
-    streams = state.streams[:MOST_TOLD]
-    while sum(len(s.key) + len(s.information_type) + len(s.schedule) for s in streams) > MOST_TEXT:
-        streams = streams[: len(streams) // 2]
-    subscriptions = state.subscriptions[:MOST_SUBSCRIPTIONS]
-    while sum(map(len, subscriptions)) > MOST_TEXT // 2:
-        subscriptions = subscriptions[: len(subscriptions) // 2]
-    origins = state.origins[:MOST_ORIGINS]
-    left = len(state.streams) - len(streams) + len(state.subscriptions) - len(subscriptions)
-    left += len(state.origins) - len(origins)
-    return (replace(state, streams=streams, subscriptions=subscriptions, origins=origins), left) if left else (state, 0)
+    def sample_came(self, now: float, size: int, *, new: bool) -> None:
+        """A stream of ours has a sample of so many bytes: its period may be another one, or it is `new`.
 
+        Look at once where it is news that others plan with, else when it is time to.
+        """
+        large = new and self._announcements.changes_plans(size)
+        self._large_is_new |= large
+        every = 0.0 if new else TUNING.review_every
+        self.review(now if large else max(now + TUNING.gather, self._reviewed_at + every))
 
-def differs(told: State, state: State) -> bool:
-    """Whether a state is news; not where only rhythms changed, of which digests tell."""
-    stepped = abs(state.wall_offset - told.wall_offset) > WALL_STEP
-    return (
-        stepped
-        or bool(_news(told, state))
-        or _apart_from_streams(told) != _apart_from_streams(state)
-        or _lost(told, state)
-    )
+    def clock_set(self, now: float, offset: float, error: float) -> None:
+        """Our wall clock is so much before the monotonic one, and wrong by `error` at most [s]."""
+        stepped = abs(offset - self.state.wall_offset) > TUNING.wall_clock_step
+        if stepped or error != self._view.clock_error:
+            self.review(now)
 
+    def met(self, now: float) -> None:
+        """Somebody came: of a large team, where it may ask only a few, it hears from us what our apps subscribe to."""
+        if self._coordination.team.large and self.state.subscriptions and math.isinf(self._push_at):
+            self._push_at = self._pushed = max(now + TUNING.gather, self._pushed + TUNING.pushes_apart)
 
-def as_told(told: State, state: State) -> State:
-    """Return a state with the sizes told of streams of which nothing is news: who hears it all knows what others do."""
-    news, sizes = {stream.id for stream in _news(told, state)}, {stream.id: stream.size for stream in told.streams}
-    return replace(state, streams=tuple(s if s.id in news else replace(s, size=sizes[s.id]) for s in state.streams))
+    def asked(self, now: float) -> None:
+        """Somebody asked for our state and got it."""
+        self._account.sent_other(now, len(pack_state(self.state)), 1)
 
+    def due_at(self, now: float) -> float:
+        """When a state may have to go out at the latest [s]."""
+        return min(self._push_at, max(self._review_at, self._allowed_at(now)))
 
-def update_of(told: State, state: State) -> State | None:
-    """Return what is news of a state, if that is of its streams and its clock alone; None: all of it must be told."""
-    if told.number == 0 or _apart_from_streams(told) != _apart_from_streams(state) or _lost(told, state):
-        return None
-    news = _news(told, state)
-    return State(state.robot, state.zid, "", "", news, (), state.wall_offset, number=state.number, since=told.number)
+    def advance(self, now: float, mode: Mode) -> list[Command]:
+        """Announce what is new, if it is time to; `mode` is ours."""
+        commands = self._announce(now, mode) if now >= self._review_at and now >= self._allowed_at(now) else []
+        if now >= self._push_at:
+            self._push_at = math.inf
+            self._account.sent_other(now, len(pack_state(self.state)), self._account.copies)
+            commands.append(SendState(self.state, None))
+        return commands
 
+    def _allowed_at(self, now: float) -> float:
+        """When a state may follow the last one: once that is paid for, unless others plan with what is new [s]."""
+        ahead = self._large_is_new and not self._coordination.team.large
+        return max(self._announced_at + TUNING.states_apart, now if ahead else now + self._budget.paid_in)
 
-def _news(told: State, state: State) -> tuple[StreamState, ...]:
-    before = {stream.id: stream for stream in told.streams}
-    return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s))
+    def _announce(self, now: float, mode: Mode) -> list[Command]:
+        """Announce what is new of our state, or all of it, or nothing."""
+        self._review_at, self._reviewed_at, self._large_is_new = math.inf, now, False
+        state, left_out = shortened(state_of(self._view, mode))
+        if self.state.number and not differs(self.state, state):
+            return []
+        state = replace(as_announced(self.state, state), number=self.state.number + 1)
+        update = update_of(self.state, state)
+        if update is not None and (until := self._announced_at + self._takes(update)) > now:
+            self._review_at = until
+            return []
+        notices: list[Command] = []
+        if left_out > self.left_out:
+            text = f"{left_out} streams, subscriptions or origins are too many to tell the others"
+            notices.append(Notice("warning", text))
+        self.left_out, self.state, self._announced_at = left_out, state, now
+        for each in state.streams:
+            if (stream := self._view.known(state.robot, each.key)) is not None:
+                stream.announce_size(each.size)
+        self._account.sent_other(now, len(pack_state(update or state)), self._account.copies)
+        return [*notices, SendState(state, update)]
 
-
-def _moved(told: StreamState, stream: StreamState) -> bool:
-    if (told.key, told.information_type) != (stream.key, stream.information_type):
-        return True
-    if abs(stream.size - told.size) > LEAST_GROWTH * max(stream.size, 1):
-        return True
-    if {told.schedule, stream.schedule} <= RHYTHMIC:
-        return False
-    part, longer = AT_RANDOM if stream.schedule == MEMORYLESS else LEAST_CHANGE, max(stream.period, told.period)
-    moved = max(abs(stream.jitter - told.jitter), abs(stream.period - told.period)) > part * max(longer, 1e-9)
-    return moved or told.schedule != stream.schedule
-
-
-def _lost(told: State, state: State) -> bool:
-    """Whether streams are gone."""
-    return not {stream.id for stream in told.streams} <= {stream.id for stream in state.streams}
-
-
-def _apart_from_streams(state: State) -> Iterable[object]:
-    return state.mode, state.specs, state.subscriptions, state.origins, state.clock_error
-
-
-def _stream_state(stream: Stream) -> StreamState:
-    schedule, size = stream.schedule, round(stream.mean_size)
-    kind, period, jitter = schedule.kind, schedule.period, schedule.jitter
-    return StreamState(stream.id, stream.key, stream.information_type.name, period, jitter, size, kind)
+    def _takes(self, update: State) -> float:
+        """Return how long news of our streams wait: nobody plans with them where a large team has equal parts [s]."""
+        if not self._coordination.team.quiet:
+            return 0.0
+        return self._budget.takes(len(pack_state(update)), self._account.copies)

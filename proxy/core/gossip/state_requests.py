@@ -1,51 +1,65 @@
 """Whom to ask for a state: who is new, and who speaks of a state that we do not have."""
 
-PACE = 0.02
-"""Questions follow each other at least this far apart [s]."""
-AT_ONCE = 8
-"""So many questions do; more may have to wait, as a team of fifty that begins has 2,450 of them."""
-FIRST = 0.5
-"""An answer is waited for this long, the next ones twice as long each [s]..."""
-LONGEST = 30.0
-"""... up to this [s]."""
+import math
+
+from proxy.core.gossip.tuning import TUNING
+from proxy.core.view.peer import Peer
 
 
-class Asking:
+class StateRequests:
     """The questions that are open, by tag; there are as many as robots at most."""
 
     def __init__(self, now: float) -> None:
+        self.due_at = math.inf
+        """When the next question is due [s]."""
+        self.asked = 0
+        """How often we asked."""
         self._open: dict[str, tuple[float, float]] = {}
         """When to ask next [s], and how long to wait for the answer then [s]."""
         self._next = self._asked_at = now
-        self._left = float(AT_ONCE)
-        self.asked = 0
+        self._left = float(TUNING.questions_at_once)
 
     def want(self, now: float, tag: str) -> None:
         """We lack the state of a robot."""
-        self._open.setdefault(tag, (now, FIRST))
+        self._open.setdefault(tag, (now, TUNING.first_answer))
+        self._plan()
 
     def done(self, tag: str) -> None:
         """We have it, or the robot is gone."""
         self._open.pop(tag, None)
+        self._plan()
 
-    def due(self, now: float, pace: float = PACE) -> str | None:
+    def compare(self, now: float, tag: str, peer: Peer) -> None:
+        """Ask a robot for its state if its last digest names another one than we have.
+
+        Of an older one only a digest tells that has just come: others are older than a state that has.
+        """
+        if peer.state is None:
+            self.want(now, tag)
+        elif peer.digest is not None and (
+            peer.digest.state > peer.number or (peer.digest_received == now and 0 < peer.digest.state < peer.number)
+        ):
+            self.want(now + TUNING.update_delay, tag)
+        else:
+            self.done(tag)
+
+    def take(self, now: float, apart: float = TUNING.questions_apart) -> str | None:
         """Return whom to ask now, the one that waits longest; None when it is nobody's turn.
 
-        In the long run questions are a `pace` apart [s].
+        In the long run questions are `apart` from each other [s].
         """
-        if not self._open or now < self.next_at():
+        if now < self.due_at:
             return None
         tag = min(self._open, key=lambda t: (self._open[t], t))
-        _, patience = self._open[tag]
-        self._open[tag] = now + patience, min(2.0 * patience, LONGEST)
-        self._left = min(AT_ONCE, self._left + (now - self._asked_at) / pace) - 1.0
+        _, wait = self._open[tag]
+        self._open[tag] = now + wait, min(2.0 * wait, TUNING.longest_wait)
+        self._left = min(TUNING.questions_at_once, self._left + (now - self._asked_at) / apart) - 1.0
         self._asked_at = now
-        self._next = now + max(PACE, -self._left * pace)
+        self._next = now + max(TUNING.questions_apart, -self._left * apart)
         self.asked += 1
+        self._plan()
         return tag
 
-    def next_at(self) -> float:
-        """When the next question is due [s]; there may be none."""
-        if not self._open:
-            return float("inf")
-        return max(self._next, min(when for when, _ in self._open.values()))
+    def _plan(self) -> None:
+        first = min((when for when, _ in self._open.values()), default=math.inf)
+        self.due_at = max(self._next, first) if self._open else math.inf

@@ -3,22 +3,17 @@
 import math
 from dataclasses import dataclass
 
+from proxy.core.protocol.tuning import TUNING
+
 UNIT = 10_000
 """Parts of a limit are counted in units of 1/10,000: whole numbers, so that all machines agree."""
 QUARTERS = 4
 """A slot is shared in time by quarters."""
-MOST_SEGMENTS = 8
-"""Segments of a bid."""
 STEPS = 4
 """Levels in which the value doubles: 19 % each, so that noise changes few."""
 MIDDLE = 128
 """The level of a value density of 1."""
 TOP = 255
-CHANGED = 2.0
-"""Slots are worth about as much where it is up to so many times."""
-MOST_PARTS = 500
-"""So much is little beside slots [units]: without it five robots with samples of random sizes, which ask for divisible
-room, fell from 87 to 79 % of a central decider."""
 _SHARES = (0, 1, 2, 4)
 """Quarters that a segment may ask for; 0: it is divisible."""
 _BYTES = 3
@@ -72,7 +67,7 @@ def packed(bid: Bid) -> bytes:
 
 def unpacked(data: bytes) -> Bid:
     """Return the bid in `data`; raise `ValueError` where it is none."""
-    if len(data) % _BYTES or len(data) > _BYTES * MOST_SEGMENTS:
+    if len(data) % _BYTES or len(data) > _BYTES * TUNING.segments:
         raise ValueError(f"no bid has {len(data)} bytes")
     numbers = (int.from_bytes(data[at : at + _BYTES], "big") for at in range(0, len(data), _BYTES))
     return tuple(Segment(number >> 10, number >> 2 & TOP, _SHARES[number & 3]) for number in numbers)
@@ -95,9 +90,9 @@ def alike_but_for_slots(one: Bid, other: Bid) -> bool:
     if not (before and after and few_parts(other) and alike(parts[0], parts[1])):
         return False
     low, high = sorted(sum(s.asked * density_of(s.level) for s in slots) for slots in (before, after))
-    return high <= CHANGED * low
+    return high <= TUNING.slots_alike * low
 
 
 def few_parts(bid: Bid) -> bool:
     """Whether a robot asks for little that is divisible: what more of that is worth to it is not known as well."""
-    return sum(segment.amount for segment in bid if not segment.quarters) <= MOST_PARTS
+    return sum(segment.amount for segment in bid if not segment.quarters) <= TUNING.few_parts

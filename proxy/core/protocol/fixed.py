@@ -12,7 +12,9 @@ _BITS = 1024
 _LEAST, _MOST = -31, 32
 """Binary exponents of values that fit into 16 bits."""
 _SINGLE = struct.Struct("<f")
-_LARGEST = 3.4028234663852886e38
+LARGEST_SINGLE = 3.4028234663852886e38
+CODES = 2**16
+"""Values travel as whole numbers below this."""
 
 
 def ticks(seconds: float) -> int:
@@ -55,7 +57,7 @@ def rounded(amount: float) -> float:
 
 def single(number: float) -> float:
     """Return a number in single precision; beyond its range the largest there is."""
-    near: float = _SINGLE.unpack(_SINGLE.pack(min(max(number, -_LARGEST), _LARGEST)))[0]
+    near: float = _SINGLE.unpack(_SINGLE.pack(min(max(number, -LARGEST_SINGLE), LARGEST_SINGLE)))[0]
     return near
 
 

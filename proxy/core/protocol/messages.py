@@ -1,13 +1,13 @@
 """What daemons tell each other beside the data: digests and states, as frozen data.
 
-`codec.py` packs them as versioned msgpack; the robot and its tag are in the key. Times are on the sender's
-monotonic clock [s], sizes are bytes. All counters are cumulative, so a lost digest costs nothing.
+`digest_codec.py` and `state_codec.py` pack them as versioned msgpack; the robot and its tag are in the key. Times are
+on the sender's monotonic clock [s], sizes are bytes. All counters are cumulative, so a lost digest costs nothing.
 """
 
 from dataclasses import dataclass
 
 from proxy.core.model.transport import UNICAST
-from proxy.core.protocol.parts import Told
+from proxy.core.protocol.split_report import SplitReport
 
 
 def tag(zid: str) -> str:
@@ -84,7 +84,7 @@ class Digest:
     """
     splits: bool = False
     """Whether the sender finds that each robot has to keep to a part of every limit."""
-    split: Told | None = None
+    split: SplitReport | None = None
     """What it says of parts, where it keeps to one."""
 
 
@@ -132,15 +132,3 @@ class State:
     """Tells the limits that its specs set all robots from others; 0: it does not say."""
     since: int = 0
     """0: this is all. Else only what is new of the streams since the state of that number; the rest is as it was."""
-
-
-MOST_CLOCK_ERROR = 1.0
-"""A wall clock of which no more is known than this is not known [s]."""
-MOST_TOLD = 4096
-"""Streams in a state."""
-MOST_SUBSCRIPTIONS = 1024
-"""Subscriptions in a state."""
-MOST_ORIGINS = 256
-"""Origins in a state."""
-MOST_TEXT = 160_000
-"""Letters in the keys of a state's streams, and half as many in its subscriptions."""

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 
-from proxy.core.protocol.bid import MOST_SEGMENTS, QUARTERS, UNIT, Bid, Segment, level_of
+from proxy.core.protocol.bid import QUARTERS, UNIT, Bid, Segment, level_of
+from proxy.core.protocol.tuning import TUNING as BOUNDS
 from proxy.core.split.tuning import TUNING
 
 ROUNDING = 1e-9
@@ -36,7 +37,7 @@ def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
     asking = [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]
     few = _small([demand for demand in asking if max(demand.sizes) <= small], window)
     large = [s for demand in asking if max(demand.sizes) > small for s in _large(demand, window, small)]
-    return tuple(sorted(few + large, key=lambda s: (-s.level, s.quarters, s.amount))[:MOST_SEGMENTS])
+    return tuple(sorted(few + large, key=lambda s: (-s.level, s.quarters, s.amount))[: BOUNDS.segments])
 
 
 def _small(demands: Sequence[Demand], window: float) -> list[Segment]:

@@ -7,7 +7,8 @@ after a while and for all who miss the same; who is asked announces it again.
 import math
 import zlib
 
-from proxy.core.protocol.parts import MOST_ASKED, Told
+from proxy.core.protocol.split_report import SplitReport
+from proxy.core.protocol.tuning import TUNING as BOUNDS
 from proxy.core.split.agreement import Agreement
 from proxy.core.split.tuning import TUNING
 
@@ -21,7 +22,7 @@ class Exchange:
         """Who misses the same does not request it at the same moment: one does for all."""
         self.delay = 0.0
         """How long news take to others [s]."""
-        self._last: Told | None = None
+        self._last: SplitReport | None = None
         """What we announced last; None where the team has just begun to split."""
         self.last_at, self._met = now, math.inf
         """When that was, and when we saw the first other robot [s]."""
@@ -48,12 +49,12 @@ class Exchange:
             return self._met + TUNING.silence
         return max(self._heard_at, self.last_at) + self.patience * (1.0 + self._phase) * 2.0**self._requests
 
-    def announcement(self, now: float) -> Told:
+    def announcement(self, now: float) -> SplitReport:
         """Return what our next digest announces."""
         agreement, (version, bid) = self._agreement, self._agreement.bid
         recent = self._bid_sent[0] == version and now < self._bid_sent[1] + self.patience
         passed = [now - turn.used for turn in agreement.turns if turn.giver == agreement.own]
-        return Told(
+        return SplitReport(
             version,
             None if agreement.known or (recent and not self._again) else bid,
             agreement.log.newest.name,
@@ -89,7 +90,7 @@ class Exchange:
         """There is another robot."""
         self._met = min(self._met, now)
 
-    def announced(self, now: float, announcement: Told) -> None:
+    def announced(self, now: float, announcement: SplitReport) -> None:
         """This goes out in a digest."""
         if announcement.missing:
             self._heard_at, self._requests = now, min(self._requests + 1, TUNING.request_doublings)
@@ -97,7 +98,7 @@ class Exchange:
         if announcement.bid is not None:
             self._bid_sent = announcement.version, now
 
-    def heard(self, now: float, announcement: Told, sent: float, unconfirmed: set[str]) -> None:
+    def heard(self, now: float, announcement: SplitReport, sent: float, unconfirmed: set[str]) -> None:
         """An announcement of another robot came, sent at `sent` [s]; before it these were `unconfirmed`."""
         requested = bool(announcement.missing & self._mask({self._agreement.own}))
         self._again |= requested and sent > self.last_at + self.delay
@@ -119,4 +120,4 @@ class Exchange:
     def _mask(self, tags: set[str]) -> int:
         """Return a bit for each of some robots, as far as there are bits for them."""
         members = sorted(self._agreement.members)
-        return sum(1 << place for place, tag in enumerate(members[:MOST_ASKED]) if tag in tags)
+        return sum(1 << place for place, tag in enumerate(members[: BOUNDS.askable]) if tag in tags)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Sequence
 
 from proxy.core.protocol.bid import UNIT, Bid
-from proxy.core.protocol.parts import Told
+from proxy.core.protocol.split_report import SplitReport
 from proxy.core.split.agreement import Agreement
 from proxy.core.split.exchange import Exchange
 from proxy.core.split.own_part import OwnPart
@@ -72,13 +72,13 @@ class Split:
         self._settle(now)
         return True
 
-    def announced(self, now: float, announcement: Told) -> None:
+    def announced(self, now: float, announcement: SplitReport) -> None:
         """This goes out in a digest."""
         self.exchange.announced(now, announcement)
         self.agreement.log.announced(announcement.table)
         self._entitle(now)
 
-    def heard(self, now: float, peer: str, announcement: Told, sent: float = -math.inf) -> None:
+    def heard(self, now: float, peer: str, announcement: SplitReport, sent: float = -math.inf) -> None:
         """An announcement of another robot came, newer than all before, which was sent at `sent` [s]."""
         agreement, unconfirmed = self.agreement, self.agreement.unconfirmed
         agreement.heard(now, peer, announcement.version, announcement.bid, (announcement.table, announcement.agreed))

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable
 
 from proxy.core.model.limits import fingerprint
-from proxy.core.protocol.codec import READ, VERSION
+from proxy.core.protocol.envelope import READABLE, VERSION
 from proxy.core.view.peer import Peer
 from proxy.core.view.view import SharedView
 
@@ -87,4 +87,4 @@ _APART = "it takes no part, and nothing keeps what it sends and what others send
 
 
 def _foreign(peer: Peer) -> bool:
-    return bool(peer.wire) and peer.wire not in READ
+    return bool(peer.wire) and peer.wire not in READABLE

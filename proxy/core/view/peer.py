@@ -4,7 +4,8 @@ from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from proxy.core.protocol.messages import MOST_TOLD, Digest, Echo, State, StreamDigest, StreamState
+from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
+from proxy.core.protocol.tuning import TUNING
 from proxy.core.view.latency import Latency, LatencyFit, middle
 from proxy.core.view.loss import Loss
 from proxy.core.view.offset import DRIFT, ClockOffset
@@ -175,7 +176,7 @@ class Peer:
         if self.state is None or self.state.number != state.since:
             return None
         streams = {stream.id: stream for stream in self.state.streams} | {stream.id: stream for stream in state.streams}
-        if len(streams) > MOST_TOLD:
+        if len(streams) > TUNING.streams:
             return None
         return replace(self.state, streams=tuple(streams.values()), wall_offset=state.wall_offset, number=state.number)
 

@@ -234,9 +234,13 @@ class Stream:
         self.changes += 1
         self.matching = matching
 
+    def announce_size(self, size: int) -> None:
+        """The stream's robot announces its size [B]."""
+        self.usual_size = size
+
     def assume(self, told: StreamState) -> None:
         """The stream's robot tells of its schedule and its size."""
-        self.usual_size = told.size
+        self.announce_size(told.size)
         if self.schedule.assume(told.period, told.schedule):
             self.changes += 1
 

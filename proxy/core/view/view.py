@@ -522,6 +522,10 @@ class SharedView:
         for peer in self.peers.values():
             peer.sent_digest(at)
 
+    def announced(self) -> None:
+        """A digest of ours says what we sent until now."""
+        self.largest = 0
+
     def restart_losses(self) -> None:
         """From now on other samples are counted than before."""
         for peer in self.peers.values():

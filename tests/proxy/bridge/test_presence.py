@@ -12,7 +12,7 @@ from proxy.bridge import keys
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lane import Lane
 from proxy.bridge.presence import ANSWERS, DIGESTS, STATES, Presence, free_name
-from proxy.core.gossip.digest_budget import OVERHEAD
+from proxy.core.gossip.tuning import TUNING as GOSSIP
 from proxy.core.interface.events import (
     DigestHeard,
     MalformedHeard,
@@ -22,8 +22,12 @@ from proxy.core.interface.events import (
     StateHeard,
     VersionHeard,
 )
-from proxy.core.protocol.codec import MAX_BACKLOG, MAX_BYTES, MAX_DIGEST, VERSION, pack_backlog, pack_digest, pack_state
+from proxy.core.protocol.backlog_codec import pack_backlog
+from proxy.core.protocol.digest_codec import pack_digest
+from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.messages import Digest, Echo, State, StreamState, tag
+from proxy.core.protocol.state_codec import pack_state
+from proxy.core.protocol.tuning import TUNING
 from tests.proxy.counting import Counting
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
@@ -129,7 +133,7 @@ def test_who_has_copies_for_us_tells_of_which_keys(two):
     first.presence.tell_backlog(tag(second.zid), 1, ("a",), grows=True)
     wait_until(lambda: raw.samples, what="the first word")
     assert second.hold_back.takes("a", None, 1, lambda: handed.append("a"))
-    for payload in (b"\xc1", pack_backlog(0, ()), bytes(MAX_BACKLOG + 1)):
+    for payload in (b"\xc1", pack_backlog(0, ()), bytes(TUNING.backlog_bytes + 1)):
         first.mesh.put(keys.backlog(tag(second.zid), tag(first.zid)), payload, congestion_control=BLOCK)
     first.mesh.put(keys.backlog(tag(second.zid), "stranger"), pack_backlog(9, ()), congestion_control=BLOCK)
     wait_until(lambda: len(raw.samples) == 5, what="what changes nothing")
@@ -209,7 +213,7 @@ def test_a_digest_takes_few_bytes_whatever_the_name(stack):
             wait_until(lambda heard=heard: len(raw.samples) > heard, what="a digest")
             sizes.append(counting.carried - before - len(pack_digest(digest)))
     # Frames are counted from a random number on, which is shorter by a byte on one link of 128, and so on.
-    assert OVERHEAD - 3 <= min(sizes) <= OVERHEAD
+    assert GOSSIP.overhead - 3 <= min(sizes) <= GOSSIP.overhead
 
 
 def test_echoes_are_read_with_the_times_at_which_we_sent(two):
@@ -237,10 +241,10 @@ def test_malformed_and_forged_messages_are_counted_by_kind(stack, two):
     wait_until(lambda: [e for e in first.of(PeerAppeared) if e.zid == zid], what="its token")
     name = tag(zid)
     put(keys.digest("r9", "z9"), b"garbage")
-    put(keys.digest("r9", "z9"), b"\x00" * (MAX_DIGEST + 1))
+    put(keys.digest("r9", "z9"), b"\x00" * (TUNING.digest_bytes + 1))
     put(keys.state("r9", "z9"), pack_state(State("r9", "z9", "", "")))
     put(keys.state("r9", name), b"\xff" * 100)
-    put(keys.state("r9", name), b"\xff" * (MAX_BYTES + 1))
+    put(keys.state("r9", name), b"\xff" * (TUNING.state_bytes + 1))
     put(keys.state("r9", name), pack_state(State("r9", "another", "", "")))
     put(keys.state("r9", name), pack_state(State("r9", zid, "", "", subscriptions=("a//b",))))
     put(keys.digest("r1", tag(first.zid)), pack_digest(first.digest()))

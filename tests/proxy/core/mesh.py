@@ -7,9 +7,10 @@ from proxy.core.core import Core
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import AskState, Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.codec import pack_digest, pack_state, unpack_digest, unpack_state
+from proxy.core.protocol.digest_codec import pack_digest, unpack_digest
 from proxy.core.protocol.fixed import ticks
 from proxy.core.protocol.messages import tag
+from proxy.core.protocol.state_codec import pack_state, unpack_state
 
 STEP = 0.1
 """All cores are woken this often, and what is sent arrives one step later [s]."""

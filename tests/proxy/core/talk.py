@@ -3,8 +3,8 @@
 from planner import Plan
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
-from proxy.core.protocol.codec import pack_state
 from proxy.core.protocol.messages import State
+from proxy.core.protocol.state_codec import pack_state
 
 SPEC = """
 [[constraint]]

@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from proxy.core.gossip.digest_scheduler import GATHER, ON_ITS_WAY
+from proxy.core.gossip.tuning import TUNING as GOSSIP
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import (
     AskState,
@@ -570,7 +570,7 @@ def test_a_lost_state_is_asked_for(make_talk):
     told_by(talk, 1.15, number=2)
     told_by(talk, 1.2, number=5)
     assert len(talk.all(AskState)) == asked
-    talk.tell(ev.TimePassed(1.25 + ON_ITS_WAY))
+    talk.tell(ev.TimePassed(1.25 + GOSSIP.update_delay))
     assert len(talk.all(AskState)) == asked + 1
     update = State("op", "zz-op", "", "", (StreamState(1, "b", "x", 1.0),), number=5, since=4)
     talk.tell(ev.StateHeard(1.6, update))
@@ -652,7 +652,7 @@ def test_small_streams_that_begin_together_are_told_of_together(make_talk, make_
         talk.publish(1.0 + late, key=f"robot/{name}/camera", size=100)
     talk.tell(ev.TimePassed(1.2))
     assert [len(sent.state.streams) for sent in talk.all(SendState)][-1] == 0
-    talk.tell(ev.TimePassed(1.0 + GATHER))
+    talk.tell(ev.TimePassed(1.0 + GOSSIP.gather))
     assert [len(sent.state.streams) for sent in talk.all(SendState)][-1] == 2
     talk.publish(3.0, key="robot/c/camera", size=100)
     talk.publish(3.1, key="robot/d/camera", size=100_000)
@@ -762,10 +762,10 @@ def test_news_that_nobody_wants_is_not_urgent(make_talk):
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     talk.tell(ev.TimePassed(1.0))
     talk.publish(1.1, red=0.1)
-    assert not talk.core.telling.urgent
+    assert not talk.core.gossip.digests.urgent
     talk.want(1.2)
     talk.publish(1.3, red=0.9)
-    assert talk.core.telling.urgent or talk.all(SendDigest)[-1].digest.sent == 1.3
+    assert talk.core.gossip.digests.urgent or talk.all(SendDigest)[-1].digest.sent == 1.3
 
 
 def test_what_is_too_much_to_tell_is_said(make_talk):

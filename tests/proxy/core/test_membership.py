@@ -49,7 +49,7 @@ def assert_agreed(mesh, group):
     assert set(view["wanted"].values()) == {tuple(sorted(map(tag, group)))}
     for zid in group:
         core = mesh.cores[zid]
-        assert all(peer.number == mesh.cores[peer.zid].telling.state.number for peer in core.view.peers.values())
+        assert all(peer.number == mesh.cores[peer.zid].gossip.states.state.number for peer in core.view.peers.values())
 
 
 def test_newcomers_are_in_everybodys_plan_within_one_state(make_specs):

@@ -99,7 +99,7 @@ class Driven:
 
 def queries(core, now):
     """Ask all that can be asked of a core and its parts: a name and a function each."""
-    view, budget, gate, capacity, telling = core.view, core.budget, core.gate, core.channel.capacity, core.telling
+    view, budget, gate, capacity, gossip = core.view, core.budget, core.gate, core.channel.capacity, core.gossip
     limits = range(len(gate.limits))
     use = tuple(0.1 * limit.limit for limit in gate.limits)
     yield "core", lambda: (core.status(now), core.wake_at(now))
@@ -127,7 +127,10 @@ def queries(core, now):
     yield "limits", lambda: (budget.problem_limits(now), budget.alone, [gate.appraisal.mode_of(s) for s in view.own()])
     yield "capacity", lambda: (capacity.staleness(now), capacity.due_at, capacity.factors, capacity.wakes_at(now))
     yield "reports", lambda: (capacity.probe_due(now), capacity.has_news(now), capacity.report(now))
-    yield "telling", lambda: (telling.announcing(now), telling.state)
+    yield "announcements", lambda: (gossip.announcements.share(now), gossip.announcements.due_at(now))
+    yield "gossip", lambda: (gossip.due_at(now), gossip.states.state, gossip.account.window)
+    yield "allowance", lambda: (gossip.budget.due(now, news=True, copies=2), gossip.budget.in_debt(now))
+    yield "allowance ahead", lambda: (gossip.budget.due_ahead(now, 1.0), gossip.budget.due_in_turn(now, now, 1.0, 2))
     yield "counts", lambda: (core.counts.conserved, core.counts.queued, core.outsiders.warnings())
 
 

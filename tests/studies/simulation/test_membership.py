@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.gossip.digest_budget import QUESTION
+from proxy.core.gossip.tuning import TUNING
 from proxy.core.protocol.messages import tag
 from studies.simulation.churn import Crash, Join, Leave, Merge, Partition, joining
 from studies.simulation.conditions import Conditions
@@ -45,7 +45,7 @@ def test_all_know_each_other_and_what_they_want(fly):
 def test_what_robots_ask_each_other_goes_on_the_air(fly):
     """Questions for states, and what answers them."""
     flying = fly(3.5, Join(3.0, "r1"))
-    asked = [air for air in flying.on_air if air.frame is None and air.size == QUESTION and air.t >= 3.0]
+    asked = [air for air in flying.on_air if air.frame is None and air.size == TUNING.question and air.t >= 3.0]
     assert {air.robot for air in asked} >= {"r1"}
     answers = [air for air in flying.on_air if air.frame is None and not air.digest and air.t >= asked[0].t]
     assert len(answers) >= 2 * len(asked)

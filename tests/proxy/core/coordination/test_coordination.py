@@ -9,7 +9,7 @@ from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
-from proxy.core.protocol.parts import Told
+from proxy.core.protocol.split_report import SplitReport
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView
 
@@ -165,8 +165,8 @@ def test_who_takes_no_part_has_no_say(make_team):
     team = make_team()
     team.look()
     team.coordination.set_members(0.0, ["p2"])
-    team.say("p1", splits=True, split=Told(1, (), 1, 1))
-    team.say("p9", splits=True, split=Told(1, (), 1, 1))
+    team.say("p1", splits=True, split=SplitReport(1, (), 1, 1))
+    team.say("p9", splits=True, split=SplitReport(1, (), 1, 1))
     assert not team.coordination.team.splits
 
 
@@ -204,12 +204,12 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     assert team.coordination.part(team.now, 0) == pytest.approx(equal)
     assert team.coordination.forming(team.now)
     bid = (Segment(9_000, 250),)
-    team.say("p1", splits=True, split=Told(1, bid, 1, 0))
+    team.say("p1", splits=True, split=SplitReport(1, bid, 1, 0))
     assert team.coordination.part(team.now, 0) == pytest.approx(equal)
     ours = team.coordination.announcement(team.now)
     team.coordination.announced(Digest("us", "zz-us", team.now, splits=True, split=ours))
     assert team.coordination.part(team.now, 0) < 0.5 * equal
-    team.say("p1", splits=True, split=Told(1, None, ours.table, 0))
+    team.say("p1", splits=True, split=SplitReport(1, None, ours.table, 0))
     team.look(waiting=99.0)
     assert team.coordination.formed
     assert not team.coordination.forming(team.now)
@@ -226,13 +226,13 @@ def test_who_asks_for_a_part_is_a_rival_however_seldom_its_streams_are_told_of(m
         stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
     team.look(waiting=99.0)
     assert team.coordination.team.splits
-    team.say("p1", splits=True, split=Told(1, (Segment(5_000, 120),), 1, 0))
+    team.say("p1", splits=True, split=SplitReport(1, (Segment(5_000, 120),), 1, 0))
     team.now += 60.0
     for count in range(9, 80):
         team.view.stream(0.0, "r1", "robot/r1/camera").note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
     team.look(waiting=99.0)
     assert team.coordination.team.rivals
-    team.say("p1", splits=True, split=Told(2, (), 1, 0))
+    team.say("p1", splits=True, split=SplitReport(2, (), 1, 0))
     team.look(waiting=99.0)
     assert not team.coordination.team.rivals
 

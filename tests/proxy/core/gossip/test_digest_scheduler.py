@@ -3,15 +3,15 @@
 import pytest
 
 from proxy.core.coordination.tuning import TUNING as COORDINATION
-from proxy.core.gossip.digest_scheduler import DEBT, GATHER, STATE_PACE
+from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward, SendDigest, SendState
 from proxy.core.model.limits import allowance_of
 from proxy.core.model.transport import broadcast
 from proxy.core.protocol.bid import Segment
-from proxy.core.protocol.codec import pack_state
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
-from proxy.core.protocol.parts import Told
+from proxy.core.protocol.split_report import SplitReport
+from proxy.core.protocol.state_codec import pack_state
 from proxy.core.view.view import NEW
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly
@@ -52,17 +52,17 @@ def test_states_follow_each_other_slowly(make_talk):
         talk.tell(ev.InterestChanged(1.0 + 0.01 * step, (f"k{step}",)))
     talk.tell(ev.TimePassed(60.0))
     states = talk.all(SendState)
-    assert len(states) <= 3 + 0.5 / STATE_PACE
+    assert len(states) <= 3 + 0.5 / TUNING.states_apart
     assert states[-1].state.subscriptions == ("k49",)
-    assert talk.core.telling.state == states[-1].state
+    assert talk.core.gossip.states.state == states[-1].state
 
 
 def test_what_is_due_next_is_known(talk):
     """A state that may be news, at once or soon."""
     talk.tell(ev.TimePassed(10.0))
     assert talk.core.wake_at(10.0) > 10.0
-    talk.core.telling.restate(10.0)
-    assert talk.core.telling.next_at(10.0) <= 10.0 + STATE_PACE
+    talk.core.gossip.states.review(10.0)
+    assert talk.core.gossip.due_at(10.0) <= 10.0 + TUNING.states_apart
 
 
 def test_what_was_sent_is_told_soon_even_if_no_spec_covers_it(talk):
@@ -146,11 +146,11 @@ def test_urgent_news_that_the_allowance_has_no_room_for_hold_up_nothing(talk):
     """They go with the next digest that goes anyway."""
     talk.tell(ev.DigestHeard(5.1, Digest("op", "zz-op", 5.1, state=0), 50_000))
     talk.publish(5.2, red=0.9)
-    assert talk.core.telling.urgent
+    assert talk.core.gossip.digests.urgent
     for k in range(20):
         talk.tell(ev.TimePassed(5.3 + 0.2 * k))
     assert digests(talk, 5.2)
-    assert not talk.core.telling.urgent
+    assert not talk.core.gossip.digests.urgent
 
 
 def test_who_is_alone_tells_nothing(make_talk):
@@ -181,14 +181,14 @@ def test_all_digests_of_a_team_are_within_its_allowance_and_none_is_refused(how)
     mission = draw(scenario("mixed"), 0, how)
     team = fly(mission, how, 0)
     rate = allowance_of(mission.specs, how.allowance, how.members)
-    assert 0 < team.digest_bytes <= rate * (WARM_UP + how.seconds + DEBT)
+    assert 0 < team.digest_bytes <= rate * (WARM_UP + how.seconds + TUNING.announcement_debt)
     assert sum(core.refused.total() for core in team.cores.values()) == 0
     assert all(core.counts.conserved for core in team.cores.values())
 
 
 def voting(now, **split):
     """A digest of the other robot, which finds that the team has to split."""
-    return Digest("op", "zz-op", now, splits=True, split=Told(1, (Segment(5_000, 120),), 1, 0, **split), state=1)
+    return Digest("op", "zz-op", now, splits=True, split=SplitReport(1, (Segment(5_000, 120),), 1, 0, **split), state=1)
 
 
 def test_news_of_parts_go_without_all_other_news(talk):
@@ -213,8 +213,8 @@ def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowan
     talk.tell(ev.InterestChanged(5.0, ("robot/op/camera",)))
     news = StreamDigest(1, 9, 0, 5.0, 0.0, 100, 1.0)
     talk.tell(ev.DigestHeard(5.05, Digest("op", "zz-op", 5.05, streams=(news,), state=1), 60))
-    rate = talk.core.telling.pacer.rate
-    talk.tell(ev.DigestHeard(5.1, Digest("op", "zz-op", 5.1, brief=True, state=1), round(DEBT * rate)))
+    ahead = round(TUNING.announcement_debt * talk.core.gossip.budget.rate)
+    talk.tell(ev.DigestHeard(5.1, Digest("op", "zz-op", 5.1, brief=True, state=1), ahead))
     talk.publish(5.15, size=100)
     talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
     talk.tell(ev.TimePassed(5.3))
@@ -282,13 +282,13 @@ def test_a_large_team_hears_of_subscriptions_unasked(make_talk):
     talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
     many(talk, 5.0)
     talk.said.clear()
-    talk.tell(ev.TimePassed(5.0 + GATHER))
+    talk.tell(ev.TimePassed(5.0 + TUNING.gather))
     (told,) = talk.all(SendState)
     assert (told.state.subscriptions, told.update) == (("robot/*/camera",), None)
     silent = make_talk()
     many(silent, 5.0)
     silent.said.clear()
-    silent.tell(ev.TimePassed(5.0 + GATHER))
+    silent.tell(ev.TimePassed(5.0 + TUNING.gather))
     assert silent.all(SendState) == []
 
 
@@ -314,11 +314,11 @@ def test_a_large_stream_is_told_of_at_once_and_small_ones_together(make_talk):
     talk = make_talk(allowance=0.05)
     talk.want(0.0)
     talk.tell(ev.TimePassed(5.0))
-    talk.core.telling.pacer.owe(5.0, 2_000, 1)
+    talk.core.gossip.budget.states.owe(2_000, 1)
     talk.said.clear()
     for now in (5.0, 5.05, 5.1):
         talk.publish(now, key="robot/x/camera", size=10)
-    talk.tell(ev.TimePassed(5.0 + 2.0 * GATHER))
+    talk.tell(ev.TimePassed(5.0 + 2.0 * TUNING.gather))
     assert talk.all(SendState) == []
     talk.publish(6.0, size=2_000)
     (told,) = talk.all(SendState)

@@ -8,30 +8,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.bid import UNIT, Segment
-from proxy.core.protocol.codec import (
-    MAX_BYTES,
-    MAX_DIGEST,
-    MAX_PERIOD,
-    MAX_SAMPLES,
-    MAX_SIZE,
-    VERSION,
-    pack_backlog,
-    pack_digest,
-    pack_state,
-    unpack_backlog,
-    unpack_digest,
-    unpack_state,
-)
+from proxy.core.protocol.digest_codec import pack_digest, unpack_digest
+from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.errors import MalformedWireError
 from proxy.core.protocol.fixed import rounded, seconds, single, ticks
-from proxy.core.protocol.messages import MOST_CLOCK_ERROR, Digest, Echo, State, StreamDigest, StreamState
-from proxy.core.protocol.parts import TICK, Told
+from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
+from proxy.core.protocol.split_report import TICK, SplitReport
+from proxy.core.protocol.state_codec import pack_state, unpack_state
+from proxy.core.protocol.tuning import TUNING
 
 time = st.integers(0, 10**13).map(lambda ticks_: ticks_ / 1e4)
 count = st.integers(0, 2**53)
-samples = st.integers(0, MAX_SAMPLES)
-size = st.integers(0, MAX_SIZE)
+samples = st.integers(0, TUNING.samples)
+size = st.integers(0, TUNING.sample_bytes)
 amount = st.floats(0.0, 3600.0).map(rounded)
 period = st.floats(1e-4, 3600.0).map(rounded)
 part = st.floats(0.0, 1.0).map(rounded)
@@ -70,7 +61,7 @@ def announcements(draw):
 segments = st.builds(Segment, st.integers(1, UNIT), st.integers(0, 255), st.sampled_from((0, 1, 2, 4)))
 numbers = st.integers(0, 2**32 - 1)
 tolds = st.builds(
-    Told,
+    SplitReport,
     version=numbers,
     bid=st.one_of(st.none(), st.lists(segments, max_size=8).map(tuple)),
     table=st.integers(1, 2**32 - 1),
@@ -114,7 +105,7 @@ states = st.builds(
     origins=st.lists(zid, max_size=2).map(tuple),
     transport=name,
     number=count,
-    clock_error=st.integers(0, ticks(MOST_CLOCK_ERROR)).map(seconds),
+    clock_error=st.integers(0, ticks(TUNING.clock_error)).map(seconds),
     version=name,
     limits=st.integers(0, 2**32),
 )
@@ -164,7 +155,7 @@ def test_echoes_are_those_of_our_digests():
 def test_a_period_longer_than_a_day_is_told_as_a_day():
     """What is so slow takes no part in any plan."""
     state = State("r1", "z1", "", "", (StreamState(1, "a", "x", 1e9),))
-    assert unpack_state(pack_state(state), "r1").streams[0].period == pytest.approx(MAX_PERIOD, rel=5e-4)
+    assert unpack_state(pack_state(state), "r1").streams[0].period == pytest.approx(TUNING.period, rel=5e-4)
 
 
 @given(st.binary(max_size=200), st.booleans())
@@ -204,7 +195,7 @@ def test_a_field_of_another_kind_is_refused_or_harmless(digest, place, value):
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"\x00" * (MAX_DIGEST + 1), "more than the"),
+        (b"\x00" * (TUNING.digest_bytes + 1), "more than the"),
         (b"", "no msgpack"),
         (msgpack.packb({"a": 1}), "no msgpack"),
         (msgpack.packb([3, "r"]), "of version 3"),
@@ -299,16 +290,16 @@ def test_absurd_states_are_refused(place, value):
 
 def test_a_clock_that_may_be_wrong_by_more_than_is_of_use_is_not_known():
     """The rest of the state counts."""
-    assert unpack_state(msgpack.packb([*WHOLE, ticks(MOST_CLOCK_ERROR)]), "r1").clock_error == MOST_CLOCK_ERROR
-    told = unpack_state(msgpack.packb([*WHOLE, ticks(MOST_CLOCK_ERROR) + 1]), "r1")
+    assert unpack_state(msgpack.packb([*WHOLE, ticks(TUNING.clock_error)]), "r1").clock_error == TUNING.clock_error
+    told = unpack_state(msgpack.packb([*WHOLE, ticks(TUNING.clock_error) + 1]), "r1")
     assert (told.clock_error, told.number) == (0.0, 1)
 
 
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (zlib.compress(b"\x00" * 100 * MAX_BYTES), "more than the"),
-        (b"\x78" * (MAX_BYTES + 1), "more than the"),
+        (zlib.compress(b"\x00" * 100 * TUNING.state_bytes), "more than the"),
+        (b"\x78" * (TUNING.state_bytes + 1), "more than the"),
         (b"\x78\x9c" + b"\xff" * 50, "not compressed"),
         (msgpack.packb(WHOLE[:8]), "8 fields where 11"),
     ],

@@ -12,25 +12,18 @@ from pathlib import Path
 import msgpack
 import pytest
 
-from proxy.core.protocol.codec import (
-    READ,
-    VERSION,
-    digest_head,
-    pack_digest,
-    pack_state,
-    state_version,
-    unpack_digest,
-    unpack_state,
-)
+from proxy.core.protocol.digest_codec import digest_head, pack_digest, unpack_digest
+from proxy.core.protocol.envelope import READABLE, VERSION
 from proxy.core.protocol.errors import OtherVersionError
 from proxy.core.protocol.messages import Digest
+from proxy.core.protocol.state_codec import pack_state, state_version, unpack_state
 
 FOLDER = Path(__file__).parent / "recorded"
 RECORDED = {int(path.stem.removeprefix("wire_")): json.loads(path.read_text()) for path in FOLDER.glob("wire_*.json")}
 CASES = [
     pytest.param(case, id=f"{version}-{case['kind']}-{case['name']}")
     for version, cases in sorted(RECORDED.items())
-    if version in READ
+    if version in READABLE
     for case in cases
 ]
 OUR_TAG, SENT = "deadbeef", [700_000]
@@ -71,7 +64,7 @@ def test_what_was_recorded_means_what_it_meant(case):
     assert meant(read(case["kind"], bytes.fromhex(case["bytes"])), case["means"]) == case["means"]
 
 
-@pytest.mark.parametrize("version", READ)
+@pytest.mark.parametrize("version", READABLE)
 @pytest.mark.parametrize(
     ("kind", "name"), [("digest", "all"), ("digest", "announcement"), ("state", "told"), ("state", "update")]
 )
@@ -104,7 +97,7 @@ def test_a_new_version_is_recorded_and_says_if_it_breaks_with_the_one_before():
     assert VERSION in RECORDED
     before = [version for version in RECORDED if version < VERSION]
     changes = (Path(__file__).parents[4] / "CHANGELOG.md").read_text()
-    assert not before or max(before) in READ or f"wire version {VERSION}" in changes
+    assert not before or max(before) in READABLE or f"wire version {VERSION}" in changes
 
 
 @pytest.mark.parametrize(

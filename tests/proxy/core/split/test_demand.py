@@ -6,7 +6,7 @@ from statistics import fmean
 
 import pytest
 
-from proxy.core.protocol.bid import MOST_SEGMENTS
+from proxy.core.protocol.tuning import TUNING
 from proxy.core.split.allocation import allocate
 from proxy.core.split.demand import Demand, bid_for
 
@@ -21,7 +21,7 @@ MIXED = (CAMERA, ODOMETRY, TELEMETRY, LOG, ALARMS)
 def test_small_streams_come_first_and_large_messages_whole():
     """What is worth most for its room comes first, and the first message of several windows before a second one."""
     bid = bid_for(MIXED, 0.5, 4)
-    assert len(bid) <= MOST_SEGMENTS
+    assert len(bid) <= TUNING.segments
     assert [segment.level for segment in bid] == sorted((s.level for s in bid), reverse=True)
     assert bid[0].quarters == 0
     assert {s.amount for s in bid if s.quarters} == {4160}
@@ -90,6 +90,6 @@ def test_many_streams_make_few_segments():
     """Those worth about the same are put together."""
     demands = [Demand((0.001,), 1.0 + i, lambda rate, i=i: 2.0**i * rate) for i in range(20)]
     bid = bid_for(demands, 0.5, 4)
-    assert len(bid) <= MOST_SEGMENTS
+    assert len(bid) <= TUNING.segments
     room = sum(0.001 * d.rate * 0.5 for d in demands)
     assert sum(s.amount for s in bid) == pytest.approx(10_000 * room, abs=len(bid))

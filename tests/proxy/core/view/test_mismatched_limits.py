@@ -7,7 +7,7 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Notice
 from proxy.core.model.limits import fingerprint
 from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.codec import VERSION
+from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.view.mismatched_limits import PATIENCE, SILENCE
 from studies.simulation.medium import Medium
@@ -200,4 +200,4 @@ def test_status_tells_versions_and_other_versions_from_what_is_malformed(make_ta
     assert (status["version"], status["wire_version"]) == ("1.2.3", VERSION)
     assert [(peer["version"], peer["wire_version"]) for peer in status["peers"]] == [("1.3.0", VERSION + 1)]
     assert (status["malformed"], status["other_version"]) == (1, 1)
-    assert talk.core.telling.state.version == "1.2.3"
+    assert talk.core.gossip.states.state.version == "1.2.3"

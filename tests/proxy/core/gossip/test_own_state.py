@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from proxy.core.gossip.state_announcements import as_told, differs, shortened, state_of, update_of
+from proxy.core.gossip.own_state import as_announced, differs, shortened, state_of, update_of
 from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.messages import MOST_SUBSCRIPTIONS, State, StreamState
+from proxy.core.protocol.messages import State, StreamState
+from proxy.core.protocol.tuning import TUNING
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView
 
@@ -68,10 +69,10 @@ def test_other_changes_are_told_whole(changes):
 def test_a_state_has_the_sizes_that_were_told_unless_they_are_news():
     """Who asks for it knows of a stream what those know that heard the updates."""
     streams = (replace(CAMERA, size=1100, jitter=0.02), replace(CAMERA, id=2, size=900))
-    after = as_told(TOLD, replace(TOLD, streams=streams))
+    after = as_announced(TOLD, replace(TOLD, streams=streams))
     assert [(s.size, s.jitter) for s in after.streams] == [(1000, 0.02), (900, 0.01)]
     grown = replace(TOLD, streams=(replace(CAMERA, size=3000),))
-    assert as_told(TOLD, grown) == grown
+    assert as_announced(TOLD, grown) == grown
 
 
 def test_what_is_too_much_is_left_out_and_counted():
@@ -79,7 +80,7 @@ def test_what_is_too_much_is_left_out_and_counted():
     many = tuple(replace(CAMERA, id=n) for n in range(5000))
     state = replace(TOLD, streams=many, subscriptions=("k",) * 2000, origins=("z",) * 300)
     short, left = shortened(state)
-    assert (len(short.streams), len(short.subscriptions), len(short.origins)) == (4096, MOST_SUBSCRIPTIONS, 256)
+    assert (len(short.streams), len(short.subscriptions), len(short.origins)) == (4096, TUNING.subscriptions, 256)
     assert left == 904 + 976 + 44
     long = tuple(replace(CAMERA, id=n, key="k" * 1000) for n in range(400))
     short, left = shortened(replace(TOLD, streams=long, subscriptions=("k" * 1000,) * 100))

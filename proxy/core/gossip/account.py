@@ -1,0 +1,90 @@
+"""What robots tell each other, booked twice: it is paid for from the allowance, and what is beyond that counts as sent.
+
+The limits leave the allowance to digests. It may be spent ahead of time (`digest_budget.py`): then a window holds more
+digests than the limits leave out, and the rest counts against them like samples.
+"""
+
+import math
+
+from proxy.core.coordination.budget import Budget
+from proxy.core.gossip.digest_budget import DigestBudget
+from proxy.core.gossip.excess import Excess
+from proxy.core.gossip.tuning import TUNING
+from proxy.core.model.limits import allowance_of, shortest_window
+from proxy.core.model.tuning import TUNING as MODEL
+from proxy.core.protocol.digest_codec import pack_digest
+from proxy.core.protocol.messages import Digest, State
+from proxy.core.view.paths import mean_loss
+from proxy.core.view.view import SharedView
+
+
+class Account:
+    """Books what this robot tells and what it hears others tell. `limits` are those in force."""
+
+    def __init__(self, view: SharedView, limits: Budget, budget: DigestBudget) -> None:
+        self._view = view
+        self._limits = limits
+        self._budget = budget
+        self._excess = Excess()
+        self._allowance = MODEL.least_allowance
+        """What all robots may tell each other [B/s]."""
+        self._uncounted = 0.0
+        """What was told beyond the allowance and does not count against the limits yet; less: ahead of time [B]."""
+
+    def set_rate(self, part: float, *, follows: bool) -> None:
+        """The team may be another one. This `part` of the allowance is left; limits follow the channel or not."""
+        robots = len(self._view.peers) + 1
+        self._allowance = allowance_of(self._view.specs, self._view.settings.allowance * part, robots)
+        copies = 1 if self._view.settings.digests_on_air else robots
+        rate = (1.0 if follows else TUNING.digests) * self._allowance
+        self._budget.set_rate(rate, robots, copies, follows=follows)
+
+    @property
+    def window(self) -> float:
+        """The shortest window of what robots share [s]; none where they share nothing."""
+        shortest = shortest_window(self._limits.limits)
+        return 0.0 if math.isinf(shortest) else shortest
+
+    @property
+    def digest_copies(self) -> int:
+        """How often a digest for all is transmitted."""
+        return 1 if self._view.settings.digests_on_air and self._view.peers else self.copies
+
+    @property
+    def copies(self) -> int:
+        """How often a state for all is transmitted."""
+        return len(self._view.peers) + (self._view.settings.relayed and bool(self._view.peers))
+
+    def heard_digest(self, now: float, size: int) -> None:
+        """A digest of another robot, of so many bytes, came: for each one that comes others are lost."""
+        sent, copies = round(size / (1.0 - mean_loss(self._view))), self.digest_copies
+        self._budget.heard(now, sent, copies)
+        self._count(now, sent, copies)
+
+    def heard_state(self, now: float, state: State, size: int) -> None:
+        """A state of another robot, of so many bytes, came: an update is for all, a whole one mostly for us alone."""
+        self._count(now, size, self.copies if state.since else 1)
+
+    def sent_digest(self, now: float, digest: Digest, *, announces: bool) -> None:
+        """A digest of ours goes out. Where one for all is on the air, its key has no number to stand for it."""
+        on_air = self._view.settings.digests_on_air
+        key = TUNING.on_air + len(self._view.settings.robot) if on_air else 0
+        size, copies = len(pack_digest(digest)) + key, self.digest_copies
+        self._budget.sent(now, size, copies, announces=announces)
+        self._count(now, size, copies)
+
+    def sent_other(self, now: float, size: int, copies: int) -> None:
+        """A state or a question of ours, of so many bytes, goes out in so many copies."""
+        self._budget.advance(now)
+        self._budget.states.owe(size, copies)
+        self._count(now, size, copies)
+
+    def _count(self, now: float, size: int, copies: int) -> None:
+        """Count what is told against the limits, as far as it is more than they leave to that."""
+        if window := self.window:
+            told = (size + TUNING.overhead) * max(1, copies)
+            self._uncounted += self._excess.note(now, told, window, self._allowance * window)
+            if self._uncounted > 0.0:  # ahead of what follows: where limits are of messages, each note is one
+                ahead = max(self._uncounted, MODEL.least_digest)
+                self._view.note_talk(now, math.ceil(ahead))
+                self._uncounted -= ahead

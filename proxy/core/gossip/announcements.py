@@ -1,0 +1,64 @@
+"""Which sends of ours the others have to hear of at once, and what that takes of the allowance."""
+
+from proxy.core.coordination.budget import Budget
+from proxy.core.coordination.coordination import Coordination
+from proxy.core.gossip.account import Account
+from proxy.core.gossip.digest_budget import DigestBudget
+from proxy.core.gossip.tuning import TUNING
+from proxy.core.model.limits import changes_plans, shortest_window, use_of
+from proxy.core.model.transport import is_broadcast
+from proxy.core.view.stream import Stream
+from proxy.core.view.view import SharedView
+
+
+class Announcements:
+    """Tells what has to be announced. `limits` are those in force."""
+
+    def __init__(
+        self, view: SharedView, coordination: Coordination, limits: Budget, account: Account, budget: DigestBudget
+    ) -> None:
+        self._view = view
+        self._coordination = coordination
+        self._limits = limits
+        self._account = account
+        self._budget = budget
+
+    @property
+    def overheard(self) -> bool:
+        """Whether others hear what we send, as samples are broadcast."""
+        return is_broadcast(self._view.settings.transport)
+
+    @property
+    def needed(self) -> bool:
+        """Whether others plan with what we send."""
+        return self._coordination.team.must_announce and not self._coordination.team.splits
+
+    def due_at(self, now: float) -> float:
+        """When what is sent now could be announced [s]."""
+        waits = self._coordination.team.rivals and self.needed and not self.overheard
+        return self._budget.due_ahead(now, TUNING.announcement_debt) if waits else now
+
+    def changes_plans(self, size: int, copies: int = 1) -> bool:
+        """Whether others plan with so many bytes in so many copies."""
+        return changes_plans(use_of(size, copies, self._limits.limits), self._limits.limits)
+
+    def is_large(self, stream: Stream) -> bool:
+        """Whether the samples of a stream change what others plan."""
+        return self.changes_plans(0 if stream.sent is None else stream.sent.size, self._view.copies(stream))
+
+    def share(self, now: float) -> float:
+        """Return what part of the allowance it takes to announce all that the limits let the team send."""
+        if self.overheard:
+            return 0.0
+        limits, rate = self._limits.limits, 0.0
+        load = [0.0] * len(limits)
+        for stream in self._view.competition.all(now):
+            use = use_of(round(stream.mean_size), self._view.copies(stream), limits)
+            if changes_plans(use, limits):
+                often = 1.0 / stream.period
+                rate += often
+                load = [before + often * each for before, each in zip(load, use, strict=True)]
+        fits = [c.limit / c.window / each for c, each in zip(limits, load, strict=True) if c.shared and each > 0.0]
+        # Of a large team little is known for long; but that it sends some messages in each window.
+        most = max(min([1.0, *fits]) * rate, TUNING.fewest_sends / shortest_window(limits))
+        return most * (TUNING.announcement + TUNING.overhead) * self._account.digest_copies / self._budget.rate

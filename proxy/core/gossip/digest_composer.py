@@ -1,0 +1,76 @@
+"""What is in a digest of ours, and in an announcement."""
+
+from dataclasses import replace
+
+from proxy.core.congestion.capacity import Capacity
+from proxy.core.coordination.coordination import Coordination
+from proxy.core.gossip.echo_budget import EchoBudget
+from proxy.core.gossip.state_announcements import StateAnnouncements
+from proxy.core.gossip.stream_news import StreamNews
+from proxy.core.protocol.messages import Digest, Echo, StreamDigest, tag
+from proxy.core.view.stream import usual_scale
+from proxy.core.view.view import SharedView
+
+
+class DigestComposer:
+    """Makes digests of what the parts of the core have to tell."""
+
+    def __init__(
+        self,
+        view: SharedView,
+        coordination: Coordination,
+        capacity: Capacity,
+        *,
+        news: StreamNews,
+        echoes: EchoBudget,
+        states: StateAnnouncements,
+    ) -> None:
+        self._view = view
+        self._coordination = coordination
+        self._capacity = capacity
+        self._news = news
+        self._echoes = echoes
+        self._states = states
+
+    def digest(self, now: float, copies: int, *, only_parts: bool) -> Digest:
+        """Return a digest that goes out now in so many copies; without news of streams and echoes: `only_parts`."""
+        return Digest(
+            robot=self._view.settings.robot,
+            tag=tag(self._view.settings.zid),
+            sent=now,
+            messages=self._view.messages,
+            bytes=self._view.bytes,
+            streams=() if only_parts else self._news.take(now, list(self._view.own())),
+            echoes=() if only_parts else self._take_echoes(now, copies),
+            state=self._states.state.number,
+            capacity=self._capacity.report(now),
+            splits=self._coordination.team.votes_to_split,
+            split=self._coordination.announcement(now),
+        )
+
+    def announcement(self, now: float, streams: tuple[StreamDigest, ...]) -> Digest:
+        """Return the announcement of what streams sent: without features, and what is as usual."""
+        sizes = {each.id: each.size for each in self._states.state.streams}
+        own = {stream.id: stream for stream in self._view.own()}
+        return Digest(
+            robot=self._view.settings.robot,
+            tag=tag(self._view.settings.zid),
+            sent=now,
+            streams=tuple(brief(each, sizes.get(each.id, 0), usual_scale(own[each.id])) for each in streams),
+            state=self._states.state.number,
+            brief=True,
+        )
+
+    def _take_echoes(self, now: float, copies: int) -> tuple[Echo, ...]:
+        """Return some echoes. Where limits follow the channel they tell how long digests wait now."""
+        quickest = not self._capacity.factors
+        echoes = self._echoes.take(now, self._view.echoes(now, quickest=quickest), copies)
+        self._view.echoed(echo.peer for echo in echoes)
+        return echoes
+
+
+def brief(news: StreamDigest, size: int, scale: float) -> StreamDigest:
+    """Return an announcement of a stream that is so large and worth so much as a rule."""
+    said = -1.0 if news.scale == scale else news.scale
+    plain = replace(news, scale=said, features=())
+    return replace(plain, size=0) if news.size == size and said < 0.0 else plain

@@ -1,0 +1,125 @@
+"""What is news of our streams: what there is to tell of each, and what was announced of it last."""
+
+from collections.abc import Container
+from operator import attrgetter
+
+from proxy.core.forecast import rhythm_report
+from proxy.core.gossip.tuning import TUNING
+from proxy.core.protocol.fixed import feature, rounded
+from proxy.core.protocol.messages import StreamDigest
+from proxy.core.view.stream import Stream
+
+_CHANGES = attrgetter("changes")
+
+
+class StreamNews:
+    """The record of what was announced of each of our streams, by its key."""
+
+    def __init__(self) -> None:
+        self.waiting = False
+        """Whether there was news when it was last looked for."""
+        self.unknown = False
+        """Whether there was a stream then that was never announced."""
+        self._revision = 0
+        """How often what was announced changed."""
+        self._looked_at = (0, 0, -1)
+        """Of which changes it is known whether they are news."""
+        self._ever: set[str] = set()
+        """Keys of streams that were announced at all."""
+        self._announced: dict[str, tuple[float, StreamDigest]] = {}
+        """When each stream was last announced [s], and how."""
+        self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
+        """What there is to tell of each stream, since so many changes of it."""
+
+    def look(self, revision: int, streams: list[Stream]) -> None:
+        """See whether there is news of our streams, where they changed: which there are, or what is known of one."""
+        changes = revision, sum(map(_CHANGES, streams)), self._revision
+        if changes != self._looked_at:
+            self._looked_at = changes
+            self.unknown = any(s.key not in self._ever and s.last is not None for s in streams)
+            self.waiting = any(map(self._is_news, streams))
+
+    def take(self, now: float, streams: list[Stream], only: Container[str] | None = None) -> tuple[StreamDigest, ...]:
+        """Return news of streams to announce now, the most changed first, and some that may have been lost.
+
+        Where `only` is given, it is news of these keys that sent something since.
+        """
+        self._revision += 1
+        known = {s.key for s in streams}
+        self._announced = {key: announced for key, announced in self._announced.items() if key in known}
+        self._digests = {key: digest for key, digest in self._digests.items() if key in known}
+        current = [(s, d) for s in streams if (d := self._digest(s)) is not None]
+        news = [(s, d) for s, d in current if s.key not in self._announced or self._announced[s.key][1] != d]
+        if only is not None:
+            news = [(s, d) for s, d in news if s.key in only and self._sent_of(s.key) != d.forwarded]
+        news.sort(key=lambda entry: -self._weight(*entry))
+        refreshed = [entry for entry in self._old(now, current) if entry not in news] if only is None else []
+        chosen = (news + refreshed[: TUNING.refreshed])[: TUNING.streams]
+        self._announced.update({s.key: (now, d) for s, d in chosen})
+        self._ever = (self._ever & known) | {s.key for s, _ in chosen}
+        return tuple(digest for _, digest in chosen)
+
+    def forget(self) -> None:
+        """Somebody new is there: everything is news again."""
+        self._revision += 1
+        self._announced.clear()
+
+    def value_changed(self, stream: Stream) -> bool:
+        """Whether the stream's value changed enough since it was last announced to alter others' plans."""
+        announced = self._announced.get(stream.key)
+        if announced is None or stream.last is None:
+            return stream.last is not None
+        low, high = sorted((announced[1].scale, stream.last.scale))
+        return high - low > TUNING.value_change * max(low, 1e-9)
+
+    def _is_news(self, stream: Stream) -> bool:
+        """Whether a stream changed since it was last announced."""
+        if stream.last is None:
+            return False
+        _, announced = self._announced.get(stream.key, (0.0, None))
+        # Counts are compared first: most news is seen by them, without making a digest of it.
+        if announced is None or (announced.generated, announced.forwarded) != (stream.generated, stream.forwarded):
+            return True
+        digest = self._digest(stream)
+        return announced is not digest and announced != digest
+
+    def _digest(self, stream: Stream) -> StreamDigest | None:
+        """Return what there is to tell of a stream; it is made when the stream has changed."""
+        known = self._digests.get(stream.key)
+        if known is not None and known[0] is stream and known[1] == stream.changes:
+            return known[2]
+        digest = digest_of(stream)
+        if digest is not None:
+            self._digests[stream.key] = stream, stream.changes, digest
+        return digest
+
+    def _old(self, now: float, current: list[tuple[Stream, StreamDigest]]) -> list[tuple[Stream, StreamDigest]]:
+        """Return the streams that were announced long ago, the oldest first."""
+        at = {s.key: self._announced[s.key][0] for s, _ in current if s.key in self._announced}
+        old = [(s, d) for s, d in current if s.key in at and now >= at[s.key] + TUNING.refresh_after]
+        return sorted(old, key=lambda entry: at[entry[0].key])
+
+    def _sent_of(self, key: str) -> int | None:
+        """How many samples of a stream were sent as was last announced; None: it was not."""
+        return self._announced[key][1].forwarded if key in self._announced else None
+
+    def _weight(self, stream: Stream, digest: StreamDigest) -> float:
+        announced = self._announced.get(stream.key)
+        return float("inf") if announced is None else abs(digest.scale - announced[1].scale) + digest.scale
+
+
+def digest_of(stream: Stream) -> StreamDigest | None:
+    """Return what there is to tell of a stream of ours; None where it has generated nothing."""
+    if stream.last is None:
+        return None
+    return StreamDigest(
+        stream.id,
+        stream.generated,
+        stream.forwarded,
+        stream.last.t_gen,
+        stream.sent.t_sent if stream.sent else 0.0,
+        stream.last.size,
+        rounded(stream.last.scale),
+        tuple(map(feature, stream.information_type.told(stream.last.features))) if stream.last.features else (),
+        *rhythm_report.encoded(stream.schedule.rhythm, stream.generated, stream.last.t_gen),
+    )

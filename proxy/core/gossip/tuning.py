@@ -1,0 +1,129 @@
+"""The constants of what robots tell each other: sizes, shares of the allowance, and timers."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class GossipTuning:
+    """One field for each constant. Debts and savings are counted in seconds of the whole allowance."""
+
+    # What messages take on the air.
+    overhead: int = 15
+    """What Zenoh adds to a digest: the length of the batch, its frame, and the number for the key [B]."""
+    announcement: int = 16
+    """An announcement is about so large [B]."""
+    on_air: int = 60
+    """What the key takes besides the robot's name where digests are broadcast [B]."""
+    question: int = 75
+    """What asking for a state takes, the head of the answer included [B]."""
+    answer: int = 75
+    """A state without streams is about so large [B]."""
+    echo: int = 23
+    """What an echo takes [B]."""
+
+    # Shares of the allowance.
+    digests: float = 0.95
+    """For digests, the rest for states: with all of it for digests robots told 103 to 105 % of what they may, and tell
+    97 to 99 % now (four with cameras, five with samples of random sizes). Where limits follow the channel digests tell
+    of it, and have all."""
+    ordinary: float = 0.2
+    """For all but announcements, beside what these do not need."""
+    ordinary_on_channel: float = 0.7
+    """The same where limits follow the channel, as how long digests take tells of it."""
+    states: float = 0.5
+    """For states, questions and answers, while there are any."""
+    echoes: float = 0.25
+    """For echoes in the long run, of what a robot has for ordinary news."""
+    echoes_ahead: float = 600.0
+    """What echoes may take ahead of that [B]: without any nobody knows how long the way is."""
+    answers: float = 1.5
+    """What all robots answer takes so many times what the allowance has room for meanwhile: other news go on beside."""
+    fewest_sends: float = 2.0
+    """A team is taken to send at least so many messages in a window that have to be announced."""
+
+    # What may be spent ahead of time, saved and owed.
+    announcement_debt: float = 5.0
+    """Ahead of time on announcements [s]."""
+    retransmission_debt: float = 1.0
+    """Ahead of time on announcing again [s]."""
+    first_parts_debt: float = 10.0
+    """Ahead of time on the first agreement on parts [s]."""
+    parts_debt: float = 0.5
+    """Ahead of time on news of parts later [s]."""
+    first_parts_savings: float = 15.0
+    """Saved for the first agreement on parts [s]: nobody sends meanwhile, but for the floor."""
+    state_savings: float = 10.0
+    """Saved for states [s]."""
+    spare: float = 0.25
+    """What is not spent is left for later up to this [s]."""
+    deepest_debt: float = 10.0
+    """Owed at most [s]: who tells more than its part silences nobody for long."""
+
+    # When digests go, and what is in them.
+    slowest_digest: float = 1.0
+    """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
+    digests_apart: float = 1e-3
+    """Two digests are so far apart at least [s]: each is told from the others by its time."""
+    parts_apart: float = 0.05
+    """Digests with news of parts are so far apart at least [s]."""
+    unhurried: float = 60.0
+    """Where nobody plans with it ordinary news wait for the allowance of all for so long [s]; not where digests tell of
+    the channel: after agreeing on parts three robots told nothing for 3 to 5 s then, which was taken for a queue, and
+    sent 10 to 40 % less."""
+    streams: int = 32
+    """News of at most this many streams in one digest."""
+    echoed: int = 8
+    """Peers echoed in one digest."""
+    refresh_after: float = 10.0
+    """What was announced of a stream is announced again after this time: it may have been lost [s]."""
+    refreshed: int = 2
+    """Streams announced again in one digest."""
+    value_change: float = 0.25
+    """Others plan anew where the value of a stream changes by this part."""
+
+    # When announcements on the air are sent again.
+    retransmit_after: float = 0.03
+    """An announcement is sent again after so long, then after twice as long, and so on [s]."""
+    missed: float = 0.003
+    """It is sent until no more than this part of the robots have missed it, by what is lost in the mean."""
+    sent_so_far: int = 2
+    """Who missed it missed the sample and its announcement, two times."""
+    retransmissions: int = 3
+    """It is sent again so often at most."""
+
+    # When states are announced, and what is news of them.
+    states_apart: float = 0.2
+    """States follow each other at least this far apart [s]."""
+    gather: float = 0.25
+    """New streams that are not large are announced so late, together with others that begin with them [s]; large ones
+    at once, ahead of the allowance: where the next state waited for that, eight robots knew of each other's cameras
+    after 2 to 5 s, and two to five sent at one moment."""
+    pushes_apart: float = 2.0
+    """Who comes to a large team hears of subscriptions together with all who come within so long [s]."""
+    review_every: float = 1.0
+    """While samples come, our state is looked at this often: whether the periods are still right [s]."""
+    period_change: float = 0.1
+    """Periods are estimates: only one that moved by this part of the longer one is news."""
+    random_period_change: float = 0.5
+    """The same where samples come at random: what 32 of them show varies by a sixth without any news, what the first
+    few show by a half. Five such robots told 122 % of what they may with a tenth, and the alarms of eight robots with
+    cameras took a tenth of the allowance with three tenths."""
+    size_change: float = 0.5
+    """Sizes are news from this change on, as every digest has them."""
+    wall_clock_step: float = 1e-3
+    """A wall clock that moved by more than this is news [s]."""
+
+    # When robots are asked for their states.
+    questions_apart: float = 0.02
+    """Questions follow each other at least this far apart [s]."""
+    questions_at_once: int = 8
+    """So many questions do; more may have to wait, as a team of fifty that begins has 2,450 of them."""
+    first_answer: float = 0.5
+    """An answer is waited for this long, the next ones twice as long each [s]."""
+    longest_wait: float = 30.0
+    """An answer is waited for up to this [s]."""
+    update_delay: float = 0.3
+    """An update of a state may come so much later than a digest that names it [s]."""
+
+
+TUNING = GossipTuning()

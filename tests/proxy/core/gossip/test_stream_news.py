@@ -1,0 +1,95 @@
+"""What is news of our streams."""
+
+from proxy.core.gossip.stream_news import StreamNews
+from proxy.core.gossip.tuning import TUNING
+from proxy.core.view.stream import Generated, Sent, Stream
+from tests.proxy.core.talk import UNLIMITED
+
+
+def stream(key="a", scale=1.0, generated=1):
+    made = Stream(1, "r1", key, None)
+    made.note_generated(generated, Generated(float(generated), 100, scale))
+    return made
+
+
+def waiting(news, streams):
+    news.look(0, streams)
+    return news.waiting
+
+
+def test_only_changed_streams_are_told():
+    """What was told is not told again until it changes, or somebody new is there."""
+    news, camera = StreamNews(), stream()
+    silent = Stream(2, "r1", "b", None)
+    assert waiting(news, [camera])
+    assert [s.generated for s in news.take(0.0, [camera, silent])] == [1]
+    assert not waiting(news, [camera, silent])
+    assert news.take(0.1, [camera, silent]) == ()
+    camera.note_generated(2, Generated(2.0, 100, 1.0))
+    assert [s.generated for s in news.take(0.2, [camera])] == [2]
+    news.forget()
+    assert len(news.take(0.3, [camera])) == 1
+
+
+def test_what_may_have_been_lost_is_told_again_in_turn():
+    """A few streams in each digest, those told longest ago first; it is no news that would hurry a digest."""
+    news = StreamNews()
+    many = [stream(f"k{number}") for number in range(5)]
+    news.take(0.0, many[:3])
+    news.take(1.0, many)
+    assert not waiting(news, many)
+    later = 1.0 + TUNING.refresh_after
+    assert [len(news.take(later, many)) for _ in range(4)] == [TUNING.refreshed, TUNING.refreshed, 1, 0]
+
+
+def test_many_changes_are_told_the_greatest_first():
+    """One digest holds 32 streams; the rest follows in the next."""
+    news = StreamNews()
+    many = [stream(f"k{number}", scale=float(number)) for number in range(40)]
+    news.take(0.0, many)
+    news.take(0.0, many)
+    for one in many:
+        one.note_generated(2, Generated(2.0, 100, one.newest.scale * (10.0 if one.key == "k39" else 1.0)))
+    told = news.take(0.0, many)
+    assert len(told) == 32
+    assert told[0].scale == 390.0
+    assert len(news.take(0.0, many)) == 8
+
+
+def test_a_value_that_changed_by_a_quarter_is_urgent():
+    """Others plan with it."""
+    news, camera = StreamNews(), stream(scale=1.0)
+    assert news.value_changed(camera)
+    news.take(0.0, [camera])
+    camera.note_generated(2, Generated(2.0, 100, 1.2))
+    assert not news.value_changed(camera)
+    camera.note_generated(3, Generated(3.0, 100, 1.5))
+    assert news.value_changed(camera)
+
+
+def test_an_announcement_tells_of_streams_that_sent_something_alone():
+    """The rest is news for later."""
+    news, sending, silent = StreamNews(), stream("a"), stream("b")
+    news.take(0.0, [sending, silent])
+    for each in (sending, silent):
+        each.note_generated(2, Generated(2.0, 100, 1.0))
+    sending.note_sent(1, Sent(2.0, 2.0, 100, 1.0))
+    both = {sending.key, silent.key}
+    assert [(each.generated, each.forwarded) for each in news.take(2.0, [sending, silent], both)] == [(2, 1)]
+    assert news.take(2.0, [sending, silent], both) == ()
+    assert waiting(news, [sending, silent])
+    assert [(each.generated, each.forwarded) for each in news.take(2.1, [sending, silent])] == [(2, 0)]
+
+
+def test_features_are_told_where_others_need_them(make_specs):
+    """Only a `python` utility needs more than the scale."""
+    for utility, told in (
+        ('{ kind = "python", function = "tests.utility_specs.worths:by_red" }', (0.25,)),
+        ('{ kind = "video" }', ()),
+    ):
+        text = UNLIMITED.replace('utility = { kind = "video" }', f"utility = {utility}")
+        (covering,) = make_specs(text=text).types
+        stream = Stream(1, "r1", "robot/r1/camera", covering)
+        stream.note_generated(1, Generated(1.0, 10, 2.0, {"red": 0.25}))
+        (news,) = StreamNews().take(1.0, [stream])
+        assert news.features == told
