@@ -207,7 +207,7 @@ class Bridge:
             "links": self._links.describe(),
             "held": len(self.payloads),
             "returned": self._ingress.returned,
-            "egress": self._egress.waiting | {"risked": self._egress.risked},
+            "egress": self._egress.waiting | {"risked": self._egress.writer.risked},
             "queue": self.rooms.describe(),
             "delivered": self._delivery.delivered,
             "repeated": self._delivery.repeated,

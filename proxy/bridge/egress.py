@@ -7,29 +7,22 @@ leaves later than it was decided is in another window than all believe. What pas
 the next decided sample back by what it used, up to a floor: decided samples are never starved.
 """
 
-import logging
-import math
 import threading
 from collections import deque
 from collections.abc import Callable
 
-import zenoh
-
 from proxy import clock
-from proxy.bridge import keys
 from proxy.bridge.air import Air
 from proxy.bridge.demand import Demand
 from proxy.bridge.headroom import Headroom
 from proxy.bridge.paced import Paced
 from proxy.bridge.passed import EGRESS, FULL, Passed
-from proxy.bridge.patience import Patience
 from proxy.bridge.room import CATCH_UP, Rooms
-from proxy.bridge.sample import Held, publish
+from proxy.bridge.sample import Held
+from proxy.bridge.writer import Writer
 from proxy.core.interface.events import CopyHanded, CopyRefused, SampleHanded, SampleRefused
 
 Answer = SampleHanded | SampleRefused | CopyHanded | CopyRefused
-
-log = logging.getLogger(__name__)
 
 BEHIND = 32
 """With more passing samples whoever brings one lets the thread catch up, where surely no link holds it up."""
@@ -39,14 +32,12 @@ slowed down then, not dropped."""
 LOOK = 0.005
 """Time between two looks whether links are idle, while something waits for its pace [s]; Zenoh's thread has this long
 to write the sample before."""
-SAID = 60.0
-"""That samples may have been lost on a slow link is said this often [s]."""
 _PUSHED_BACK = 0.05
 """Passing traffic delays a decided sample by no more than this [s]."""
 
 
 class Egress:
-    """The only writer of samples onto the mesh.
+    """Queues what leaves for the mesh, for a thread that writes it.
 
     `rate` is the pace of decided samples [B/s], copies counted; None: unpaced. `post` gets a `SampleHanded`
     or a `SampleRefused` for each of them, for one that was kept a `CopyHanded` or a `CopyRefused`; the others are
@@ -65,8 +56,7 @@ class Egress:
     ) -> None:
         self._rooms = rooms
         self.headroom = Headroom(air)
-        self._patience = Patience(self.headroom)
-        self._air = air
+        self.writer = Writer(air, demand, self.headroom)
         self._demand = demand
         self._passed = passed
         self._post = post
@@ -86,11 +76,6 @@ class Egress:
         lock = threading.RLock()
         self._wake, self._caught_up = threading.Condition(lock), threading.Condition(lock)
         self._thread = threading.Thread(target=self._run, name="egress", daemon=True)
-        self._failing = False
-        self.risked = 0
-        """Samples that should wait for every link, and may have been dropped on one."""
-        self._said = -math.inf, 0
-        """When that was said last [s], and how many there were."""
 
     def start(self) -> None:
         """Start writing."""
@@ -99,7 +84,7 @@ class Egress:
 
     def close(self, timeout: float) -> None:
         """Stop writing; what still waits is not sent. Waits at most `timeout` [s] for a put that stalls."""
-        self._patience.end()
+        self.writer.end()
         with self._wake:
             self._open = False
             self._wake.notify()
@@ -134,7 +119,7 @@ class Egress:
         with self._wake:
             ready = self._running and self._open and not self._deciding
             ready = ready and self._decided.free(clock.monotonic(), self._on_air(held))
-        return ready and self._patience.at_ease and self.headroom.takes(held.size)
+        return ready and self.writer.at_ease and self.headroom.takes(held.size)
 
     def pace(self, rate: float | None) -> None:
         """Send what was decided no faster than this [B/s] from now on; None: as fast as it goes."""
@@ -195,23 +180,19 @@ class Egress:
             if decided is None:
                 self._send_waiting()
             else:
-                self._send_decided(*decided, droppable=self._take(decided[1]))
+                self._send_decided(*decided, droppable=self._wait(decided[1]))
 
     def _send_waiting(self) -> None:
         """Send what passes, until nothing waits or a decided sample comes first."""
-        while self._open and self._passing and not self._ripe():
+        while self._open and self._passing and not self._decided.ripe(clock.monotonic()):
             reason, held = self._passing.popleft()
             self._rooms.passing.leave(held.size)
-            self._send_passing(reason, held, droppable=self._take(held))
+            self._send_passing(reason, held, droppable=self._wait(held))
             self._sent_at = clock.monotonic()
             if 0 < len(self._passing) <= self._awaited:
                 self._awaited = 0
                 with self._wake:
                     self._caught_up.notify_all()
-
-    def _ripe(self) -> bool:
-        due = self._decided.due()
-        return due is not None and due <= clock.monotonic()
 
     def _pause(self) -> float | None:
         """How long nothing can be sent [s]; None: until something comes."""
@@ -225,9 +206,14 @@ class Egress:
             return 0.0
         return max(min(due - now, LOOK), 0.0)
 
+    def _wait(self, held: Held) -> bool:
+        """Wait until links take a sample; whether it may be dropped on those that have no room for it."""
+        self._in_hand = held.size
+        return self.writer.wait(held)
+
     def _send_decided(self, number: int, held: Held, *, droppable: bool = False) -> None:
         self._leave(held)
-        sent = self._send(held, droppable=droppable)
+        sent = self.writer.write(held, droppable=droppable)
         now = self._sent_at = clock.monotonic()
         if sent:
             with self._wake:
@@ -251,58 +237,10 @@ class Egress:
 
     def _send_passing(self, reason: str, held: Held, *, droppable: bool = False) -> None:
         air = self._on_air(held)
-        if not self._send(held, droppable=droppable):
+        if not self.writer.write(held, droppable=droppable):
             self._passed.add(EGRESS, 0)
             return
         self._passed.add(reason, air)
         if not self._decided.unpaced:
             with self._wake:
                 self._decided.push_back(clock.monotonic(), air, _PUSHED_BACK)
-
-    def _take(self, held: Held) -> bool:
-        """Take a sample out of what waits; whether it may be dropped on links that have no room for it."""
-        self._in_hand = held.size
-        if self._patience.at_ease and (self.headroom.alone or self.headroom.takes(held.size)):
-            return False
-        droppable = held.waits and self._patience.runs_out()
-        if droppable:
-            self._risk()
-        if not self._patience.at_ease:
-            self._patience.hand(held.size, self._demand.wanting(held.key))
-        return droppable
-
-    def _risk(self) -> None:
-        """A sample may be dropped on a link that is slower than the others."""
-        self.risked += 1
-        said_at, said = self._said
-        if clock.monotonic() - said_at >= SAID:
-            self._said = clock.monotonic(), self.risked
-            log.warning(
-                "a link takes much less than the others; samples that may have been lost there since that was said: %d",
-                self.risked - said,
-            )
-
-    def _send(self, held: Held, *, droppable: bool = False) -> bool:
-        sample = held.sample
-        outlet = None if held.to else self._demand.outlet(held.key)
-        if outlet is None and not held.to and self._demand.silent(held.key):
-            return True
-        try:
-            if outlet is not None and not droppable and outlet.suits(sample):
-                outlet.publisher.put(
-                    sample.payload,
-                    encoding=sample.encoding,
-                    attachment=sample.attachment,
-                    timestamp=held.stamp,
-                    source_info=held.source,
-                )
-            else:
-                key = keys.kept(held.to, held.key) if held.to else None
-                publish(self._air, sample, held.stamp, key, source=held.source, droppable=droppable)
-        except (zenoh.ZError, RuntimeError) as error:  # RuntimeError: the publisher is being taken back
-            if not self._failing:
-                log.error("the mesh session refuses %s: %s", held.key, error)
-            self._failing = True
-            return False
-        self._failing = False
-        return True

@@ -57,10 +57,14 @@ class Paced:
         times = [at for lane, at in ((self._small, self._small_free_at), (self._large, self._free_at)) if lane]
         return None if not times else 0.0 if self._rate is None else min(times)
 
+    def ripe(self, now: float) -> bool:
+        """Whether a sample may go."""
+        due = self.due()
+        return due is not None and due <= now
+
     def take(self, now: float) -> Item | None:
         """Take the next sample, if one may go."""
-        due = self.due()
-        if due is None or due > now:
+        if not self.ripe(now):
             return None
         if self._small and (self._rate is None or self._small_free_at <= now):
             return self._small.popleft()

@@ -58,6 +58,12 @@ class Bench:
         assert self.rooms.covered.enter(held.size)
         self.egress.forward(number, held)
 
+    def fill(self):
+        """From now on no link has room."""
+        links = FullLinks()
+        self.egress.headroom = self.egress.writer._headroom = links
+        return links
+
     def mine(self):
         """What the peer heard from the egress: its samples are stamped."""
         return [s.payload.to_string() for s in self.heard.samples if s.timestamp is not None]
@@ -86,7 +92,7 @@ def test_what_need_not_wait_is_sent_by_whoever_brings_it(bench):
     bench.egress.start()
     bench.forward(0, held)
     assert [event.sample for event in bench.posted] == [0]
-    bench.egress.headroom = FullLinks()
+    bench.fill()
     bench.forward(1, held)
     wait_until(lambda: [event.sample for event in bench.posted] == [0, 1], what="the one for which links have no room")
 
@@ -109,7 +115,7 @@ def test_a_copy_goes_to_one_robot_alone(bench):
 def test_decided_samples_are_paced_while_links_are_busy(stack):
     """At 1 B/s one of three samples of 1 kB goes; when what went has left all of them do."""
     bench = Bench(stack, 1.0)
-    busy = bench.egress.headroom = FullLinks()
+    busy = bench.fill()
     for i in range(3):
         bench.forward(i, bench.held("x" * 1000))
     passing = bench.held("urgent")
@@ -126,7 +132,7 @@ def test_decided_samples_are_paced_while_links_are_busy(stack):
 def test_a_small_sample_does_not_wait_for_large_ones(stack):
     """Odometry goes at once, whatever frames wait for their pace before it; it is answered like all others."""
     bench = Bench(stack, 1000.0)
-    bench.egress.headroom = FullLinks()
+    bench.fill()
     frame = bench.held("x" * 90_000)
     for i in range(3):
         bench.forward(i, frame)
@@ -140,7 +146,7 @@ def test_a_small_sample_does_not_wait_for_large_ones(stack):
 def test_passing_samples_do_not_wait_for_paced_ones(stack):
     """What needs no decision overtakes what waits for its pace, and is counted with its bytes."""
     bench = Bench(stack, 1.0)
-    bench.egress.headroom = FullLinks()
+    bench.fill()
     for i in range(3):
         bench.forward(i, bench.held("x" * 1000))
     passing = bench.held("urgent")
@@ -158,7 +164,7 @@ def test_passing_samples_do_not_wait_for_paced_ones(stack):
 def test_passing_traffic_does_not_starve_decided_samples(stack):
     """However much passes, a decided sample is pushed back by a bounded time only."""
     bench = Bench(stack, 1000.0)
-    bench.egress.headroom = FullLinks()
+    bench.fill()
     for _ in range(20):
         bench.egress.pass_on("passed:no-spec", bench.held("x" * 1000))
     bench.forward(1, bench.held("decided"))
@@ -274,7 +280,7 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
     monkeypatch.setattr(egress_module, "MOVING", 1e9 if moving else -1.0)
     waited = []
     monkeypatch.setattr(bench.egress._caught_up, "wait_for", lambda _, timeout: waited.append(timeout))
-    bench.egress.headroom = FullLinks()
+    bench.fill()
     for _ in range(3):
         bench.egress.pass_on("passed:no-spec", held)
     assert waited == [egress_module.CATCH_UP] * (moving and waits)
@@ -287,7 +293,7 @@ def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(stack
     held = bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK)
     for name, value in {"BEHIND": 2, "MOVING": 1e9, "CATCH_UP": 60.0}.items():
         monkeypatch.setattr(egress_module, name, value)
-    bench.egress.headroom = FullLinks()
+    bench.fill()
     for _ in range(3):
         bench.egress.pass_on("passed:no-spec", held)
     bringing = threading.Thread(target=bench.egress.pass_on, args=("passed:no-spec", held))
@@ -301,14 +307,14 @@ def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(stack
 
 def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch, caplog):
     """It is published as one that may be, which is counted and said; others see that only while a link is full."""
-    bench.egress.headroom = FullLinks()
-    monkeypatch.setattr(bench.egress._patience, "runs_out", lambda: True)
+    bench.fill()
+    monkeypatch.setattr(bench.egress.writer._patience, "runs_out", lambda: True)
     bench.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
     bench.egress.start()
     wait_until(bench.mine, what="the sample")
     (sample,) = [s for s in bench.heard.samples if s.timestamp is not None]
     assert sample.congestion_control == zenoh.CongestionControl.DROP
-    assert bench.egress.risked == 1
+    assert bench.egress.writer.risked == 1
     assert "a link takes much less than the others" in caplog.text
 
 
@@ -316,7 +322,7 @@ def test_while_links_have_room_nobody_asks_for_patience(bench, monkeypatch):
     """What they take goes as it is."""
     monkeypatch.setattr(Headroom, "alone", False)
     asked = []
-    monkeypatch.setattr(bench.egress._patience, "runs_out", lambda: asked.append(True))
+    monkeypatch.setattr(bench.egress.writer._patience, "runs_out", lambda: asked.append(True))
     bench.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
     bench.egress.start()
     wait_until(bench.mine, what="the sample")

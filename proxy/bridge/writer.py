@@ -1,0 +1,94 @@
+"""Publishes samples on the mesh, one after the other, for `egress`."""
+
+import logging
+import math
+
+import zenoh
+
+from proxy import clock
+from proxy.bridge import keys
+from proxy.bridge.air import Air
+from proxy.bridge.demand import Demand
+from proxy.bridge.headroom import Headroom
+from proxy.bridge.patience import Patience
+from proxy.bridge.sample import Held, publish
+
+log = logging.getLogger(__name__)
+
+SAID = 60.0
+"""That samples may have been lost on a slow link is said this often [s]."""
+
+
+class Writer:
+    """The only writer of samples onto the mesh."""
+
+    def __init__(self, air: Air, demand: Demand, headroom: Headroom) -> None:
+        self._air = air
+        self._demand = demand
+        self._headroom = headroom
+        self._patience = Patience(headroom)
+        self._failing = False
+        self.risked = 0
+        """Samples that should wait for every link, and may have been dropped on one."""
+        self._said = -math.inf, 0
+        """When that was said last [s], and how many there were."""
+
+    @property
+    def at_ease(self) -> bool:
+        """Whether no link has been waited for in vain lately."""
+        return self._patience.at_ease
+
+    def end(self) -> None:
+        """Wait for no link any more."""
+        self._patience.end()
+
+    def wait(self, held: Held) -> bool:
+        """Wait until links take a sample, on the thread that may be held up.
+
+        Return whether it may be dropped on links that have no room for it.
+        """
+        if self._patience.at_ease and (self._headroom.alone or self._headroom.takes(held.size)):
+            return False
+        droppable = held.waits and self._patience.runs_out()
+        if droppable:
+            self._risk()
+        if not self._patience.at_ease:
+            self._patience.hand(held.size, self._demand.wanting(held.key))
+        return droppable
+
+    def write(self, held: Held, *, droppable: bool) -> bool:
+        """Publish a sample; return whether the session took it. What nobody wants need not be published."""
+        sample = held.sample
+        outlet = None if held.to else self._demand.outlet(held.key)
+        if outlet is None and not held.to and self._demand.silent(held.key):
+            return True
+        try:
+            if outlet is not None and not droppable and outlet.suits(sample):
+                outlet.publisher.put(
+                    sample.payload,
+                    encoding=sample.encoding,
+                    attachment=sample.attachment,
+                    timestamp=held.stamp,
+                    source_info=held.source,
+                )
+            else:
+                key = keys.kept(held.to, held.key) if held.to else None
+                publish(self._air, sample, held.stamp, key, source=held.source, droppable=droppable)
+        except (zenoh.ZError, RuntimeError) as error:  # RuntimeError: the publisher is being taken back
+            if not self._failing:
+                log.error("the mesh session refuses %s: %s", held.key, error)
+            self._failing = True
+            return False
+        self._failing = False
+        return True
+
+    def _risk(self) -> None:
+        """A sample may be dropped on a link that is slower than the others."""
+        self.risked += 1
+        said_at, said = self._said
+        if clock.monotonic() - said_at >= SAID:
+            self._said = clock.monotonic(), self.risked
+            log.warning(
+                "a link takes much less than the others; samples that may have been lost there since that was said: %d",
+                self.risked - said,
+            )
