@@ -4,13 +4,13 @@ from collections.abc import Callable
 from threading import Event
 
 from proxy import clock
-from proxy.bridge.lane import Lane
+from proxy.bridge.serial_executor import SerialExecutor
 
 MOST = 8
 """Jobs that may wait; each holds a sample."""
 
 
-class Background(Lane):
+class Background(SerialExecutor):
     """Runs one job after the other, in order."""
 
     def __init__(self) -> None:

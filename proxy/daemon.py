@@ -11,16 +11,16 @@ import zenoh
 
 from planner import SearchSettings
 from proxy import clock
-from proxy.bridge.air import Broadcast
 from proxy.bridge.bridge import Bridge, CoreLink
+from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.control import Control
 from proxy.bridge.fleet import Fleet
 from proxy.bridge.hold_back import HoldBack
-from proxy.bridge.lane import Lane
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.radio import Scouted
+from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.sides import Sides, open_sides
 from proxy.config import Config
 from proxy.config_changes import Change
@@ -201,13 +201,13 @@ class Daemon:
         return Presence(
             sides.mesh,
             self.robot,
-            self._bridge.lanes[0],
+            self._bridge.executors[0],
             loop.post,
             loop.offer,
             later=loop.post_at,
             old=lambda now, name, sent: is_old(now, core.view.peers.get(name), sent),
             hold_back=hold_back,
-            air=sides.air if isinstance(sides.air, Broadcast) and core.settings.digests_on_air else None,
+            broadcast=sides.data if isinstance(sides.data, Broadcast) and core.settings.digests_on_air else None,
         )
 
     def _look_out(self, sides: Sides, scouted: Scouted | None, opening: ExitStack) -> Lookout:
@@ -222,12 +222,12 @@ class Daemon:
 
     def _serve_operator(self, sides: Sides, status: DaemonStatus, opening: ExitStack) -> None:
         """Answer whoever operates this robot."""
-        lane = Lane("control")  # of its own: what waits for the mesh must not keep the operator waiting
-        opening.callback(lane.close, _PATIENCE)
+        executor = SerialExecutor("control")  # of its own: what waits for the mesh must not keep the operator waiting
+        opening.callback(executor.close, _PATIENCE)
         control = Control(
             app=sides.app,
             robot=self.robot,
-            lane=lane,
+            executor=executor,
             on_loop=self._loop.post,
             status=status.read,
             switch=self._ordered,
@@ -237,13 +237,13 @@ class Daemon:
     def _serve_fleet(self, sides: Sides, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""
         loop, view = self._loop, self._loop.core.view
-        lane = Lane("fleet", ORDERS)
-        opening.callback(lane.close, _PATIENCE)
+        executor = SerialExecutor("fleet", ORDERS)
+        opening.callback(executor.close, _PATIENCE)
         fleet = Fleet(
             app=sides.app,
             mesh=sides.mesh,
             robot=self.robot,
-            lane=lane,
+            executor=executor,
             obeyed=orders(
                 self._config.fleet,
                 self.robot,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from proxy import clock
-from proxy.bridge.air import Broadcast
 from proxy.bridge.bridge import Bridge
+from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.lookout import Lookout, around
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence
@@ -55,7 +55,7 @@ class DaemonStatus:
             "reloads": self.reloading.describe(),
             "specs": os.path.realpath(self.reloading.loaded.config.specs.path),
             **self.bridge.describe(),
-            **({"broadcast": sides.air.describe()} if isinstance(sides.air, Broadcast) else {}),
+            **({"broadcast": sides.data.describe()} if isinstance(sides.data, Broadcast) else {}),
         }
 
     def _warnings(self) -> list[str]:

@@ -79,7 +79,7 @@ class Execution:
             case SetPace(rate):
                 bridge.set_pace(rate)
             case NoteInterest(zid, subscriptions):
-                bridge.demand.told(zid, subscriptions)
+                bridge.demand.note_robot(zid, subscriptions)
 
     def _tell(self, command: _ToOthers) -> None:
         match command:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from proxy import clock
-from proxy.bridge.air import Broadcast
+from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.courses import Courses
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
@@ -15,17 +15,17 @@ from proxy.bridge.fence import Fence
 from proxy.bridge.half_open import HalfOpen
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.ingress import Ingress, Submit
-from proxy.bridge.lane import Lane
 from proxy.bridge.links import Links
+from proxy.bridge.mirroring import Checked, Mirroring
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.payloads import Payloads
 from proxy.bridge.queries import Queries
 from proxy.bridge.room import rooms
 from proxy.bridge.rules import Rules
+from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.sides import Sides
 from proxy.bridge.silence import Silence, longest_silence
-from proxy.bridge.watch import Checked, Watch
 from proxy.config import Config
 from proxy.core.interface.events import CopyRefused, Event, SampleRefused
 from proxy.runtime import LiveRuntime
@@ -68,12 +68,12 @@ class Bridge:
         self._rules = Rules(config.bridge)
         self.rooms = rooms(config.queue.samples, config.queue.bytes)
         self.payloads = Payloads(self.rooms.covered)
-        self.lanes = (Lane("queries out"), Lane("queries in"))
+        self.executors = (SerialExecutor("queries out"), SerialExecutor("queries in"))
         sourced = sides.apps.keeps_source and sides.others.keeps_source
         self._courses = Courses(live, self._rules, sourced=sourced)
         self._passed = Passed()
         self.demand = _demand(config, sides, core)
-        self._egress = Egress(sides.air, self.demand, self._passed, core.post, live.runtime.pace, rooms=self.rooms)
+        self._egress = Egress(sides.data, self.demand, self._passed, core.post, live.runtime.pace, rooms=self.rooms)
         self._ingress = self._make_ingress(sides)
         self._delivery = self._make_delivery(sides, hold_back, sourced=sourced)
         fence = Fence(sides.wake.set)
@@ -83,12 +83,12 @@ class Bridge:
         links = (
             self._links,
             Links(sides.app, config.app.connect, clock.monotonic(), "app"),
-            sides.recall,
+            sides.rediscovery,
             Silence(sides.mesh, longest_silence(config.mesh.zenoh)),
             self._half_open,
             hold_back,
         )
-        self._watch = self._make_watch(sides, links, neighbours, fence)
+        self._mirroring = self._make_mirroring(sides, links, neighbours, fence)
 
     def _make_ingress(self, sides: Sides) -> Ingress:
         return Ingress(
@@ -115,21 +115,23 @@ class Bridge:
             counts_each=self._live.counts_each,
             hold_back=hold_back,
         )
-        if isinstance(sides.air, Broadcast):
-            sides.air.listen(delivery.overhear)
+        if isinstance(sides.data, Broadcast):
+            sides.data.listen(delivery.overhear)
         return delivery
 
     def _make_queries(self, sides: Sides, fence: Fence, *, sourced: bool) -> tuple[Queries, Queries]:
         """Return those from apps to the mesh, and from the mesh to apps."""
-        near, far, (out, into) = sides.apps, sides.others, self.lanes
+        near, far, (out, into) = sides.apps, sides.others, self.executors
         dropped = self._live.drops_queries
         return (
             Queries(near, far.session, out, fence, self._rules.into, dropped=dropped, numbered=lambda _: sourced),
             Queries(far, near.session, into, fence, self._rules.out, dropped=dropped, numbered=self._courses.numbered),
         )
 
-    def _make_watch(self, sides: Sides, links: tuple[Checked, ...], neighbours: Neighbours, fence: Fence) -> Watch:
-        return Watch(
+    def _make_mirroring(
+        self, sides: Sides, links: tuple[Checked, ...], neighbours: Neighbours, fence: Fence
+    ) -> Mirroring:
+        return Mirroring(
             sides,
             ingress=self._ingress,
             delivery=self._delivery,
@@ -137,7 +139,7 @@ class Bridge:
             outward=self._outward,
             inward=self._inward,
             links=links,
-            headroom=self._egress.headroom,
+            buffers=self._egress.buffers,
             rules=self._rules,
             neighbours=neighbours,
             passed=self._passed,
@@ -150,16 +152,16 @@ class Bridge:
         """Let things cross."""
         self._egress.start()
         self._delivery.open()
-        self._watch.start()
+        self._mirroring.start()
 
     def close(self) -> None:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
-        self._watch.close(_PATIENCE)
+        self._mirroring.close(_PATIENCE)
         self._half_open.close()
         self._ingress.close()
         for part in (self._delivery, self._outward, self._inward):
             part.close()
-        for thread in (self._egress, *self.lanes):
+        for thread in (self._egress, *self.executors):
             thread.close(_PATIENCE)
         self.demand.close()
 
@@ -181,7 +183,7 @@ class Bridge:
 
     def retain(self, expressions: tuple[str, ...]) -> None:
         """Take what apps publish on these key expressions, even if nobody who is here wants it."""
-        self._watch.retain(expressions)
+        self._mirroring.retain(expressions)
 
     def renew(self) -> None:
         """Take note that another runtime is in force: for samples that come from now on."""
@@ -197,7 +199,7 @@ class Bridge:
 
     def flush(self) -> None:
         """Report what passed without a decision up to now."""
-        self._watch.flush()
+        self._mirroring.flush()
 
     def describe(self) -> dict[str, Any]:
         """Return what the status says of the bridge."""
@@ -232,6 +234,6 @@ def _demand(config: Config, sides: Sides, core: CoreLink) -> Demand:
         sides.mesh,
         core.post,
         sides.wake.set,
-        broadcast=sides.air is not sides.mesh,
+        broadcast=sides.data is not sides.mesh,
         relayed=config.mesh.relayed,
     )

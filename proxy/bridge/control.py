@@ -9,7 +9,7 @@ import zenoh
 
 from proxy.bridge import keys
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.lane import Lane
+from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 
 
@@ -24,12 +24,12 @@ class Control:
         *,
         app: zenoh.Session,
         robot: str,
-        lane: Lane,
+        executor: SerialExecutor,
         on_loop: Callable[[Callable[[], None]], None],
         status: Callable[[], dict[str, Any]],
         switch: Callable[[Mode], None],
     ) -> None:
-        self._lane = lane
+        self._executor = executor
         self._on_loop = on_loop
         self._status = status
         self._switch = switch
@@ -56,14 +56,14 @@ class Control:
         try:
             mode = Mode.read(bytes(query.payload or b""))
         except ValueError as error:
-            self._lane.insist(partial(_refuse, query, str(error)))
+            self._executor.insist(partial(_refuse, query, str(error)))
             return
         self._switch(mode)
         self._reply(key, query, mode.value, zenoh.Encoding.TEXT_PLAIN)
 
     def _reply(self, key: str, query: zenoh.Query, payload: str, encoding: zenoh.Encoding) -> None:
         # Not on the loop's thread: an asker that does not read must not hold up decisions.
-        self._lane.insist(partial(_tell, query, key, payload, encoding))
+        self._executor.insist(partial(_tell, query, key, payload, encoding))
 
 
 def _tell(query: zenoh.Query, key: str, payload: str, encoding: zenoh.Encoding) -> None:

@@ -9,9 +9,9 @@ from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.deduplication import Deduplication, of_sample
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.mirror import GRACE, Mirror
-from proxy.bridge.overlap import Overlap, of_sample
 from proxy.bridge.received import Received
 from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import origin_of, publish, wall_of
@@ -52,7 +52,7 @@ class Delivery:
         self._received = Received()
         self.hold_back = HoldBack(lambda _: "") if hold_back is None else hold_back
         self._copies: Declaration | None = None
-        self._overlap = Overlap(of_sample)
+        self._deduplication = Deduplication(of_sample)
         self._mirror = Mirror(self._subscribe, GRACE)
         self.delivered = 0
         self.repeated = 0
@@ -93,25 +93,25 @@ class Delivery:
 
     def overhear(self, key: str, sample: zenoh.Sample) -> None:
         """Take in a sample of `key` that was broadcast, wanted or not: the core learns of all that are covered."""
-        if self._overlap.covers(key):
+        if self._deduplication.covers(key):
             self._hand(key, sample, key)
         elif self._covered(key) is not None:
             self._offer(_heard(key, sample))
 
     def _subscribe(self, expression: str, _complete: bool) -> Declaration:  # noqa: FBT001 - as Mirror calls it
         subscribe = partial(self._mesh.declare_subscriber, expression, allowed_origin=zenoh.Locality.REMOTE)
-        return self._overlap.declare(expression, self._deliver, subscribe)
+        return self._deduplication.declare(expression, self._deliver, subscribe)
 
     def _deliver(self, number: int, sample: zenoh.Sample) -> None:
         attach()
         key = str(sample.key_expr)
-        if self._overlap.takes(number, key, sample):
+        if self._deduplication.takes(number, key, sample):
             self._hand(key, sample)
 
     def _deliver_copy(self, sample: zenoh.Sample) -> None:
         attach()
         key = keys.kept_of(str(sample.key_expr))
-        if self._overlap.covers(key):
+        if self._deduplication.covers(key):
             self._hand(key, sample, key, copy=True)
 
     def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None, *, copy: bool = False) -> None:

@@ -91,7 +91,7 @@ class Demand:
         """Return the publisher of a key that is followed; it is as the first sample was. In broadcast there is none."""
         return None if self._broadcast else self._outlets.get(key)
 
-    def told(self, zid: str, subscriptions: Iterable[str]) -> None:
+    def note_robot(self, zid: str, subscriptions: Iterable[str]) -> None:
         """Take in what a robot says that its apps subscribe to; nothing when it is gone."""
         wanted = tuple(zenoh.KeyExpr(expression) for expression in subscriptions)
         with self._lock:

@@ -12,13 +12,13 @@ from collections import deque
 from collections.abc import Callable
 
 from proxy import clock
-from proxy.bridge.air import Air
+from proxy.bridge.broadcast import DataSession
 from proxy.bridge.demand import Demand
-from proxy.bridge.headroom import Headroom
 from proxy.bridge.paced import Paced
 from proxy.bridge.passed import EGRESS, FULL, Passed
 from proxy.bridge.room import CATCH_UP, Rooms
 from proxy.bridge.sample import Held
+from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.writer import Writer
 from proxy.core.interface.events import CopyHanded, CopyRefused, SampleHanded, SampleRefused
 
@@ -46,7 +46,7 @@ class Egress:
 
     def __init__(
         self,
-        air: Air,
+        session: DataSession,
         demand: Demand,
         passed: Passed,
         post: Callable[[Answer], None],
@@ -55,8 +55,8 @@ class Egress:
         rooms: Rooms,
     ) -> None:
         self._rooms = rooms
-        self.headroom = Headroom(air)
-        self.writer = Writer(air, demand, self.headroom)
+        self.buffers = SendBuffers(session)
+        self.writer = Writer(session, demand, self.buffers)
         self._demand = demand
         self._passed = passed
         self._post = post
@@ -84,7 +84,7 @@ class Egress:
 
     def close(self, timeout: float) -> None:
         """Stop writing; what still waits is not sent. Waits at most `timeout` [s] for a put that stalls."""
-        self.writer.end()
+        self.writer.stop_waiting()
         with self._wake:
             self._open = False
             self._wake.notify()
@@ -101,8 +101,8 @@ class Egress:
 
     def pass_on(self, reason: str, held: Held) -> None:
         """Send a sample at once, counted under `reason`."""
-        # Read in this order: a sample leaves the lane only when the thread is busy with it. So none is overtaken.
-        if self._open and not self._passing and not self._busy and self.headroom.takes(held.size):
+        # Read in this order: a sample leaves the queue only when the thread is busy with it. So none is overtaken.
+        if self._open and not self._passing and not self._busy and self.buffers.takes(held.size):
             self._send_passing(reason, held)
             return
         room = self._rooms.passing
@@ -119,7 +119,7 @@ class Egress:
         with self._wake:
             ready = self._running and self._open and not self._deciding
             ready = ready and self._decided.free(clock.monotonic(), self._on_air(held))
-        return ready and self.writer.at_ease and self.headroom.takes(held.size)
+        return ready and self.writer.calm and self.buffers.takes(held.size)
 
     def pace(self, rate: float | None) -> None:
         """Send what was decided no faster than this [B/s] from now on; None: as fast as it goes."""
@@ -136,7 +136,7 @@ class Egress:
     def stands(self) -> bool:
         """Whether the mesh takes nothing: nobody is held up for its sake then."""
         moving = MOVING * (1 + self._in_hand // 65536)
-        return not self.headroom.clear and clock.monotonic() - self._sent_at > moving
+        return not self.buffers.clear and clock.monotonic() - self._sent_at > moving
 
     def _let_catch_up(self, held: Held) -> None:
         """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still.
@@ -144,7 +144,7 @@ class Egress:
         Where no link holds it up, until it has caught up with all: then the next sample needs no thread again.
         """
         most = 0 if len(self._passing) > BEHIND else BEHIND
-        if not self.headroom.clear:
+        if not self.buffers.clear:
             most = self._rooms.passing.most // 2
             if not held.waits or self.stands:
                 return
@@ -201,7 +201,7 @@ class Egress:
         due, now = self._decided.due(), clock.monotonic()
         if due is None:
             return None
-        if due > now and now >= self._sent_at + LOOK and self.headroom.idle:
+        if due > now and now >= self._sent_at + LOOK and self.buffers.idle:
             self._decided.catch_up(now)
             return 0.0
         return max(min(due - now, LOOK), 0.0)

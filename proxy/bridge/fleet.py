@@ -13,7 +13,7 @@ import zenoh
 
 from proxy.bridge import keys
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.lane import Lane
+from proxy.bridge.serial_executor import SerialExecutor
 
 ORDERS = ("mode", "specs")
 PATIENCE = 5.0
@@ -43,13 +43,13 @@ class Fleet:
         app: zenoh.Session,
         mesh: zenoh.Session,
         robot: str,
-        lane: Lane,
+        executor: SerialExecutor,
         obeyed: Mapping[str, Obey],
         members: Callable[[], Iterable[str]],
     ) -> None:
         self._mesh = mesh
         self._robot = robot
-        self._lane = lane
+        self._executor = executor
         self._obeyed = obeyed
         self._members = members
         self._queryables: list[Declaration] = [
@@ -64,7 +64,7 @@ class Fleet:
 
     def _declare(self, session: zenoh.Session, key: str, answer: Callable[[bytes], list[Outcome]]) -> Declaration:
         def receive(query: zenoh.Query) -> None:
-            if not self._lane.offer(partial(_reply, query, key, answer)):
+            if not self._executor.offer(partial(_reply, query, key, answer)):
                 with query:
                     query.reply_err("too many orders at a time")
 

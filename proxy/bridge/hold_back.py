@@ -99,7 +99,7 @@ class HoldBack:
                 self._returns[tag] = replace(known, since=now, back=True, keys=known.keys if known.number else None)
             self._release()
 
-    def told(self, tag: str, number: int, keys: frozenset[str] | None) -> None:
+    def note_backlog(self, tag: str, number: int, keys: frozenset[str] | None) -> None:
         """A robot tells, for the time `number`, of which keys copies wait for us; None: of too many to name."""
         with self._lock:
             known = self._returns.get(tag)

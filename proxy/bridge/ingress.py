@@ -14,10 +14,10 @@ from proxy.bridge.attached import attach
 from proxy.bridge.courses import Courses
 from proxy.bridge.cover import Cover
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.deduplication import Deduplication, of_sample
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.mirror import GRACE, Mirror
-from proxy.bridge.overlap import Overlap, of_sample
 from proxy.bridge.passed import DENIED, OVERFLOW, Passed
 from proxy.bridge.payloads import Payloads
 from proxy.bridge.room import Room
@@ -76,7 +76,7 @@ class Ingress:
         self._payloads = payloads
         self._room = room
         self._cover = Cover()
-        self._overlap = Overlap(of_sample)
+        self._deduplication = Deduplication(of_sample)
         self._mirror = Mirror(self._subscribe, GRACE)
         self._own = str(mesh.zid())
         self.returned = 0
@@ -113,13 +113,13 @@ class Ingress:
 
     def _subscribe(self, expression: str, _complete: bool) -> Declaration:  # noqa: FBT001 - as Mirror calls it
         subscribe = partial(self._app.declare_subscriber, expression, allowed_origin=zenoh.Locality.REMOTE)
-        return self._overlap.declare(expression, self._receive, subscribe)
+        return self._deduplication.declare(expression, self._receive, subscribe)
 
     def _receive(self, number: int, sample: zenoh.Sample) -> None:
         attach()
         now = clock.monotonic()
         key = str(sample.key_expr)
-        if not self._overlap.takes(number, key, sample) or self._aside:
+        if not self._deduplication.takes(number, key, sample) or self._aside:
             return
         stamp = sample.timestamp
         if stamp is not None and origin_of(stamp) == self._own:

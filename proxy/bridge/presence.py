@@ -15,12 +15,12 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys
-from proxy.bridge.air import Broadcast
+from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.budget import Budget
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.floods import Floods
 from proxy.bridge.hold_back import HoldBack
-from proxy.bridge.lane import Lane
+from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tokens import MOST, Later, Tokens
 from proxy.core.interface.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
 from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
@@ -77,29 +77,29 @@ class Presence:
 
     `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread; `later` gets them
     with the time when they are due [s]. `offer` gets what may be left out when the loop is behind. `old` tells whether
-    the core has heard a digest of a tag that was sent then [s], or a later one; from any thread. With `air` digests
-    are broadcast. `hold_back` is told who vanishes, returns, and has copies for us.
+    the core has heard a digest of a tag that was sent then [s], or a later one; from any thread. With `broadcast` that
+    is where digests go. `hold_back` is told who vanishes, returns, and has copies for us.
     """
 
     def __init__(
         self,
         mesh: zenoh.Session,
         robot: str,
-        lane: Lane,
+        executor: SerialExecutor,
         post: Post,
         offer: Offer,
         *,
         later: Later,
         old: Old,
         hold_back: HoldBack,
-        air: Broadcast | None = None,
+        broadcast: Broadcast | None = None,
     ) -> None:
         self._mesh = mesh
-        self._air = air
+        self._broadcast = broadcast
         self._robot = robot
         self._zid = str(mesh.zid())
         self._tag = tag(self._zid)
-        self._lane = lane
+        self._executor = executor
         self._offer = offer
         self._state: bytes | None = None
         self._sent: deque[int] = deque(maxlen=ECHOED)
@@ -121,13 +121,13 @@ class Presence:
         remote = zenoh.Locality.REMOTE
         direct = partial(zenoh.handlers.Callback, indirect=False)
         mesh, robot = self._mesh, self._robot
-        if self._air is not None:
-            self._air.attend(self._hear_told)
+        if self._broadcast is not None:
+            self._broadcast.attend(self._hear_digest_of)
         self._declared = [
             mesh.declare_subscriber(keys.ALL_DIGESTS, direct(self._hear_digest), allowed_origin=remote),
             mesh.declare_subscriber(keys.ALL_STATES, direct(self._hear_state), allowed_origin=remote),
             mesh.declare_subscriber(keys.backlog(self._tag, "*"), direct(self._hear_backlog), allowed_origin=remote),
-            mesh.declare_queryable(keys.state(robot, self._tag), direct(self._tell), allowed_origin=remote),
+            mesh.declare_queryable(keys.state(robot, self._tag), direct(self._answer_state), allowed_origin=remote),
             # Nobody asks for digests: but what is declared has a number, which travels instead of the key.
             mesh.declare_queryable(keys.digest(robot, self._tag), direct(_ignore), allowed_origin=remote),
             mesh.liveliness().declare_token(keys.alive(robot, self._zid)),
@@ -143,7 +143,7 @@ class Presence:
     def send_digest(self, digest: Digest) -> None:
         """Publish our digest."""
         self._sent.append(ticks(digest.sent))
-        announce = None if self._air is None else self._air.announce
+        announce = None if self._broadcast is None else self._broadcast.announce
         self._put(keys.digest(self._robot, self._tag), pack_digest(digest), announce)
 
     def send_state(self, state: State, update: State | None = None) -> None:
@@ -153,7 +153,7 @@ class Presence:
 
     def ask_state(self, robot: str, name: str) -> None:
         """Ask the robot with this name and tag for its state: it was published before we were linked, or got lost."""
-        self._lane.offer(partial(self._fetch, robot, name))
+        self._executor.offer(partial(self._fetch, robot, name))
 
     def tell_backlog(self, to: str, number: int, named: tuple[str, ...] | None, *, grows: bool) -> None:
         """Tell the robot with the tag `to` of which keys copies wait for it, after those that were sent unless `grows`.
@@ -174,7 +174,7 @@ class Presence:
         except zenoh.ZError as error:
             log.error("cannot publish on %s: %s", key, error)
 
-    def _tell(self, query: zenoh.Query) -> None:
+    def _answer_state(self, query: zenoh.Query) -> None:
         """Answer a question, if there were not too many: who asks in vain asks again."""
         now = clock.monotonic()
         with query:
@@ -185,9 +185,9 @@ class Presence:
         self._offer(StateAsked(now))
 
     def _hear_digest(self, sample: zenoh.Sample) -> None:
-        self._hear_told(str(sample.key_expr), sample)
+        self._hear_digest_of(str(sample.key_expr), sample)
 
-    def _hear_told(self, key: str, sample: zenoh.Sample) -> None:
+    def _hear_digest_of(self, key: str, sample: zenoh.Sample) -> None:
         """Take in a digest if it is one and tells something new."""
         now, name = clock.monotonic(), keys.zid_of(key)
         size = len(sample.payload)
@@ -238,7 +238,7 @@ class Presence:
         except MalformedWireError:
             self.floods.refuse(now, name, "backlog:malformed")
         else:
-            self._hold_back.told(name, number, named)
+            self._hold_back.note_backlog(name, number, named)
 
     def _admits(self, budget: Budget, now: float, name: str, cost: float = 1.0) -> bool:
         with self._looking:

@@ -14,11 +14,11 @@ import zenoh
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.declarations.declarations import Declarations
 from proxy.bridge.declarations.query_options import QueryOptions
+from proxy.bridge.deduplication import Deduplication, of_query
 from proxy.bridge.fence import Fence
-from proxy.bridge.lane import Lane
 from proxy.bridge.mirror import Mirror
-from proxy.bridge.overlap import Overlap, of_query
-from proxy.bridge.rules import ADVANCED, Way
+from proxy.bridge.rules import ADVANCED, Direction
+from proxy.bridge.serial_executor import SerialExecutor
 
 MOST_PENDING = 1024
 """Queries under way in one direction; more are answered with an error."""
@@ -30,7 +30,7 @@ class Queries:
     """One direction: queries that nodes of `near` ask for what nodes of `far` answer.
 
     What the session `far` asks reaches all but itself, so a query never comes back to who mirrors it. A query is not
-    asked on before `fence` says that what was declared before it is mirrored. `way` is the one that the answers go: a
+    asked on before `fence` says that what was declared before it is mirrored. `direction` is that of the answers: a
     query for what it denies, or for keys whose queries are `dropped`, is not answered, as if nobody did. Where the
     samples of a key are not `numbered` neither are replies, and what has nothing but a number does not cross: nobody
     could tell that they have it already.
@@ -40,21 +40,21 @@ class Queries:
         self,
         near: Declarations,
         far: zenoh.Session,
-        lane: Lane,
+        executor: SerialExecutor,
         fence: Fence,
-        way: Way,
+        direction: Direction,
         *,
         dropped: Callable[[str], bool],
         numbered: Callable[[str], bool],
     ) -> None:
         self._near = near
         self._far = far
-        self._lane = lane
+        self._executor = executor
         self._fence = fence
-        self._way = way
+        self._direction = direction
         self._dropped = dropped
         self._numbered = numbered
-        self._overlap = Overlap(of_query)
+        self._deduplication = Deduplication(of_query)
         self._mirror = Mirror(self._declare)
         self._pending: dict[int, zenoh.Query] = {}
         self.crossed = 0
@@ -80,14 +80,14 @@ class Queries:
     def _declare(self, expression: str, complete: bool) -> Declaration:  # noqa: FBT001 - as Mirror calls it
         near, remote = self._near.session, zenoh.Locality.REMOTE
         answer = partial(near.declare_queryable, expression, complete=complete, allowed_origin=remote)
-        return self._overlap.declare(expression, self._receive, answer, complete=complete)
+        return self._deduplication.declare(expression, self._receive, answer, complete=complete)
 
     def _receive(self, number: int, query: zenoh.Query) -> None:
         # Of several queryables that a query reaches here one asks everybody on the far side.
         key = str(query.key_expr)
         parameters = str(query.parameters)
         options = self._near.query_options(key, parameters)
-        if not self._overlap.takes(number, key, query, complete=options.complete):
+        if not self._deduplication.takes(number, key, query, complete=options.complete):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         self._near.take_query(key, parameters)
@@ -101,7 +101,7 @@ class Queries:
             self._fence.then(partial(self._pass_on, query, options))
 
     def _pass_on(self, query: zenoh.Query, options: QueryOptions) -> None:
-        if not self._lane.offer(partial(self._ask, query, options)):
+        if not self._executor.offer(partial(self._ask, query, options)):
             self._refuse(query)
 
     def _refuse(self, query: zenoh.Query) -> None:
@@ -111,8 +111,8 @@ class Queries:
     def _admits(self, key: str) -> bool:
         """Whether a query for `key` crosses; it is counted when not."""
         if not self._dropped(key.partition(ADVANCED)[0]):
-            return self._way.admits("queries", key)
-        self._way.count("queries")
+            return self._direction.admits("queries", key)
+        self._direction.count("queries")
         return False
 
     def _by_number(self, key: str, query: zenoh.Query) -> bool:
@@ -148,15 +148,15 @@ class Queries:
         sample, numbered = reply.ok, True
         if sample is not None:
             key = str(sample.key_expr)
-            if not self._way.admits("replies", key):
+            if not self._direction.admits("replies", key):
                 return
             numbered = sample.source_info is None or self._numbered(key)
             if not numbered and sample.timestamp is None:
                 return
-        self._lane.offer(partial(self._answer, query, reply, numbered=numbered))
+        self._executor.offer(partial(self._answer, query, reply, numbered=numbered))
 
     def _finish(self, query: zenoh.Query) -> None:
-        self._lane.insist(partial(self._end, query))
+        self._executor.insist(partial(self._end, query))
 
     def _end(self, query: zenoh.Query) -> None:
         # A get that fails ends its query twice: by its error, and when Zenoh gives the handler up.

@@ -98,7 +98,7 @@ class Expressions:
         return any(relation(key, other) for key in self._keys)
 
 
-class Way:
+class Direction:
     """One direction. `verdict` is asked for every sample: a cached look-up."""
 
     def __init__(self, allow: Iterable[str], deny: Iterable[str], bypass: Iterable[str] = ()) -> None:
@@ -176,18 +176,18 @@ class Rules:
     def __init__(self, config: BridgeConfig) -> None:
         profile = load_profile(config.profile)
         out, into = config.out, config.into
-        self.out = Way(out.allow, (*out.deny, *profile.out.deny), (*out.bypass, *profile.out.bypass))
-        self.into = Way(into.allow, (*into.deny, *profile.into.deny))
+        self.out = Direction(out.allow, (*out.deny, *profile.out.deny), (*out.bypass, *profile.out.bypass))
+        self.into = Direction(into.allow, (*into.deny, *profile.into.deny))
         self.outward = self.out.verdict
         """What becomes of a sample of the robot's applications, by its key."""
         self._lets_token = {
-            way: lru_cache(EXPRESSIONS_KEPT)(_token_rule(way, other))
-            for way, other in ((self.out, self.into), (self.into, self.out))
+            direction: lru_cache(EXPRESSIONS_KEPT)(_token_rule(direction, other))
+            for direction, other in ((self.out, self.into), (self.into, self.out))
         }
 
-    def tokens(self, way: Way, declared: Mapping[str, bool]) -> dict[str, bool]:
-        """Leave out the tokens that do not cross `way`."""
-        return way.crossing("tokens", declared, self._lets_token[way])
+    def tokens(self, direction: Direction, declared: Mapping[str, bool]) -> dict[str, bool]:
+        """Leave out the tokens that do not cross in `direction`."""
+        return direction.crossing("tokens", declared, self._lets_token[direction])
 
     def describe(self) -> dict[str, dict[str, int]]:
         """What was denied, by direction."""
@@ -198,21 +198,21 @@ class Rules:
         return [
             f"{'other nodes' if others is (what == 'subscribers') else 'applications of this robot'} declared too many "
             f"{what}: {count} have no effect until others are gone"
-            for others, way in ((True, self.out), (False, self.into))
-            for what, count in way.surplus.items()
+            for others, direction in ((True, self.out), (False, self.into))
+            for what, count in direction.surplus.items()
             if count
         ]
 
 
-def _token_rule(way: Way, other: Way) -> Callable[[str], bool]:
+def _token_rule(direction: Direction, other: Direction) -> Callable[[str], bool]:
     """Say which tokens cross: those of who takes a key are for who offers it, and offers go the other way."""
 
     def lets(token: str) -> bool:
         subject = companion(token)
         if subject is None or not subject.takes:
-            return way.lets(token)
-        allowed = way.allow.touch(token) or other.allow.touch(subject.key)
-        return allowed and not way.deny.cover(token) and not other.deny.cover(subject.key)
+            return direction.lets(token)
+        allowed = direction.allow.touch(token) or other.allow.touch(subject.key)
+        return allowed and not direction.deny.cover(token) and not other.deny.cover(subject.key)
 
     return lets
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import zenoh
 
-from proxy.bridge.air import Air
+from proxy.bridge.broadcast import DataSession
 
 MAX_STAMP_ERROR = 1.0
 """A timestamp further than this from the arrival says nothing about when the sample was made [s]."""
@@ -40,7 +40,7 @@ class Held(NamedTuple):
 
 
 def publish(
-    session: Air,
+    session: DataSession,
     sample: zenoh.Sample,
     stamp: zenoh.Timestamp | None,
     key: str | None = None,

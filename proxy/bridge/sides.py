@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import zenoh
 
-from proxy.bridge.air import Air, Broadcast
+from proxy.bridge.broadcast import Broadcast, DataSession
 from proxy.bridge.declarations.declarations import Declarations
 from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
 from proxy.bridge.loopback import has_ipv6, present
-from proxy.bridge.recall import Recall, opened
+from proxy.bridge.rediscovery import Rediscovery, opened
 from proxy.bridge.sessions import app_options, mesh_options, open_session
 from proxy.config import AppConfig, MeshConfig
 
@@ -20,17 +20,17 @@ from proxy.config import AppConfig, MeshConfig
 class Sides:
     """The sessions of both sides. `wake` is set whenever somebody on either side declares something.
 
-    Samples travel between robots on `air`: in unicast that is `mesh`. `apps` and `others` are what is declared on the
+    Samples travel between robots on `data`: in unicast that is `mesh`. `apps` and `others` are what is declared on the
     app side and on the mesh.
     """
 
     app: zenoh.Session
     mesh: zenoh.Session
-    air: Air
+    data: DataSession
     apps: Declarations
     others: Declarations
     wake: threading.Event
-    recall: Recall
+    rediscovery: Rediscovery
 
 
 def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: float = 0.0) -> Sides:
@@ -58,9 +58,9 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: f
     )
     mesh_session, scouting = opened(lambda: open_session(endpoints[1].added_to(options), "mesh"))
     closing.callback(mesh_session.close)
-    recall = Recall(mesh_session, options, scouting)
-    closing.callback(recall.close)
-    air = _open_air(mesh, mesh_session, closing)
+    rediscovery = Rediscovery(mesh_session, options, scouting)
+    closing.callback(rediscovery.close)
+    data = _open_data(mesh, mesh_session, closing)
     others = Declarations(
         mesh_session, endpoints[1], side="mesh", mode="client", zenoh_options=mesh.zenoh, changed=wake.set
     )
@@ -75,12 +75,12 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: f
         changed=wake.set,
     )
     closing.callback(apps.close)
-    return Sides(app_session, mesh_session, air, apps, others, wake, recall)
+    return Sides(app_session, mesh_session, data, apps, others, wake, rediscovery)
 
 
-def _open_air(mesh: MeshConfig, session: zenoh.Session, closing: ExitStack) -> Air:
+def _open_data(mesh: MeshConfig, session: zenoh.Session, closing: ExitStack) -> DataSession:
     if mesh.transport == "unicast":
         return session
-    air = Broadcast(mesh.group, mesh.interface, session, lambda: bool(session.info.peers_zid()))
-    closing.callback(air.close)
-    return air
+    data = Broadcast(mesh.group, mesh.interface, session, lambda: bool(session.info.peers_zid()))
+    closing.callback(data.close)
+    return data

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import zenoh
 
-from proxy.bridge.air import Air
+from proxy.bridge.broadcast import DataSession
 
 libc = ctypes.PyDLL(None)
 """What is asked here answers at once: other threads need not be let in meanwhile, and out again."""
@@ -21,7 +21,7 @@ Address = tuple[str, int]
 class Sockets:
     """The TCP sockets of all links of `session`, but those of our own mirror session."""
 
-    def __init__(self, session: Air) -> None:
+    def __init__(self, session: DataSession) -> None:
         self._session = session
         self._links: tuple[str, ...] = ()
         self.ends: tuple[tuple[str, int], ...] = ()
@@ -61,7 +61,7 @@ def tcp_info(number: int) -> ctypes.Array[ctypes.c_char] | None:
     return None if failed or size.value < _TCP_INFO else info
 
 
-def links_of(session: Air) -> list[zenoh.Link]:
+def links_of(session: DataSession) -> list[zenoh.Link]:
     """Return the links of a session to other nodes: all but that of our own mirror session."""
     return [link for link in session.info.links() if not link.src.startswith("unixsock-stream")]
 

@@ -7,11 +7,11 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys
-from proxy.bridge.air import Air
+from proxy.bridge.broadcast import DataSession
 from proxy.bridge.demand import Demand
-from proxy.bridge.headroom import Headroom
-from proxy.bridge.patience import Patience
 from proxy.bridge.sample import Held, publish
+from proxy.bridge.send_buffers import SendBuffers
+from proxy.bridge.slow_links import SlowLinks
 
 log = logging.getLogger(__name__)
 
@@ -22,11 +22,11 @@ SAID = 60.0
 class Writer:
     """The only writer of samples onto the mesh."""
 
-    def __init__(self, air: Air, demand: Demand, headroom: Headroom) -> None:
-        self._air = air
+    def __init__(self, session: DataSession, demand: Demand, buffers: SendBuffers) -> None:
+        self._session = session
         self._demand = demand
-        self._headroom = headroom
-        self._patience = Patience(headroom)
+        self._buffers = buffers
+        self._slow_links = SlowLinks(buffers)
         self._failing = False
         self.risked = 0
         """Samples that should wait for every link, and may have been dropped on one."""
@@ -34,26 +34,26 @@ class Writer:
         """When that was said last [s], and how many there were."""
 
     @property
-    def at_ease(self) -> bool:
-        """Whether no link has been waited for in vain lately."""
-        return self._patience.at_ease
+    def calm(self) -> bool:
+        """Whether no link was waited for in vain lately."""
+        return self._slow_links.calm
 
-    def end(self) -> None:
+    def stop_waiting(self) -> None:
         """Wait for no link any more."""
-        self._patience.end()
+        self._slow_links.stop_waiting()
 
     def wait(self, held: Held) -> bool:
         """Wait until links take a sample, on the thread that may be held up.
 
         Return whether it may be dropped on links that have no room for it.
         """
-        if self._patience.at_ease and (self._headroom.alone or self._headroom.takes(held.size)):
+        if self._slow_links.calm and (self._buffers.alone or self._buffers.takes(held.size)):
             return False
-        droppable = held.waits and self._patience.runs_out()
+        droppable = held.waits and self._slow_links.stays_full()
         if droppable:
             self._risk()
-        if not self._patience.at_ease:
-            self._patience.hand(held.size, self._demand.wanting(held.key))
+        if not self._slow_links.calm:
+            self._slow_links.await_previous(held.size, self._demand.wanting(held.key))
         return droppable
 
     def write(self, held: Held, *, droppable: bool) -> bool:
@@ -73,7 +73,7 @@ class Writer:
                 )
             else:
                 key = keys.kept(held.to, held.key) if held.to else None
-                publish(self._air, sample, held.stamp, key, source=held.source, droppable=droppable)
+                publish(self._session, sample, held.stamp, key, source=held.source, droppable=droppable)
         except (zenoh.ZError, RuntimeError) as error:  # RuntimeError: the publisher is being taken back
             if not self._failing:
                 log.error("the mesh session refuses %s: %s", held.key, error)

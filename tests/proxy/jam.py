@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from proxy.bridge.headroom import _NOT_SENT, _UNACKED, _buffer
+from proxy.bridge.send_buffers import _NOT_SENT, _UNACKED, _buffer
 from proxy.bridge.sockets import tcp_info
 from tests.waiting import wait_until
 

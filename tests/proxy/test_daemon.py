@@ -16,7 +16,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys, presence
-from proxy.bridge.air import PREFIX, broadcast_options
+from proxy.bridge.broadcast import PREFIX, broadcast_options
 from proxy.bridge.sessions import zenoh_session
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
 from proxy.core.congestion.tuning import TUNING

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from proxy.bridge.patience import LONGEST
+from proxy.bridge.slow_links import LONGEST
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system

@@ -53,7 +53,7 @@ class Robot:
         )
         self._live = LiveRuntime(Runtime(Mode.ENFORCE, specs))
         sides = self._sides = open_sides(config.app, config.mesh, stack)
-        self.app, self.mesh, self.air, self.mirror = sides.app, sides.mesh, sides.air, sides.apps.session
+        self.app, self.mesh, self.data, self.mirror = sides.app, sides.mesh, sides.data, sides.apps.session
 
     def begin(self) -> None:
         """Let things cross."""

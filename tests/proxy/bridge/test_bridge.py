@@ -161,7 +161,7 @@ def test_what_passes_is_counted_with_its_copies(team):
     heard = [Heard(robot.node(), "free/**") for robot in team[1:]]
     for robot in team[1:]:
         wait_interest(robot, team[0], keys=("free/**",))
-        team[0].bridge.demand.told(str(robot.mesh.zid()), ["free/**"])
+        team[0].bridge.demand.note_robot(str(robot.mesh.zid()), ["free/**"])
     team[0].node().put("free/x", b"12345")
     wait_until(lambda: all(h.samples for h in heard), what="both copies")
     wait_until(lambda: team[0].posted(SamplesPassed), what="the count")

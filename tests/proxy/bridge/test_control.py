@@ -6,7 +6,7 @@ import pytest
 
 from proxy.bridge import keys
 from proxy.bridge.control import Control
-from proxy.bridge.lane import Lane
+from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 
@@ -20,12 +20,12 @@ def switched():
 def operator(stack, switched):
     endpoint = free_endpoint()
     app = closing(stack, plain_session("router", listen=(endpoint,)))
-    lane = Lane("test")
-    stack.callback(lane.close, 1.0)
+    executor = SerialExecutor("test")
+    stack.callback(executor.close, 1.0)
     control = Control(
         app=app,
         robot="r1",
-        lane=lane,
+        executor=executor,
         on_loop=lambda job: job(),
         status=lambda: {"robot": "r1", "counts": {"in": 3}},
         switch=switched.append,

@@ -99,12 +99,12 @@ def test_the_core_learns_of_a_key_when_it_becomes_covered(demand, events, follow
 
 def test_copies_are_the_robots_that_say_they_want_it(demand):
     """Each robot counts once, however many of its subscriptions match; a gone one no longer counts."""
-    demand.told("z1", ["k/*", "k/a"])
-    demand.told("z2", ["**"])
-    demand.told("z3", ["other"])
+    demand.note_robot("z1", ["k/*", "k/a"])
+    demand.note_robot("z2", ["**"])
+    demand.note_robot("z3", ["other"])
     assert demand.copies("k/a") == 2
     assert demand.wanting("k/a") == {"z1", "z2"}
-    demand.told("z2", ())
+    demand.note_robot("z2", ())
     assert demand.copies("k/a") == 1
     assert demand.wanting("k/a") == {"z1"}
 
@@ -113,8 +113,8 @@ def test_relayed_copies_are_one_more_than_the_robots(mesh):
     """The way to the router, and from there to each robot."""
     demand = Demand(mesh[0], lambda _: None, lambda: None, relayed=True)
     assert demand.copies("k/a") == 1
-    demand.told("z1", ["k/*"])
-    demand.told("z2", ["**"])
+    demand.note_robot("z1", ["k/*"])
+    demand.note_robot("z2", ["**"])
     assert demand.copies("k/a") == 3
 
 
@@ -130,7 +130,7 @@ def test_keys_are_followed_once_and_up_to_a_bound(demand, monkeypatch, events, f
 def test_the_cache_is_bounded(demand, monkeypatch):
     """Many keys do not fill the memory."""
     monkeypatch.setattr(demand_module, "_CACHED", 3)
-    demand.told("z1", ["k/*"])
+    demand.note_robot("z1", ["k/*"])
     assert [demand.copies(f"k/{i}") for i in range(10)] == [1] * 10
     assert len(demand._counts) <= 3
 
@@ -138,8 +138,8 @@ def test_the_cache_is_bounded(demand, monkeypatch):
 @pytest.mark.parametrize("broadcast", [True])
 def test_in_broadcast_one_transmission_is_for_all(stack, mesh, demand, follow):
     """However many want a key; when it is known that none does, the bridge itself must be silent."""
-    demand.told("z1", ["k"])
-    demand.told("z2", ["k"])
+    demand.note_robot("z1", ["k"])
+    demand.note_robot("z2", ["k"])
     assert (demand.copies("k"), demand.silent("k")) == (1, False)
     follow("k")
     assert (demand.copies("k"), demand.silent("k"), demand.outlet("k")) == (0, True, None)
@@ -171,7 +171,7 @@ def test_who_asks_need_not_wait_for_the_turn_to_be_told(stack, mesh, events):
 def test_what_cannot_be_broadcast_counts_once_for_each_robot(demand):
     """It goes by the mesh."""
     for robot in ("z1", "z2"):
-        demand.told(robot, ["@own/**", "k/@adv/**"])
+        demand.note_robot(robot, ["@own/**", "k/@adv/**"])
     assert (demand.copies("@own/k"), demand.copies("k/@adv/pub/1")) == (2, 1)
 
 

@@ -9,11 +9,11 @@ import zenoh
 from proxy.bridge import egress as egress_module
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
-from proxy.bridge.headroom import Headroom
 from proxy.bridge.keys import kept
 from proxy.bridge.passed import Passed
 from proxy.bridge.room import rooms
 from proxy.bridge.sample import Held
+from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sessions import mesh_options, open_session
 from proxy.core.interface.events import CopyHanded, SampleHanded, SampleRefused
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
@@ -41,7 +41,7 @@ class Bench:
         publisher = self.mesh.declare_publisher("probe")
         wait_until(lambda: publisher.matching_status.matching, what="the peer's subscription")
         publisher.undeclare()
-        self.egress.headroom.refresh()
+        self.egress.buffers.refresh()
         self._samples = Heard(self.mesh, "made")
         self._numbers = itertools.count()
 
@@ -61,7 +61,7 @@ class Bench:
     def fill(self):
         """From now on no link has room."""
         links = FullLinks()
-        self.egress.headroom = self.egress.writer._headroom = links
+        self.egress.buffers = self.egress.writer._buffers = links
         return links
 
     def mine(self):
@@ -308,7 +308,7 @@ def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(stack
 def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch, caplog):
     """It is published as one that may be, which is counted and said; others see that only while a link is full."""
     bench.fill()
-    monkeypatch.setattr(bench.egress.writer._patience, "runs_out", lambda: True)
+    monkeypatch.setattr(bench.egress.writer._slow_links, "stays_full", lambda: True)
     bench.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
     bench.egress.start()
     wait_until(bench.mine, what="the sample")
@@ -320,9 +320,9 @@ def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch, cap
 
 def test_while_links_have_room_nobody_asks_for_patience(bench, monkeypatch):
     """What they take goes as it is."""
-    monkeypatch.setattr(Headroom, "alone", False)
+    monkeypatch.setattr(SendBuffers, "alone", False)
     asked = []
-    monkeypatch.setattr(bench.egress.writer._patience, "runs_out", lambda: asked.append(True))
+    monkeypatch.setattr(bench.egress.writer._slow_links, "stays_full", lambda: asked.append(True))
     bench.forward(1, bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK))
     bench.egress.start()
     wait_until(bench.mine, what="the sample")

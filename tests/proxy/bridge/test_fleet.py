@@ -7,7 +7,7 @@ import pytest
 from proxy.bridge import fleet as fleet_module
 from proxy.bridge import keys
 from proxy.bridge.fleet import Fleet, Outcome, read_outcomes
-from proxy.bridge.lane import Lane
+from proxy.bridge.serial_executor import SerialExecutor
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -20,13 +20,13 @@ class Robot:
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
         app = closing(stack, plain_session("router", listen=(self.app_endpoint,)))
         self.mesh = closing(stack, plain_session("peer", listen=(self.mesh_endpoint,), connect=connect))
-        lane = Lane(f"fleet {name}")
-        stack.callback(lane.close, 1.0)
+        executor = SerialExecutor(f"fleet {name}")
+        stack.callback(executor.close, 1.0)
         fleet = Fleet(
             app=app,
             mesh=self.mesh,
             robot=name,
-            lane=lane,
+            executor=executor,
             obeyed=dict.fromkeys(allowed, self._obey),
             members=lambda: members,
         )

@@ -56,13 +56,13 @@ def test_what_is_new_comes_after_the_copies(order):
     order.new("a3")
     order.new("b3", "alarm/b")
     assert order.handed == []
-    order.queue.told(BACK, 1, frozenset({"alarm/a"}))
+    order.queue.note_backlog(BACK, 1, frozenset({"alarm/a"}))
     assert order.handed == ["b3"]
     order.new("b4", "alarm/b")
     order.copy("a1", missed[0])
     order.new("a4")
     order.copy("a2", missed[1])
-    order.queue.told(BACK, 2, frozenset())
+    order.queue.note_backlog(BACK, 2, frozenset())
     order.new("a5")
     assert order.handed == ["b3", "b4", "a1", "a2", "a3", "a4", "a5"]
     assert order.queue.held == 3
@@ -76,7 +76,7 @@ def test_others_are_not_held_up(order):
     order.names.pop(origin_of(order.stamper[BACK].new_timestamp()))
     order.new("unknown")
     assert order.handed == ["other"]
-    order.queue.told(BACK, 1, frozenset())
+    order.queue.note_backlog(BACK, 1, frozenset())
     assert order.handed == ["other", "unknown"]
 
 
@@ -86,26 +86,26 @@ def test_a_sample_whose_copy_comes_has_its_turn(order):
     order.new(1)
     second = order.new(2)
     order.new(3)
-    order.queue.told(BACK, 1, frozenset({"alarm/a"}))
+    order.queue.note_backlog(BACK, 1, frozenset({"alarm/a"}))
     order.copy(None, second)
     assert order.handed == [1, 2]
-    order.queue.told(BACK, 2, frozenset())
+    order.queue.note_backlog(BACK, 2, frozenset())
     assert order.handed == [1, 2, 3]
 
 
 def test_an_older_word_changes_nothing(order):
     """Words may overtake each other; one of a robot that was never lost says nothing."""
     order.flap()
-    order.queue.told(HERE, 1, frozenset({"alarm/a"}))
-    order.queue.told(BACK, 2, frozenset({"alarm/a"}))
-    order.queue.told(BACK, 1, frozenset())
+    order.queue.note_backlog(HERE, 1, frozenset({"alarm/a"}))
+    order.queue.note_backlog(BACK, 2, frozenset({"alarm/a"}))
+    order.queue.note_backlog(BACK, 1, frozenset())
     order.new(1)
     order.new("other", sender=HERE)
     assert order.handed == ["other"]
-    order.queue.told(BACK, 3, None)
+    order.queue.note_backlog(BACK, 3, None)
     order.new("of any key", "alarm/b")
     assert order.handed == ["other"]
-    order.queue.told(BACK, 4, frozenset())
+    order.queue.note_backlog(BACK, 4, frozenset())
     assert order.handed == ["other", 1, "of any key"]
 
 
@@ -114,7 +114,7 @@ def test_a_robot_that_says_nothing_is_not_waited_for(order, now, told):
     """Neither when it is back, nor while copies are missing; as long as they come, it is."""
     order.flap()
     if told is not None:
-        order.queue.told(BACK, 1, told)
+        order.queue.note_backlog(BACK, 1, told)
     order.new(1)
     now[0] += 0.9 * PATIENCE
     order.copy("copy", order.stamper[HERE].new_timestamp())
@@ -143,7 +143,7 @@ def test_nothing_is_held_back_for_long(order, now):
 def test_who_vanishes_again_is_waited_for_a_moment(order, now):
     """Its copies may go on soon; what is held back does not wait for a robot that stays away."""
     order.flap()
-    order.queue.told(BACK, 1, frozenset({"alarm/a"}))
+    order.queue.note_backlog(BACK, 1, frozenset({"alarm/a"}))
     order.new(1)
     order.queue.lost(BACK)
     assert order.handed == []
@@ -155,7 +155,7 @@ def test_who_vanishes_again_is_waited_for_a_moment(order, now):
     order.queue.found(BACK)
     order.new(3)
     assert order.handed == [1, 2]
-    order.queue.told(BACK, 2, frozenset())
+    order.queue.note_backlog(BACK, 2, frozenset())
     assert order.handed == [1, 2, 3]
 
 
@@ -165,12 +165,12 @@ def test_what_is_on_the_air_before_the_robot_is_linked_waits_too(order):
     order.names.clear()
     order.queue.lost(BACK)
     order.new(2)
-    order.queue.told(BACK, 1, frozenset({"alarm/a"}))
+    order.queue.note_backlog(BACK, 1, frozenset({"alarm/a"}))
     order.queue.found(BACK)
     order.new(3)
     order.new("free", "alarm/b")
     assert order.handed == [1, "free"]
-    order.queue.told(BACK, 2, frozenset())
+    order.queue.note_backlog(BACK, 2, frozenset())
     assert order.handed == [1, "free", 2, 3]
 
 
@@ -199,7 +199,7 @@ def test_tokens_that_come_and_go_hold_up_nobody(order):
     for number in range(int(AT_ONCE)):
         order.flap()
         order.new(number)
-        order.queue.told(BACK, number + 1, frozenset())
+        order.queue.note_backlog(BACK, number + 1, frozenset())
     assert order.queue.held == AT_ONCE
     order.flap()
     order.new("last")
@@ -219,7 +219,7 @@ def test_samples_without_a_timestamp_are_in_order_as_well(order):
     """Nobody knows who sent them."""
     order.flap()
     assert order.queue.takes("alarm/a", None, 1, lambda: order.handed.append(1))
-    order.queue.told(BACK, 1, frozenset())
+    order.queue.note_backlog(BACK, 1, frozenset())
     assert order.handed == [1]
 
 
@@ -232,5 +232,5 @@ def test_what_overtook_older_samples_of_its_stream_is_handed_on_after_them(order
         order.new(place, stamp=stamps[place])
     order.copy(None, stamps[0])
     assert order.handed == [0]
-    order.queue.told(BACK, 1, frozenset())
+    order.queue.note_backlog(BACK, 1, frozenset())
     assert order.handed == [0, 1, 2]

@@ -10,8 +10,8 @@ import zenoh
 from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.hold_back import HoldBack
-from proxy.bridge.lane import Lane
 from proxy.bridge.presence import ANSWERS, DIGESTS, STATES, Presence, free_name
+from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.gossip.tuning import TUNING as GOSSIP
 from proxy.core.interface.events import (
     DigestHeard,
@@ -44,15 +44,15 @@ class Voiced:
         self.zid = str(self.mesh.zid())
         self.robot = robot
         self.events = []
-        lane = Lane("test")
-        stack.callback(lane.close, 1.0)
+        executor = SerialExecutor("test")
+        stack.callback(executor.close, 1.0)
         self.heard = {}
         """When the last digest of a tag was sent that the core has taken in."""
         self.hold_back = HoldBack(lambda _: "")
         self.presence = Presence(
             self.mesh,
             robot,
-            lane,
+            executor,
             self._post,
             self._post,
             later=self._post_later,

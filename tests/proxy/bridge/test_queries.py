@@ -8,9 +8,9 @@ import zenoh
 from proxy.bridge import queries as queries_module
 from proxy.bridge.declarations.source_info import enclosed, new_mark
 from proxy.bridge.fence import Fence
-from proxy.bridge.lane import Lane
 from proxy.bridge.queries import Queries
-from proxy.bridge.rules import Way
+from proxy.bridge.rules import Direction
+from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.sides import open_sides
 from proxy.config import AppConfig, MeshConfig
 from tests.proxy.bridge.declarations.test_wire import frame
@@ -234,14 +234,14 @@ def test_when_it_is_not_known_how_was_asked_everybody_is(pair):
     serve(pair[1].node(), "s/a", lambda query: query.reply("s/a", "x"))
     wait_answering(pair[0], 1)
     for robot in pair:
-        for declarations in (robot.bridge._watch._apps, robot.bridge._watch._others):
+        for declarations in (robot.bridge._mirroring._apps, robot.bridge._mirroring._others):
             declarations._table.read(frame(b"\x0a"), inward=True)
     assert list(answers(pair[0].node(), "s/a")) == ["x"]
 
 
 @pytest.fixture
-def lane(stack):
-    made = Lane("test")
+def executor(stack):
+    made = SerialExecutor("test")
     stack.callback(made.close, 1.0)
     return made
 
@@ -267,10 +267,12 @@ def open_fence():
     return fence
 
 
-def declared(stack, far, lane, fence):
+def declared(stack, far, executor, fence):
     """A mirrored queryable for `service/a`, and what asks there."""
     near, endpoint = near_side(stack)
-    queries = Queries(near, far, lane, fence, Way(("**",), ()), dropped=lambda _: False, numbered=lambda _: True)
+    queries = Queries(
+        near, far, executor, fence, Direction(("**",), ()), dropped=lambda _: False, numbered=lambda _: True
+    )
     queries.update({"service/a": False})
     stack.callback(queries.close)
     asker = closing(stack, plain_session("client", connect=(endpoint,)))
@@ -279,27 +281,27 @@ def declared(stack, far, lane, fence):
     return queries, asker
 
 
-def test_too_many_queries_are_answered_with_an_error(stack, lane, monkeypatch):
+def test_too_many_queries_are_answered_with_an_error(stack, executor, monkeypatch):
     """Beyond its bound a query is refused with a reason instead of waiting for nobody."""
     monkeypatch.setattr(queries_module, "MOST_PENDING", 0)
-    _, asker = declared(stack, closing(stack, plain_session("peer")), lane, open_fence())
+    _, asker = declared(stack, closing(stack, plain_session("peer")), executor, open_fence())
     assert list(answers(asker, "service/a")) == ["error: too many queries under way"]
 
 
-def test_a_closed_far_side_is_an_error_and_ends_the_query(stack, lane):
+def test_a_closed_far_side_is_an_error_and_ends_the_query(stack, executor):
     """A session that cannot ask any more answers with Zenoh's reason."""
     far = plain_session("peer")
-    queries, asker = declared(stack, far, lane, open_fence())
+    queries, asker = declared(stack, far, executor, open_fence())
     far.close()
     (answer,) = answers(asker, "service/a")
     assert answer.startswith("error: ")
     wait_until(lambda: not queries.pending, what="its end")
 
 
-def test_a_query_waits_for_what_was_declared_before_it(stack, lane):
+def test_a_query_waits_for_what_was_declared_before_it(stack, executor):
     """It is asked on when all that is mirrored, not sooner."""
     fence = Fence(lambda: None)
-    queries, asker = declared(stack, closing(stack, plain_session("peer")), lane, fence)
+    queries, asker = declared(stack, closing(stack, plain_session("peer")), executor, fence)
     asker.get("service/a", timeout=30.0)
     wait_until(lambda: queries.pending, what="the query")
     assert not queries.crossed
@@ -308,7 +310,7 @@ def test_a_query_waits_for_what_was_declared_before_it(stack, lane):
     wait_until(lambda: queries.crossed, what="it to cross")
 
 
-def test_a_query_that_waits_holds_up_no_answers_to_others(stack, lane):
+def test_a_query_that_waits_holds_up_no_answers_to_others(stack, executor):
     """What was asked on before is answered meanwhile."""
     endpoint, held = free_endpoint(), []
     far = closing(stack, plain_session("peer", listen=(endpoint,)))
@@ -317,7 +319,7 @@ def test_a_query_that_waits_holds_up_no_answers_to_others(stack, lane):
     querier = far.declare_querier("service/a")
     wait_until(lambda: querier.matching_status.matching, what="the service")
     fence = Fence(lambda: None)
-    queries, asker = declared(stack, far, lane, fence)
+    queries, asker = declared(stack, far, executor, fence)
     first = asker.get("service/a", timeout=60.0)
     wait_until(lambda: queries.pending == 1, what="the first query")
     fence.begin()

@@ -4,7 +4,7 @@ import pytest
 import zenoh
 import zenoh.ext
 
-from proxy.bridge.rules import MOST, Companion, Expressions, Rules, Verdict, Way, companion
+from proxy.bridge.rules import MOST, Companion, Direction, Expressions, Rules, Verdict, companion
 from proxy.config import BridgeConfig
 from proxy.core.interface.events import InterestChanged, SamplesPassed
 from tests.proxy.bridge import robots
@@ -169,12 +169,12 @@ def test_of_too_many_declarations_those_that_have_crossed_stay(monkeypatch, capl
 
 def test_what_is_denied_is_counted():
     """Denials by kind, and how many declarations are not shown now."""
-    way = Way(["**"], ["a/**"])
-    assert way.admits("queries", "b")
-    assert not way.admits("queries", "a/x")
-    way.count("samples")
-    assert way.crossing("queryables", {"a/x": True, "b": False, "**": True}) == {"b": False, "**": True}
-    assert way.describe() == {
+    direction = Direction(["**"], ["a/**"])
+    assert direction.admits("queries", "b")
+    assert not direction.admits("queries", "a/x")
+    direction.count("samples")
+    assert direction.crossing("queryables", {"a/x": True, "b": False, "**": True}) == {"b": False, "**": True}
+    assert direction.describe() == {
         "samples": 1,
         "queries": 1,
         "replies": 0,
@@ -182,8 +182,8 @@ def test_what_is_denied_is_counted():
         "queryables": 1,
         "tokens": 0,
     }
-    way.crossing("queryables", {})
-    assert way.describe()["queryables"] == 0
+    direction.crossing("queryables", {})
+    assert direction.describe()["queryables"] == 0
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ import pytest
 import zenoh
 
 from proxy.bridge.demand import Demand
-from proxy.bridge.headroom import Headroom
 from proxy.bridge.sample import Held
+from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.writer import Writer
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
@@ -28,7 +28,7 @@ def test_a_sample_is_published_by_the_publisher_of_its_key_or_by_the_session(ses
     mesh.put("made", "x", attachment=b"a", encoding="text/plain;s", congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: made.samples and heard.samples, what="a sample to write")
     demand = Demand(mesh, lambda _: None, lambda: None, broadcast=broadcast)
-    writer = Writer(mesh, demand, Headroom(mesh))
+    writer = Writer(mesh, demand, SendBuffers(mesh))
     stamp = mesh.new_timestamp()
     held = Held(made.samples[0], stamp, "made", 1, None)
     demand.note("made", held.sample, covered=False)
@@ -51,7 +51,7 @@ def test_what_nobody_wants_is_not_broadcast(sessions):
     mesh.put("made", "x")
     wait_until(lambda: made.samples, what="a sample to write")
     demand = Demand(mesh, lambda _: None, lambda: None, broadcast=True)
-    writer = Writer(mesh, demand, Headroom(mesh))
+    writer = Writer(mesh, demand, SendBuffers(mesh))
     demand.note("made", made.samples[0], covered=False)
     demand.update()
     mesh.close()

@@ -30,7 +30,7 @@ def test_tokens_are_mirrored_and_vanish(team):
     token.undeclare()
     wait_until(lambda: all(tokens(app) == {"alive/same"} for app in apps), what="the token to vanish")
     same.undeclare()
-    wait_until(lambda: not team[1].bridge._watch._tokens_out.expressions, what="one of two equal tokens to vanish")
+    wait_until(lambda: not team[1].bridge._mirroring._tokens_out.expressions, what="one of two equal tokens to vanish")
     wait_until(lambda: all(tokens(app) == {"alive/same"} for app in apps), what="the other one everywhere")
     kept.undeclare()
     wait_until(lambda: not any(tokens(app) for app in apps), what="the last token to vanish")
@@ -42,7 +42,7 @@ def test_tokens_of_a_vanished_app_do_not_keep_each_other_alive(pair):
     kept = app.liveliness().declare_token("alive/b")
     other = pair[1].node()
     wait_until(lambda: tokens(other) == {"alive/b"}, what="the token on the other robot")
-    assert not pair[0].bridge._watch._tokens_in.expressions
+    assert not pair[0].bridge._mirroring._tokens_in.expressions
     app.close()
     wait_until(lambda: not tokens(other), what="the token to vanish")
     assert not tokens(pair[0].node())
@@ -191,7 +191,7 @@ def break_wire(declarations):
 
 def test_when_declarations_cannot_be_followed_everything_crosses(pair):
     """Should a future Zenoh speak differently, apps still hear the mesh: by subscribing to all of it."""
-    break_wire(pair[0].bridge._watch._apps)
+    break_wire(pair[0].bridge._mirroring._apps)
     wait_interest(pair[0], pair[1], keys=("**", "**/@adv/**", "@ros2_lv/**"))
     app = pair[0].node()
     heard = Heard(app, "free/a")
@@ -203,7 +203,7 @@ def test_when_declarations_cannot_be_followed_everything_crosses(pair):
 
 def test_when_the_mesh_cannot_be_followed_everything_is_offered_to_it(pair):
     """What remote apps want is then not known: all is taken from the apps, and reaches who subscribes."""
-    break_wire(pair[0].bridge._watch._others)
+    break_wire(pair[0].bridge._mirroring._others)
     wait_until(lambda: pair[0].bridge.describe()["observed"] == sorted(INGRESS), what="the blanket")
     heard = Heard(pair[1].node(), "free/a")
     wait_until(lambda: "free/a" in pair[1].bridge.describe()["subscriptions"], what="the subscription")
@@ -394,15 +394,15 @@ def test_a_look_that_fails_is_said_once_and_not_the_last(pair, caplog):
     pair[0].bridge.demand.note("free/b", wanted.samples[0], covered=False)
     wait_until(lambda: "cannot mirror" in caplog.text, what="the failure")
     token = app.liveliness().declare_token("alive/still")
-    wait_until(lambda: "alive/still" in pair[0].bridge._watch._apps.declared("token"), what="the token")
-    wait_until(lambda: "alive/still" in pair[0].bridge._watch._tokens_out.declared, what="another look")
+    wait_until(lambda: "alive/still" in pair[0].bridge._mirroring._apps.declared("token"), what="the token")
+    wait_until(lambda: "alive/still" in pair[0].bridge._mirroring._tokens_out.declared, what="another look")
     assert caplog.text.count("cannot mirror what was declared") == 1
     del token
 
 
 def test_news_that_comes_as_a_wait_ends_is_not_forgotten(pair, monkeypatch):
     """Somebody declares just when the watch has waited in vain: it looks all the same."""
-    news = pair[0].bridge._watch._wake
+    news = pair[0].bridge._mirroring._wake
     wait, late = news.wait, []
 
     def ends_late(timeout):

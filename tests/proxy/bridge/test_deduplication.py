@@ -8,8 +8,8 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.bridge import overlap as overlap_module
-from proxy.bridge.overlap import Overlap, of_query, of_sample
+from proxy.bridge import deduplication as deduplication_module
+from proxy.bridge.deduplication import Deduplication, of_query, of_sample
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -20,7 +20,7 @@ class Zenoh:
     """The declarations as Zenoh keeps them: it calls those that matched when a sample came, one after the other."""
 
     def __init__(self):
-        self.overlap = Overlap(lambda contents: (contents,))
+        self.overlap = Deduplication(lambda contents: (contents,))
         self.handlers = {}
 
     def declare(self, expression, *, complete=False):
@@ -138,8 +138,8 @@ def test_every_sample_is_taken_once_whatever_comes_and_goes(changes, told_apart)
 
 def test_the_cache_is_bounded(monkeypatch):
     """More keys than it remembers cost time, not memory, and change no answer."""
-    monkeypatch.setattr(overlap_module, "_CACHED", 4)
-    overlap = Overlap(of_sample)
+    monkeypatch.setattr(deduplication_module, "_CACHED", 4)
+    overlap = Deduplication(of_sample)
     overlap.declare("k/*", print, lambda _: SimpleNamespace())
     for _ in range(2):
         assert all(overlap.covers(f"k/{i}") for i in range(10))
@@ -153,7 +153,7 @@ def test_what_cannot_be_declared_matches_nothing():
     def refuse(_):
         raise zenoh.ZError("no")
 
-    overlap = Overlap(of_sample)
+    overlap = Deduplication(of_sample)
     with pytest.raises(zenoh.ZError):
         overlap.declare("k/*", print, refuse)
     assert not overlap.covers("k/a")
@@ -164,7 +164,7 @@ def test_zenoh_calls_as_is_assumed_here(stack):
     endpoint = free_endpoint()
     router = closing(stack, plain_session("router", listen=(endpoint,)))
     node = closing(stack, plain_session("client", connect=(endpoint,)))
-    samples, queries = Overlap(of_sample), Overlap(of_query)
+    samples, queries = Deduplication(of_sample), Deduplication(of_query)
     seen, asked = [], []
     subscribers = [
         samples.declare(

@@ -5,7 +5,7 @@ import struct
 
 import pytest
 
-from proxy.bridge.recall import PATIENCE, PERIOD, Recall, opened
+from proxy.bridge.rediscovery import PATIENCE, PERIOD, Rediscovery, opened
 from proxy.bridge.sessions import mesh_options, open_session
 from tests.ports import free_port
 from tests.proxy.nodes import closing, free_endpoint, plain_session
@@ -30,8 +30,8 @@ class Bench:
         options = mesh_options([self.endpoint], [], scouting=scouting, interface="lo", zenoh_options=address)
         self.session, sockets = opened(lambda: open_session(options, "mesh"))
         closing(stack, self.session)
-        self.recall = Recall(self.session, options, sockets)
-        stack.callback(self.recall.close)
+        self.rediscovery = Rediscovery(self.session, options, sockets)
+        stack.callback(self.rediscovery.close)
         self.sockets = sockets
 
     def question(self):
@@ -41,10 +41,10 @@ class Bench:
     def asked(self, now):
         """Whether a look at `now` asks."""
         sent = []
-        (scouting,) = self.recall._sockets
-        self.recall._sockets = [Recorded(scouting, sent)]
-        self.recall.check(now)
-        self.recall._sockets = [scouting]
+        (scouting,) = self.rediscovery._sockets
+        self.rediscovery._sockets = [Recorded(scouting, sent)]
+        self.rediscovery.check(now)
+        self.rediscovery._sockets = [scouting]
         return bool(sent)
 
     def linked(self, count):
@@ -73,12 +73,12 @@ def test_questions_are_those_of_zenoh_and_come_from_its_socket(stack, bench):
     own = bench.question()
     peer = closing(stack, plain_session("peer", connect=(bench.endpoint,)))
     bench.linked(1)
-    bench.recall.check(1.0)
+    bench.rediscovery.check(1.0)
     peer.close()
     bench.linked(0)
-    (scouting,) = bench.recall._sockets
-    scouting.sendto(b"mark", bench.recall._group)
-    bench.recall.check(2.0)
+    (scouting,) = bench.rediscovery._sockets
+    scouting.sendto(b"mark", bench.rediscovery._group)
+    bench.rediscovery.check(2.0)
     while bench.question()[0] != b"mark":
         pass
     assert bench.question() == own

@@ -13,7 +13,7 @@ import sys
 import termios
 import threading
 
-from proxy.bridge.air import Air, Broadcast
+from proxy.bridge.broadcast import Broadcast, DataSession
 from proxy.bridge.sockets import Sockets, libc, tcp_info
 
 _Memory = ctypes.c_uint32 * 9
@@ -43,10 +43,10 @@ EACH = 2048
 """What a small sample may take of a send buffer beside its bytes, in the worst case [B]."""
 
 
-class Headroom:
+class SendBuffers:
     """Watches the sockets of all links of `session`. One that cannot be found counts as full."""
 
-    def __init__(self, session: Air) -> None:
+    def __init__(self, session: DataSession) -> None:
         self._found = Sockets(session)
         self._broadcasts = isinstance(session, Broadcast)
         self._lock = threading.Lock()

@@ -10,9 +10,10 @@ import zenoh
 log = logging.getLogger(__name__)
 
 MOST = 8192
+"""Jobs that may wait."""
 
 
-class Lane:
+class SerialExecutor:
     """Runs jobs in order. `offer` refuses when `most` wait; `insist`, for what must be done, does not."""
 
     def __init__(self, name: str, most: int = MOST) -> None:

@@ -22,7 +22,7 @@ _PEERS_WANTED = b"\x01\x09\x02"
 """A scout message of Zenoh's protocol: its kind, the version of the protocol, and who shall answer."""
 
 
-class Recall:
+class Rediscovery:
     """Asks while somebody is missing, with the scouting `sockets` of `session`, at the address of `options`."""
 
     def __init__(self, session: zenoh.Session, options: Mapping[str, Any], sockets: list[socket.socket]) -> None:

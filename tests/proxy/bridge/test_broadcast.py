@@ -8,10 +8,10 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.bridge import air as air_module
+from proxy.bridge import broadcast as broadcast_module
 from proxy.bridge import keys
-from proxy.bridge.air import PREFIX, Broadcast, broadcast_options, pattern
-from proxy.bridge.headroom import Headroom
+from proxy.bridge.broadcast import PREFIX, Broadcast, broadcast_options, pattern
+from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sessions import zenoh_session
 from proxy.core.interface.events import SampleHeard
 from proxy.errors import SessionError
@@ -34,7 +34,7 @@ def group():
 def team(stack, tmp_path, group):
     """Three robots that broadcast, each of which hears the other two."""
     made = robots.team(stack, tmp_path, transport="broadcast", group=group, interface=LOOPBACK)
-    wait_until(lambda: all(robot.air.describe()["heard"] == 2 for robot in made), what="all on the group")
+    wait_until(lambda: all(robot.data.describe()["heard"] == 2 for robot in made), what="all on the group")
     return made
 
 
@@ -62,9 +62,9 @@ def test_digests_are_heard_where_somebody_attends_to_them(stack, group):
 def test_nobody_knows_when_what_was_broadcast_has_left(stack, group):
     """So what is decided keeps its pace: of frames in a burst a radio that is full loses some, without a word."""
     made, _ = opened(stack, group)
-    headroom = Headroom(made)
-    assert headroom.clear
-    assert not headroom.idle
+    buffers = SendBuffers(made)
+    assert buffers.clear
+    assert not buffers.idle
 
 
 def opened(stack, group, *, others=False):
@@ -187,16 +187,16 @@ def test_an_interface_that_is_none_is_named_with_its_key(stack, group):
 def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(stack, group, monkeypatch, caplog):
     """Zenoh never uses a group again after an error of the radio. An interface that is still gone is said."""
     caplog.set_level("INFO")
-    monkeypatch.setattr(air_module, "CHECK", 0.01)
-    monkeypatch.setattr(air_module, "PATIENCE", 0.02)
-    monkeypatch.setattr(air_module, "MOST_PATIENCE", 0.05)
+    monkeypatch.setattr(broadcast_module, "CHECK", 0.01)
+    monkeypatch.setattr(broadcast_module, "PATIENCE", 0.02)
+    monkeypatch.setattr(broadcast_module, "MOST_PATIENCE", 0.05)
     first, heard = opened(stack, group, others=True)
     wait_until(lambda: first.describe()["reopened"], what="a first time")
     monkeypatch.setattr(first, "_interface", "nope")
     wait_until(lambda: "nope" in caplog.text, what="the warning")
     monkeypatch.setattr(first, "_interface", LOOPBACK)
-    monkeypatch.setattr(air_module, "PATIENCE", 5.0)
-    monkeypatch.setattr(air_module, "MOST_PATIENCE", 5.0)
+    monkeypatch.setattr(broadcast_module, "PATIENCE", 5.0)
+    monkeypatch.setattr(broadcast_module, "MOST_PATIENCE", 5.0)
     second, _ = opened(stack, group)
     wait_until(lambda: second.describe()["heard"] == first.describe()["heard"] == 1, what="each other")
     assert f"nobody was heard on {group}: joined the group anew" in caplog.text

@@ -1,4 +1,4 @@
-"""The air: the session on which samples travel. In unicast the mesh session, in broadcast one of its own.
+"""The session on which samples travel: in unicast the mesh session, in broadcast one of its own.
 
 Broadcast is a Zenoh peer with nothing but a multicast endpoint: one transmission reaches every robot. Nothing is
 acknowledged, repeated, encrypted or held back there, and Zenoh knows of nobody's subscriptions. So all else stays on
@@ -202,5 +202,5 @@ def _close(session: zenoh.Session) -> None:
     session.close()  # type: ignore[no-untyped-call] # the stubs leave its type out
 
 
-Air = zenoh.Session | Broadcast
+DataSession = zenoh.Session | Broadcast
 """Where samples travel."""

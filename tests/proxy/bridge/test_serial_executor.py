@@ -5,58 +5,58 @@ import threading
 import pytest
 import zenoh
 
-from proxy.bridge.lane import Lane
+from proxy.bridge.serial_executor import SerialExecutor
 
 
 @pytest.fixture
-def lane(stack):
-    made = Lane("test")
+def executor(stack):
+    made = SerialExecutor("test")
     stack.callback(made.close, 1.0)
     return made
 
 
-def test_jobs_run_in_order(lane):
+def test_jobs_run_in_order(executor):
     """What was offered first is done first."""
     done, last = [], threading.Event()
     for i in range(100):
-        assert lane.offer(lambda i=i: done.append(i))
-    lane.insist(last.set)
+        assert executor.offer(lambda i=i: done.append(i))
+    executor.insist(last.set)
     assert last.wait(60.0)
     assert done == list(range(100))
 
 
-def test_a_job_that_zenoh_refuses_does_not_stop_the_lane(lane, caplog):
+def test_a_job_that_zenoh_refuses_does_not_stop_the_executor(executor, caplog):
     """The refusal is logged, the next job is done."""
 
     def refused():
         raise zenoh.ZError("session closed")
 
     done = threading.Event()
-    lane.offer(refused)
-    lane.offer(done.set)
+    executor.offer(refused)
+    executor.offer(done.set)
     assert done.wait(60.0)
     assert "session closed" in caplog.text
 
 
-def test_a_job_that_fails_does_not_stop_the_lane(lane, caplog):
+def test_a_job_that_fails_does_not_stop_the_executor(executor, caplog):
     """The log has why, the next job is done."""
     done = threading.Event()
-    lane.offer(lambda: 1 / 0)
-    lane.offer(done.set)
+    executor.offer(lambda: 1 / 0)
+    executor.offer(done.set)
     assert done.wait(60.0)
     assert "test: a job failed" in caplog.text
 
 
 def test_a_full_lane_refuses_offers_but_not_what_must_be_done(stack):
     """Offers beyond the bound are counted and refused."""
-    lane = Lane("test", 1)
-    stack.callback(lane.close, 1.0)
+    executor = SerialExecutor("test", 1)
+    stack.callback(executor.close, 1.0)
     go, started, done = threading.Event(), threading.Event(), threading.Event()
-    lane.offer(lambda: (started.set(), go.wait(60.0)))
+    executor.offer(lambda: (started.set(), go.wait(60.0)))
     assert started.wait(60.0)
-    assert lane.offer(lambda: None)
-    assert not lane.offer(lambda: None)
-    lane.insist(done.set)
+    assert executor.offer(lambda: None)
+    assert not executor.offer(lambda: None)
+    executor.insist(done.set)
     go.set()
     assert done.wait(60.0)
-    assert lane.refused == 1
+    assert executor.refused == 1

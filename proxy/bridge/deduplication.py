@@ -52,7 +52,7 @@ class _Round:
         return self.doubtful if self.key == key and self.contents == contents else set()
 
 
-class Overlap(Generic[T]):
+class Deduplication(Generic[T]):
     """The declarations of one session. `contents` are what tells two samples, or two queries, from each other."""
 
     def __init__(self, contents: Callable[[T], tuple[object, ...]]) -> None:

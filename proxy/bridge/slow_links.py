@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Collection
 
 from proxy import clock
-from proxy.bridge.headroom import Headroom
+from proxy.bridge.send_buffers import SendBuffers
 
 LONGEST = 0.25
 """How long the other links wait for a full one [s]."""
@@ -24,11 +24,11 @@ _SOON = 0.0002
 """The same for links that have room [s]: their threads have only to be scheduled."""
 
 
-class Patience:
-    """Waits for links, on the thread that may be held up, until `end`."""
+class SlowLinks:
+    """Waits for links, on the thread that may be held up, until `stop_waiting`."""
 
-    def __init__(self, headroom: Headroom, wait: Callable[[float], object] = time.sleep) -> None:
-        self._headroom = headroom
+    def __init__(self, buffers: SendBuffers, wait: Callable[[float], object] = time.sleep) -> None:
+        self._buffers = buffers
         self._wait = wait
         self._lost_at = -REST
         self._ended = False
@@ -37,25 +37,25 @@ class Patience:
         self._given_up: set[str] = set()
         """Links with room that did not take the sample before."""
         self.lost = 0
-        """How often it ran out."""
+        """How often a link was waited for in vain."""
 
     @property
-    def at_ease(self) -> bool:
-        """Whether it has not run out lately: then nothing that links have room for needs it."""
+    def calm(self) -> bool:
+        """Whether no link was waited for in vain lately: then nothing that links have room for has to wait."""
         return clock.monotonic() - self._lost_at >= REST
 
-    def end(self) -> None:
+    def stop_waiting(self) -> None:
         """Wait no more."""
         self._ended = True
 
-    def runs_out(self) -> bool:
+    def stays_full(self) -> bool:
         """Wait for room on all links; whether some still have none while others do.
 
         Where no link has room the channel is full, and the first that has it again is not held up by the others.
         """
         until = clock.monotonic() + LONGEST
         while not self._ended:
-            full, links = self._headroom.slow()
+            full, links = self._buffers.slow()
             if not full or links == 1:
                 break
             if full < links and self._lost(clock.monotonic(), until):
@@ -63,17 +63,17 @@ class Patience:
             self._wait(_LOOK)
         return False
 
-    def hand(self, size: int, takers: Collection[str]) -> None:
+    def await_previous(self, size: int, takers: Collection[str]) -> None:
         """A sample is published next, to the sessions `takers` among others: wait until they have the one before."""
-        if self.at_ease:
+        if self.calm:
             self._due = {}
             self._given_up.clear()
             return
         until = clock.monotonic() + LONGEST
-        sent = self._headroom.sent()
+        sent = self._buffers.sent()
         while (behind := self._behind(sent)) and not self._ended and clock.monotonic() < until:
             self._wait(_SOON)
-            sent = self._headroom.sent()
+            sent = self._buffers.sent()
         self._given_up |= behind
         self._due = {zid: done + size for zid, done in sent.items() if zid in takers and zid not in self._given_up}
 

@@ -13,13 +13,13 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.fence import Fence
-from proxy.bridge.headroom import Headroom
 from proxy.bridge.ingress import Ingress
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Rules
+from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sides import Sides
 from proxy.core.interface.events import Event, InterestChanged, LinksGauged
 from proxy.runtime import LiveRuntime
@@ -42,7 +42,7 @@ class Checked(Protocol):
         """Look."""
 
 
-class Watch:
+class Mirroring:
     """Follows what nodes of both `sides` declare, on a thread of its own.
 
     The main sessions of these sides declare what `ingress` and `delivery` subscribe to;
@@ -59,7 +59,7 @@ class Watch:
         outward: Queries,
         inward: Queries,
         links: tuple[Checked, ...],
-        headroom: Headroom,
+        buffers: SendBuffers,
         rules: Rules,
         neighbours: Neighbours,
         passed: Passed,
@@ -75,7 +75,7 @@ class Watch:
         self._outward = outward
         self._inward = inward
         self._links = links
-        self._headroom = headroom
+        self._buffers = buffers
         self._rules = rules
         self._neighbours = neighbours
         self._passed = passed
@@ -126,7 +126,7 @@ class Watch:
                 self.flush()
                 for links in self._links:
                     links.check(clock.monotonic())
-                self._headroom.refresh()
+                self._buffers.refresh()
                 self._gauge()
                 if woken or again:
                     began = clock.monotonic()
@@ -148,7 +148,7 @@ class Watch:
 
     def _gauge(self) -> None:
         """Tell the core how long what the links send is on its way, where a limit follows that."""
-        if self._live.runtime.adaptive and (waits := self._headroom.waits()):
+        if self._live.runtime.adaptive and (waits := self._buffers.waits()):
             self._post(LinksGauged(clock.monotonic(), waits))
 
     def _look(self) -> bool:
