@@ -11,12 +11,13 @@ from proxy.core.model.limits import Limit
 class AdaptiveLimit:
     """The `number`-th adaptive limit. All values are parts of its `ceiling`."""
 
-    def __init__(self, now: float, number: int, ceiling: Limit, aimd: Aimd) -> None:
+    def __init__(self, now: float, number: int, ceiling: Limit, aimd: Aimd | None = None) -> None:
         self.number = number
         self.ceiling = ceiling
-        self.aimd = aimd
-        self.in_force = aimd.allowed(now)
-        self.lasting = aimd.estimate
+        self.aimd = aimd or Aimd(now, ceiling.least)
+        self.aimd.set_floor(ceiling.least)
+        self.in_force = self.aimd.allowed(now)
+        self.lasting = self.aimd.estimate
         """What is in force when queues have drained."""
         self.drained = self.in_force
         """What is in force for the robot that begins anew first."""

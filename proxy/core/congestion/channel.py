@@ -2,7 +2,8 @@
 
 import math
 
-from proxy.core.congestion.capacity import Capacity, Traffic
+from proxy.core.congestion.capacity import Capacity
+from proxy.core.congestion.control import Traffic
 from proxy.core.interface.commands import SetPace
 from proxy.core.model.limits import Limit, in_force, use_of
 from proxy.core.protocol.messages import tag

@@ -1,13 +1,12 @@
 """What this robot itself sees of the channel, by the digests that it sends and receives."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
 from proxy.core.congestion.delivery_ratio import DeliveryRatio
 from proxy.core.congestion.liveness import Liveness
 from proxy.core.congestion.load import Load
 from proxy.core.congestion.queue_delay import PathDelays, StandingQueue, standing_queue
 from proxy.core.congestion.tuning import TUNING
-from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest
 
 
@@ -61,14 +60,13 @@ class Evidence:
         self.delivery.forget(peer)
 
     def queue(
-        self, now: float, limits: Sequence[Limit], receivers: Collection[str], since: float, bearable: float
+        self, now: float, receivers: Collection[str], since: float, bearable: float, span: float
     ) -> StandingQueue | None:
-        """The longest queue that stands before what comes here, or before what we send to our receivers.
+        """The longest queue that stands before what comes here, or before what we send to our receivers, for a `span`.
 
-        A limit lets what it bears in its window be sent at once: a queue stands if it outlasts that.
+        What went into a queue before `since` does not count.
         """
         recent = now - max(TUNING.recent_delays, 2.0 * self.liveness.interval(now))
-        span = min(max(TUNING.standing, *(limit.window for limit in limits)), TUNING.longest_standing)
         outward = [path for peer, path in self.paths.items() if not receivers or peer in receivers]
         directions = (
             [path.inbound for path in self.paths.values()],

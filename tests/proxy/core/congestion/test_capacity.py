@@ -1,138 +1,12 @@
-"""Adaptive limits follow the channel, by evidence that comes in digests."""
+"""Adaptive limits follow the channel, by our own evidence and by what the others report."""
 
 import math
 
 import pytest
 
-from planner import Throughput
-from proxy.core.congestion.capacity import Capacity, Traffic
 from proxy.core.congestion.tuning import TUNING
-from proxy.core.model.limits import Limit
-from proxy.core.protocol.messages import Digest, Echo
-
-RATE = 100_000.0
-AIR = Limit("air", 0.5, RATE * 0.5, Throughput(RATE), 0.05)
-FIXED = Limit("fixed", 0.5, RATE, Throughput(2 * RATE))
-
-
-class Channel:
-    """A capacity whose peers speak every 0.1 s; `waits` by peer are what they see and say, None: nothing comes."""
-
-    def __init__(self, peers=("op",), receivers=("op",)):
-        self.capacity = Capacity(0.0, "us")
-        self.capacity.set_limits(0.0, (FIXED, AIR))
-        self.receivers, self.now, self.sent, self.dropped = receivers, 0.0, 0, 0
-        self.waits = dict.fromkeys(peers, 0.0)
-        self.tells = dict.fromkeys(peers, 1.0)
-        self.arriving = 1.0
-        self.use = 1.0
-        self.drops = True
-        self.hears_us = True
-        self.leader = ""
-        self.tells_use = ()
-
-    def run(self, seconds):
-        """Let the time pass; the channel is used by as much of the limit in force as `use` says."""
-        for _ in range(round(seconds * 10)):
-            self.now = round(self.now + 0.1, 6)
-            self.sent += 1000 * self.use * self.factor * RATE * 0.1 / 1000
-            self.dropped += self.drops
-            self.capacity.evidence.sent(self.now, round(self.sent / 1000), round(self.sent))
-            digest = Digest("us", "us", self.now - 0.05, round(self.sent / 1000), round(self.sent))
-            self.capacity.reported(digest)
-            for number, (peer, wait) in enumerate(self.waits.items()):
-                if wait is not None:
-                    self._speak(peer, wait, self.now - 0.001 * number, digest)
-            if self.now >= self.capacity.due_at:
-                self.capacity.look(self.now, Traffic(self.dropped, self.receivers, 0.0, (0.01,), (0.01,), self.leader))
-        return self
-
-    def _speak(self, peer, wait, now, ours):
-        samples = round(self.sent / 1000 * self.arriving)
-        echoes = (Echo("us", ours.sent, ours.sent + 500.0 + wait, samples, 0.0),) if self.hears_us else ()
-        capacity = self.tells[peer], *self.tells_use
-        told = Digest(peer, peer, now + 77.0 - wait, 0, 0, echoes=echoes, capacity=capacity)
-        self.capacity.digest_received(now, told)
-
-    @property
-    def factor(self):
-        (factor,) = self.capacity.factors
-        return factor
-
-    @property
-    def why(self):
-        return self.capacity.described(self.now, 0)["reason"]
-
-
-def test_a_free_channel_that_is_used_is_used_more_until_the_ceiling():
-    """From a quarter of it, in seconds; fixed limits have no part in it."""
-    channel = Channel()
-    assert channel.factor == TUNING.initial
-    assert channel.run(20.0).factor == 1.0
-    assert channel.why == "free"
-    assert channel.capacity.report(channel.now) == (1.0,)
-
-
-def test_what_is_not_used_does_not_grow():
-    """Nobody knows whether the channel bore more."""
-    channel = Channel()
-    channel.use = 0.3
-    assert channel.run(20.0).factor == TUNING.initial
-    assert channel.why == "not used"
-
-
-def test_a_growing_queue_decreases_the_limit_at_once_and_not_again_while_it_drains():
-    """And the others hear of it at once."""
-    channel = Channel().run(20.0)
-    channel.capacity.reported(Digest("us", "us", channel.now, 0, 0, capacity=(1.0,)))
-    assert not channel.capacity.has_news(channel.now)
-    for wait in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35):
-        channel.waits["op"] = wait
-        channel.run(0.1)
-    assert channel.why in ("delay", "settling")
-    assert 0.2 <= channel.factor <= 0.7
-    assert channel.capacity.has_news(channel.now)
-    assert math.isfinite(channel.capacity.wakes_at(channel.now))
-    low = channel.run(0.3).factor
-    channel.waits["op"] = 0.0
-    assert channel.run(1.0).factor > low
-
-
-@pytest.mark.parametrize("silent", ["they", "we"])
-def test_silence_is_no_good_news(silent):
-    """Nothing arrives from anybody, or nobody says that ours arrives: down to the floor, and fast up again after."""
-    channel = Channel().run(20.0)
-    if silent == "they":
-        channel.waits["op"] = None
-    else:
-        channel.hears_us = False
-    assert channel.run(3.0).factor >= 0.7
-    assert channel.run(20.0).factor == pytest.approx(0.05)
-    assert channel.why == "silence"
-    channel.waits["op"], channel.hears_us = 0.0, True
-    assert channel.run(10.0).factor > 0.5
-
-
-def test_what_is_overdue_is_waited_for():
-    """It may stand in a queue: little is sent until it comes."""
-    channel = Channel().run(20.0)
-    channel.waits["op"] = None
-    assert channel.run(1.0).factor <= 0.4
-    assert channel.why == "overdue"
-    channel.waits["op"] = 0.0
-    assert channel.run(2.0).factor == 1.0
-
-
-def test_one_robot_that_is_far_away_decreases_nothing():
-    """Neither what we see of it, nor what it tells, nor its leaving."""
-    channel = Channel(peers=("a", "b", "far"), receivers=("a", "b", "far")).run(20.0)
-    channel.waits["far"] = 0.8
-    channel.tells["far"] = 0.05
-    assert channel.run(10.0).factor == 1.0
-    channel.waits["far"] = None
-    assert channel.run(10.0).factor == 1.0
-    channel.capacity.forget("far")
-    assert channel.run(10.0).factor == 1.0
+from proxy.core.protocol.messages import Digest
+from tests.proxy.core.congestion.channels import AIR, FIXED, Channel, queue_of
 
 
 def test_what_two_robots_tell_is_in_force():
@@ -145,49 +19,6 @@ def test_what_two_robots_tell_is_in_force():
     assert channel.capacity.report(channel.now) == (1.0,)
     channel.tells["op"] = 1.0
     assert channel.run(0.2).factor == 1.0
-
-
-def test_our_own_links_tell_as_well():
-    """Of robots that we know."""
-    channel = Channel().run(20.0)
-    for i in range(8):
-        channel.capacity.evidence.link_gauged(channel.now + 0.05, "op", 0.05 * i)
-        channel.capacity.evidence.link_gauged(channel.now + 0.05, "stranger", 9.0)
-        channel.run(0.1)
-    assert channel.factor < 0.8
-
-
-def test_random_loss_is_no_full_channel():
-    """A constant loss does nothing. One that begins is tried out, and what was decreased for it is given back."""
-    channel = Channel()
-    channel.arriving = 0.95
-    assert channel.run(30.0).factor == 1.0
-    before = channel.sent
-    channel.arriving = 0.95 * before / channel.sent
-    received = 0.95 * before
-    lowest = 1.0
-    for _ in range(200):
-        channel.run(0.1)
-        received += 0.4 * (channel.sent - before)
-        before, channel.arriving = channel.sent, received / channel.sent
-        lowest = min(lowest, channel.factor)
-    assert 0.3 < lowest < 0.8
-    assert channel.run(10.0).factor > 0.95
-
-
-def test_loss_by_load_decreases():
-    """A channel that drops what it cannot carry, without any queue: less is sent, and less is lost."""
-    channel = Channel()
-    received = before = 0.0
-    factors = []
-    for i in range(600):
-        channel.run(0.1)
-        carried = min(channel.sent - before, 0.1 * RATE * (1.0 if i < 300 else 0.4))
-        received, before = received + carried, channel.sent
-        channel.arriving = received / channel.sent
-        factors.append(channel.factor)
-    assert factors[299] == 1.0
-    assert max(factors[400:]) < 0.85
 
 
 def test_without_anybody_nothing_is_known():
@@ -240,15 +71,6 @@ def test_who_follows_a_leader_takes_its_word_for_the_limit():
     assert channel.why in ("free", "not used")
 
 
-def test_a_leader_that_says_nothing_is_bad_news_like_anybody():
-    """It may be that nothing gets through."""
-    channel = Channel().run(20.0)
-    channel.leader = "op"
-    channel.run(1.0).waits["op"] = None
-    assert channel.run(30.0).factor < 0.5
-    assert channel.why == "silence"
-
-
 def test_who_leads_tells_what_is_in_force_and_how_much_is_used():
     """What two others have against more decreases it once: then it grows as ever."""
     channel = Channel(peers=("a", "b"), receivers=())
@@ -261,14 +83,6 @@ def test_who_leads_tells_what_is_in_force_and_how_much_is_used():
     assert channel.run(1.0).factor == pytest.approx(0.4, rel=0.1)
     channel.tells["a"] = 0.2
     assert channel.run(20.0).factor == 1.0
-
-
-def queue_of(channel, *waits, peers=("op",)):
-    """Let a queue grow in front of these peers, to as much as the last of these."""
-    for wait in waits:
-        channel.waits |= dict.fromkeys(peers, wait)
-        channel.run(0.1)
-    return channel
 
 
 def test_who_leads_tells_apart_what_passes():

@@ -25,7 +25,7 @@ def heard(waits, peers=("op",), back=0.0):
 
 
 def queue(evidence, now, receivers=()):
-    return evidence.queue(now, (AIR,), receivers, -math.inf, 0.1)
+    return evidence.queue(now, receivers, -math.inf, 0.1, 0.5)
 
 
 def test_a_queue_before_what_comes_here_is_seen():
