@@ -57,8 +57,8 @@ class Appraisal:
         """The stream has generated a sample while another one is decided."""
         self._undersubscribed.note(now, stream)
 
-    def roomy(self, now: float, stream: Stream, waiting: int) -> bool:
-        """Whether there is room for all that may be sent: then nothing is gained by dropping anything."""
+    def look_for_room(self, now: float, stream: Stream, waiting: int) -> bool:
+        """Return whether there is room for all that may be sent: then nothing is gained by dropping anything."""
         limits = self.budget.limits
         if not limits:
             return True
@@ -66,22 +66,22 @@ class Appraisal:
         self._undersubscribed.note(now, stream)
         return self._undersubscribed.fits([limit.limit for limit in self.budget.usable(now)], waiting)
 
-    def standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
-        """How a sample stands among all that competes with it."""
-        self._weigh(now, stream)
+    def weigh(self, now: float, stream: Stream, sample: Waiting) -> Standing:
+        """Weigh what competes if it is time to; return how a sample stands among it."""
+        self._advance(now, stream)
         return self.disputes.standing(now, stream, sample)
 
     def lacking_beside_booked(self, now: float, use: Use) -> tuple[str, ...]:
         """Name the limits that have no room for a contested message beside what is booked and not used yet."""
         return self.budget.lacking(now, self.disputes.besides(now, use))
 
-    def lacking_for_copy(self, now: float, use: Use) -> tuple[str, ...]:
-        """Name the limits that have no room for a copy beside the samples that room is booked for.
+    def weigh_copy(self, now: float, use: Use) -> tuple[str, ...]:
+        """Weigh what competes; name the limits that have no room for a copy beside what is booked.
 
         Else the copies for who was away cost the others their alarms: 21 and 26 of 60, where copies took half of a
         limit for 2 s.
         """
-        self._weigh(now)
+        self._advance(now)
         return self.lacking_beside_booked(now, use)
 
     def lacking_beside_rivals(self, now: float, stream: Stream | None, use: Use) -> tuple[tuple[str, ...], float]:
@@ -98,6 +98,6 @@ class Appraisal:
         taken, until = rivals(now, self.view, self.disputes, stream, budget.limits, own=use, grew=grew)
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
-    def _weigh(self, now: float, deciding: Stream | None = None) -> None:
+    def _advance(self, now: float, deciding: Stream | None = None) -> None:
         """Weigh anew how streams stand, if it is time to."""
         self.disputes.advance(now, self.budget.usable(now), alone=self.budget.alone, deciding=deciding)

@@ -47,9 +47,9 @@ class CopyGate:
             self._copies.give_up(copy, "dropped:once")
             return []
         use, enforced = self._use(copy), self._appraisal.mode_of(stream) is Mode.ENFORCE
-        if enforced and self._appraisal.lacking_for_copy(now, use):
+        if enforced and self._appraisal.weigh_copy(now, use):
             return []
-        if not enforced or copy.delete or self._appraisal.roomy(now, stream, len(self._inbox)):
+        if not enforced or copy.delete or self._appraisal.look_for_room(now, stream, len(self._inbox)):
             return [self._send(now, stream, copy, use)]
         scale = rounded(stream.information_type.scale(copy.waiting.features))
         sample = replace(copy.waiting, scale=scale, to=copy.to)
@@ -60,7 +60,7 @@ class CopyGate:
         if not self._copies.waits(copy):
             return []
         use = self._use(copy)
-        send = plan.send and not self._appraisal.lacking_for_copy(now, use)
+        send = plan.send and not self._appraisal.weigh_copy(now, use)
         reason = "forwarded" if send else "waits"
         self._decisions.note(Decided(now, copy.waiting.key, plan, pending.constraints, reason))
         return self._settle(now, copy, use, send=send)
@@ -70,7 +70,7 @@ class CopyGate:
         if not self._copies.waits(copy):
             return []
         use = self._use(copy)
-        lacking = self._appraisal.lacking_for_copy(now, rule.needed(copy.waiting, use))
+        lacking = self._appraisal.weigh_copy(now, rule.needed(copy.waiting, use))
         return self._settle(now, copy, use, send=not lacking)
 
     def _settle(self, now: float, copy: Copy, use: Use, *, send: bool) -> list[Command]:

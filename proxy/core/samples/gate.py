@@ -93,8 +93,8 @@ class Gate:
             if not crowded and (copy := self._copy_gate.foremost(now)) is not None:
                 commands += self._copy_gate.take_up(now, copy, self._tickets)
                 crowded = not self.search.busy() and self._copies.waits(copy)
-            elif (sample := self.undecided.take(partial(self._waits.holds, now))) is not None:
-                commands += [self._take_up(now, sample, self._tickets), *self.undecided.pass_deletions()]
+            elif (sample := self.undecided.take(partial(self._waits.postpone, now))) is not None:
+                commands += [self._take_up(now, sample, searching=True), *self.undecided.pass_deletions()]
             else:
                 break
         else:
@@ -136,11 +136,11 @@ class Gate:
         """Send all that waits, what is being decided before it."""
         commands: list[Command] = []
         for sample in self.undecided.take_all():
-            commands += [self._take_up(now, sample, None), *self.undecided.pass_deletions()]
+            commands += [self._take_up(now, sample, searching=False), *self.undecided.pass_deletions()]
         return commands
 
-    def _take_up(self, now: float, sample: Waiting, ticket: int | None) -> Command:
-        """Decide a sample as far as that needs no search; with a `ticket` it may be searched for."""
+    def _take_up(self, now: float, sample: Waiting, *, searching: bool) -> Command:
+        """Decide a sample as far as that needs no search; `searching`: by a search where it does, else it is sent."""
         stream = self.appraisal.stream_of(now, sample)
         if stream is None:
             return self.outcomes.pass_on(sample.sample, "passed:no-spec")
@@ -156,11 +156,11 @@ class Gate:
             return self.outcomes.refuse(now, stream, sample, CONSTRAINT, lacking)
         if must:
             self.decisions.count(Shortcut.OWED)
-        elif ticket is None or self.appraisal.roomy(now, stream, len(self._inbox)):
+        elif not searching or self.appraisal.look_for_room(now, stream, len(self._inbox)):
             if limits:
                 self.decisions.count(Shortcut.UNNEEDED)
         else:
-            return self._weigh(now, stream, sample, use, ticket)
+            return self._weigh(now, stream, sample, use)
         return self.outcomes.send(now, stream, sample, use, "forwarded")
 
     def _pass_unwanted(self, now: float, sample: Waiting) -> Command:
@@ -169,9 +169,9 @@ class Gate:
             self._budget.use_at_most(now, use_of(sample.size, silent, self._budget.limits), 1.0)
         return self.outcomes.pass_on(sample.sample, "passed:unwanted")
 
-    def _weigh(self, now: float, stream: Stream, sample: Waiting, use: Use, ticket: int) -> Command:
+    def _weigh(self, now: float, stream: Stream, sample: Waiting, use: Use) -> Command:
         """Decide by what room costs, or where that is disputed by a search."""
-        standing = self.appraisal.standing(now, stream, sample)
+        standing = self.appraisal.weigh(now, stream, sample)
         if standing is Standing.UNDISPUTED:
             self.decisions.count(Shortcut.UNDISPUTED)
             return self.outcomes.send(now, stream, sample, use, "forwarded")
@@ -180,7 +180,7 @@ class Gate:
             return self.outcomes.refuse(now, stream, sample, "dropped:planner")
         if lacking := self.appraisal.lacking_beside_booked(now, use):
             return self.outcomes.refuse(now, stream, sample, CONSTRAINT, lacking)
-        return self.search.start(now, sample, self._inbox, ticket)
+        return self.search.start(now, sample, self._inbox, self._tickets)
 
     def _decided(self, now: float, pending: Pending, plan: Plan) -> list[Command]:
         """Do what the plan says, as far as the limits still have room."""
@@ -192,7 +192,7 @@ class Gate:
         lacking = self.appraisal.lacking_beside_booked(now, use) if plan.send else ()
         if plan.send and not lacking:
             lacking, until = self.appraisal.lacking_beside_rivals(now, stream, use)
-            if lacking and stream is not None and self._waits.gives_way(now, stream, sample, until):
+            if lacking and stream is not None and self._waits.give_way(now, stream, sample, until):
                 return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, sample.key, plan, pending.constraints, reason))

@@ -32,14 +32,14 @@ class Waits:
             here = {waiting.sample for waiting in self._inbox}
             self._opening = {sample: wait for sample, wait in self._opening.items() if sample in here}
 
-    def holds(self, now: float, sample: Waiting) -> bool:
-        """Whether a sample is not taken up yet."""
+    def postpone(self, now: float, sample: Waiting) -> bool:
+        """Let a sample wait if there is a reason to; return whether it waits."""
         return bool(self._budget.limits) and (self._for_greetings(now, sample) or self._for_room(now, sample))
 
-    def gives_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
-        """Whether a sample goes back into the inbox until it is known what others have sent, `until` then at most [s].
+    def give_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
+        """Put a sample back into the inbox until it is known what others have sent, `until` then at most [s].
 
-        It does not where a newer one is there, or where it would be too old by then.
+        Return whether it is: not where a newer one is there, or where it would be too old by then.
         """
         known_at = max(now + TUNING.shortest_wait, min(until, now + news_take(self._view)))
         newer = any(waiting.key == sample.key for waiting in self._inbox)
@@ -87,7 +87,7 @@ class Waits:
         stream = appraisal.stream_of(now, sample)
         if stream is None or appraisal.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
             return -math.inf
-        standing = appraisal.standing(now, stream, sample)
+        standing = appraisal.weigh(now, stream, sample)
         until = sample.t_gen + self._disputes.patience(stream, standing)
         if standing is Standing.HOPELESS or now >= until:
             return -math.inf
