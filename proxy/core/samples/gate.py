@@ -8,7 +8,7 @@ from proxy.core.coordination.budget import Budget
 from proxy.core.interface.commands import Command, Notice
 from proxy.core.interface.events import DecisionReady
 from proxy.core.market.prices import Standing
-from proxy.core.model.limits import Limit, use_of
+from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.appraisal import Appraisal, Use
@@ -51,11 +51,6 @@ class Gate:
         self._rule = StaticRule(view, budget)
         self._complaint = ""
         self._tickets = 0
-
-    @property
-    def limits(self) -> tuple[Limit, ...]:
-        """The constraints in force for all robots together."""
-        return self._budget.limits
 
     def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Queue a sample. Where too many wait all go at once if the limits have room for them; if not, one leaves."""

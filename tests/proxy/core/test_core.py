@@ -294,7 +294,7 @@ def test_new_specs_are_in_force_whole_at_the_next_decision(make_talk, make_specs
     talk.publish(0.1)
     other = UNLIMITED.replace("robot/*/camera", "other/*")
     talk.tell(ev.SpecsChanged(0.2, make_specs(text=other)))
-    assert talk.core.gate.limits == ()
+    assert talk.core.budget.limits == ()
     sample, commands = talk.publish(0.3)
     assert only(commands) == [Forward(sample)]
 
@@ -386,7 +386,7 @@ def test_the_tightest_constraint_decides(make_talk, make_specs, size, gap, kind)
             break
         sent += len(only(talk.answer(now, decisions[0], send=True), Forward))
     left = {}
-    for k, limit in enumerate(talk.core.gate.limits):
+    for k, limit in enumerate(talk.core.budget.limits):
         use = limit.measure.use(size, 1, own=True)
         left[limit.measure.kind] = talk.core.budget.free(now)[k] / use
     assert sent >= 2
@@ -404,9 +404,9 @@ def test_what_others_send_uses_none_of_our_energy(make_talk, make_specs):
     )
     news = StreamDigest(7, 1, 1, 0.1, 0.1, 4900, 1.0)
     talk.tell(ev.DigestHeard(0.1, Digest("r2", "z-r2", 0.1, 0, 0, (news,))))
-    uses = {limit.measure.kind: limit.limit for limit in talk.core.gate.limits}
+    uses = {limit.measure.kind: limit.limit for limit in talk.core.budget.limits}
     room = [0.0, 0.0, 0.0, uses["energy"]]
-    assert [limit.measure.kind for limit in talk.core.gate.limits] == ["throughput", "messages", "airtime", "energy"]
+    assert [limit.measure.kind for limit in talk.core.budget.limits] == ["throughput", "messages", "airtime", "energy"]
     assert not talk.core.budget.lacking(0.2, tuple(room))
     assert talk.core.budget.lacking(0.2, (uses["throughput"] - 4000.0, 0.0, 0.0, 0.0))
     assert talk.core.budget.lacking(0.2, (0.0, uses["messages"] - 0.5, 0.0, 0.0))
@@ -450,7 +450,7 @@ def test_an_answer_is_checked_against_the_constraints_in_force(make_talk, make_s
     if isinstance(decided, Decide):
         decided = only(talk.answer(1.7, decided, send=True))[0]
     assert decided == Forward(sample)
-    assert len(talk.core.status(1.7)["budget"]) == len(talk.core.gate.limits)
+    assert len(talk.core.status(1.7)["budget"]) == len(talk.core.budget.limits)
 
 
 def test_others_are_told_how_streams_generate(make_talk):

@@ -100,8 +100,8 @@ class Driven:
 def queries(core, now):
     """Ask all that can be asked of a core and its parts: a name and a function each."""
     view, budget, gate, capacity, gossip = core.view, core.budget, core.gate, core.channel.capacity, core.gossip
-    limits = range(len(gate.limits))
-    use = tuple(0.1 * limit.limit for limit in gate.limits)
+    limits = range(len(budget.limits))
+    use = tuple(0.1 * limit.limit for limit in budget.limits)
     yield "core", lambda: (core.status(now), core.wake_at(now))
     yield "view", lambda: (view.evicted, view.revision, view.tags(), view.longest_way, view.namesakes())
     yield "what is echoed", lambda: (view.echoes(now), view.echoes(now, quickest=True), view.met_lately(now))

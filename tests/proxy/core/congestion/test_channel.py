@@ -22,7 +22,7 @@ def test_fixed_limits_are_in_force_as_they_are(make_talk, make_specs):
     assert not channel.look(1.0, 0)
     assert channel.apply() is None
     assert channel.allowance_factor == 1.0
-    assert talk.core.gate.limits == limits_of(talk.core.view.specs, 0.0, 2)
+    assert talk.core.budget.limits == limits_of(talk.core.view.specs, 0.0, 2)
 
 
 def test_an_adaptive_limit_begins_with_a_part_of_its_ceiling(make_talk, make_specs):
@@ -30,7 +30,7 @@ def test_an_adaptive_limit_begins_with_a_part_of_its_ceiling(make_talk, make_spe
     talk = make_talk(make_specs(text=ADAPTIVE))
     talk.want(0.0)
     (factor,) = talk.core.channel.capacity.factors
-    (limit,) = talk.core.gate.limits
+    (limit,) = talk.core.budget.limits
     assert 0.0 < factor < 1.0
     (ceiling,) = limits_of(talk.core.view.specs, 0.0, 2)
     assert limit.limit == pytest.approx(factor * ceiling.limit)
