@@ -6,6 +6,7 @@ energy, each has whole.
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 from proxy.core.coordination.coordination import Coordination
@@ -13,7 +14,7 @@ from proxy.core.coordination.sends import OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import opens
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
-from proxy.core.view.view import SharedView
+from proxy.core.view.view import Amount, SharedView
 
 
 class Budget:
@@ -24,6 +25,8 @@ class Budget:
         self._coordination = coordination
         self.limits: tuple[Limit, ...] = ()
         """The constraints in force for all robots together, adaptive ones as the channel bears them."""
+        self._memory = 0.0
+        """How long sends are remembered [s]."""
         self.own = OwnSends()
         self._mute_until = -math.inf
         """When the allowance has room for announcements [s]."""
@@ -46,7 +49,7 @@ class Budget:
         places = [before.get(_identity(limit)) for limit in limits]
         if places != list(range(len(self.limits))):
             self.own.renumber(places)
-        self.limits = limits
+        self.limits, self._memory = limits, TUNING.stretched_windows * longest_window(limits)
 
     def mute(self, until: float) -> None:
         """Before then nothing may be sent that others have to hear of at once [s]: the allowance has no room for it."""
@@ -120,7 +123,7 @@ class Budget:
         self.own.note(now, use, sample if changes_plans(use, self.limits) else None)
         shared = [(amount, limit) for amount, limit in zip(use, self.limits, strict=True) if limit.shared]
         self._coordination.sent(now, [amount / limit.limit for amount, limit in shared])
-        self.own.forget(self._remembered_since(now))
+        self.own.forget(now - self._memory)
 
     def use_at_most(self, now: float, use: tuple[float, ...], part: float) -> None:
         """Traffic that nobody decided on is sent now; it counts up to `part` of what is ours, the rest is left."""
@@ -131,14 +134,15 @@ class Budget:
         """What we know others to have sent, as far as it counts; in `split` they have their own parts."""
         known = now, self._view.sends_noted, self.limits, self.alone
         if known != self._others_known:
-            self._others_known, self._others_sent = known, self._sent_by_others(now)
+            self._others_known = known
+            self._others_sent = self._sent_by_others(now, now - self._memory, self._view.talk)
         return self._others_sent
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
         own = tuple(each for each in self.own if each[0] >= since)
-        return Limits(self.usable(now), own, self._since(now, since), alone=self.alone)
+        return Limits(self.usable(now), own, self._sent_by_others(now, since), alone=self.alone)
 
     def _fits(self, now: float, k: int, amount: float, others: tuple[Send, ...]) -> bool:
         """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""
@@ -149,24 +153,18 @@ class Budget:
             return False
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
         # Digests go on beside it.
-        return self._counted(now, k, stretched, self._since(now, now - stretched)) <= 0.0
+        return self._counted(now, k, stretched, self._sent_by_others(now, now - stretched)) <= 0.0
 
     def _counted(self, now: float, k: int, window: float, others: tuple[Send, ...]) -> float:
         since = now - window
         return self.own.used(since, k) + sum(use[k] for t, use in others if t >= since)
 
-    def _remembered_since(self, now: float) -> float:
-        return now - TUNING.stretched_windows * longest_window(self.limits)
-
-    def _sent_by_others(self, now: float) -> tuple[Send, ...]:
-        if self.alone:
-            return ()
-        sent = [*self._view.sent_since(self._remembered_since(now)), *self._view.talk]
+    def _sent_by_others(
+        self, now: float, since: float, besides: Iterable[tuple[float, Amount]] = ()
+    ) -> tuple[Send, ...]:
+        """Return the uses of samples that others sent, and of what was sent `besides`, as far as they count."""
+        sent = () if self.alone else (*self._view.sent_since(since), *besides)
         return uses_of(now, sent, self.limits, self.own.leave_after)
-
-    def _since(self, now: float, since: float) -> tuple[Send, ...]:
-        """Return the samples that we know others to have sent, as far as they count."""
-        return () if self.alone else uses_of(now, self._view.sent_since(since), self.limits, self.own.leave_after)
 
 
 def _identity(limit: Limit) -> tuple[str, str]:

@@ -1,7 +1,7 @@
 """What counts against the limits: our own sends, and what we know others to have sent."""
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, use_of
@@ -64,7 +64,7 @@ class OwnSends:
 
 
 def uses_of(
-    now: float, sent: Sequence[tuple[float, Amount]], limits: tuple[Limit, ...], leave_after: float
+    now: float, sent: Iterable[tuple[float, Amount]], limits: tuple[Limit, ...], leave_after: float
 ) -> tuple[Send, ...]:
     """Return what this used of each limit that others sent.
 

@@ -19,7 +19,8 @@ class Agreement:
     def __init__(self, own: str, now: float, *, floor: int, settled_at: float, kind: bytes, version: int) -> None:
         self.own, self._floor, self._kind = own, floor, kind
         self._settled_at, self._settle_time = settled_at, settled_at - now
-        self.members = {own}
+        self.members, self.others = {own}, set[str]()
+        """Who takes part, with us and without."""
         self._bids: dict[str, Entry] = {own: (version, ())}
         self._held: dict[str, tuple[int, int]] = {}
         """By tag, the names of the newest table of another robot and of that it agreed on."""
@@ -39,11 +40,6 @@ class Agreement:
     def bid(self) -> Entry:
         """Our bid and its version."""
         return self._bids[self.own]
-
-    @property
-    def others(self) -> set[str]:
-        """Who takes part besides us."""
-        return self.members - {self.own}
 
     @property
     def known(self) -> bool:
@@ -124,7 +120,7 @@ class Agreement:
 
     def set_members(self, now: float, tags: Collection[str]) -> None:
         """These robots take part, as far as we see."""
-        before, self.members = self.members, {*tags, self.own}
+        before, self.members, self.others = self.members, {*tags, self.own}, {*tags} - {self.own}
         if before == self.members:
             return
         self._known_by &= self.members

@@ -1,6 +1,7 @@
 """Parts of a limit out of everybody's bids: a pure function that all robots compute alike."""
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
@@ -47,14 +48,14 @@ class Allocation:
 
         For a robot's own judgement: machines need not agree on it to the last bit.
         """
-        return sum(_worth(bid, self._room(tag), self.largest(tag)) for tag, bid in bids.items())
+        return sum(_worth(bid, self.mean(tag), self.largest(tag)) for tag, bid in bids.items())
 
     def largest(self, tag: str) -> int:
         """Return the largest message that a robot may send at some time [units]."""
         slots = (slot.size for slot in self.slots if any(tag == each for each, _ in slot.ring))
         return max(self.parts.get(tag, 0), *slots, 0)
 
-    def _room(self, tag: str) -> float:
+    def mean(self, tag: str) -> float:
         """Return what a robot has in the mean [units]."""
         shared = (slot.size * dict(slot.ring).get(tag, 0) / sum(turn for _, turn in slot.ring) for slot in self.slots)
         return self.parts.get(tag, 0) + sum(shared)
@@ -106,33 +107,25 @@ def allocate(table: Bids, members: int, floor: int, seed: int = 0) -> Allocation
 @lru_cache(maxsize=32)
 def _allocate(table: tuple[tuple[str, Bid | None], ...], members: int, floor: int, seed: int) -> Allocation:
     filling = _Filling(table, members, floor)
-    for _, segments in groupby(sorted(_by_value(table), key=_falling), key=lambda entry: -entry[1].level):
-        filling.serve(list(segments))
-    return filling.allocation(seed)
+    segments = [(tag, segment) for tag, bid in table for segment in bid or ()]
+    # By falling level; divisible ones first, as they fit in any case.
+    segments.sort(key=lambda entry: (-entry[1].level, entry[1].quarters, entry[0]))
+    for _, alike in groupby(segments, key=lambda entry: entry[1].level):
+        filling.serve(list(alike))
+    urgency = {tag: max((s.level for s in bid or () if s.quarters), default=0) for tag, bid in table}
+    return filling.allocation(urgency, seed)
 
 
-def _by_value(table: tuple[tuple[str, Bid | None], ...]) -> Iterator[tuple[str, Segment]]:
-    return ((tag, segment) for tag, bid in table for segment in bid or ())
-
-
-def _falling(entry: tuple[str, Segment]) -> tuple[int, int, str]:
-    """By falling level; divisible ones first, as they fit in any case."""
-    tag, segment = entry
-    return -segment.level, segment.quarters, tag
-
-
-@dataclass(slots=True)
-class _Open:
+class _OpenSlot:
     """A slot that is being filled: pieces by robot."""
 
-    size: int
-    pieces: dict[str, int]
-    left: int = TUNING.slot_pieces
-    whole: bool = False
+    def __init__(self, size: int) -> None:
+        self.size, self.left, self.whole = size, TUNING.slot_pieces, False
+        self.pieces = Counter[str]()
 
     def take(self, tag: str, amount: int) -> None:
         self.whole |= amount == UNIT
-        self.pieces[tag] = self.pieces.get(tag, 0) + 1
+        self.pieces[tag] += 1
         self.left -= 1
 
     def grow(self, amount: int) -> None:
@@ -147,14 +140,12 @@ class _Filling:
         self._parts = {tag: equal if bid is None else 0 for tag, bid in table}
         self._known = [tag for tag, bid in table if bid is not None]
         self._left = max(0, UNIT - floor - sum(self._parts.values()))
-        self._slots: list[_Open] = []
-        self._urgency = {tag: _urgency(bid or ()) for tag, bid in table}
-        self._advance: dict[str, int] = {}
+        self._slots: list[_OpenSlot] = []
         least = min(equal, self._left // max(1, len(self._known))) // TUNING.assured_part
-        for tag, bid in table:
-            asked = sum(segment.amount for segment in bid or () if not segment.quarters)
-            self._advance[tag] = min(asked, least)
-            self._give(tag, self._advance[tag])
+        self._assured = {tag: min(least, sum(s.amount for s in bid or () if not s.quarters)) for tag, bid in table}
+        """What of it was given before values counted and is not served yet."""
+        for tag, amount in self._assured.items():
+            self._give(tag, amount)
 
     def _give(self, tag: str, amount: int) -> None:
         self._parts[tag] += amount
@@ -162,27 +153,20 @@ class _Filling:
 
     def serve(self, segments: list[tuple[str, Segment]]) -> None:
         """Serve segments of one level: divisible ones evenly, then messages, a piece each and again."""
-        wanted = {tag: 0 for tag, segment in segments if not segment.quarters}
+        wanted = Counter[str]()
         for tag, segment in segments:
             if not segment.quarters:
-                wanted[tag] += segment.amount
-        self._evenly({tag: self._beyond_advance(tag, amount) for tag, amount in wanted.items()})
+                had = min(segment.amount, self._assured[tag])
+                self._assured[tag] -= had
+                wanted[tag] += segment.amount - had
+        # The smallest first, each at most an even part of what is left.
+        for place, tag in enumerate(sorted(wanted, key=lambda tag: (wanted[tag], tag))):
+            self._give(tag, min(wanted[tag], self._left // (len(wanted) - place)))
         messages = [(tag, segment) for tag, segment in segments if segment.quarters]
         for piece in range(TUNING.slot_pieces):
             for tag, segment in messages:
                 if segment.quarters * TUNING.slot_pieces > piece * QUARTERS:
                     self._place(tag, segment.amount)
-
-    def _beyond_advance(self, tag: str, amount: int) -> int:
-        """What is left to serve of an amount of which some was given before values counted."""
-        had = min(amount, self._advance[tag])
-        self._advance[tag] -= had
-        return amount - had
-
-    def _evenly(self, wanted: dict[str, int]) -> None:
-        """Serve the smallest first, each at most an even part of what is left."""
-        for waiting, tag in zip(range(len(wanted), 0, -1), sorted(wanted, key=lambda t: (wanted[t], t)), strict=True):
-            self._give(tag, min(wanted[tag], self._left // waiting))
 
     def _place(self, tag: str, amount: int) -> None:
         """Give a robot a piece of a slot for a message of this size, if there is one."""
@@ -191,17 +175,17 @@ class _Filling:
         if slot is not None:
             slot.take(tag, amount)
 
-    def _own(self, tag: str, size: int) -> _Open | None:
+    def _own(self, tag: str, size: int) -> _OpenSlot | None:
         return next((slot for slot in self._slots if slot.left and tag in slot.pieces and slot.size >= size), None)
 
-    def _new(self, size: int) -> _Open | None:
+    def _new(self, size: int) -> _OpenSlot | None:
         if size > self._left:
             return None
         self._left -= size
-        self._slots.append(_Open(size, {}))
+        self._slots.append(_OpenSlot(size))
         return self._slots[-1]
 
-    def _shared(self, size: int) -> _Open | None:
+    def _shared(self, size: int) -> _OpenSlot | None:
         """Return the slot that must grow least; of these, that with most pieces left."""
         slots = [slot for slot in self._slots if slot.left and size - slot.size <= self._left]
         if not slots:
@@ -212,7 +196,7 @@ class _Filling:
         slot.grow(more)
         return slot
 
-    def allocation(self, seed: int) -> Allocation:
+    def allocation(self, urgency: Mapping[str, int], seed: int) -> Allocation:
         """Return what each has; what is left goes to all who bid, alike."""
         for slot in [slot for slot in self._slots if slot.whole][:1]:
             slot.grow(self._left)
@@ -223,21 +207,15 @@ class _Filling:
         for tag in self._known:
             self._parts[tag] += self._left // len(self._known)
         shared = (slot for slot in self._slots if len(slot.pieces) > 1)
-        slots = (Slot(slot.size, _ring(slot.pieces, self._urgency, seed)) for slot in shared)
-        return Allocation(self._parts, tuple(slots))
+        return Allocation(self._parts, tuple(Slot(slot.size, _ring(slot.pieces, urgency, seed)) for slot in shared))
 
 
-def _urgency(bid: Bid) -> int:
-    """Return what the first message is worth for which a robot wants a slot, roughly."""
-    return max((segment.level for segment in bid if segment.quarters), default=0) // TUNING.urgency_levels
-
-
-def _ring(pieces: dict[str, int], urgency: Mapping[str, int], seed: int) -> tuple[tuple[str, int], ...]:
+def _ring(pieces: Mapping[str, int], urgency: Mapping[str, int], seed: int) -> tuple[tuple[str, int], ...]:
     """Return who comes after whom, and how long each turn is in relation to the shortest one.
 
     Who has far more to gain by its first message comes first; of the others, whom the seed says.
     """
     least, tags = min(pieces.values()), sorted(pieces)
     first = seed % len(tags)
-    order = sorted(tags[first:] + tags[:first], key=lambda tag: -urgency[tag])
+    order = sorted(tags[first:] + tags[:first], key=lambda tag: -(urgency[tag] // TUNING.urgency_levels))
     return tuple((tag, min(TUNING.turn_ratio, (2 * pieces[tag] + least) // (2 * least))) for tag in order)

@@ -54,7 +54,7 @@ class OwnPart:
     def entitle(self, now: float, entitled: int, unused: float = 0.0) -> None:
         """We are entitled to so many units; what this rises by has been unused for so long [s]."""
         before = self._steady.least(now)
-        self._steady.lift(now, entitled, unused)
+        self._steady.set(now, entitled, unused)
         self._strike(now, before)
 
     def give_up(self, now: float, entitled: int, slot: int, exclusive: int) -> float:

@@ -14,27 +14,15 @@ class Steady:
         self.window = window
         self._values = [(now, value)]
 
-    @property
-    def value(self) -> int:
-        """What it is."""
-        return self._values[-1][1]
-
-    @property
-    def changed(self) -> float:
-        """When it changed last [s]."""
-        return self._values[-1][0]
-
-    def set(self, now: float, value: int) -> None:
-        """It is this from now on."""
-        if value != self.value:
-            self._values.append((now, value))
-            later = [i for i, (_, end) in enumerate(self._spans()) if end > now - self.window]
-            self._values = self._values[later[0] :] if later else self._values[-1:]
-
-    def lift(self, now: float, value: int, unused: float) -> None:
-        """It rises to `value`, and what it rises by has been unused for so long [s]."""
-        since = max(self.changed, now - unused) if value > self.value else now
-        self.set(min(now, since), value)
+    def set(self, now: float, value: int, unused: float = 0.0) -> None:
+        """It is this from now on; what it rises by has been unused for so long [s]."""
+        changed, before = self._values[-1]
+        if value == before:
+            return
+        since = min(now, max(changed, now - unused)) if value > before else now
+        self._values.append((since, value))
+        first = next(i for i, (_, end) in enumerate(self._spans()) if end > since - self.window)
+        self._values = self._values[first:]
 
     def give_up(self, now: float, value: int, room: int, least: int) -> None:
         """It is `value` from now on, and counts as if some room had never been part of it: `least` always was ours.
@@ -57,4 +45,4 @@ class Steady:
     def _spans(self) -> list[tuple[int, float]]:
         """Each value and when it ended."""
         spans = [(value, end) for (_, value), (end, _) in pairwise(self._values)]
-        return [*spans, (self.value, float("inf"))]
+        return [*spans, (self._values[-1][1], float("inf"))]

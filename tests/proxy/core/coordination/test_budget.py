@@ -7,42 +7,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from planner.measures import Energy, Messages, Throughput
-from proxy.core.coordination.budget import Budget
-from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
-from proxy.core.model.limits import Limit
-from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
-from proxy.core.view.view import SharedView
-
-BYTES = Limit("bytes", 1.0, 1000.0, Throughput(1000.0, 1.0))
-COUNT = Limit("count", 0.5, 4.0, Messages(4, 0.5))
-ENERGY = Limit("energy", 2.0, 3.0, Energy(3.0, 2.0, per_byte=1e-3))
-
-
-@pytest.fixture
-def make_budget(make_specs):
-    """A budget of one robot beside `peers` others."""
-
-    def make(*limits, kind="announce", peers=1):
-        view = SharedView(CoreSettings("r1", "z1", coordination=kind, settle=0.0), make_specs())
-        for number in range(peers):
-            view.add_peer(0.0, f"p{number}", f"p{number}")
-        coordination = Coordination(0.0, view.settings, view)
-        budget = Budget(view, coordination)
-        coordination.set_members(0.0, view.peers)
-        coordination.set_limits(0.0, limits or (BYTES,))
-        budget.set_limits(limits or (BYTES,))
-        return budget, view
-
-    return make
-
-
-def heard(view, now, size):
-    """A sample of another robot that no spec covers comes."""
-    view.heard_sample(ev.SampleHeard(now, "other", size, "p0", None, None))
+from tests.proxy.core.coordination.conftest import BYTES, COUNT, ENERGY, heard
 
 
 def test_what_is_told_beyond_the_allowance_counts_like_samples_of_others(make_budget):
@@ -66,47 +34,6 @@ def test_what_was_sent_counts_for_a_window(make_budget):
     assert budget.free(2.0) == [300.0]
     assert budget.free(2.0 + TUNING.least_limit) == [600.0]
     assert budget.free(2.6) == [1000.0]
-
-
-def test_a_large_sample_counts_from_when_the_mesh_took_it(make_budget):
-    """A small one may as well count from its decision; one that was refused stays where it was."""
-    budget, _ = make_budget()
-    for now, size, sample in ((1.0, 600.0, 1), (1.001, 2.0, 2), (1.002, 300.0, 3)):
-        budget.use(now, (size,), sample)
-    budget.own.refused(3)
-    for sample in (1, 2, 3, 4, 1):
-        budget.own.handed(1.005 + 0.001 * sample, sample)
-    assert budget.used(2.0, 0) == 902.0
-    assert budget.used(2.0015, 0) == 900.0
-    assert budget.used(2.003, 0) == 600.0
-    assert budget.opens(1.5, (500.0,)) == pytest.approx(2.006, abs=1e-5)
-
-
-def test_samples_of_others_are_taken_to_leave_as_late_as_ours(make_budget):
-    """At least as late as the last one did, and not later than now; where ours leave at once theirs do."""
-    budget, view = make_budget()
-    heard(view, 1.0, 600)
-    assert budget.others(1.1) == ((1.0, (600.0,)),)
-    budget.use(1.1, (200.0,), 1)
-    budget.own.handed(1.105, 1)
-    assert budget.others(1.2) == ((pytest.approx(1.005), (600.0,)),)
-    budget.use(1.3, (200.0,), 2)
-    budget.own.handed(1.3, 2)
-    assert budget.others(1.4) == ((pytest.approx(1.0045), (600.0,)),)
-    budget.use(1.5, (200.0,), 3)
-    budget.own.handed(1.9, 3)
-    heard(view, 1.95, 100)
-    assert budget.others(1.96) == ((pytest.approx(1.02), (600.0,)), (1.96, (100.0,)))
-
-
-def test_a_sample_that_leaves_under_other_limits_counts_under_these(make_budget):
-    """From its decision."""
-    budget, _ = make_budget()
-    budget.use(1.0, (600.0,), 1)
-    budget.set_limits((COUNT, BYTES))
-    budget.own.handed(1.4, 1)
-    assert budget.used(2.0, 1) == 600.0
-    assert budget.used(2.1, 1) == 0.0
 
 
 def test_when_room_opens_that_our_own_sends_leave_is_known(make_budget):
@@ -200,17 +127,6 @@ def test_traffic_that_nobody_decided_on_leaves_a_part(make_budget):
     budget.use_at_most(1.1, (5000.0,), 0.9)
     assert budget.used(1.1, 0) == 900.0
     assert not budget.lacking(1.2, (100.0,))
-
-
-def test_under_new_limits_what_was_sent_counts_against_those_of_the_same_name_and_kind(make_budget):
-    """In whatever order; of a new one nothing was used."""
-    budget, _ = make_budget(BYTES, COUNT)
-    budget.use(1.0, (300.0, 1.0))
-    budget.set_limits((COUNT, replace(BYTES, limit=2000.0), ENERGY))
-    assert [budget.used(1.1, k) for k in range(3)] == [1.0, 300.0, 0.0]
-    assert budget.free(1.1) == [3.0, 1700.0, 3.0]
-    budget.set_limits((replace(COUNT, name="bytes"),))
-    assert budget.used(1.1, 0) == 0.0
 
 
 def test_without_limits_everything_fits(make_budget):

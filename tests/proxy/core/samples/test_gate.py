@@ -5,6 +5,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+from proxy.core.coordination.budget import Budget
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Drop, Forward
 from proxy.core.model.transport import broadcast
@@ -60,4 +61,6 @@ def test_what_others_sent_is_known_as_if_it_were_looked_for_each_time(make_talk,
             talk.tell(ev.SpecsChanged(now, make_specs(limit=f"{count} kB/s", window=0.1 * count)))
         elif step == "wait":
             now += 0.3
-        assert budget.others(now) == budget._sent_by_others(now)
+        fresh = Budget(view, talk.core.coordination)
+        fresh.set_limits(budget.limits)
+        assert budget.others(now) == fresh.others(now)

@@ -17,6 +17,13 @@ def random_bid(rng):
     return tuple(small + large)
 
 
+def waits_for_turn(split):
+    """Whether it shares slots of which none is its own now."""
+    own, turns = split.agreement.own, split.agreement.turns
+    shares = any(own in dict(turn.slot.ring) for turn in turns)
+    return shares and all(turn.holder != own for turn in turns)
+
+
 class Flight:
     """Some robots on one channel; `delay` is the longest that a digest takes [s]."""
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from proxy.core.protocol.bid import UNIT, Segment, packed
 from proxy.core.split.split import Split
 from proxy.core.split.tuning import TUNING
-from tests.proxy.core.split.flight import FLOOR, WINDOW, Flight
+from tests.proxy.core.split.flight import FLOOR, WINDOW, Flight, waits_for_turn
 
 SMALL = (Segment(300, 150),)
 FRAMES = (*SMALL, Segment(4160, 120, 1), Segment(4160, 110, 1), Segment(4160, 100, 2))
@@ -29,13 +29,6 @@ def fleet(robots, bid=SMALL, **kwargs):
     flight = Flight(1, robots, bids=lambda _: bid, rest=0.0, **kwargs)
     settle(flight, 4.0)
     return flight
-
-
-def waits_for_turn(split):
-    """Whether it shares slots of which none is its own now."""
-    own, turns = split.agreement.own, split.agreement.turns
-    shares = any(own in dict(turn.slot.ring) for turn in turns)
-    return shares and all(turn.holder != own for turn in turns)
 
 
 def parts(flight):
@@ -260,104 +253,6 @@ def test_a_bid_is_told_until_all_have_it():
     assert len(packed(FRAMES)) == 12
 
 
-def test_each_limit_has_its_own_window():
-    """A message counts as what it uses of each."""
-    split = Split("a", 0.0, (1.0, 2.0), floor=FLOOR, settled_at=0.0)
-    split.advance(0.0, 0.0)
-    split.sent(3.0, (0.5, 0.25))
-    assert [split.own_part.free(3.0, limit) for limit in (0, 1)] == pytest.approx([0.48, 0.73])
-    assert [split.own_part.free(4.0, limit) for limit in (0, 1)] == pytest.approx([0.98, 0.73])
-
-
-def team_of(tags, bid=SMALL):
-    """Robots that know each other, each of which asks for something; nobody has told anything yet."""
-    splits = {tag: Split(tag, 0.0, (WINDOW,), floor=FLOOR, settled_at=1.0) for tag in tags}
-    for tag, split in splits.items():
-        split.set_members(0.0, set(tags) - {tag})
-        if bid:
-            split.bid(0.0, bid)
-    return splits
-
-
-def say(splits, now, by, *missed):
-    """A robot tells what there is to tell, and all but some hear it."""
-    told = splits[by].exchange.announcement(now)
-    splits[by].announced(now, told)
-    for tag, split in splits.items():
-        if tag != by and tag not in missed:
-            split.heard(now, by, told, now)
-    return told
-
-
-def test_agreeing_takes_two_digests_of_each_robot():
-    """One with its bid, and one once it has those of all; nothing in between is worth telling."""
-    splits = team_of("abcd")
-    for tag in "abc":
-        assert splits[tag].exchange.has_news(0.1)
-        say(splits, 0.1, tag)
-        assert not splits[tag].exchange.has_news(0.1)
-    told = [say(splits, 0.2, tag) for tag in "dabc"]
-    assert [each.bid for each in told] == [SMALL, None, None, None]
-    assert all(split.agreement.formed for tag, split in splits.items())
-    assert not any(split.exchange.has_news(0.3) for split in splits.values())
-
-
-def test_who_missed_a_digest_asks_and_only_who_is_asked_tells_again():
-    """After a while, and once where others miss the same."""
-    splits = team_of("abcd")
-    say(splits, 0.1, "a")
-    say(splits, 0.1, "b", "c", "d")
-    say(splits, 0.1, "c")
-    say(splits, 0.1, "d")
-    say(splits, 0.2, "a")
-    assert not any(splits[tag].exchange.has_news(0.5) for tag in "cd")
-    first = min(splits["c"].due_at(0.5), splits["d"].due_at(0.5))
-    asking = next(tag for tag in "cd" if splits[tag].exchange.has_news(5.0))
-    told = say(splits, 5.0, asking)
-    assert first < 5.0
-    assert told.missing == 0b0010
-    assert splits["b"].exchange.has_news(5.0)
-    assert not splits["d" if asking == "c" else "c"].exchange.has_news(5.0)
-    assert say(splits, 5.1, "b").bid == SMALL
-    for tag in "cdab":
-        say(splits, 5.2, tag)
-    assert all(split.agreement.formed for split in splits.values())
-
-
-def test_who_has_nothing_to_ask_for_speaks_once_it_knows_all_other_bids():
-    """Or after a while: others wait for it."""
-    splits = team_of("ab")
-    splits["op"] = Split("op", 0.0, (WINDOW,), floor=FLOOR, settled_at=1.0)
-    for tag, split in splits.items():
-        split.set_members(0.0, splits.keys() - {tag})
-    say(splits, 0.1, "a")
-    assert not splits["op"].exchange.has_news(0.2)
-    assert splits["op"].exchange.has_news(2.0)
-    say(splits, 0.2, "b")
-    assert splits["op"].exchange.has_news(0.2)
-    assert say(splits, 0.2, "op").bid == ()
-
-
-def test_a_slot_that_was_passed_on_unheard_is_passed_on_again():
-    """When its next turn should long be over."""
-    splits = team_of("ab", (Segment(6000, 100, 4),))
-    for tag in "abab":
-        say(splits, 0.1, tag)
-    (holder,) = [tag for tag, split in splits.items() if not waits_for_turn(split)]
-    (other,) = splits.keys() - {holder}
-    now = 0.1
-    while not splits[holder].advance(now, 0.01):
-        now += 0.1
-    say(splits, now, holder, other)
-    assert all(waits_for_turn(split) for split in splits.values())
-    splits[holder].advance(now + 1.0, 0.01)
-    assert not splits[holder].exchange.has_news(now + 1.0)
-    splits[holder].advance(now + 8.0, 0.01)
-    assert splits[holder].exchange.has_news(now + 8.0)
-    say(splits, now + 8.0, holder)
-    assert not waits_for_turn(splits[other])
-
-
 def test_a_bid_that_changes_nobodys_part_is_not_told():
     """However else it differs."""
     flight = fleet(2, (Segment(4000, 100),))
@@ -375,16 +270,6 @@ def test_a_robot_whose_messages_are_a_bit_larger_than_its_part_asks_anew():
     assert parts(flight)["r0"] == 867
     assert not split.bid(flight.clock("r0") + 60.0, (Segment(800, 90, 4),))
     assert split.bid(flight.clock("r0") + 60.0, (Segment(940, 90, 4),))
-
-
-def test_a_team_that_splits_again_says_so_at_once():
-    """Also where nobody asks for anything else than before."""
-    splits = team_of("ab")
-    for tag in "abab":
-        say(splits, 0.1, tag)
-    assert not splits["a"].exchange.has_news(9.0)
-    splits["a"].exchange.begin(9.0)
-    assert splits["a"].exchange.has_news(9.0)
 
 
 def test_a_large_team_keeps_equal_parts_and_says_nothing():

@@ -35,9 +35,9 @@ def test_it_falls_at_once_and_rises_a_window_later():
 def test_room_that_was_unused_is_ours_sooner():
     """By as long as nobody used it, but not from before it changed last."""
     steady = Steady(0.0, 10, 2.0)
-    steady.lift(5.0, 30, 1.5)
+    steady.set(5.0, 30, 1.5)
     assert (steady.least(5.4), steady.least(5.5)) == (10, 30)
-    steady.lift(5.2, 40, 99.0)
+    steady.set(5.2, 40, 99.0)
     assert (steady.least(5.4), steady.least(5.5)) == (10, 40)
 
 

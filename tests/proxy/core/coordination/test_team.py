@@ -1,0 +1,141 @@
+"""Whether a team splits the limits: what each robot finds, and what all do."""
+
+import pytest
+
+from proxy.core.coordination.tuning import TUNING
+from proxy.core.protocol.bid import Segment
+from proxy.core.protocol.messages import Digest
+from proxy.core.protocol.split_report import SplitReport
+from proxy.core.view.stream import Generated
+from tests.proxy.core.coordination.conftest import WINDOW, names
+
+
+@pytest.mark.parametrize(
+    ("enough", "less", "little"),
+    [
+        (
+            {"waiting": 1.01 * TUNING.late_news * WINDOW},
+            {"waiting": 0.9 * TUNING.late_news * WINDOW},
+            {"waiting": 0.9 * TUNING.hysteresis * TUNING.late_news * WINDOW},
+        ),
+        (
+            {"announcing": 1.01 * TUNING.affordable},
+            {"announcing": 0.9 * TUNING.affordable},
+            {"announcing": 0.9 * TUNING.hysteresis * TUNING.affordable},
+        ),
+    ],
+    ids=["late", "dear"],
+)
+def test_where_news_are_late_or_cost_too_much_a_robot_finds_that_the_team_has_to_split(make_team, enough, less, little):
+    """And still when it is a little less, so that it does not change its mind all the time."""
+    team = make_team()
+    for _ in range(1 + round(TUNING.dear_time / TUNING.interval)):
+        team.look(**enough)
+    assert team.coordination.team.votes_to_split
+    assert team.coordination.team.splits
+    assert team.coordination.part(team.now, 0) < 1.0 / 3.0
+    team.look(**less)
+    assert team.coordination.team.votes_to_split
+    team.look(**little)
+    assert not team.coordination.team.votes_to_split
+    assert team.coordination.part(team.now, 0) == 1.0
+
+
+def test_who_has_nothing_to_send_does_not_ask_for_a_split(make_team):
+    """An operator hears digests behind the frames that it gets; that they are late harms nobody."""
+    team = make_team(send=0)
+    for robot in ("p1", "p2"):
+        stream = team.view.stream(0.0, robot, f"robot/{robot}/camera")
+        for count in range(9):
+            stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
+    team.look(waiting=2.0 * TUNING.late_news * WINDOW)
+    assert team.coordination.team.rivals
+    assert not team.coordination.team.votes_to_split
+
+
+def test_news_that_wait_on_their_way_are_late(make_team):
+    """Whatever the way takes at best; one that was held up alone is no reason."""
+    team = make_team()
+    for sent, took in ((1.0, 0.01), (2.0, 0.9), (3.0, 0.01), (4.0, 0.9), (5.0, 0.9), (6.0, 0.9)):
+        digest = Digest("p1", "p1", sent, brief=sent == 5.0)
+        team.view.heard_digest(sent + took, digest)
+        team.coordination.heard(sent + took, digest)
+        team.now = max(team.now + TUNING.interval, sent + took)
+        team.look()
+        assert team.coordination.team.votes_to_split is (sent == 6.0)
+
+
+def test_where_only_one_robot_has_something_to_send_it_has_all(make_team):
+    """However late news are: there is nobody to split with. Of a large team some always have."""
+    team = make_team(send=1)
+    assert not team.look(waiting=99.0, announcing=99.0)
+    assert not team.coordination.team.splits
+    crowd = make_team(tuple(f"p{number}" for number in range(TUNING.few_robots + 1)), send=1)
+    crowd.look(waiting=99.0)
+    assert crowd.coordination.team.splits
+
+
+def test_what_an_operator_configured_stays(make_team):
+    """Whatever news take, and whatever the others say."""
+    team = make_team(coordination="split")
+    team.look()
+    assert team.coordination.team.splits
+    team.say("p1", splits=False)
+    assert team.coordination.team.splits
+
+
+def test_a_team_splits_while_any_of_it_says_so(make_team):
+    """Announcements do not say; who leaves says nothing any more."""
+    team = make_team()
+    team.look()
+    team.say("p1", splits=True)
+    assert team.coordination.team.splits
+    team.say("p1", brief=True)
+    assert team.coordination.team.splits
+    team.say("p1")
+    assert not team.coordination.team.splits
+    team.say("p1", splits=True)
+    team.coordination.set_members(team.now, ["p2"])
+    assert not team.coordination.team.splits
+
+
+def test_who_takes_no_part_has_no_say(make_team):
+    """It has other limits, or is a stranger."""
+    team = make_team()
+    team.look()
+    team.coordination.set_members(0.0, ["p2"])
+    team.say("p1", splits=True, split=SplitReport(1, (), 1, 1))
+    team.say("p9", splits=True, split=SplitReport(1, (), 1, 1))
+    assert not team.coordination.team.splits
+
+
+def test_who_asks_for_a_part_is_a_rival_however_seldom_its_streams_are_told_of(make_team):
+    """Else a team would change back and forth."""
+    team = make_team(("p1",), send=1)
+    team.look(waiting=99.0)
+    assert not team.coordination.team.rivals
+    stream = team.view.stream(0.0, "p1", "robot/p1/camera")
+    for count in range(9):
+        stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
+    team.look(waiting=99.0)
+    assert team.coordination.team.splits
+    team.say("p1", splits=True, split=SplitReport(1, (Segment(5_000, 120),), 1, 0))
+    team.now += 60.0
+    for count in range(9, 80):
+        team.view.stream(0.0, "r1", "robot/r1/camera").note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
+    team.look(waiting=99.0)
+    assert team.coordination.team.rivals
+    team.say("p1", splits=True, split=SplitReport(2, (), 1, 0))
+    team.look(waiting=99.0)
+    assert not team.coordination.team.rivals
+
+
+def test_very_many_that_send_at_once_split_though_each_hears_all(make_team):
+    """News come too late where fifty send; until far fewer do."""
+    team = make_team(names(TUNING.large_team), send=TUNING.large_team - 1)
+    team.look()
+    assert not team.coordination.team.splits
+    team = make_team(names(TUNING.large_team), send=TUNING.large_team)
+    team.look()
+    assert team.coordination.team.splits
+    assert team.coordination.team.large

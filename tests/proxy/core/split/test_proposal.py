@@ -1,0 +1,45 @@
+"""Which bids are worth an agreement."""
+
+from proxy.core.protocol.bid import Segment
+from proxy.core.split.proposal import indifferent
+from proxy.core.split.tuning import TUNING
+from tests.proxy.core.split.agreeing import agree, robot
+
+
+def test_all_agree_on_other_slots_where_that_is_worth_it():
+    """Who may use a slot longer gains little more than the other loses, unless its messages are worth far more."""
+
+    def frames(level):
+        return tuple(Segment(6000, level - less, quarters) for less, quarters in ((0, 1), (2, 1), (4, 2)))
+
+    a, b = robot("a", "b"), robot("b", "a")
+    for each in (a, b):
+        each.ask(0.0, frames(100))
+    agree(0.1, a, b)
+    assert not a.pending
+    for level, ring in ((97, {"a": 1, "b": 3}), (103, {"a": 3, "b": 1})):
+        assert dict(a.log.newest.allocated({"a": frames(level), "b": frames(100)}).slots[0].ring) == ring
+        assert indifferent(a, frames(level))
+    assert not indifferent(a, frames(110))
+
+
+def test_a_larger_message_is_asked_for_though_all_together_gain_little():
+    """And divisible room, whose worth is not known as well, is never left to slots."""
+    robots = [robot(tag, "abcdefghij".replace(tag, "")) for tag in "abcdefghij"]
+    for each in robots:
+        each.ask(0.0, (Segment(900, 100, 4),))
+    agree(0.1, *robots)
+    first, second, *_ = robots
+    larger = (Segment(1300, 94, 4),)
+    bids = {each.own: each.bid[1] for each in robots} | {first.own: larger}
+    assert first.log.newest.allocated(bids).worth(bids) < (1.0 + TUNING.slot_gain) * first.log.newest.allocation.worth(
+        bids
+    )
+    assert not indifferent(first, larger)
+    for each in robots:
+        each.ask(0.2, (Segment(2000, 100, 4),))
+    agree(0.3, *robots)
+    assert indifferent(first, (Segment(2000, 97, 4),))
+    second.ask(0.4, (Segment(900, 100),))
+    agree(0.5, *robots)
+    assert not indifferent(first, (Segment(2000, 97, 4),))
