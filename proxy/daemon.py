@@ -166,7 +166,7 @@ class Daemon:
         extractor = Extractor(self._loop.post_at, self._live.match)
         self._neighbours = neighbours = Neighbours(sides.app, self.robot, str(sides.mesh.zid()), sides.wake.set)
         opening.callback(neighbours.close)
-        hold_back = HoldBack(self._loop.core.view.tag_of)
+        hold_back = HoldBack(self._loop.core.view.origins.tag_of)
         link = CoreLink(extractor.submit, self._loop.post, self._loop.offer)
         self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
         presence = self._make_presence(sides, hold_back)

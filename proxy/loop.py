@@ -45,7 +45,7 @@ class Loop:
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
         self._refusing = threading.Lock()
-        self._wall = clock.WallWatch(core.view.wall_offset, clock_error)
+        self._wall = clock.WallWatch(core.view.clocks.offset, clock_error)
         self._thread = threading.Thread(target=self._run, name="loop", daemon=True)
 
     def start(self) -> None:

@@ -33,13 +33,12 @@ from proxy.core.samples.kept import Kept
 from proxy.core.samples.unplanned import Unplanned
 from proxy.core.status import report
 from proxy.core.view.interest import common
-from proxy.core.view.mismatched_limits import Outsiders
+from proxy.core.view.mismatched_limits import MismatchedLimits
 from proxy.core.view.peer import Peer
 from proxy.core.view.plausible import PATIENCE, objection, objection_to_state
 from proxy.core.view.stream import Generated, Stream
-from proxy.core.view.unknown_senders import Strangers
+from proxy.core.view.unknown_senders import UnknownSenders
 from proxy.core.view.view import SharedView
-from proxy.core.view.wall import WallClocks
 from proxy.core.view.warnings import namesake_warnings, transport_warnings
 from proxy.core.window.window import WindowBuilder
 from utility_specs import Specs
@@ -63,9 +62,8 @@ class Core:
         self.gossip = Gossip(now, self.view, self.coordination, self.budget, self.channel)
         self.refused: Counter[str] = Counter()
         """What was heard on Sendworthy's keys and changed nothing, by kind."""
-        self.strangers = Strangers()
-        self.clocks = WallClocks(self.view)
-        self.outsiders = Outsiders(self.view)
+        self.unknown_senders = UnknownSenders()
+        self.mismatched = MismatchedLimits(self.view.peers, self.view.streams)
         self.retained: frozenset[str] = frozenset()
         """What apps publish on these is taken from them even if nobody who is here wants it."""
         self._wakes_at = now
@@ -102,10 +100,10 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SamplePublished) -> list[Command]:
-        if self.view.claim(event.origin):
+        if self.view.origins.claim(event.origin):
             self.gossip.states.review(event.now)
         robot = self.settings.robot
-        ours = self.view.robot_of(event.origin) == robot
+        ours = self.view.origins.robot_of(event.origin) == robot
         self.counts.enter(event.sample, event.key if ours else "")
         if event.superseded:
             self.counts.passed(event.superseded, SUPERSEDED)
@@ -113,7 +111,7 @@ class Core:
             return [self.gate.outcomes.pass_on(event.sample, "passed:relayed")]
         if self.gate.appraisal.mode is Mode.PASS:
             return [self.gate.outcomes.pass_on(event.sample, "passed:mode")]
-        stream = self.view.stream(event.now, robot, event.key)
+        stream = self.view.streams.get(event.now, robot, event.key)
         # A stream that is there may have another period by and by; a new one is news.
         known = stream is None or stream.generated
         self.gossip.states.sample_came(event.now, event.size, new=not known)
@@ -138,7 +136,7 @@ class Core:
         waiting = self.gate.undecided.settled(event.sample)
         if waiting is None:
             return []
-        stream = self.view.stream(event.now, self.settings.robot, waiting.key)
+        stream = self.view.streams.get(event.now, self.settings.robot, waiting.key)
         if stream is None:
             self._uncovered(event.now, 1, waiting.size)
             return [self.gate.outcomes.pass_on(event.sample, self._unplanned(waiting.key))]
@@ -203,7 +201,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SampleHeard) -> list[Command]:
-        self.view.heard_sample(event)
+        self.view.overhearing.take(event)
         return []
 
     @_on.register
@@ -220,7 +218,7 @@ class Core:
             self.refused[wrong] += 1
             return []
         self.gossip.account.heard_state(event.now, event.state, event.size)
-        before, subscriptions = transport_warnings(self.view), peer.subscriptions
+        before, subscriptions = transport_warnings(self.settings, self.view.peers), peer.subscriptions
         if self.view.heard_state(event.now, event.state):
             self.gossip.requests.compare(event.now, name, peer)
         else:
@@ -229,14 +227,14 @@ class Core:
         if peer.state is not None:
             self.kept.subscribed(name, peer.subscriptions)
             told += self._retain()
-        after = transport_warnings(self.view)
+        after = transport_warnings(self.settings, self.view.peers)
         wrong_transports = (Notice("error", warning) for warning in after if warning not in before)
         return [*told, *wrong_transports, *self._compare_clocks(event.now)]
 
     @_on.register
     def _(self, event: ev.ClockChanged) -> list[Command]:
         self.gossip.states.clock_set(event.now, event.wall_offset, event.error)
-        self.view.set_wall_clock(event.wall_offset, event.error)
+        self.view.clocks.set(event.wall_offset, event.error)
         return self._compare_clocks(event.now)
 
     @_on.register
@@ -247,7 +245,7 @@ class Core:
     @_on.register
     def _(self, event: ev.VersionHeard) -> list[Command]:
         if (peer := self.view.peers.get(event.tag)) is not None:
-            peer.wire = event.version
+            peer.speak(event.version)
         return []
 
     @_on.register
@@ -257,7 +255,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.PeerAppeared) -> list[Command]:
-        before, known = namesake_warnings(self.view), dict(self.view.peers)
+        before, known = namesake_warnings(self.settings, self.view.peers), dict(self.view.peers)
         name = tag(event.zid)
         if event.zid == self.settings.zid or not self.view.add_peer(event.now, event.robot, event.zid):
             self._lost_a_moment(event.now, name, event.zid)
@@ -269,12 +267,19 @@ class Core:
         robot = self.view.peers[name].robot
         notices: list[Command] = [Notice("info", f"robot {robot} is on the mesh")]
         self.kept.appeared(event.robot, name)
-        for stream in self.view.own():
+        for stream in self.view.streams.own():
             if stream.key in self.kept.reached(name):
-                stream.resume(name)
-        for heard, digest in self.strangers.introduce(name):
+                stream.reach((name,))
+        for heard, digest in self.unknown_senders.introduce(name):
             notices += self._hear(heard, digest, 0)
-        return [*notices, *(Notice("error", said) for said in namesake_warnings(self.view) if said not in before)]
+        return [
+            *notices,
+            *(
+                Notice("error", said)
+                for said in namesake_warnings(self.settings, self.view.peers)
+                if said not in before
+            ),
+        ]
 
     @_on.register
     def _(self, event: ev.PeerGone) -> list[Command]:
@@ -298,7 +303,7 @@ class Core:
 
     def _leaving(self, peer: Peer) -> Leaving:
         name = tag(peer.zid)
-        once = [s for s in self.view.own() if s.information_type.aggregation is Aggregation.ONCE]
+        once = [s for s in self.view.streams.own() if s.information_type.aggregation is Aggregation.ONCE]
         reached = frozenset(stream.key for stream in once if name in stream.reached)
         return Leaving(peer.name, name, peer.subscriptions, reached, peer.specs == self.view.specs.generation)
 
@@ -309,13 +314,13 @@ class Core:
 
     @_on.register
     def _(self, event: ev.InterestChanged) -> list[Command]:
-        self.view.set_interest(event.keys)
+        self.view.subscribers.set_own(event.keys)
         self.gossip.states.review(event.now)
         return []
 
     @_on.register
     def _(self, event: ev.MatchingChanged) -> list[Command]:
-        self.view.set_matching(event.key, matching=event.matching)
+        self.view.streams.match(event.key, matching=event.matching)
         return []
 
     @_on.register
@@ -326,7 +331,7 @@ class Core:
 
     @_on.register
     def _(self, event: ev.SpecsChanged) -> list[Command]:
-        self.view.set_specs(event.specs)
+        self.view.streams.set_specs(event.specs)
         self.gossip.states.review(event.now)
         self.view.restart_losses()
         self._adopt_limits(event.now)
@@ -359,11 +364,11 @@ class Core:
             self.budget.set_limits(self.channel.limits)
             self._set_rate()
             commands.append(pace)
-        before = self.outsiders.found
-        if self.outsiders.look(now):
+        before = self.mismatched.found
+        if self.mismatched.look(now):
             self._membership(now)
-            new = self.outsiders.found - before
-            commands += [Notice("error", warning) for warning in self.outsiders.warnings(new)]
+            new = self.mismatched.found - before
+            commands += [Notice("error", warning) for warning in self.mismatched.warnings(new)]
         limits, waiting = self.budget.limits, self.channel.staleness
         share = self.gossip.announcements.share
         parts_changed = self.coordination.advance(now, limits, waiting, share, self.budget.using)
@@ -395,28 +400,28 @@ class Core:
             if digest.tag == tag(self.settings.zid):
                 self.refused["digest:forged"] += 1
             else:
-                self.strangers.keep(now, digest)
+                self.unknown_senders.keep(now, digest)
             return []
 
         def known(news: StreamDigest) -> Stream | None:
-            return self.view.known(peer.robot, peer.keys.get(news.id, ""))
+            return self.view.streams.known(peer.robot, peer.keys.get(news.id, ""))
 
         if wrong := objection(now, peer, digest, known):
             self.refused[wrong] += 1
             return []
         if peer.digest is not None and now - peer.digest_received > PATIENCE:
-            peer.digest = None
+            peer.restart()
         if self.view.heard_digest(now, digest):
             self.coordination.heard(now, digest)
-            self.outsiders.heard(digest.tag)
+            self.mismatched.heard(digest.tag)
             self.gossip.account.heard_digest(now, size)
             self.channel.capacity.digest_received(now, digest)
             self.gossip.requests.compare(now, digest.tag, peer)
-        return self.clocks.compare(now, (peer,))
+        return self.view.clocks.compare(now, (peer,))
 
     def _membership(self, now: float) -> None:
         self._adopt_limits(now)
-        self.coordination.set_members(now, self.view.peers.keys() - self.outsiders.found)
+        self.coordination.set_members(now, self.view.peers.keys() - self.mismatched.found)
 
     def _adopt_limits(self, now: float) -> None:
         robots = len(self.view.peers) + 1
@@ -430,7 +435,7 @@ class Core:
         self.gossip.account.set_rate(self.channel.allowance_factor, follows=follows)
 
     def _compare_clocks(self, now: float) -> list[Command]:
-        return self.clocks.compare(now, self.view.peers.values())
+        return self.view.clocks.compare(now, self.view.peers.values())
 
     def _follow(self, now: float, commands: list[Command]) -> None:
         """Take note of what becomes of samples: whoever vanishes soon may not have got those that were sent to it.
@@ -445,8 +450,8 @@ class Core:
 
     def _names(self, key: str) -> tuple[str, ...]:
         """Return the tags of those that want a sample of ours."""
-        stream = self.view.known(self.settings.robot, key)
-        return () if stream is None else self.view.wanting(stream)
+        stream = self.view.streams.known(self.settings.robot, key)
+        return () if stream is None else self.view.subscribers.of(stream)
 
     def _unplanned(self, key: str) -> str:
         """Why nobody decides on the samples of a key."""
@@ -459,4 +464,4 @@ class Core:
         """So many samples of `size` in all that nobody decides on go out: they lower what is left for the others."""
         each = use_of(-(-size // count), 1, self.budget.limits)
         self.budget.use_at_most(now, tuple(count * use for use in each), 1.0 - self.view.specs.floor)
-        self.view.aired(count, size)
+        self.view.traffic.count(count, size)

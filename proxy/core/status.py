@@ -9,7 +9,6 @@ from proxy.core.protocol.messages import tag
 from proxy.core.view.latency import Latency
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
-from proxy.core.view.wall import clock_warnings, wall_ahead
 from proxy.core.view.warnings import cast_warnings, namesake_warnings, transport_warnings
 from utility_specs import InformationType
 
@@ -32,27 +31,27 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "specs": core.view.specs.generation,
         "coordination": "split" if core.coordination.team.splits else "announce",
         "transport": core.settings.transport,
-        "wall_error": core.view.clock_error or None,
+        "wall_error": core.view.clocks.error or None,
         "uptime": now - core.started,
         "counts": _counts(core),
         "kept": core.kept.copies.described(now) | {"keys": sorted(core.retained)},
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
-        "streams": [_stream(core, stream, now) for stream in core.view.streams()],
+        "streams": [_stream(core, stream, now) for stream in core.view.streams],
         "features": [row for each in core.view.specs.types for row in _features(each)],
         "peers": [_peer(peer, core, now) for peer in core.view.peers.values()],
         "warnings": [
-            *namesake_warnings(core.view),
-            *transport_warnings(core.view),
-            *core.outsiders.warnings(),
+            *namesake_warnings(core.settings, core.view.peers),
+            *transport_warnings(core.settings, core.view.peers),
+            *core.mismatched.warnings(),
             *cast_warnings(core.budget.limits, core.settings.transport),
-            *clock_warnings(core.view),
+            *core.view.clocks.warnings(),
         ],
         "malformed": sum(count for kind, count in core.refused.items() if not kind.endswith(UNDERSTOOD)),
         "other_version": sum(count for kind, count in core.refused.items() if kind.endswith(OTHER_VERSION)),
         "refused": dict(sorted(core.refused.items())),
         "evicted": core.view.evicted
-        + core.strangers.forgotten
+        + core.unknown_senders.forgotten
         + sum(p.evicted for p in core.view.peers.values())
         + sum(each.paces.evicted for each in core.view.specs.types),
         "untold": core.gossip.states.left_out,
@@ -103,11 +102,11 @@ def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
         "forecast": stream.forecasts,
         "size": last.size if last else 0,
         "scale": last.scale if last else 0.0,
-        "over": stream.schedule.over(core.view.told_at(stream.robot, now)),
+        "over": stream.schedule.over(core.view.staleness.reported_until(stream.robot, now)),
         "generated": max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
         "forwarded": stream.forwarded,
         "by_reason": dict(sorted(stream.fates.items())),
-        "receivers": core.view.receivers(stream),
+        "receivers": core.view.subscribers.count(stream),
         "last_generated": now - last.t_gen if last else None,
         "last_forwarded": now - sent.t_sent if sent else None,
     }
@@ -132,7 +131,7 @@ def _features(each: InformationType) -> list[dict[str, Any]]:
 
 
 def _peer(peer: Peer, core: Core, now: float) -> dict[str, Any]:
-    known, ahead = peer.offset.known, wall_ahead(core.view, peer)
+    known, ahead = peer.offset.known, core.view.clocks.ahead(peer)
     return {
         "robot": peer.robot,
         "zid": peer.zid,
@@ -140,22 +139,22 @@ def _peer(peer: Peer, core: Core, now: float) -> dict[str, Any]:
         "transport": peer.transport,
         "version": peer.version or None,
         "wire_version": peer.wire or None,
-        "takes_part": tag(peer.zid) not in core.outsiders.found,
+        "takes_part": tag(peer.zid) not in core.mismatched.found,
         "specs": peer.specs,
-        "latency_in": _latency(peer.latency_in),
-        "latency_out": _latency(peer.latency_out),
-        "loss_in": peer.loss_in,
-        "loss_out": peer.loss_out,
+        "latency_in": _latency(peer.inbound.latency),
+        "latency_out": _latency(peer.outbound.latency),
+        "loss_in": peer.inbound.loss,
+        "loss_out": peer.outbound.loss,
         "clock_offset": peer.offset.offset,
         "clock_uncertainty": peer.offset.uncertainty(now) if known else None,
         "clock_jumps": peer.offset.jumps,
         "wall_ahead": ahead,
         "wall_error": peer.clock_error or None,
         "digest_age": now - peer.digest_received if peer.digest else None,
-        "samples": peer.samples,
-        "implausible": peer.implausible,
-        "received_of_ours": peer.received_of_ours,
-        "sent": peer.sent,
+        "samples": peer.inbound.samples,
+        "implausible": peer.inbound.implausible,
+        "received_of_ours": peer.outbound.received,
+        "sent": peer.outbound.sent,
     }
 
 

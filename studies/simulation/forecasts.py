@@ -67,7 +67,7 @@ def _plans(member: Member) -> bool:
 def _expected(member: Member, frame: Frame, t: float, until: float) -> list[float]:
     """When a robot expects samples of the stream [true time, s]."""
     now = member.now(t)
-    for stream in member.core.view.streams():
+    for stream in member.core.view.streams:
         if stream.robot == frame.robot and stream.key == frame.key:
             times = stream.schedule.forecast(now, member.now(until), 8)
             return [member.clock.true(each) for each in times]

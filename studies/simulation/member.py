@@ -30,7 +30,7 @@ class Member:
             return None
         self.look = t + PACE
         shown, view = Wall(self.clock.wall_time(t) - self.now(t), self.clock.error), self.core.view
-        return shown if abs(shown.offset - view.wall_offset) >= STEP or shown.error != view.clock_error else None
+        return shown if abs(shown.offset - view.clocks.offset) >= STEP or shown.error != view.clocks.error else None
 
     def now(self, t: float) -> float:
         """What its monotonic clock shows at true time `t` [s]."""

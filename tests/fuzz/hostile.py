@@ -7,10 +7,10 @@ from proxy.core.interface.commands import Decide, Drop, Forward, Reread
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
 from proxy.core.samples.inbox import SUPERSEDED
-from proxy.core.view.peer import PENDING
+from proxy.core.view.members import MOST_PEERS
+from proxy.core.view.pending import PENDING
 from proxy.core.view.streams import MOST_MATCHING
 from proxy.core.view.unknown_senders import MOST, MOST_EACH
-from proxy.core.view.view import MOST_PEERS
 
 STREAMS = 300
 """Streams that the core may keep; few, so that the bound is met, but one for each robot that there may be."""
@@ -82,25 +82,25 @@ class Besieged:
         assert core.counts.conserved
         assert core.kept.copies.conserved
         assert core.counts.by_reason.total() - core.counts.by_reason[SUPERSEDED] <= self.samples
-        assert len(list(view.streams())) <= STREAMS
-        assert sum(map(len, view._table._owned.values())) == len(view._table._all)
+        assert len(list(view.streams)) <= STREAMS
+        assert sum(map(len, view.streams._owned.values())) == len(view.streams._all)
         assert len(view.peers) <= MOST_PEERS
         assert len({peer.robot for peer in view.peers.values()} | {"r1"}) == len(view.peers) + 1
-        assert len(view.origins) <= 256
-        assert len(view._table._matching) <= MOST_MATCHING
+        assert len(view.origins.own) <= 256
+        assert len(view.streams._matching) <= MOST_MATCHING
         assert all(len(peer.pending) <= PENDING for peer in view.peers.values())
-        assert len(core.strangers._heard) <= MOST
-        assert all(len(kept) <= MOST_EACH for kept in core.strangers._heard.values())
+        assert len(core.unknown_senders._heard) <= MOST
+        assert all(len(kept) <= MOST_EACH for kept in core.unknown_senders._heard.values())
         assert set(core.gossip.requests._open) <= set(view.peers)
-        taking_part = view.peers.keys() - core.outsiders.found
+        taking_part = view.peers.keys() - core.mismatched.found
         assert core.coordination.team._votes <= taking_part
         assert core.wake_at(self.now) >= self.now
         honest = view.peers[HONEST[:8]]
         assert (honest.name, honest.keys, honest.subscriptions) == ("honest", {1: KEY}, ("robot/*/camera",))
-        stream = view.known(honest.robot, KEY)
+        stream = view.streams.known(honest.robot, KEY)
         assert stream is not None
         assert stream.generated == self.generated
-        assert view.robot_of(HONEST) == honest.robot
+        assert view.origins.robot_of(HONEST) == honest.robot
 
     def finish(self):
         """In the end everything that was published is accounted for, and the status can be told."""

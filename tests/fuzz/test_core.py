@@ -177,7 +177,7 @@ def test_without_specs_nothing_is_kept_of_strangers():
     core = Besieged(SPECS)
     core.act(ev.SpecsChanged(core.now, Specs.empty()))
     core.act(ev.SampleHeard(core.now, "robot/x/camera", 10, "feed", None, None))
-    assert list(core.core.view.streams()) == []
+    assert list(core.core.view.streams) == []
 
 
 def test_a_flood_of_robots_leaves_the_honest_one():

@@ -47,7 +47,7 @@ class Channel:
         """
         if now < self.capacity.due_at:
             return False
-        self.capacity.evidence.sent(now, self._view.messages, self._view.bytes)
+        self.capacity.evidence.sent(now, self._view.traffic.messages, self._view.traffic.bytes)
         self.capacity.look(now, self._traffic(now, dropped))
         self.staleness = self.capacity.staleness(now)
         return self.capacity.has_news(now)
@@ -64,10 +64,10 @@ class Channel:
         return SetPace(min(limit.measure.pace * limit.limit / ceiling.limit for limit, ceiling in pairs))
 
     def _traffic(self, now: float, dropped: int) -> Traffic:
-        streams = self._view.competition.all(now)
+        streams = self._view.contention.all(now)
         own = self._view.settings.robot
-        receivers = {name for s in streams if s.robot == own for name in self._view.wanting(s)}
-        others = (stream for stream in self._view.streams() if stream.robot != own)
+        receivers = {name for s in streams if s.robot == own for name in self._view.subscribers.of(s)}
+        others = (stream for stream in self._view.streams if stream.robot != own)
         parts = [self._parts(stream) for stream in streams]
         windows = [limit.window / part for limit, part in zip(self._adaptive, self.capacity.factors, strict=True)]
         return Traffic(
@@ -86,5 +86,5 @@ class Channel:
 
     def _parts(self, stream: Stream) -> tuple[float, ...]:
         """What a sample takes of the ceilings of adaptive limits."""
-        uses = use_of(stream.newest.size, self._view.copies(stream), self._adaptive, own=False)
+        uses = use_of(stream.newest.size, self._view.subscribers.copies(stream), self._adaptive, own=False)
         return tuple(use / limit.limit for use, limit in zip(uses, self._adaptive, strict=True))

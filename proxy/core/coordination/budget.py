@@ -14,7 +14,8 @@ from proxy.core.coordination.sends import OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import opens
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
-from proxy.core.view.view import Amount, SharedView
+from proxy.core.view.traffic import Amount
+from proxy.core.view.view import SharedView
 
 
 class Budget:
@@ -132,10 +133,10 @@ class Budget:
 
     def others(self, now: float) -> tuple[Send, ...]:
         """What we know others to have sent, as far as it counts; in `split` they have their own parts."""
-        known = now, self._view.sends_noted, self.limits, self.alone
+        known = now, self._view.traffic.revision, self.limits, self.alone
         if known != self._others_known:
             self._others_known = known
-            self._others_sent = self._sent_by_others(now, now - self._memory, self._view.talk)
+            self._others_sent = self._sent_by_others(now, now - self._memory, self._view.traffic.talk)
         return self._others_sent
 
     def problem_limits(self, now: float) -> Limits:
@@ -163,7 +164,7 @@ class Budget:
         self, now: float, since: float, besides: Iterable[tuple[float, Amount]] = ()
     ) -> tuple[Send, ...]:
         """Return the uses of samples that others sent, and of what was sent `besides`, as far as they count."""
-        sent = () if self.alone else (*self._view.sent_since(since), *besides)
+        sent = () if self.alone else (*self._view.traffic.sent_since(since), *besides)
         return uses_of(now, sent, self.limits, self.own.leave_after)
 
 

@@ -39,7 +39,7 @@ Claim = tuple[float, str]
 
 def news_take(view: SharedView) -> float:
     """Return how long it takes until we have heard what became of a sample of another robot [s]."""
-    return view.longest_way + view.delay + TUNING.deciding
+    return view.staleness.longest_way + view.staleness.delay + TUNING.deciding
 
 
 def leads(now: float, view: SharedView, disputes: Disputes, stream: Stream, limits: tuple[Limit, ...]) -> bool:
@@ -50,7 +50,7 @@ def leads(now: float, view: SharedView, disputes: Disputes, stream: Stream, limi
 
 def opening(view: SharedView) -> float:
     """Return how much later than it seems room opens that others leave [s]: how long news take is not known better."""
-    return TUNING.opening_part * view.longest_way
+    return TUNING.opening_part * view.staleness.longest_way
 
 
 def rivals(
@@ -83,7 +83,7 @@ def rivals(
             if since == -math.inf:
                 continue
             if rank == 0 and since < grew < since + disputes.patience(each):
-                since = grew + opening(view) + view.delay
+                since = grew + opening(view) + view.staleness.delay
             ends = max(since, decided) + news + _spread(now, each)
             decided, part = max(decided, ends), float(now < ends)
             size = max(each.mean_size, each.usual_size) + TUNING.larger_deviations * each.size_deviation
@@ -92,7 +92,7 @@ def rivals(
             back = news * (TUNING.undecided_news if rank else 1.0)
             part = float((-math.expm1(-back / each.schedule.period)) ** TUNING.caution)
         if part > 0.0:
-            use = use_of(round(size), view.copies(each), limits, own=False)
+            use = use_of(round(size), view.subscribers.copies(each), limits, own=False)
             more = [max(0.0, part * amount - less) for amount, less in zip(use, let_off, strict=True)]
             taken, until, let_off = both(taken, more), min(until, ends), nothing
     return taken, until
@@ -136,10 +136,10 @@ def _claims(
     """
     return [
         (_theirs(now, each, stream), each)
-        for each in view.competition.all(now)
+        for each in view.contention.all(now)
         if each.robot != stream.robot
         and disputes.weighed(each).standing is Standing.CONTESTED
-        and changes_plans(use_of(round(each.mean_size), view.copies(each), limits, own=False), limits)
+        and changes_plans(use_of(round(each.mean_size), view.subscribers.copies(each), limits, own=False), limits)
     ]
 
 
@@ -155,10 +155,10 @@ def _taken_by_new(now: float, view: SharedView, stream: Stream, limits: tuple[Li
     windows of the first 6 s two of them sent at once, and do so in 3.5 %.
     """
     taken = (0.0,) * len(limits)
-    first = [peer for peer in view.met_lately(now) if stream.sent is not None or peer.robot > stream.robot]
+    first = [peer for peer in view.newcomers.met_lately(now) if stream.sent is not None or peer.robot > stream.robot]
     for peer in first:
         for key, told in peer.told.items():
-            known, use = view.known(peer.robot, key), use_of(told.size, 1, limits, own=False)
+            known, use = view.streams.known(peer.robot, key), use_of(told.size, 1, limits, own=False)
             if (known is None or known.last is None) and changes_plans(use, limits):
                 taken = both(taken, use)
     return taken

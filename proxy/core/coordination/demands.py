@@ -9,7 +9,7 @@ from proxy.core.market.prices import interval_of, variance_of
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.bid import Bid
 from proxy.core.split.demand import Demand, bid_for
-from proxy.core.view.paths import Audience
+from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import integral
@@ -23,10 +23,10 @@ def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
 
 
 def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: float) -> Iterator[Demand]:
-    for stream in view.own():
-        if not view.competes(now, stream) or _late(view, stream, audience := view.audiences.of(now, stream)):
+    for stream in view.streams.own():
+        if not view.contention.competes(now, stream) or _late(view, stream, audience := view.audiences.of(now, stream)):
             continue
-        copies, spread = view.copies(stream), stream.size_deviation
+        copies, spread = view.subscribers.copies(stream), stream.size_deviation
         sizes = {max(1, round(stream.mean_size + off * spread)) for off in TUNING.size_deviations}
         parts = [
             max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))

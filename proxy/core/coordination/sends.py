@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, use_of
-from proxy.core.view.view import Amount
+from proxy.core.view.traffic import Amount
 
 
 class OwnSends:

@@ -69,7 +69,7 @@ class Team:
         Not what samples take: frames wait for each other on a channel that is full, and news go by. What others hear
         late they say themselves.
         """
-        return max(self._view.longest_way, min(self._took, default=0.0), waiting)
+        return max(self._view.staleness.longest_way, min(self._took, default=0.0), waiting)
 
     def judge(
         self,
@@ -82,11 +82,11 @@ class Team:
     ) -> None:
         """Find whether the team has to split; `asked`: whether another robot asks for a part."""
         view, window, still = self._view, shortest_window(limits), TUNING.hysteresis if self.votes_to_split else 1.0
-        sending = {stream.robot for stream in view.competition.all(now)} | self._unheard()
+        sending = {stream.robot for stream in view.contention.all(now)} | self._unheard()
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does.
         self.rivals = asked or len(sending) > 1 or len(view.peers) > TUNING.few_robots
         # Who has just been met may send before it can say so.
-        self.must_announce = self.rivals or bool(view.met_lately(now))
+        self.must_announce = self.rivals or bool(view.newcomers.met_lately(now))
         if not self.rivals or math.isinf(window):
             self.votes_to_split = self.strict
             return
@@ -103,6 +103,6 @@ class Team:
 
     def _unheard(self) -> set[str]:
         """Return the robots that have streams, as their states say, of which no digest has said anything yet."""
-        known = {stream.robot for stream in self._view.streams()}
+        known = {stream.robot for stream in self._view.streams}
         new = (peer for peer in self._view.peers.values() if peer.robot not in known and not peer.plain)
         return {peer.robot for peer in new if any(self._view.specs.planned(key) for key in peer.told)}

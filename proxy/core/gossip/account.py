@@ -14,7 +14,6 @@ from proxy.core.model.limits import allowance_of, shortest_window
 from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, State
-from proxy.core.view.paths import mean_loss
 from proxy.core.view.view import SharedView
 
 
@@ -57,7 +56,7 @@ class Account:
 
     def heard_digest(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came: for each one that comes others are lost."""
-        sent, copies = round(size / (1.0 - mean_loss(self._view))), self.digest_copies
+        sent, copies = round(size / (1.0 - self._view.paths.mean_loss())), self.digest_copies
         self._budget.heard(now, sent, copies)
         self._count(now, sent, copies)
 
@@ -86,5 +85,5 @@ class Account:
             self._uncounted += self._excess.note(now, told, window, self._allowance * window)
             if self._uncounted > 0.0:  # ahead of what follows: where limits are of messages, each note is one
                 ahead = max(self._uncounted, MODEL.least_digest)
-                self._view.note_talk(now, math.ceil(ahead))
+                self._view.traffic.note_talk(now, math.ceil(ahead))
                 self._uncounted -= ahead

@@ -44,7 +44,7 @@ class Announcements:
 
     def is_large(self, stream: Stream) -> bool:
         """Whether the samples of a stream change what others plan."""
-        return self.changes_plans(0 if stream.sent is None else stream.sent.size, self._view.copies(stream))
+        return self.changes_plans(0 if stream.sent is None else stream.sent.size, self._view.subscribers.copies(stream))
 
     def share(self, now: float) -> float:
         """Return what part of the allowance it takes to announce all that the limits let the team send."""
@@ -52,8 +52,8 @@ class Announcements:
             return 0.0
         limits, rate = self._limits.limits, 0.0
         load = [0.0] * len(limits)
-        for stream in self._view.competition.all(now):
-            use = use_of(round(stream.mean_size), self._view.copies(stream), limits)
+        for stream in self._view.contention.all(now):
+            use = use_of(round(stream.mean_size), self._view.subscribers.copies(stream), limits)
             if changes_plans(use, limits):
                 often = 1.0 / stream.period
                 rate += often

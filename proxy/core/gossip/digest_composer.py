@@ -38,9 +38,9 @@ class DigestComposer:
             robot=self._view.settings.robot,
             tag=tag(self._view.settings.zid),
             sent=now,
-            messages=self._view.messages,
-            bytes=self._view.bytes,
-            streams=() if only_parts else self._news.take(now, list(self._view.own())),
+            messages=self._view.traffic.messages,
+            bytes=self._view.traffic.bytes,
+            streams=() if only_parts else self._news.take(now, list(self._view.streams.own())),
             echoes=() if only_parts else self._take_echoes(now, copies),
             state=self._states.state.number,
             capacity=self._capacity.report(now),
@@ -51,7 +51,7 @@ class DigestComposer:
     def announcement(self, now: float, streams: tuple[StreamDigest, ...]) -> Digest:
         """Return the announcement of what streams sent: without features, and what is as usual."""
         sizes = {each.id: each.size for each in self._states.state.streams}
-        own = {stream.id: stream for stream in self._view.own()}
+        own = {stream.id: stream for stream in self._view.streams.own()}
         return Digest(
             robot=self._view.settings.robot,
             tag=tag(self._view.settings.zid),
@@ -64,8 +64,8 @@ class DigestComposer:
     def _take_echoes(self, now: float, copies: int) -> tuple[Echo, ...]:
         """Return some echoes. Where limits follow the channel they tell how long digests wait now."""
         quickest = not self._capacity.factors
-        echoes = self._echoes.take(now, self._view.echoes(now, quickest=quickest), copies)
-        self._view.echoed(echo.peer for echo in echoes)
+        echoes = self._echoes.take(now, self._view.echoes.due(now, quickest=quickest), copies)
+        self._view.echoes.sent(echo.peer for echo in echoes)
         return echoes
 
 

@@ -17,7 +17,6 @@ from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface.commands import Command, SendDigest
 from proxy.core.protocol.messages import Digest
-from proxy.core.view.paths import mean_loss
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
@@ -59,7 +58,7 @@ class DigestScheduler:
 
     def valued(self, stream: Stream) -> None:
         """A sample of ours was valued: the others should hear of it soon if they want it and its value has changed."""
-        self.urgent |= self._news.value_changed(stream) and self._view.receivers(stream) > 0
+        self.urgent |= self._news.value_changed(stream) and self._view.subscribers.count(stream) > 0
 
     def advance(self, now: float, *, urgent: bool, parts_changed: bool) -> list[Command]:
         """Send a digest if one is due. Whether the channel is `urgent` news, and what we ask for of the limits."""
@@ -86,7 +85,7 @@ class DigestScheduler:
     def _wanted_at(self, now: float) -> float:
         """When the allowance and what there is to tell have us tell something [s]."""
         coordination = self._coordination
-        self._news.look(self._view.revision, list(self._view.own()))
+        self._news.look(self._view.streams.revision, list(self._view.streams.own()))
         news = self._news.waiting or not coordination.settled or self._sent_something or self._capacity.probe_due(now)
         due = self._budget.due(now, news=news, copies=self._account.digest_copies)
         if coordination.forming(now) and not self._parts_changed:
@@ -110,20 +109,20 @@ class DigestScheduler:
 
     @property
     def _sent_something(self) -> bool:
-        return self._view.messages != self._messages
+        return self._view.traffic.messages != self._messages
 
     def _sent_much(self) -> bool:
         """Whether we sent something since the last digest that changes what others plan."""
         if not self._announcements.needed or not self._sent_something:
             return False
-        return self._announcements.changes_plans(self._view.largest)
+        return self._announcements.changes_plans(self._view.traffic.largest)
 
     def _send_news(self, now: float) -> Command:
         """Send a digest, or, where no more than that is due, the announcement of what was sent."""
         copies, only_parts, sent_much = self._account.digest_copies, self._only_parts(now), self._sent_much()
         if sent_much and not self._more_is_due(now, copies):
             digest = self._announcement(now)
-            self._capacity.evidence.digest_sent(now, self._view.messages)
+            self._capacity.evidence.digest_sent(now, self._view.traffic.messages)
             self._announced(digest)
         else:
             digest = self._composer.digest(now, copies, only_parts=only_parts)
@@ -131,11 +130,11 @@ class DigestScheduler:
             self._coordination.announced(digest)
             self.urgent = self._parts_changed = False
             if sent_much and self._announcements.overheard:
-                large = {stream.id for stream in self._view.own() if self._announcements.is_large(stream)}
+                large = {stream.id for stream in self._view.streams.own() if self._announcements.is_large(stream)}
                 streams = tuple(each for each in digest.streams if each.id in large)
                 self._announced(self._composer.announcement(now, streams))
-        self._messages = self._view.messages
-        self._view.announced()
+        self._messages = self._view.traffic.messages
+        self._view.traffic.announced()
         return self._send(now, digest, announces=digest.brief or only_parts)
 
     def _only_parts(self, now: float) -> bool:
@@ -152,11 +151,11 @@ class DigestScheduler:
         """Whether a whole digest has to go where an announcement would do for what was sent."""
         if self.urgent or self._parts_changed or self._news.unknown or self._all_is_due(now, copies):
             return True
-        return self._view.awaits_echo(now) and self._budget.echoes.affords(copies) > 0
+        return self._view.echoes.are_awaited(now) and self._budget.echoes.affords(copies) > 0
 
     def _announcement(self, now: float) -> Digest:
         """Return what was sent, in as few bytes as that takes; what is small only if there is room."""
-        own = list(self._view.own())
+        own = list(self._view.streams.own())
         large_alone = self._budget.in_debt(now)
         keys = {s.key for s in own if not large_alone or self._announcements.is_large(s)}
         return self._composer.announcement(now, self._news.take(now, own, keys))
@@ -164,7 +163,7 @@ class DigestScheduler:
     def _announced(self, digest: Digest) -> None:
         """This goes out, or something that says as much: on the air it may have to be sent again."""
         if digest.streams and self._announcements.overheard:
-            self._retransmissions.announced(digest, mean_loss(self._view))
+            self._retransmissions.announced(digest, self._view.paths.mean_loss())
 
     def _send(self, now: float, digest: Digest, *, announces: bool) -> Command:
         """Send a digest; `announces`: ordinary news have their turn all the same."""

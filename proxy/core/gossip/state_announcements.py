@@ -63,7 +63,7 @@ class StateAnnouncements:
     def clock_set(self, now: float, offset: float, error: float) -> None:
         """Our wall clock is so much before the monotonic one, and wrong by `error` at most [s]."""
         stepped = abs(offset - self.state.wall_offset) > TUNING.wall_clock_step
-        if stepped or error != self._view.clock_error:
+        if stepped or error != self._view.clocks.error:
             self.review(now)
 
     def met(self, now: float) -> None:
@@ -110,7 +110,7 @@ class StateAnnouncements:
             notices.append(Notice("warning", text))
         self.left_out, self.state, self._announced_at = left_out, state, now
         for each in state.streams:
-            if (stream := self._view.known(state.robot, each.key)) is not None:
+            if (stream := self._view.streams.known(state.robot, each.key)) is not None:
                 stream.announce_size(each.size)
         self._account.sent_other(now, len(pack_state(update or state)), self._account.copies)
         return [*notices, SendState(state, update)]

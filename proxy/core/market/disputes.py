@@ -59,7 +59,7 @@ class Disputes:
         ):
             return
         view, self._weighed_at, self._limits, self._alone = self._view, now, limits, alone
-        competing = [s for s in view.competition.all(now) if not alone or s.robot == view.settings.robot]
+        competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
         rows = [self._row(now, stream) for stream in competing] if limits else []
         if alone:  # what is larger than our part has no turn now, and sets no price for what is not
             rows = [row for row in rows if all(use <= c.limit for use, c in zip(row.use, limits, strict=True))]
@@ -129,7 +129,7 @@ class Disputes:
     def _row(self, now: float, stream: Stream) -> Row:
         """What there is to know of a stream."""
         view, limits = self._view, self._limits
-        own, copies, audience = self._own(stream), view.copies(stream), view.audiences.of(now, stream)
+        own, copies, audience = self._own(stream), view.subscribers.copies(stream), view.audiences.of(now, stream)
         size = round(stream.mean_size)
         use = use_of(size, copies, limits, own=own)
         more = use_of(size + round(stream.size_deviation), copies, limits, own=own)
@@ -147,7 +147,7 @@ class Disputes:
         limits = self._limits
         contested = [row for row, w in rows if w.standing is Standing.CONTESTED]
         load = [(row, w) for row, w in rows if w.standing in (Standing.UNDISPUTED, Standing.PRICED)]
-        self._load = tuple([(row.stream, self._view.copies(row.stream)) for row, _ in load])
+        self._load = tuple([(row.stream, self._view.subscribers.copies(row.stream)) for row, _ in load])
         self._known = None
         apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
         booked = reserve([row for row, _ in load], apart, limits)
@@ -178,7 +178,11 @@ class Disputes:
         2 % of their bytes for 10 s.
         """
         limits, me = self._limits, self._view.settings.robot
-        met = [] if self._alone else [p for p in self._view.met_lately(now) if not self._view.silent(p)]
+        met = (
+            []
+            if self._alone
+            else [p for p in self._view.newcomers.met_lately(now) if not self._view.newcomers.only_listens(p)]
+        )
         uses = {robot: [0.0] * len(limits) for robot in (me, *(peer.robot for peer in met))}
         for row, interval in zip(load, apart, strict=True):
             if (use := uses.get(row.stream.robot)) is not None:
@@ -194,7 +198,7 @@ class Disputes:
 
     def _sends(self, now: float) -> list[Send]:
         """Return the sends of streams that are booked, within the longest window."""
-        known = now, self._view.sends_noted, self._view.messages
+        known = now, self._view.traffic.revision, self._view.traffic.messages
         if self._known == known:
             return self._known_sends
         limits, found, since = self._limits, list[Send](), now - longest_window(self._limits)

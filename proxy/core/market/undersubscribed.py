@@ -16,7 +16,7 @@ from proxy.core.view.view import SharedView
 
 def need(view: SharedView, stream: Stream, limits: Sequence[Limit], now: float) -> Amounts:
     """Return what a stream takes of each limit in any window when all its samples are sent."""
-    size, copies = stream.newest.size, view.copies(stream)
+    size, copies = stream.newest.size, view.subscribers.copies(stream)
     return tuple([c.measure.use(size, copies, own=True) * _most(stream, c.window, now) for c in limits])
 
 
@@ -44,7 +44,9 @@ class Undersubscribed:
             return
         view, self._for = self._view, (limits, alone)
         self._needs, self._new, self._total = {}, set(), (0.0,) * len(limits)
-        streams = (s for s in view.own() if view.competes(now, s)) if alone else view.competition.all(now)
+        streams = (
+            (s for s in view.streams.own() if view.contention.competes(now, s)) if alone else view.contention.all(now)
+        )
         for stream in streams:
             self.note(now, stream)
         self._due = now + max(TUNING.interval, TUNING.interval_each * len(self._needs))

@@ -39,11 +39,11 @@ class Appraisal:
 
     def stream_of(self, now: float, sample: Waiting) -> Stream | None:
         """Return the stream of a sample; None where no spec plans for it."""
-        return self.view.stream(now, self.view.settings.robot, sample.key)
+        return self.view.streams.get(now, self.view.settings.robot, sample.key)
 
     def copies(self, stream: Stream | None) -> int:
         """How often a sample of the stream goes on the air."""
-        return self.view.copies(stream) if stream is not None else 1
+        return self.view.subscribers.copies(stream) if stream is not None else 1
 
     def use(self, stream: Stream | None, sample: Waiting) -> Use:
         """What a sample uses of the constraints as they are now: they may change while it is decided."""

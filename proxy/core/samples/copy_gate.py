@@ -81,9 +81,9 @@ class CopyGate:
 
     def _send(self, now: float, stream: Stream | None, copy: Copy, use: Use) -> Command:
         if stream is not None and stream.information_type.aggregation is Aggregation.ONCE:
-            stream.resume(copy.to)
+            stream.reach((copy.to,))
         messages = 1 + self._view.settings.relayed
-        self._view.aired(messages, messages * copy.waiting.size)
+        self._view.traffic.count(messages, messages * copy.waiting.size)
         if self._appraisal.mode_of(stream) is Mode.ENFORCE:
             self._budget.use(now, use)
         else:

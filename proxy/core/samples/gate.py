@@ -139,10 +139,10 @@ class Gate:
         stream = self.appraisal.stream_of(now, sample)
         if stream is None:
             return self.outcomes.pass_on(sample.sample, "passed:no-spec")
-        if self._view.receivers(stream) == 0:
+        if self._view.subscribers.count(stream) == 0:
             return self._pass_unwanted(now, sample)
         use, limits = self.appraisal.use(stream, sample), self._budget.limits
-        if limits and not self._view.gaining(stream):
+        if limits and not self._view.subscribers.gaining(stream):
             return self.outcomes.refuse(now, stream, sample, "dropped:once")
         must = self.appraisal.owed(now, stream, sample)
         if lacking := self._budget.lacking(now, use):
@@ -160,7 +160,7 @@ class Gate:
 
     def _pass_unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not say so yet."""
-        if silent := self._view.untold:
+        if silent := self._view.members.unannounced:
             self._budget.use_at_most(now, use_of(sample.size, silent, self._budget.limits), 1.0)
         return self.outcomes.pass_on(sample.sample, "passed:unwanted")
 

@@ -34,8 +34,8 @@ class Outcomes:
         if stream is not None:
             sent = Sent(min(sample.t_gen, now), now, sample.size, sample.scale, sample.features)
             if stream.information_type.aggregation is Aggregation.ONCE:
-                self._first[sample.sample] = stream, self._view.gaining(stream)
-            self._view.note_sent(stream, stream.forwarded + 1, sent)
+                self._first[sample.sample] = stream, self._view.subscribers.gaining(stream)
+            self._view.traffic.note_sent(stream, stream.forwarded + 1, sent)
             stream.fates[reason] += 1
         self._count_on_air(stream, sample)
         self._budget.use(now, use, sample.sample)
@@ -62,7 +62,7 @@ class Outcomes:
         """Drop what had to leave before it was decided."""
         commands: list[Command] = []
         for each in evicted:
-            stream = self._view.known(self._view.settings.robot, each.key)
+            stream = self._view.streams.known(self._view.settings.robot, each.key)
             if stream is not None:
                 stream.fates[each.reason] += 1
             commands.append(self._drop(each.sample, each.reason))
@@ -89,7 +89,7 @@ class Outcomes:
     def _count_on_air(self, stream: Stream | None, sample: Waiting) -> None:
         """Count a sample in what we announce that we put on the air."""
         copies = self._appraisal.copies(stream)
-        self._view.aired(copies, copies * sample.size)
+        self._view.traffic.count(copies, copies * sample.size)
 
     def _drop(self, sample: int, reason: str) -> Command:
         self._counts.drop(sample, reason)

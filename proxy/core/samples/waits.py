@@ -54,7 +54,7 @@ class Waits:
 
         Who joined or met others again sent its first frame beside two of theirs, and the window held 1.4 limits.
         """
-        until = self._view.greeted_by(now)
+        until = self._view.newcomers.greeted_by(now)
         if now >= until or self._budget.alone:
             return False
         stream = self._appraisal.stream_of(now, sample)
@@ -85,7 +85,11 @@ class Waits:
         """Return when there is room for a sample that is worth waiting for it; −∞ where it is taken up now."""
         appraisal = self._appraisal
         stream = appraisal.stream_of(now, sample)
-        if stream is None or appraisal.mode_of(stream) is not Mode.ENFORCE or not self._view.gaining(stream):
+        if (
+            stream is None
+            or appraisal.mode_of(stream) is not Mode.ENFORCE
+            or not self._view.subscribers.gaining(stream)
+        ):
             return -math.inf
         standing = appraisal.weigh(now, stream, sample)
         until = sample.t_gen + self._disputes.patience(stream, standing)

@@ -4,29 +4,27 @@ A large team has far more streams than a window has places, and most of them are
 what is asked of a stream is kept in arrays, and worked out anew only where something was noted of it since.
 """
 
-from __future__ import annotations
-
 from collections.abc import Container
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
+from proxy.core.view.staleness import Staleness
 from proxy.core.view.stream import Stream
-
-if TYPE_CHECKING:
-    from proxy.core.view.view import SharedView
-
+from proxy.core.view.streams import Streams
+from proxy.core.view.subscribers import Subscribers
 
 Rows = npt.NDArray[np.intp]
 Floats = npt.NDArray[np.float64]
 
 
-class Competition:
+class Contention:
     """The streams of a view as rows, by robot and key, so that a row's number orders it among equals."""
 
-    def __init__(self, view: SharedView) -> None:
-        self._view = view
+    def __init__(self, streams: Streams, subscribers: Subscribers, staleness: Staleness) -> None:
+        self._table = streams
+        self._subscribers = subscribers
+        self._staleness = staleness
         self._revision = -1
         self._set_rows([])
 
@@ -57,17 +55,26 @@ class Competition:
         """Return all streams that compete, by robot and key."""
         return [self._streams[row] for row in self._rows(now).tolist()]
 
+    def competes(self, now: float, stream: Stream) -> bool:
+        """Whether more of the stream is worth anything to somebody, and more is to be expected.
+
+        How long it is silent only its robot's news tells.
+        """
+        if stream.last is None or stream.schedule.over(self._staleness.reported_until(stream.robot, now)):
+            return False
+        return len(self._subscribers.gaining(stream)) > 0
+
     def _rows(self, now: float) -> Rows:
         """Return the rows that compete. How long a stream is silent only its robot's news tells."""
         self._renew()
-        told = np.array(self._view.all_told_at(self._robots, now))
-        return np.flatnonzero((told[self._owner] - self._last < self._patience) & self._wanted)
+        until = np.array(self._staleness.all_reported_until(self._robots, now))
+        return np.flatnonzero((until[self._owner] - self._last < self._patience) & self._wanted)
 
     def _renew(self) -> None:
         """Work out anew the rows of which something was noted, or all when it concerns all."""
-        if self._revision != self._view.revision:
-            self._revision = self._view.revision
-            self._set_rows(sorted(self._view.streams(), key=lambda stream: (stream.robot, stream.key)))
+        if self._revision != self._table.revision:
+            self._revision = self._table.revision
+            self._set_rows(sorted(self._table, key=lambda stream: (stream.robot, stream.key)))
         for row, (stream, seen) in enumerate(zip(self._streams, self._seen, strict=True)):
             if stream.changes != seen:
                 self._look(row, stream)
@@ -87,8 +94,8 @@ class Competition:
         """Take in what there is to know of a stream: `_cheapness` is what a byte of it is worth, less than nothing."""
         self._seen[row] = stream.changes
         last = stream.last
-        gaining = 0 if last is None else len(self._view.gaining(stream))
+        gaining = 0 if last is None else len(self._subscribers.gaining(stream))
         self._wanted[row] = gaining > 0
         self._last[row], self._patience[row], self._next[row] = stream.schedule.prospect()
         if last is not None:
-            self._cheapness[row] = -last.scale * gaining / max(last.size * self._view.copies(stream), 1)
+            self._cheapness[row] = -last.scale * gaining / max(last.size * self._subscribers.copies(stream), 1)

@@ -4,12 +4,12 @@ They have other limits, for they have other specs; or nothing is understood of w
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from proxy.core.model.limits import fingerprint
 from proxy.core.protocol.envelope import READABLE, VERSION
 from proxy.core.view.peer import Peer
-from proxy.core.view.view import SharedView
+from proxy.core.view.streams import Streams
 
 PATIENCE = 5.0
 """Specs may be changed on one robot after the other, and a newcomer says something, within this time [s]..."""
@@ -21,11 +21,12 @@ PACE = 0.5
 """They are looked for this often [s]."""
 
 
-class Outsiders:
+class MismatchedLimits:
     """Who takes no part. Robots are named by their tags."""
 
-    def __init__(self, view: SharedView) -> None:
-        self._view = view
+    def __init__(self, peers: Mapping[str, Peer], streams: Streams) -> None:
+        self._peers = peers
+        self._table = streams
         self._since: dict[str, float] = {}
         """Since when robots have had other limits [s]."""
         self._heard: set[str] = set()
@@ -43,12 +44,12 @@ class Outsiders:
         """Look who has taken no part for too long; return whether these are others than before."""
         if now < self._look_at:
             return False
-        self._look_at, peers = now + PACE, self._view.peers
+        self._look_at, peers = now + PACE, self._peers
         self._heard &= peers.keys()
-        alike = (0, fingerprint(self._view.specs))  # who says nothing of its limits may have the same
+        alike = (0, fingerprint(self._table.specs))  # who says nothing of its limits may have the same
         self._since = {name: self._since.get(name, now) for name, peer in peers.items() if peer.limits not in alike}
         for name, peer in peers.items():
-            peer.plain = self._not_understood(now, name, peer)
+            peer.take_part(plain=self._not_understood(now, name, peer))
         apart = {name for name, since in self._since.items() if now - since > PATIENCE}
         before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
         return self.found != before
@@ -56,17 +57,17 @@ class Outsiders:
     def warnings(self, among: Iterable[str] | None = None) -> list[str]:
         """Name them all, or those `among` these."""
         found = self.found if among is None else self.found.intersection(among)
-        return [self._warning(peer) for name, peer in self._view.peers.items() if name in found]
+        return [self._warning(peer) for name, peer in self._peers.items() if name in found]
 
     def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
         if name in self._heard:
             return now - peer.digest_received > SILENCE
         if peer.state is not None:
             return now - peer.since > SILENCE
-        return now - peer.since > PATIENCE + ASKING * len(self._view.peers) or _foreign(peer)
+        return now - peer.since > PATIENCE + ASKING * len(self._peers) or _foreign(peer)
 
     def _warning(self, peer: Peer) -> str:
-        here = self._view.specs.generation
+        here = self._table.specs.generation
         if not peer.plain:
             return (
                 f"robot {peer.robot} has other limits (specs {peer.specs}, here {here}): nothing keeps what it sends "

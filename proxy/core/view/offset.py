@@ -10,6 +10,8 @@ know that they are right bound the offset, too, unless digests prove them wrong.
 import math
 from typing import NamedTuple
 
+from proxy.core.view.latency import Latency
+
 DRIFT = 200e-6
 """The most that the clocks of two robots drift from each other: ±100 ppm each [s/s]."""
 RESOLUTION = 2e-6
@@ -104,6 +106,11 @@ class ClockOffset:
         if self._most is None or self._least is None:
             return self._presumed
         return max(0.0, (self._most.offset - self._least.offset) / 2.0)
+
+    @property
+    def line(self) -> Latency | None:
+        """What digests take there and back; None while nobody can say."""
+        return Latency(self.latency) if self.known or self.latency else None
 
     def ours(self, theirs: float) -> float:
         """The time on our clock when the peer's shows `theirs`."""

@@ -16,6 +16,8 @@ from proxy.core.protocol.fixed import rounded
 from proxy.core.protocol.messages import StreamState
 from utility_specs import InformationType
 
+SAME = 1e-3
+"""A sample that was generated so much after the last one was sent is another one [s]."""
 SCALE = "scale"
 """Stands for the scale where features are not known."""
 NEW_SIZE = 0.1
@@ -89,9 +91,6 @@ class Stream:
     """What its robot last told of its size, so that all robots know the same; 0: nothing yet [B]."""
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
-    wanting: tuple[str, ...] = ()
-    """Tags of the robots that subscribe to it, as the view knew at its revision `wanting_at`."""
-    wanting_at: int = -1
     changes: int = 0
     """How often anything was noted of the stream, its schedule or who has it, or it was covered anew."""
     _outlook: Outlook | None = None
@@ -117,13 +116,16 @@ class Stream:
             self._steady = True
         self._expected.clear()
 
-    def note_generated(self, count: int, last: Generated, *, numbered: bool = True, told: Rhythm | None = None) -> None:
+    def note_generated(
+        self, count: int, last: Generated, *, numbered: bool = True, overheard: bool = False, told: Rhythm | None = None
+    ) -> None:
         """Sample number `count` of the stream was generated; when not `numbered`, some before it may be lost.
 
-        A rhythm that its robot `told` holds.
+        An `overheard` one is the first that we know of, from the air alone. A rhythm that its robot `told` holds.
         """
         if count <= self.generated:
             return
+        self.overheard |= overheard
         if not self.generated:
             self.began = last.t_gen - (0.0 if told is None else (count - 1) * told.period)
         self.generated = count
@@ -162,6 +164,18 @@ class Stream:
     def size_deviation(self) -> float:
         """The standard deviation of the sizes of its samples [B]."""
         return math.sqrt(self.size_variance)
+
+    def touch(self, now: float) -> None:
+        """Something was heard of the stream."""
+        self.touched = now
+
+    def rename(self, robot: str) -> None:
+        """The stream's robot has another name from now on."""
+        self.robot = robot
+
+    def replace_last(self, last: Generated) -> None:
+        """A newer sample than the last one was overheard; its number only a digest will tell."""
+        self.last = last
 
     def renew(self, last: Generated) -> None:
         """The last sample was read again, by the specs in force now."""
@@ -217,11 +231,6 @@ class Stream:
             self.changes += 1
             self.reached.update(names)
             self._sent_to = names
-
-    def resume(self, name: str) -> None:
-        """This robot was sent a sample before it vanished, and is back."""
-        self.changes += 1
-        self.reached.add(name)
 
     def miss(self, names: Iterable[str]) -> None:
         """Those robots were not sent a sample after all."""

@@ -69,11 +69,11 @@ class Streams:
                 return None
             if robot == self._own:
                 self._ids += 1
-            found = Stream(self._ids, robot, key, information_type)
+            matching = robot == self._own and key in self._matching
+            found = Stream(self._ids, robot, key, information_type, matching=matching)
             found.cover(information_type)
-            found.matching = robot == self._own and key in self._matching
             self.admit(found)
-        found.touched = now
+        found.touch(now)
         owned = self._owned[owner_of(robot)]
         del owned[place]
         owned[place] = found
@@ -112,6 +112,10 @@ class Streams:
             if now - stream.touched > max(SILENT, PERIODS * stream.schedule.period):
                 self.forget(stream)
 
+    def revise(self) -> None:
+        """Something changed that concerns more than one stream."""
+        self.revision += 1
+
     def admit(self, stream: Stream) -> None:
         """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""
         self.revision += 1
@@ -139,7 +143,7 @@ class Streams:
         for stream in streams:
             self.forget(stream)
         for stream in streams:
-            stream.robot = name
+            stream.rename(name)
             self.admit(stream)
 
     def hand_over(self, stream: Stream, robot: str) -> None:
@@ -147,9 +151,18 @@ class Streams:
         self.forget(stream)
         if (robot, stream.key) in self._all:
             return
-        heir = Stream(stream.id, robot, stream.key, stream.information_type, touched=stream.touched)
-        heir.last, heir.sent, heir.interval, heir.recent = stream.last, stream.sent, stream.interval, stream.recent
-        heir.reached = stream.reached
+        heir = Stream(
+            stream.id,
+            robot,
+            stream.key,
+            stream.information_type,
+            last=stream.last,
+            sent=stream.sent,
+            recent=stream.recent,
+            touched=stream.touched,
+            reached=stream.reached,
+            interval=stream.interval,
+        )
         heir.cover(stream.information_type)
         heir.schedule.assume(stream.schedule.period)
         if stream.last is not None:

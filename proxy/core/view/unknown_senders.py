@@ -3,20 +3,20 @@
 from proxy.core.protocol.messages import Digest
 
 MOST = 64
-"""Strangers listened to."""
+"""Unknown senders listened to."""
 MOST_EACH = 4
 """Digests kept of each."""
 
 
-class Strangers:
-    """Keeps the last digests of each stranger until it is introduced; `forgotten` counts what had no room."""
+class UnknownSenders:
+    """Keeps the last digests of each unknown sender until it appears; `forgotten` counts what had no room."""
 
     def __init__(self) -> None:
         self._heard: dict[str, list[tuple[float, Digest]]] = {}
         self.forgotten = 0
 
     def keep(self, now: float, digest: Digest) -> None:
-        """Keep a stranger's digest; the stranger heard of longest ago has to leave for a new one."""
+        """Keep an unknown sender's digest; the sender heard of longest ago has to leave for a new one."""
         kept = self._heard.pop(digest.tag, [])
         self._heard[digest.tag] = kept
         kept.append((now, digest))

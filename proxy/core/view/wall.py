@@ -1,57 +1,85 @@
-"""Wall clocks of robots that disagree: nothing depends on them but timestamps, which is what people look at."""
+"""Wall clocks of robots: ours, what it tells of the offsets to others, and which clocks disagree.
 
-from collections.abc import Iterable
+Nothing depends on them but timestamps, which is what people look at, and what is known of clock offsets sooner.
+"""
+
+from collections.abc import Iterable, Mapping
 
 from proxy.core.interface.commands import Command, Notice
+from proxy.core.model.settings import CoreSettings
+from proxy.core.view.inbound import SET
 from proxy.core.view.peer import Peer
-from proxy.core.view.view import SharedView
 
 APART = 0.05
 """Wall clocks further apart than this are worth a warning [s]."""
 TOGETHER = 0.04
 """Those not further apart than this no more [s]."""
+UNTOLD = 2.5e-3
+"""Two wall clocks may have moved so much against each other and nobody said so, because it is too little [s]."""
 
 
 class WallClocks:
-    """Says once when the clock of another robot and ours part, and when they are together again."""
+    """Our wall clock beside those of the others; says once when two part, and when they are together again."""
 
-    def __init__(self, view: SharedView) -> None:
-        self._view = view
+    def __init__(self, settings: CoreSettings, peers: Mapping[str, Peer]) -> None:
+        self._robot = settings.robot
+        self._peers = peers
+        self.offset = settings.wall_offset
+        """Our wall clock minus our monotonic clock [s]."""
+        self.error = 0.0
+        """What our wall clock is wrong by at most [s]; 0.0: nobody knows."""
+        self._apart: dict[str, float] = {}
+        """Wall clocks of others minus ours [s], by tag, where that is worth a warning."""
+
+    def set(self, offset: float, error: float) -> None:
+        """Our wall clock shows so much more than the monotonic one, wrong by `error` at most; 0.0: unknown [s]."""
+        if abs(offset - self.offset) > SET:
+            for peer in self._peers.values():
+                peer.offset.unshown()
+        self.offset, self.error = offset, error
+
+    def bound(self, now: float, peer: Peer) -> None:
+        """What the state of a peer says of its wall clock holds now: a bound, where both are known to be right."""
+        if self.error and peer.clock_error and peer.inbound.wall_offset is not None:
+            peer.offset.shown(now, peer.inbound.wall_offset - self.offset, self.error + peer.clock_error + UNTOLD)
+
+    def forget(self, name: str) -> None:
+        """The robot with this tag left."""
+        self._apart.pop(name, None)
+
+    def ahead(self, peer: Peer) -> float | None:
+        """Return what a robot's wall clock shows more than ours [s]; None while unknown."""
+        if peer.inbound.wall_offset is None or not peer.offset.known:
+            return None
+        return peer.inbound.wall_offset - self.offset - peer.offset.offset
 
     def compare(self, now: float, peers: Iterable[Peer]) -> list[Command]:
         """Look at the clocks of `peers` anew; return what is worth a line in the log."""
         return [notice for peer in peers for notice in self._compared(peer, now)]
 
+    def warnings(self) -> list[str]:
+        """Name every robot whose wall clock shows another time than ours."""
+        apart = ((peer, self._apart.get(name)) for name, peer in self._peers.items())
+        return [self._parted(peer, ahead) for peer, ahead in apart if ahead is not None]
+
     def _compared(self, peer: Peer, now: float) -> list[Command]:
-        ahead = wall_ahead(self._view, peer)
-        if ahead is None or (peer.apart is None and abs(ahead) <= APART):
+        ahead, was = self.ahead(peer), peer.tag in self._apart
+        if ahead is None or (not was and abs(ahead) <= APART):
             return []
         uncertainty = peer.offset.uncertainty(now)
         if uncertainty > TOGETHER:
             return []
-        was, wrong = peer.apart is not None, abs(ahead) - uncertainty > (TOGETHER if peer.apart else APART)
-        peer.apart = ahead if wrong else None
+        wrong = abs(ahead) - uncertainty > (TOGETHER if was else APART)
+        if wrong:
+            self._apart[peer.tag] = ahead
+        else:
+            self.forget(peer.tag)
         if wrong == was:
             return []
-        ours = self._view.settings.robot
-        text = parted(ours, peer.robot, ahead) if wrong else f"the clocks of {peer.robot} and {ours} agree again"
+        text = self._parted(peer, ahead) if wrong else f"the clocks of {peer.robot} and {self._robot} agree again"
         return [Notice("warning" if wrong else "info", text)]
 
-
-def wall_ahead(view: SharedView, peer: Peer) -> float | None:
-    """Return what a robot's wall clock shows more than ours [s]; None while unknown."""
-    if peer.wall_offset is None or not peer.offset.known:
-        return None
-    return peer.wall_offset - view.wall_offset - peer.offset.offset
-
-
-def clock_warnings(view: SharedView) -> list[str]:
-    """Name every robot whose wall clock shows another time than ours."""
-    ours = view.settings.robot
-    return [parted(ours, peer.robot, peer.apart) for peer in view.peers.values() if peer.apart is not None]
-
-
-def parted(ours: str, theirs: str, ahead: float) -> str:
-    """Say that a robot's clock shows so much more than ours [s]."""
-    way = "ahead of" if ahead > 0.0 else "behind"
-    return f"the clock of {theirs} is {abs(ahead):.3f} s {way} that of {ours}: timestamps cannot be compared"
+    def _parted(self, peer: Peer, ahead: float) -> str:
+        way = "ahead of" if ahead > 0.0 else "behind"
+        differs = f"{abs(ahead):.3f} s {way} that of {self._robot}"
+        return f"the clock of {peer.robot} is {differs}: timestamps cannot be compared"

@@ -1,20 +1,21 @@
 """What an operator must be told although everything runs: robots or specs that do not fit together."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from planner import Airtime
 from proxy.core.model.limits import Limit
+from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import is_broadcast
-from proxy.core.view.view import SharedView
+from proxy.core.view.peer import Peer
 
 
-def transport_warnings(view: SharedView) -> list[str]:
+def transport_warnings(settings: CoreSettings, peers: Mapping[str, Peer]) -> list[str]:
     """Name every robot whose samples travel in another way than ours; it may not have said yet."""
-    ours = view.settings.transport
+    ours = settings.transport
     return [
         f"robot {peer.robot} has mesh.transport {peer.transport}, this one {ours}: "
         "what one of them broadcasts does not reach the other"
-        for peer in view.peers.values()
+        for peer in peers.values()
         if peer.transport and peer.transport != ours
     ]
 
@@ -24,13 +25,13 @@ def namesake_warning(name: str, zid: str, shown: str) -> str:
     return f"two robots on the mesh are called {name!r}: rename one; the one of session {zid} is {shown!r} here"
 
 
-def namesake_warnings(view: SharedView) -> list[str]:
+def namesake_warnings(settings: CoreSettings, peers: Mapping[str, Peer]) -> list[str]:
     """Name every robot with a name that was taken when it came; who starts with one adds a part of its id itself."""
-    robots = [(peer.name, peer.zid) for peer in view.peers.values()] + [(view.settings.robot, view.settings.zid)]
+    robots = [(peer.name, peer.zid) for peer in peers.values()] + [(settings.robot, settings.zid)]
     names = {name for name, _ in robots}
     renamed = [(name.removesuffix(f"-{zid[:4]}"), zid, name) for name, zid in robots]
     return [
-        *(namesake_warning(peer.name, peer.zid, peer.robot) for peer in view.namesakes()),
+        *(namesake_warning(peer.name, peer.zid, peer.robot) for peer in peers.values() if peer.robot != peer.name),
         *(namesake_warning(name, zid, shown) for name, zid, shown in renamed if name != shown and name in names),
     ]
 

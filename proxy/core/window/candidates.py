@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from heapq import heapify, heappop, heapreplace
 
 from planner import Aggregation
-from proxy.core.view.paths import Audience
+from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Stream
 from proxy.core.window.guarantees import owed
 from proxy.core.window.tuning import TUNING

@@ -36,15 +36,15 @@ def _unheard_since(now: float, view: SharedView, c: Candidate, limits: Limits, l
     if heard >= now:
         return heard
     use = use_of(stream.newest.size, c.copies, limits.union, own=False)
-    if not (view.overhears(stream) or changes_plans(use, limits.union)):
+    if not (view.subscribers.overhears(stream.robot) or changes_plans(use, limits.union)):
         return max(heard, now - longest)
     return max(heard, now - _latency(view, c) - TUNING.overheard_within - schedule.jitter)
 
 
 def _latency(view: SharedView, c: Candidate) -> float:
     """What samples of another robot take to us [s]: others may hear of them sooner."""
-    sender = view.peer_called(c.stream.robot)
-    line = None if sender is None else sender.line_in
+    sender = view.members.called(c.stream.robot)
+    line = None if sender is None else sender.inbound.line
     if sender is None or line is None:
         return c.audience.latency
     return max(line.of(c.stream.newest.size), sender.offset.latency)

@@ -79,8 +79,8 @@ class WindowBuilder:
     def _candidates(self, now: float, deciding: Waiting, limits: Limits, most: int) -> list[Candidate]:
         """Streams that compete, by robot and key, at most so many; that of the current message always does."""
         view, own = self._view, self._view.settings.robot
-        competing = view.competition.chosen(now, most, own if limits.alone else None, self.disputes.settled)
-        current = None if deciding.to else view.known(own, deciding.key)
+        competing = view.contention.chosen(now, most, own if limits.alone else None, self.disputes.settled)
+        current = None if deciding.to else view.streams.known(own, deciding.key)
         if current is not None and not any(s is current for s in competing):
             insort(competing, current, key=lambda s: (s.robot, s.key))
         return [self._candidate(now, place, stream) for place, stream in enumerate(competing)]
@@ -88,12 +88,12 @@ class WindowBuilder:
     def _candidate(self, now: float, place: int, stream: Stream) -> Candidate:
         view, own = self._view, stream.robot == self._view.settings.robot
         markovian, audience = stream.information_type.markovian, view.audiences.of(now, stream)
-        return Candidate(stream, place, view.copies(stream), audience, own, markovian, stream.likely_size)
+        return Candidate(stream, place, view.subscribers.copies(stream), audience, own, markovian, stream.likely_size)
 
     def _copied(self, now: float, place: int, current: Waiting) -> Candidate:
         """Return the stream of a copy, as it is for the one robot that the copy is for."""
         view, own = self._view, self._view.settings.robot
-        stream = view.stream(now, own, current.key)
+        stream = view.streams.get(now, own, current.key)
         if stream is None:
             raise LookupError(f"no type plans for {current.key}")
         audience = view.audiences.to(now, current.to, current.size)
@@ -101,7 +101,7 @@ class WindowBuilder:
 
     def _forecast(self, now: float, candidates: list[Candidate], current: Waiting, limits: Limits) -> list[OpenMessage]:
         """Fill in when candidates are expected to generate; return what guarantees demand of that."""
-        stream = self._view.known(self._view.settings.robot, current.key)
+        stream = self._view.streams.known(self._view.settings.robot, current.key)
         ours = None if stream is None else claim(now, stream)
         end = forecast(now, self._view, candidates, limits, ours)
         demanded = [expected(c, t) for c in candidates if guaranteed(c.stream) for t in c.take_owed()]

@@ -14,7 +14,6 @@ from proxy.core.interface.commands import Command, Decide, Forward
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import UNICAST, broadcast
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState, tag
-from proxy.core.view.view import SharedView
 from studies.benchmarks.memory import MEGABYTE
 from studies.benchmarks.report import Table
 from studies.simulation.conditions import Coordination
@@ -131,11 +130,11 @@ class Crowd:
     def time_view(self) -> None:
         """From now on measure what the view takes of each event."""
         view = self.core.view
-        self._timed(NOTED, view, "heard_sample")
+        self._timed(NOTED, view.overhearing, "take")
         self._timed(LEARNED, view, "heard_digest")
 
-    def _timed(self, kind: int, view: SharedView, name: str) -> None:
-        update: Callable[..., object] = getattr(view, name)
+    def _timed(self, kind: int, part: object, name: str) -> None:
+        update: Callable[..., object] = getattr(part, name)
 
         def timed(*of: object) -> object:
             begin = thread_time()
@@ -143,7 +142,7 @@ class Crowd:
             self.took[kind].append(thread_time() - begin)
             return found
 
-        setattr(view, name, timed)
+        setattr(part, name, timed)
 
     def _publish(self, *streams: int) -> None:
         """Publish a sample of each stream at once: the second one waits while the first is decided."""

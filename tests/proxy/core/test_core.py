@@ -24,7 +24,7 @@ from proxy.core.interface.commands import (
 from proxy.core.model.mode import Mode
 from proxy.core.protocol.fixed import rounded, single
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
-from proxy.core.view.view import MOST_PEERS
+from proxy.core.view.members import MOST_PEERS
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
 
@@ -138,7 +138,7 @@ def test_samples_that_gave_way_before_the_core_are_counted_and_generated(make_ta
     talk.want(0.0)
     talk.publish(0.1)
     talk.publish(0.4, superseded=2)
-    (stream,) = talk.core.view.own()
+    (stream,) = talk.core.view.streams.own()
     assert (stream.generated, round(stream.schedule.period, 3)) == (4, 0.1)
     assert talk.core.counts.by_reason["dropped:superseded"] == 2
     assert talk.core.counts.conserved
@@ -307,10 +307,10 @@ def test_a_robot_that_leaves_is_out_of_the_plan(make_talk):
     talk.tell(ev.PeerAppeared(0.0, "r2", "z-r2"))
     talk.tell(ev.StateHeard(0.0, state))
     talk.tell(ev.DigestHeard(0.1, Digest("r2", "z-r2", 0.1, 0, 0, (StreamDigest(7, 1, 1, 0.1, 0.1, 9, 1.0),))))
-    assert len(list(talk.core.view.streams())) == 1
+    assert len(list(talk.core.view.streams)) == 1
     talk.tell(ev.PeerGone(1.0, "r2", "z-r2"))
     talk.tell(ev.PeerGone(1.0, "op", "zz-op"))
-    assert list(talk.core.view.streams()) == []
+    assert list(talk.core.view.streams) == []
     _, commands = talk.publish(1.1)
     assert isinstance(only(commands)[0], Forward)
     assert talk.tell(ev.PeerGone(1.2, "op", "zz-op")) == []
@@ -682,7 +682,7 @@ def test_digests_that_overtake_a_presence_are_not_lost(make_talk):
     talk.tell(ev.PeerAppeared(1.1, "r2", "z-r2"))
     state = State("r2", "z-r2", "enforce", "", (StreamState(7, "robot/r2/camera", "camera", 0.5),))
     talk.tell(ev.StateHeard(1.2, state))
-    assert talk.core.view.known("r2", "robot/r2/camera").generated == 3
+    assert talk.core.view.streams.known("r2", "robot/r2/camera").generated == 3
 
 
 def test_a_state_of_nobody_changes_nothing(make_talk):
@@ -725,7 +725,7 @@ def test_the_status_tells_which_streams_are_over_and_no_more_sends_than_samples(
     talk.want(0.0)
     for step in range(4):
         talk.publish(1.0 + step)
-    (stream,) = talk.core.view.own()
+    (stream,) = talk.core.view.streams.own()
     stream.forwarded = 9
     (told,) = talk.core.status(5.0)["streams"]
     assert (told["over"], told["generated"], told["forwarded"]) == (False, 9, 9)
@@ -750,7 +750,7 @@ def test_features_and_scale_are_used_as_they_are_told(make_talk):
     talk.want(0.0)
     talk.publish(1.0, red=0.123456789)
     talk.tell(ev.TimePassed(3.0))
-    (stream,) = talk.core.view.own()
+    (stream,) = talk.core.view.streams.own()
     told = next(s for sent in talk.all(SendDigest) for s in sent.digest.streams)
     assert told.scale == stream.newest.scale == rounded(stream.newest.scale)
     assert stream.newest.features["red"] == single(0.123456789)

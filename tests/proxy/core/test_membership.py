@@ -32,11 +32,11 @@ def begin(mesh):
 def known(mesh, zid):
     """What a robot knows, in terms of ids."""
     view = mesh.cores[zid].view
-    tags = view.tags()
+    tags = view.members.tags
     return {
         "members": frozenset(view.peers) | {tag(zid)},
-        "streams": {(tags[s.robot], s.key, s.generated) for s in view.streams()},
-        "wanted": {s.key: tuple(sorted((*view.wanting(s), tags[s.robot]))) for s in view.streams()},
+        "streams": {(tags[s.robot], s.key, s.generated) for s in view.streams},
+        "wanted": {s.key: tuple(sorted((*view.subscribers.of(s), tags[s.robot]))) for s in view.streams},
     }
 
 
@@ -65,7 +65,7 @@ def test_newcomers_are_in_everybodys_plan_within_one_state(make_specs):
     for zid in old:
         peer = mesh.cores[zid].view.peers[tag(new)]
         assert (peer.subscriptions, list(peer.keys.values())) == (("robot/*/camera",), [key_of(new)])
-        assert tag(new) in mesh.cores[zid].view.wanting(next(mesh.cores[zid].view.own()))
+        assert tag(new) in mesh.cores[zid].view.subscribers.of(next(mesh.cores[zid].view.streams.own()))
     mesh.run(4.0)
     assert_agreed(mesh, list(NAMES))
 
@@ -108,7 +108,7 @@ def test_after_a_partition_all_views_agree(make_specs, seed, loss, clones):
     mesh.run(15.0)
     assert_agreed(mesh, everybody)
     for zid in everybody:
-        assert len(mesh.cores[zid].view.namesakes()) == clones - 1
+        assert len(mesh.cores[zid].view.members.namesakes()) == clones - 1
 
 
 @pytest.mark.parametrize("text", [SPEC.format(limit="80 kbit/s", window=1.0)])

@@ -25,9 +25,9 @@ SPECS = specs()
 KEYS = ("robot/r1/camera", "robot/r2/camera", "robot/x/camera", "other")
 PEERS = {"aaaaaaaa01": "op", "eeeeeeee01": "r2"}
 KEPT = {
-    *("Stream.wanting", "Stream.wanting_at", "Stream._expected", "Stream._reach", "Interest._wanting"),
-    *("Competition._" + kept for kept in ("revision", "streams", "row", "seen", "robots", "owner", "wanted")),
-    *("Competition._" + kept for kept in ("cheapness", "last", "patience", "next")),
+    *("Stream._expected", "Stream._reach", "Interest._wanting"),
+    *("Contention._" + kept for kept in ("revision", "streams", "row", "seen", "robots", "owner", "wanted")),
+    *("Contention._" + kept for kept in ("cheapness", "last", "patience", "next")),
     *("Budget._others_known", "Budget._others_sent", "Budget._usable", "Budget._usable_for", "ClockOffset._offset"),
     *("Loss._stale", "Loss._share", "LatencyFit._stale", "LatencyFit._line", "LatencyFit._classes"),
 }
@@ -103,16 +103,42 @@ def queries(core, now):
     limits = range(len(budget.limits))
     use = tuple(0.1 * limit.limit for limit in budget.limits)
     yield "core", lambda: (core.status(now), core.wake_at(now))
-    yield "view", lambda: (view.evicted, view.revision, view.tags(), view.longest_way, view.namesakes())
-    yield "what is echoed", lambda: (view.echoes(now), view.echoes(now, quickest=True), view.met_lately(now))
-    yield "view of robots", lambda: (view.all_told_at(PEERS.values(), now), view.robot_of("feed"))
-    yield "view of streams", lambda: [(view.wanting(s), view.gaining(s), view.copies(s)) for s in view.streams()]
-    yield "who competes", lambda: (view.competition.all(now), [view.competes(now, s) for s in view.own()])
-    yield "what is overheard", lambda: (view.sent_since(now - 1.0), [view.overhears(s) for s in view.streams()])
+    yield (
+        "view",
+        lambda: (
+            view.evicted,
+            view.streams.revision,
+            view.members.tags,
+            view.staleness.longest_way,
+            view.members.namesakes(),
+        ),
+    )
+    yield (
+        "what is echoed",
+        lambda: (view.echoes.due(now), view.echoes.due(now, quickest=True), view.newcomers.met_lately(now)),
+    )
+    yield (
+        "view of robots",
+        lambda: (view.staleness.all_reported_until(PEERS.values(), now), view.origins.robot_of("feed")),
+    )
+    yield (
+        "view of streams",
+        lambda: [
+            (view.subscribers.of(s), view.subscribers.gaining(s), view.subscribers.copies(s)) for s in view.streams
+        ],
+    )
+    yield (
+        "who competes",
+        lambda: (view.contention.all(now), [view.contention.competes(now, s) for s in view.streams.own()]),
+    )
+    yield (
+        "what is overheard",
+        lambda: (view.traffic.sent_since(now - 1.0), [view.subscribers.overhears(s.robot) for s in view.streams]),
+    )
     for peer in list(view.peers.values()):
         yield "peer", lambda p=peer: (p.number, p.latency_in, p.loss_in, p.loss_out, p.line_in, p.line_out)
-        yield "called", lambda p=peer: (view.peer_called(p.robot), p.offset.known and p.offset.uncertainty(now))
-    for stream in list(view.streams()):
+        yield "called", lambda p=peer: (view.members.called(p.robot), p.offset.known and p.offset.uncertainty(now))
+    for stream in list(view.streams):
         schedule = stream.schedule
         yield "schedule", lambda s=schedule: (s.period, s.jitter, s.kind, s.rhythm, s.last, s.timeout, s.prospect())
         yield "forecast", lambda s=schedule: (s.over(now), s.forecast(now, now + 5.0, 5), s.forecast(0.0, now, 9, now))
@@ -124,14 +150,17 @@ def queries(core, now):
     yield "what we may use", lambda: [(budget.whole(now, k), budget.used(now, k)) for k in limits]
     yield "what is free", lambda: (budget.free(now), budget.left(now), budget.others(now))
     yield "what fits", lambda: (budget.lacking(now, use), budget.opens(now, use))
-    yield "limits", lambda: (budget.problem_limits(now), budget.alone, [gate.appraisal.mode_of(s) for s in view.own()])
+    yield (
+        "limits",
+        lambda: (budget.problem_limits(now), budget.alone, [gate.appraisal.mode_of(s) for s in view.streams.own()]),
+    )
     yield "capacity", lambda: (capacity.staleness(now), capacity.due_at, capacity.factors, capacity.wakes_at(now))
     yield "reports", lambda: (capacity.probe_due(now), capacity.has_news(now), capacity.report(now))
     yield "announcements", lambda: (gossip.announcements.share(now), gossip.announcements.due_at(now))
     yield "gossip", lambda: (gossip.due_at(now), gossip.states.state, gossip.account.window)
     yield "allowance", lambda: (gossip.budget.due(now, news=True, copies=2), gossip.budget.in_debt(now))
     yield "allowance ahead", lambda: (gossip.budget.due_ahead(now, 1.0), gossip.budget.due_in_turn(now, now, 1.0, 2))
-    yield "counts", lambda: (core.counts.conserved, core.counts.queued, core.outsiders.warnings())
+    yield "counts", lambda: (core.counts.conserved, core.counts.queued, core.mismatched.warnings())
 
 
 def whole(thing, seen=None):

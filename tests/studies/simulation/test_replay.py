@@ -34,8 +34,8 @@ def test_a_wall_clock_that_steps_is_told_anew(flight):
     """By those who live through it again, as late as it may be."""
     again = Relived(flight, "r0", {"r1": Clock(steps=((2.0, 60.0),))})
     list(again.alike(END))
-    assert again.cores["r0"].view.peers["z-r1"].wall_offset == pytest.approx(
-        flight.cores["r0"].view.peers["z-r1"].wall_offset + 60.0
+    assert again.cores["r0"].view.peers["z-r1"].inbound.wall_offset == pytest.approx(
+        flight.cores["r0"].view.peers["z-r1"].inbound.wall_offset + 60.0
     )
 
 

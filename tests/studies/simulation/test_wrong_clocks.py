@@ -150,8 +150,8 @@ def test_latencies_are_right_by_size_on_both_ends(request, flown):
         overheard = third.core.view.peers[f"z-{sender.robot}"].heard_by[f"z-{receiver.robot}"]
         for size in SIZES[1:3]:
             truth = taken(flight, sender, receiver, size)
-            assert peer.line_in.of(size) == pytest.approx(truth, abs=0.015)
-            assert told.line_out.of(size) == pytest.approx(truth, abs=0.02)  # as it was when it was told
+            assert peer.inbound.line.of(size) == pytest.approx(truth, abs=0.015)
+            assert told.outbound.line.of(size) == pytest.approx(truth, abs=0.02)  # as it was when it was told
             assert overheard.of(size) == pytest.approx(truth, abs=0.02)
 
 
@@ -160,7 +160,10 @@ def test_losses_are_found_on_both_ends(losing):
     for receiver, sender, peer in believed(losing):
         ways = [d for d in losing.deliveries if (d.frame.robot, d.receiver) == (sender.robot, receiver.robot)]
         told = sender.core.view.peers[f"z-{receiver.robot}"]
-        for found, counts in ((peer.loss_in, peer._in._read), (told.loss_out, told._out._read)):
+        for found, counts in (
+            (peer.inbound.loss, peer.inbound._losses._read),
+            (told.outbound.loss, told.outbound._losses._read),
+        ):
             among = ways[counts[0][0] : counts[-1][0]]  # those that it was told of
             assert len(among) > len(ways) / 2
             assert found == pytest.approx(np.mean([d.t_rcv is None for d in among]), abs=0.08)

@@ -31,9 +31,9 @@ class Robot:
             self.view.add_peer(0.0, peer, peer)
         self.coordination.set_limits(0.0, self.limits)
         self.coordination.set_members(0.0, peers)
-        self.view.set_interest(("robot/**",))
+        self.view.subscribers.set_own(("robot/**",))
         for robot in ("r1", *peers)[:send]:
-            stream = self.view.stream(0.0, robot, f"robot/{robot}/camera")
+            stream = self.view.streams.get(0.0, robot, f"robot/{robot}/camera")
             stream.matching = True
             for count in range(9):
                 stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
@@ -76,4 +76,4 @@ def make_budget(make_specs):
 
 def heard(view, now, size):
     """A sample of another robot that no spec covers comes."""
-    view.heard_sample(ev.SampleHeard(now, "other", size, "p0", None, None))
+    view.overhearing.take(ev.SampleHeard(now, "other", size, "p0", None, None))

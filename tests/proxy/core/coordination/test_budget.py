@@ -16,7 +16,7 @@ from tests.proxy.core.coordination.conftest import BYTES, COUNT, ENERGY, heard
 def test_what_is_told_beyond_the_allowance_counts_like_samples_of_others(make_budget):
     """So much less may be sent, for a window."""
     budget, view = make_budget()
-    view.note_talk(1.0, 200)
+    view.traffic.note_talk(1.0, 200)
     assert budget.free(1.0) == [800.0]
     assert budget.free(2.1) == [1000.0]
 

@@ -12,8 +12,9 @@ from proxy.core.market.disputes import Disputes
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
+from proxy.core.view.newcomers import NEW
 from proxy.core.view.stream import Generated, Sent
-from proxy.core.view.view import NEW, SharedView
+from proxy.core.view.view import SharedView
 
 PERIOD, SIZE = 0.1, 1_000
 
@@ -23,9 +24,9 @@ def view(make_specs):
     """Two robots with frames of 10 Hz and more to say than the limit carries; the other one is due at 10 s."""
     view = SharedView(CoreSettings("r1", "z1"), make_specs(window=0.25))
     view.add_peer(0.0, "r2", "z2")
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2"):
-        stream = view.stream(0.0, robot, f"robot/{robot}/camera")
+        stream = view.streams.get(0.0, robot, f"robot/{robot}/camera")
         stream.matching = True
         for count in range(100):
             stream.note_generated(count + 1, Generated(count * PERIOD, SIZE, 1.0))
@@ -39,12 +40,12 @@ def taken(view, now, *, grew=-math.inf):
 def judged(view, now, *, own=(0.0,), grew=-math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(now, limits, alone=False)
-    stream = view.known("r1", "robot/r1/camera")
+    stream = view.streams.known("r1", "robot/r1/camera")
     return rivals(now, view, disputes, stream, limits, own=own, grew=grew)
 
 
 def sent(view, robot, t):
-    view.note_sent(view.known(robot, f"robot/{robot}/camera"), 1, Sent(t, t, SIZE, 1.0))
+    view.traffic.note_sent(view.streams.known(robot, f"robot/{robot}/camera"), 1, Sent(t, t, SIZE, 1.0))
 
 
 def test_a_better_claim_that_was_due_just_now_counts_as_taken(view):
@@ -87,7 +88,7 @@ def test_what_we_know_to_be_sent_is_counted_elsewhere(view):
     """It is no guess any more."""
     sent(view, "r1", 9.0)
     sent(view, "r2", 10.0)
-    view.known("r2", "robot/r2/camera").renew(Generated(9.9, SIZE, 100.0))
+    view.streams.known("r2", "robot/r2/camera").renew(Generated(9.9, SIZE, 100.0))
     assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (0.0,)
 
 
@@ -95,7 +96,7 @@ def test_what_comes_at_random_counts_by_how_likely_it_was_sent(view):
     """Nobody knows when it is due: no more of it than would be taken of what was."""
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
-    view.known("r2", "robot/r2/camera").schedule.assume(PERIOD, "poisson")
+    view.streams.known("r2", "robot/r2/camera").schedule.assume(PERIOD, "poisson")
     likely = 1.0 - math.exp(-news_take(view) / PERIOD)
     assert taken(view, 10.0) == (pytest.approx(likely**TUNING.caution * SIZE),)
 
@@ -103,23 +104,23 @@ def test_what_comes_at_random_counts_by_how_likely_it_was_sent(view):
 @pytest.mark.parametrize("later", [0.0, 0.2, 0.9])
 def test_others_never_take_our_claim_for_less_than_it_is(view, later):
     """What they know of our sends is older: so no two robots find that their own claim is the best."""
-    ours = view.known("r1", "robot/r1/camera")
+    ours = view.streams.known("r1", "robot/r1/camera")
     sent(view, "r1", 9.0)
     before = claim(10.0, ours)
-    view.note_sent(ours, 2, Sent(9.0 + later, 9.0 + later, SIZE, 1.0))
+    view.traffic.note_sent(ours, 2, Sent(9.0 + later, 9.0 + later, SIZE, 1.0))
     assert claim(10.0, ours) <= before
 
 
 def test_a_stream_of_little_worth_never_holds_a_better_one_back(view):
     """However long it was silent: a new sample gains no more than it is worth itself."""
-    ours, theirs = (view.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
+    ours, theirs = (view.streams.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
     ours.renew(Generated(9.9, SIZE, 5.0))
     lasts = view.lifetimes.end(theirs.information_type.utility)
     sent(view, "r1", 10.0)
     sent(view, "r2", 10.0)
     now = 10.0 + lasts
     assert claim(now + 1000.0, theirs)[0] == pytest.approx(claim(now, theirs)[0])
-    view.note_sent(ours, 2, Sent(now, now, SIZE, 5.0))
+    view.traffic.note_sent(ours, 2, Sent(now, now, SIZE, 5.0))
     assert claim(now + 0.5 * lasts, ours) > claim(now + 0.5 * lasts, theirs)
 
 
@@ -134,7 +135,7 @@ def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
     sent(view, "r2", 9.0)
     news = news_take(view)
     assert taken(view, 10.0 + 2.0 * news) == (0.0,)
-    third = view.stream(0.0, "r3", "robot/r3/camera")
+    third = view.streams.get(0.0, "r3", "robot/r3/camera")
     third.matching = True
     for count in range(100):
         third.note_generated(count + 1, Generated(count * PERIOD + 0.5 * news, SIZE, 1.0))
@@ -151,7 +152,7 @@ def test_who_sent_last_counts_until_all_can_have_heard_of_it(view):
     news = news_take(view)
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
-    third = view.stream(0.0, "r3", "robot/r3/camera")
+    third = view.streams.get(0.0, "r3", "robot/r3/camera")
     third.matching = True
     for count in range(100):
         third.note_generated(count + 1, Generated(count * PERIOD + 0.05, SIZE, 1.0))
@@ -165,7 +166,7 @@ def test_a_sample_may_come_later_than_it_is_due(view):
     """By as much as its rhythm is unsure: more, the longer nothing of it was told."""
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
-    theirs, late = view.known("r2", "robot/r2/camera"), 10.0 + 1.5 * news_take(view)
+    theirs, late = view.streams.known("r2", "robot/r2/camera"), 10.0 + 1.5 * news_take(view)
     theirs.schedule.observe(101, 9.9, Rhythm(PERIOD, 9.9, 101, 0.0, 16))
     assert taken(view, late) == (0.0,)
     theirs.schedule.observe(102, 9.9, Rhythm(PERIOD, 9.9, 102, 0.5 * news_take(view), 16))
@@ -178,17 +179,17 @@ def test_of_two_that_are_as_long_silent_one_leads(view):
     disputes.advance(10.0, limits, alone=False)
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.0 + 0.5 * TUNING.claim_tolerance)
-    assert not leads(10.0, view, disputes, view.known("r1", "robot/r1/camera"), limits)
+    assert not leads(10.0, view, disputes, view.streams.known("r1", "robot/r1/camera"), limits)
     assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
-    view.note_sent(view.known("r2", "robot/r2/camera"), 2, Sent(9.1, 9.1, SIZE, 1.0))
-    assert leads(10.0, view, disputes, view.known("r1", "robot/r1/camera"), limits)
+    view.traffic.note_sent(view.streams.known("r2", "robot/r2/camera"), 2, Sent(9.1, 9.1, SIZE, 1.0))
+    assert leads(10.0, view, disputes, view.streams.known("r1", "robot/r1/camera"), limits)
 
 
 def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view):
     """The best claim waits for the room that anybody leaves; what it told meanwhile does not say what became of it."""
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
-    theirs = view.known("r2", "robot/r2/camera")
+    theirs = view.streams.known("r2", "robot/r2/camera")
     now = 10.0 + 4.0 * news_take(view)
     theirs.note_generated(101, Generated(10.0, SIZE, 1.0))
     assert taken(view, now) == (0.0,)
@@ -197,8 +198,8 @@ def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view)
 
 def test_a_stream_that_never_sent_has_the_claim_of_its_whole_life(view):
     """All know since when it generates, whenever they heard of it first."""
-    ours = view.stream(0.0, "r1", "robot/r3/camera")
-    theirs = view.stream(0.0, "r2", "robot/r3/camera")
+    ours = view.streams.get(0.0, "r1", "robot/r3/camera")
+    theirs = view.streams.get(0.0, "r2", "robot/r3/camera")
     ours.note_generated(1, Generated(0.1, SIZE, 1.0))
     theirs.note_generated(50, Generated(5.0, SIZE, 1.0), told=Rhythm(0.1, 5.0, 50, 0.001, 16))
     assert theirs.began == pytest.approx(ours.began)
@@ -211,11 +212,13 @@ def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_
     view.add_peer(9.0, robot, f"z-{robot}")
     told = (StreamState(1, f"robot/{robot}/camera", "camera", PERIOD, size=size),)
     view.heard_state(9.0, State(robot, f"z-{robot}", "enforce", "", told, ("robot/**",)))
-    stream = view.stream(9.0, "r1", "robot/r1/camera")
+    stream = view.streams.get(9.0, "r1", "robot/r1/camera")
     for count in range(10):
         stream.note_generated(count + 1, Generated(9.0 + count * PERIOD, SIZE, 1.0))
     assert taken(view, 10.0) == (use,)
-    view.note_sent(stream, 1, Sent(9.5, 9.5, SIZE, 1.0))  # who has sent waits for who has not, whatever their names
+    view.traffic.note_sent(
+        stream, 1, Sent(9.5, 9.5, SIZE, 1.0)
+    )  # who has sent waits for who has not, whatever their names
     assert taken(view, 10.0) == (SIZE if size == SIZE else 0.0,)
     assert taken(view, 9.0 + NEW) == (0.0,)
     news = StreamDigest(1, 5, 0, 9.0, 0.0, size, 1.0)
@@ -237,11 +240,11 @@ def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view)
     """What is small is soon no part of any dispute; a stream without a rhythm waits for nobody's room."""
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(10.0, limits, alone=False)
-    ours, theirs = (view.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
+    ours, theirs = (view.streams.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.5)
     assert leads(10.0, view, disputes, ours, limits)
-    view.note_sent(ours, 2, Sent(9.8, 9.8, SIZE, 1.0))
+    view.traffic.note_sent(ours, 2, Sent(9.8, 9.8, SIZE, 1.0))
     assert not leads(10.0, view, disputes, ours, limits)
     theirs.mean_size = SIZE / 40
     assert leads(10.0, view, disputes, ours, limits)
@@ -265,7 +268,7 @@ def test_a_small_message_of_a_slow_stream_does_not_wait_for_late_news_of_one_oth
     """One that may collide with it matters less than the time."""
     window = news_take(view) / TUNING.collision_news * (0.9 if late else 1.1)
     limits = tuple(replace(limit, window=window) for limit in limits_of(view.specs, 0.02, 2))
-    disputes, ours = Disputes(view), view.known("r1", "robot/r1/camera")
+    disputes, ours = Disputes(view), view.streams.known("r1", "robot/r1/camera")
     disputes.advance(10.0, limits, alone=False)
     ours.schedule.observe(
         101, 9.9, Rhythm((2.0 if seldom else 0.5) * TUNING.collision_period * window, 9.9, 101, 0.0, 16)

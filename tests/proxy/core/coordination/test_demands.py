@@ -19,7 +19,7 @@ def make_view(make_specs):
     def make(size, value=1.0, *, wanted=True, samples=50):
         view = SharedView(CoreSettings("r1", "z1"), make_specs(window=0.5))
         view.add_peer(0.0, "r2", "z2")
-        stream = view.stream(0.0, "r1", "robot/r1/camera")
+        stream = view.streams.get(0.0, "r1", "robot/r1/camera")
         stream.matching = wanted
         for count in range(samples):
             stream.note_generated(count + 1, Generated(5.0 - 0.1 * (samples - count), size, value))
@@ -70,8 +70,8 @@ def test_how_long_messages_take_changes_no_bid(make_view):
     """Each robot learns it at another moment, and all would ask for something else then."""
     soon, late = make_view(2_000), make_view(2_000)
     (peer,) = late.peers.values()
-    peer.latency_out = Latency(1.0)
-    stream = late.known("r1", "robot/r1/camera")
+    peer.outbound.latency = Latency(1.0)
+    stream = late.streams.known("r1", "robot/r1/camera")
     assert late.audiences.of(5.0, stream).mean == 1.0
     assert asked(late) == asked(soon)
 
@@ -80,6 +80,6 @@ def test_what_comes_too_late_asks_for_nothing(make_view):
     """It is worth nothing any more long before it is received."""
     late = make_view(2_000)
     (peer,) = late.peers.values()
-    end = late.lifetimes.end(late.known("r1", "robot/r1/camera").information_type.utility)
-    peer.latency_out = Latency(TUNING.too_late * end)
+    end = late.lifetimes.end(late.streams.known("r1", "robot/r1/camera").information_type.utility)
+    peer.outbound.latency = Latency(TUNING.too_late * end)
     assert asked(late) == ()

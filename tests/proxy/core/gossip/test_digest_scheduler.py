@@ -12,7 +12,7 @@ from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.protocol.split_report import SplitReport
 from proxy.core.protocol.state_codec import pack_state
-from proxy.core.view.view import NEW
+from proxy.core.view.newcomers import NEW
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly
 from studies.simulation.missions import draw, scenario
@@ -92,7 +92,7 @@ def test_a_robot_that_nobody_echoed_yet_is_echoed_where_else_an_announcement_wou
     talk.tell(ev.TimePassed(9.0))
     talk.tell(ev.DigestHeard(9.9, Digest("op", tag("zz-op"), 9.89), 1500))
     if echoed:
-        talk.core.view.echoed([tag("zz-op")])
+        talk.core.view.echoes.sent([tag("zz-op")])
     sends(talk, 10.0, size=1000)
     (told,) = digests(talk, 10.0)
     assert [news.forwarded for news in told.streams] == [3]
@@ -258,11 +258,11 @@ def test_announcements_that_the_allowance_has_no_room_for_leave_out_what_is_smal
     talk.tell(ev.TimePassed(9.0))
     if spent:
         talk.tell(ev.DigestHeard(9.9, Digest("op", tag("zz-op"), 9.89), spent))
-        talk.core.view.echoed([tag("zz-op")])
+        talk.core.view.echoes.sent([tag("zz-op")])
     sends(talk, 10.0, key="robot/x/camera", size=50)
     sends(talk, 10.0, size=1000)
     talk.tell(ev.TimePassed(10.002))
-    small, large = (talk.core.view.known("r1", f"robot/{each}/camera").id for each in ("x", "r1"))
+    small, large = (talk.core.view.streams.known("r1", f"robot/{each}/camera").id for each in ("x", "r1"))
     told = digests(talk, 10.0)
     assert told[-1].brief
     assert {stream.id for digest in told for stream in digest.streams} == ({large} if spent else {small, large})
@@ -332,8 +332,8 @@ def test_what_is_announced_on_the_air_is_told_again_where_much_is_lost(make_talk
     talk.want(0.0)
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
     peer = talk.core.view.peers[tag("zz-op")]
-    peer._out.read(0, 0)
-    peer._out.read(100, 100 - lost)
+    peer.outbound._losses.read(0, 0)
+    peer.outbound._losses.read(100, 100 - lost)
     talk.tell(ev.TimePassed(5.0))
     sends(talk, 6.0, size=2_000)
     for step in range(1, 900):

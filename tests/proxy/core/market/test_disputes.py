@@ -8,7 +8,7 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.market.prices import Standing
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
-from proxy.core.view.view import NEW
+from proxy.core.view.newcomers import NEW
 from tests.proxy.core.talk import only
 
 SPEC = """
@@ -88,7 +88,7 @@ def test_frames_compete_for_what_small_samples_leave(talk):
 def test_every_small_sample_finds_room_however_many_frames_go(talk):
     """All frames that fit are sent, and no odometry is dropped."""
     run(talk, 2.0, 10.0)
-    odometry, camera = (talk.core.view.known("r1", f"robot/r1/{key}") for key in ("odometry", "camera"))
+    odometry, camera = (talk.core.view.streams.known("r1", f"robot/r1/{key}") for key in ("odometry", "camera"))
     assert odometry.forwarded == odometry.generated == 400
     assert 52 <= camera.forwarded <= 2 * 20 / 0.5
     assert talk.core.counts.conserved
@@ -164,13 +164,13 @@ def test_room_is_kept_for_small_samples_beside_frames_that_nearly_fill_the_limit
                 sent.append(size)
     assert len(sent) > 10
     assert set(sent[5:]) <= {55_000, 56_000}
-    odometry = talk.core.view.known("r1", "robot/r1/odometry")
+    odometry = talk.core.view.streams.known("r1", "robot/r1/odometry")
     assert odometry.forwarded == odometry.generated
 
 
 def test_a_sample_that_is_worth_more_than_others_of_its_stream_is_decided(talk):
     """Its stream was weighed by what its last sample was worth."""
-    stream = talk.core.view.known("r1", "robot/r1/camera")
+    stream = talk.core.view.streams.known("r1", "robot/r1/camera")
     run(talk, 2.0, 2.5)
     assert disputes(talk).weighed(stream).scale == 1.0
     talk.publish(4.0, "robot/r1/camera", size=FRAME, red=1.0)
@@ -186,7 +186,7 @@ def test_streams_of_which_nothing_pays_are_dropped_without_a_search(make_talk, m
         now = 0.01 + 0.05 * step
         settle(talk, now, talk.publish(now, "robot/r1/odometry", size=6_000)[1], send=True)
         settle(talk, now, talk.publish(now, "robot/r1/camera", size=FRAME)[1], send=True)
-    stream = talk.core.view.known("r1", "robot/r1/odometry")
+    stream = talk.core.view.streams.known("r1", "robot/r1/odometry")
     assert disputes(talk).weighed(stream).standing is Standing.HOPELESS
     sample, said = talk.publish(4.01, "robot/r1/odometry", size=6_000)
     assert Drop(sample, "dropped:planner") in only(said)
@@ -240,7 +240,7 @@ def test_only_who_has_the_best_claim_waits_for_room_that_others_leave(talk, wort
 def test_what_is_larger_than_our_part_sets_no_price_for_what_is_not(talk):
     """A frame waits for its turn; meanwhile every small sample goes that fits in our part."""
     view, (limit,) = talk.core.view, talk.core.budget.limits
-    odometry = view.known("r1", "robot/r1/odometry")
+    odometry = view.streams.known("r1", "robot/r1/odometry")
     part = (replace(limit, limit=3_000.0),)
     for alone in (False, True):
         disputes(talk).advance(2.05, part, alone=alone)

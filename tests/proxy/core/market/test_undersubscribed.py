@@ -29,7 +29,7 @@ def test_what_a_settled_stream_needs_is_one_message_more_than_fit_evenly(talk):
     """Four a second of 1 kB are three in some windows of half a second."""
     for k in range(20):
         talk.publish(0.25 * k)
-    (stream,) = talk.core.view.own()
+    (stream,) = talk.core.view.streams.own()
     assert need(talk.core.view, stream, LIMITS, 5.0) == (pytest.approx(3000.0, rel=0.01),)
 
 
@@ -37,7 +37,7 @@ def test_what_a_new_stream_needs_is_twice_what_it_generated(talk):
     """However short its intervals are: a burst ends."""
     for k in range(10):
         talk.publish(1.0 + 0.001 * k)
-    (stream,) = talk.core.view.own()
+    (stream,) = talk.core.view.streams.own()
     assert need(talk.core.view, stream, LIMITS, 1.1) == (20_000.0,)
     assert need(talk.core.view, stream, LIMITS, 2.0) == (pytest.approx(501_000.0, rel=0.01),)
 
@@ -47,7 +47,7 @@ def test_where_many_wait_new_streams_may_need_a_part_of_what_is_held(talk, alone
     """A sample counts at once, what others need is looked at now and then. Where few wait it is a small part."""
     for robot in ("a", "b"):
         talk.publish(1.0, f"robot/{robot}/camera")
-    first, second = talk.core.view.own()
+    first, second = talk.core.view.streams.own()
     undersubscribed = Undersubscribed(talk.core.view)
 
     def fits(now, stream, amount, waiting=TUNING.many_waiting + 1):

@@ -62,7 +62,7 @@ def test_what_is_not_planned_passes_at_once_and_is_counted(make_said, said, reas
     assert only(commands) == [Forward(sample)]
     talk.tell(ev.SampleHanded(0.2, sample))
     assert talk.core.counts.by_reason == {reason: 1}
-    assert list(talk.core.view.streams()) == []
+    assert list(talk.core.view.streams) == []
     assert talk.core.budget.used(0.2, 0) > 0.0
 
 
@@ -71,7 +71,7 @@ def test_a_type_that_is_planned_no_more_leaves_the_view(make_said, make_specs):
     talk = make_said()
     talk.publish(0.1)
     talk.tell(ev.SpecsChanged(0.2, make_specs(text=ROUGH.replace('name = "camera"', 'name = "camera"\nbypass = true'))))
-    assert list(talk.core.view.streams()) == []
+    assert list(talk.core.view.streams) == []
 
 
 def test_a_delete_may_be_decided_like_a_sample(make_said):

@@ -80,8 +80,8 @@ def test_of_once_a_robot_gets_one_and_only_if_it_had_none(make):
     talk.alarm(23.0, "alarm/new")
     assert talk.copies(talk.arrive(24.0)) == to_away(first)
     assert talk.kept["by_reason"] == {"dropped:once": 1}
-    stream = talk.core.view.known("r1", "alarm/old")
-    assert talk.core.view.gaining(stream) == ()
+    stream = talk.core.view.streams.known("r1", "alarm/old")
+    assert talk.core.view.subscribers.gaining(stream) == ()
 
 
 @pytest.mark.parametrize("mode", [Mode.SHADOW, Mode.PASS])

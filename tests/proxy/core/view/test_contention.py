@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from proxy.core.interface.events import SampleHeard
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
-from proxy.core.view.contention import Competition
+from proxy.core.view.contention import Contention
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.view import SharedView
 from utility_specs import load_specs
@@ -70,25 +70,25 @@ class Course:
         self.view.heard_digest(self.now, Digest(robot, f"z-{robot}", self.now, 0, 0, (news,)))
 
     def hear(self, robot, key, number):
-        self.view.heard_sample(SampleHeard(self.now, key, 10 * number, f"z-{robot}", None, None))
+        self.view.overhearing.take(SampleHeard(self.now, key, 10 * number, f"z-{robot}", None, None))
 
     def publish(self, _robot, key, number):
-        stream = self.view.stream(self.now, OWN, key)
+        stream = self.view.streams.get(self.now, OWN, key)
         stream.note_generated(stream.generated + 1, Generated(self.now, 10 * number, number / 2))
 
     def send(self, _robot, key, *_):
-        stream = self.view.stream(self.now, OWN, key)
-        self.view.note_sent(stream, stream.forwarded + 1, Sent(self.now, self.now, 10, 1.0))
+        stream = self.view.streams.get(self.now, OWN, key)
+        self.view.traffic.note_sent(stream, stream.forwarded + 1, Sent(self.now, self.now, 10, 1.0))
 
     def miss(self, robot, *_):
-        for stream in self.view.own():
+        for stream in self.view.streams.own():
             stream.miss((f"z-{robot}",))
 
     def match(self, _robot, key, number):
-        self.view.set_matching(key, matching=number % 2 == 0)
+        self.view.streams.match(key, matching=number % 2 == 0)
 
     def want(self, _robot, _key, number):
-        self.view.set_interest((("**",), ())[number % 2])
+        self.view.subscribers.set_own((("**",), ())[number % 2])
 
     def wait(self, _robot, _key, number):
         self.now += 3.0 * number
@@ -98,9 +98,14 @@ DEEDS = [name for name in vars(Course) if name != "do" and not name.startswith("
 deeds = st.tuples(st.sampled_from(DEEDS), st.sampled_from(ROBOTS), st.sampled_from(KEYS), st.integers(1, 5))
 
 
+def contention_of(view):
+    """One of its own, that has not looked yet."""
+    return Contention(view.streams, view.subscribers, view.staleness)
+
+
 def competing(view, now):
     """Every stream, looked at now."""
-    return sorted((s for s in view.streams() if view.competes(now, s)), key=lambda s: (s.robot, s.key))
+    return sorted((s for s in view.streams if view.contention.competes(now, s)), key=lambda s: (s.robot, s.key))
 
 
 def chosen(view, now, most):
@@ -113,7 +118,11 @@ def chosen(view, now, most):
         return max(now, stream.schedule.prospect()[2])
 
     def worth(stream):
-        return stream.last.scale * len(view.gaining(stream)) / max(stream.last.size * view.copies(stream), 1)
+        return (
+            stream.last.scale
+            * len(view.subscribers.gaining(stream))
+            / max(stream.last.size * view.subscribers.copies(stream), 1)
+        )
 
     rated = sorted(found, key=lambda s: (-worth(s), due(s), s.robot, s.key))
     soonest = sorted(rated[most // 2 :], key=lambda s: (due(s), s.robot, s.key))
@@ -125,21 +134,21 @@ def chosen(view, now, most):
 def test_whatever_happened_the_rows_say_what_the_streams_do(specs, happened, most):
     """Nothing that bears on who competes, and on how streams rate, escapes notice."""
     course = Course(specs)
-    competition = Competition(course.view)
+    contention = contention_of(course.view)
     for robot in ROBOTS:
         course.do("come", robot, "recent", 1)
         course.do("state", robot, "recent", 1)
     for deed in happened:
         course.do(*deed)
-        assert [id(s) for s in competition.all(course.now)] == [id(s) for s in competing(course.view, course.now)]
-        found = competition.chosen(course.now, most)
+        assert [id(s) for s in contention.all(course.now)] == [id(s) for s in competing(course.view, course.now)]
+        found = contention.chosen(course.now, most)
         assert [(s.robot, s.key) for s in found] == [(s.robot, s.key) for s in chosen(course.view, course.now, most)]
-        assert all(s is course.view.known(s.robot, s.key) for s in found)
+        assert all(s is course.view.streams.known(s.robot, s.key) for s in found)
 
 
 def test_nobody_competes_where_there_is_no_stream(specs):
     """An empty view has no rows."""
-    assert Competition(SharedView(CoreSettings(OWN, "z-r0"), specs)).chosen(0.0, 5) == []
+    assert contention_of(SharedView(CoreSettings(OWN, "z-r0"), specs)).chosen(0.0, 5) == []
 
 
 def test_a_stream_without_a_period_comes_last(specs):
@@ -151,9 +160,9 @@ def test_a_stream_without_a_period_comes_last(specs):
         for _ in range(times):
             course.do("publish", robot, key, 2)
         course.do("match", robot, key, 2)
-    competition = Competition(course.view)
-    assert [s.key for s in competition.chosen(course.now, 3)] == ["r1/recent", "r2/recent", "r3/recent"]
-    assert [s.key for s in competition.chosen(course.now, 2)] == ["r1/recent", "r2/recent"]
+    contention = contention_of(course.view)
+    assert [s.key for s in contention.chosen(course.now, 3)] == ["r1/recent", "r2/recent", "r3/recent"]
+    assert [s.key for s in contention.chosen(course.now, 2)] == ["r1/recent", "r2/recent"]
 
 
 WANTED = [("publish", "r1", "recent", 1), ("publish", "r1", "recent", 1)]
@@ -183,9 +192,9 @@ def test_whether_a_stream_competes_is_looked_at_anew_after_what_makes_the_differ
     course = Course(specs)
     for each in before:
         course.do(*each)
-    competition = Competition(course.view)
-    assert (key in [s.key for s in competition.chosen(course.now, 5)]) is not then
+    contention = contention_of(course.view)
+    assert (key in [s.key for s in contention.chosen(course.now, 5)]) is not then
     course.do(*deed)
-    found = competition.chosen(course.now, 5)
+    found = contention.chosen(course.now, 5)
     assert found == competing(course.view, course.now)
     assert (key in [s.key for s in found]) is then

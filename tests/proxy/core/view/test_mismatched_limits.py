@@ -40,7 +40,7 @@ def has(talk, now, limits, number=1):
 
 def apart(talk):
     """Who takes no part."""
-    return set(talk.core.outsiders.found)
+    return set(talk.core.mismatched.found)
 
 
 def warnings(talk, now):
@@ -153,7 +153,7 @@ def test_who_says_something_in_the_end_takes_part(make_talk):
     assert apart(talk) == {"zz-op"}
     assert [notice.level for notice in talk.all(Notice) if "nothing is heard" in notice.text] == ["error"]
     talk.tell(ev.SampleHeard(7.0, "robot/op/camera", 1000, "zz-op", None, None))
-    assert [stream.robot for stream in talk.core.view.streams()] == ["?zz-op"]
+    assert [stream.robot for stream in talk.core.view.streams] == ["?zz-op"]
     says(talk, 8.0)
     assert apart(talk) == set()
     assert not talk.core.status(8.0)["warnings"]

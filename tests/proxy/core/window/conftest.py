@@ -9,7 +9,7 @@ from tests.proxy.core.window.views import add_stream, make_view
 def crowd(make_specs):
     """Our stream and those of two others, which the apps here want."""
     view = make_view(make_specs())
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2", "r3"):
         add_stream(view, robot)
     return view

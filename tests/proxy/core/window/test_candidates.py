@@ -43,7 +43,7 @@ def test_of_a_model_of_the_operators_few_messages_are_weighed(make_specs):
 def test_streams_of_low_value_are_thinned_not_time(make_specs):
     """The window reaches four constraint windows ahead whatever the horizon; the best stream stays whole."""
     view = make_view(make_specs(), horizon=20)
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     add_stream(view, "r1", period=0.1, scale=1.0)
     add_stream(view, "r2", period=0.1, scale=50.0)
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())[0]
@@ -56,7 +56,7 @@ def test_streams_of_low_value_are_thinned_not_time(make_specs):
 def test_one_forecast_of_every_stream_is_kept(make_specs):
     """Of as many as the window has places for."""
     view = make_view(make_specs(), horizon=3)
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2", "r3"):
         add_stream(view, robot)
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())[0]
@@ -73,10 +73,10 @@ def chosen(view):
 def test_of_too_many_streams_the_best_and_the_next_ones_have_places(make_specs):
     """Half of the places each, beside the stream that is decided."""
     view = make_view(make_specs(), horizon=4)
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for number in range(8):
         period = 0.25 + 0.01 * number
-        stream = view.stream(9.9, f"x{number}", f"robot/x{number}/camera")
+        stream = view.streams.get(9.9, f"x{number}", f"robot/x{number}/camera")
         for count in range(8):
             t_gen = 9.9 + (count - 7) * period
             stream.note_generated(count + 1, Generated(t_gen, 1000, 6.0 if number >= 6 else 1.0))
@@ -87,7 +87,7 @@ def test_of_too_many_streams_the_best_and_the_next_ones_have_places(make_specs):
 def test_the_stream_that_is_decided_always_has_a_place(make_specs):
     """However little it is worth, and however late it generates."""
     view = make_view(make_specs(), horizon=4)
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for number in range(8):
         add_stream(view, f"x{number}", scale=2.0)
     add_stream(view, "r1", period=2.0)
@@ -101,7 +101,7 @@ def test_the_stream_that_is_decided_always_has_a_place(make_specs):
 def test_a_window_that_must_be_small_keeps_what_matters(make_specs, most, streams, queued):
     """The current message, what was sent, and of the samples that wait those worth most."""
     view = make_view(make_specs(), horizon=60)
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for number in range(streams):
         stream = add_stream(view, "r1", key=f"robot/{number}/camera", scale=1.0 + number)
         stream.note_sent(1, Sent(9.5, 9.5, 1000, 1.0, {}))

@@ -19,7 +19,7 @@ from tests.proxy.core.window.views import (
 def test_others_messages_that_would_have_been_announced_are_decisions_only_as_long_as_that_takes(make_specs):
     """The latency, its margin, and what the stream is late by now and then; what was not announced was not sent."""
     view = make_view(make_specs())
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     add_stream(view, "r1")
     late = TUNING.overheard_within + add_stream(view, "r2").schedule.jitter
 
@@ -34,17 +34,17 @@ def test_others_messages_that_would_have_been_announced_are_decisions_only_as_lo
 def test_what_a_lesser_claim_may_have_had_sent_is_no_decision(make_specs):
     """It gives way to us: where all took each other's samples for sent nobody would send any."""
     view = make_view(make_specs())
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     ours, other = add_stream(view, "r1"), add_stream(view, "r2")
 
     def past(now):
         problem = WindowBuilder(view, 0.0).build(now, sample(now), (), union())[0]
         return [m.t_gen for m in problem.messages if m.t_gen < now and not m.sent]
 
-    view.note_sent(ours, 1, Sent(9.5, 9.5, 1000, 1.0))
-    view.note_sent(other, 1, Sent(9.0, 9.0, 1000, 1.0))
+    view.traffic.note_sent(ours, 1, Sent(9.5, 9.5, 1000, 1.0))
+    view.traffic.note_sent(other, 1, Sent(9.0, 9.0, 1000, 1.0))
     assert past(10.51) == [pytest.approx(10.5)]
-    view.note_sent(other, 2, Sent(9.6, 9.6, 1000, 1.0))
+    view.traffic.note_sent(other, 2, Sent(9.6, 9.6, 1000, 1.0))
     assert past(10.51) == []
 
 
@@ -56,7 +56,7 @@ def test_who_overhears_takes_what_was_not_heard_in_time_for_not_sent(make_specs)
     view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (), ("robot/**",), transport=group))
     add_stream(view, "r1")
     other = add_stream(view, "r2")
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     late = TUNING.overheard_within + other.schedule.jitter
 
     def past(now):
@@ -81,9 +81,9 @@ forecast = { features = { red = "trend" } }
 def test_what_is_forecast_is_worth_what_its_features_will_be(make_specs):
     """Of our own streams by features, of others' by the scale that they tell."""
     view = make_view(make_specs(text=TRENDING))
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2"):
-        stream = view.stream(10.0, robot, f"robot/{robot}/camera")
+        stream = view.streams.get(10.0, robot, f"robot/{robot}/camera")
         stream.matching = True
         for count in range(11):
             features = {"red": 0.01 * count} if robot == "r1" else {}
@@ -99,7 +99,7 @@ def test_others_random_samples_are_expected_from_now_on(make_specs):
     """As nothing was heard of any since, there was none."""
     spec = TRENDING.replace('features = { red = "trend" }', 'schedule = { kind = "poisson", interval = 3 }')
     view = make_view(make_specs(text=spec))
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2"):
         add_stream(view, robot, size=3000)
     problem = WindowBuilder(view, 0.0).build(12.5, sample(12.5), (), union())[0]
@@ -110,7 +110,7 @@ def offered(make_specs, sizes, *, robots=4, kind=""):
     """Robots with frames of 10 Hz of these sizes, in turn, under a limit of 4 kB/s; the forecasts of each, by size."""
     view = make_view(make_specs(), horizon=400)
     for robot in range(robots):
-        stream = view.stream(10.0, f"r{robot + 1}", f"robot/r{robot + 1}/camera")
+        stream = view.streams.get(10.0, f"r{robot + 1}", f"robot/r{robot + 1}/camera")
         stream.matching = True
         for count in range(100):
             stream.note_generated(count + 1, Generated(0.1 * count + 0.02 * robot, sizes[count % len(sizes)], 1.0))

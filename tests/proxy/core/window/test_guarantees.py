@@ -118,7 +118,7 @@ def test_what_is_owed_is_what_cannot_wait(make_talk, specs_of):
     talk.publish(0.0, key="robot/r1/rich")
     for k in range(12):
         talk.publish(float(k), key="robot/r1/poor")
-    poor, rich = (talk.core.view.known("r1", f"robot/r1/{kind}") for kind in ("poor", "rich"))
+    poor, rich = (talk.core.view.streams.known("r1", f"robot/r1/{kind}") for kind in ("poor", "rich"))
     assert guaranteed(poor)
     assert not guaranteed(rich)
     assert (longest(poor, 1.0), longest(poor, 59.0)) == (2.0, 1.0)

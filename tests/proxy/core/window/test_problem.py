@@ -31,7 +31,7 @@ from tests.proxy.core.window.views import (
 
 def test_what_was_sent_is_a_fact(crowd):
     """The last sent message counts for what it is still worth, all recent sends for what they use."""
-    for stream in list(crowd.streams()):
+    for stream in list(crowd.streams):
         stream.note_sent(1, Sent(9.4, 9.4, 1000, 2.0))
         stream.note_sent(2, Sent(9.7, 9.7, 1000, 2.0))
     sent = ((9.4, (1000.0,)), (9.7, (1000.0,)))
@@ -47,12 +47,12 @@ def test_times_before_zero_are_times_like_others(make_specs):
 
     def window(zero):
         view = make_view(make_specs())
-        view.set_interest(("robot/**",))
+        view.subscribers.set_own(("robot/**",))
         for robot in ("r1", "r2"):
-            stream = view.stream(zero + 10.0, robot, f"robot/{robot}/camera")
+            stream = view.streams.get(zero + 10.0, robot, f"robot/{robot}/camera")
             for count in range(11):
                 stream.note_generated(count + 1, Generated(zero + 5.0 + 0.5 * count, 1000, 1.0))
-        view.note_sent(stream, 1, Sent(zero + 9.5, zero + 9.5, 1000, 1.0))
+        view.traffic.note_sent(stream, 1, Sent(zero + 9.5, zero + 9.5, 1000, 1.0))
         problem = WindowBuilder(view, zero).build(zero + 10.2, sample(zero + 10.2), (), union())[0]
         times = [t - zero for m in problem.messages for t in (m.t_gen, m.t_sent, m.t_rcv)]
         return [problem.t_start - zero, problem.t_end - zero, *times]
@@ -63,10 +63,10 @@ def test_times_before_zero_are_times_like_others(make_specs):
 def test_a_python_utility_sees_the_features_of_each_sample(make_specs):
     """Our own of the current sample, the newest and the last sent; of others' samples the defaults."""
     view = make_view(make_specs(text=BY_RED))
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2"):
         add_stream(view, robot)
-    ours, others = view.streams()
+    ours, others = view.streams
     ours.note_generated(100, Generated(9.9, 1000, 1.0, {"red": 3.0}))
     ours.note_sent(1, Sent(9.7, 9.7, 1000, 1.0, {"red": 2.0}))
     others.note_sent(1, Sent(9.6, 9.6, 1000, 1.0))
@@ -109,7 +109,7 @@ def test_the_facts_of_a_stream_are_those_that_matter(make_specs, aggregation, fa
 def test_of_once_only_the_robots_without_any_receive(make_specs):
     """One that joins is worth a message, the one that has it is not."""
     view, stream = aggregated(make_specs, '"once"')
-    view.note_sent(stream, 1, Sent(9.0, 9.0, 1000, 1.0))
+    view.traffic.note_sent(stream, 1, Sent(9.0, 9.0, 1000, 1.0))
     view.add_peer(9.5, "r3", "z-r3")
     view.heard_state(9.5, State("r3", "z-r3", "enforce", "", (), ("robot/**",)))
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())[0]
@@ -121,8 +121,8 @@ def test_what_others_sent_of_once_still_uses_the_channel(make_specs):
     """Though nobody gains by more of it, so that it is no stream of the problem."""
     view, _ = aggregated(make_specs, '"once"')
     others = add_stream(view, "r2")
-    view.note_sent(others, 1, Sent(9.7, 9.7, 1000, 1.0))
-    assert view.sent_since(9.0) == [(9.7, (1000, 1))]
+    view.traffic.note_sent(others, 1, Sent(9.7, 9.7, 1000, 1.0))
+    assert view.traffic.sent_since(9.0) == [(9.7, (1000, 1))]
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())[0]
     assert len(problem.streams) == 1
 
@@ -132,7 +132,7 @@ def test_receivers_of_our_own_stream_are_told_apart_by_latency(crowd):
     for robot, latency in (("r2", 0.02), ("r3", 0.1), ("r4", 0.02)):
         crowd.add_peer(0.0, robot, f"z-{robot}")
         crowd.heard_state(0.0, State(robot, f"z-{robot}", "enforce", "", (), ("robot/**",)))
-        crowd.peers[f"z-{robot}"].latency_out = Latency(latency)
+        crowd.peers[f"z-{robot}"].outbound.latency = Latency(latency)
     problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), union())[0]
     ours, others, _ = problem.streams
     assert ours.receivers == (Receiver(0.0, 2.0), Receiver(pytest.approx(0.08), 1.0))
@@ -145,7 +145,7 @@ def test_receivers_of_our_own_stream_are_told_apart_by_latency(crowd):
 def test_a_message_arrives_the_later_the_larger_it_is(crowd):
     """The time to a receiver has a part per byte, for what is decided as for what was sent."""
     meet(crowd, Latency(0.02, 1e-5))
-    stream = crowd.stream(0.0, "r1", "robot/r1/camera")
+    stream = crowd.streams.get(0.0, "r1", "robot/r1/camera")
     stream.note_sent(1, Sent(9.0, 9.0, 21_000, 1.0))
     problem = WindowBuilder(crowd, 0.0).build(10.0, replace(sample(10.0), size=11_000), (), union())[0]
     (fact,) = [m for m in problem.messages if m.sent and m.stream == 0]
@@ -180,7 +180,7 @@ def test_equal_latencies_give_the_plan_of_one_receiver_that_counts_for_all(
     for number in range(robots):
         view.add_peer(0.0, f"p{number}", f"z-{number}")
         view.heard_state(0.0, State(f"p{number}", f"z-{number}", "enforce", "", (), ("robot/**",)))
-        view.peers[f"z-{number}"].latency_out = Latency(latency)
+        view.peers[f"z-{number}"].outbound.latency = Latency(latency)
     stream = add_stream(view, "r1")
     for count, age in enumerate(sorted(ages, reverse=True)):
         stream.note_sent(count + 1, Sent(10.0 - age, 10.0 - age, 1000, 1.0))
@@ -204,7 +204,7 @@ def fresh_value(message) -> float:
 def test_others_use_nothing_of_our_energy(make_specs):
     """Their forecasts and what they sent count by the shared measures alone."""
     view = make_view(make_specs())
-    view.set_interest(("robot/**",))
+    view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2"):
         add_stream(view, robot).note_sent(1, Sent(9.7, 9.7, 1000, 2.0))
     energy = Limit("energy", 1.0, 10.0, Energy(10.0, 1.0, per_byte=1e-3))

@@ -28,7 +28,7 @@ def make_view(specs, **settings):
 
 def add_stream(view, robot, *, period=0.5, scale=1.0, size=1000, until=10.0, key=None):
     """A wanted stream that generated from 5 s to `until`."""
-    stream = view.stream(until, robot, key or f"robot/{robot}/camera")
+    stream = view.streams.get(until, robot, key or f"robot/{robot}/camera")
     stream.matching = True
     for count in range(int((until - 5.0) / period) + 1):
         stream.note_generated(count + 1, Generated(5.0 + count * period, size, scale))
@@ -55,7 +55,7 @@ def meet(view, latency):
     """Robot r2 is there, wants everything, and gets our samples after `latency`."""
     view.add_peer(0.0, "r2", "z-r2")
     view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (), ("robot/**",)))
-    view.peers["z-r2"].latency_out = latency
+    view.peers["z-r2"].outbound.latency = latency
     return view.peers["z-r2"]
 
 

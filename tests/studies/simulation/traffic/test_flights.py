@@ -34,7 +34,7 @@ def test_a_large_team_soon_knows_how_long_news_take(latency):
     """However few digests hold echoes: those who know no way come first, and announcements make room for them."""
     mission = draw("uniform-most", 10, 0, 12.0, latency=latency)
     flight = fly(mission, How(latency=latency, loss=0.0), 0)
-    known = [core.view.longest_way for core in flight.cores.values()]
+    known = [core.view.staleness.longest_way for core in flight.cores.values()]
     assert known == pytest.approx([latency] * 11, rel=0.01)
 
 

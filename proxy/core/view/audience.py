@@ -1,0 +1,112 @@
+"""Those that gain by a stream, by how long its messages take to them and how surely they get there."""
+
+import math
+from dataclasses import dataclass
+
+from planner import Receiver
+from proxy.core.model.settings import CoreSettings
+from proxy.core.view.members import Members
+from proxy.core.view.paths import Paths
+from proxy.core.view.receivers import Way, grouped
+from proxy.core.view.stream import Stream
+from proxy.core.view.subscribers import Subscribers
+
+REFRESH = 0.2
+"""What ways are like is looked at anew this often [s]."""
+MANY = 10
+"""Robots that are no large team."""
+
+
+@dataclass(frozen=True, slots=True)
+class Audience:
+    """Those that gain by a stream: a message of `size` [B] takes `latency` [s] to the first of the `receivers`.
+
+    Every byte more adds `per_byte` [s/B].
+    """
+
+    size: int
+    latency: float
+    per_byte: float
+    receivers: tuple[Receiver, ...]
+
+    def latency_of(self, size: int) -> float:
+        """The time that a message of so many bytes takes to the first of the receivers [s]."""
+        return max(0.0, self.latency + self.per_byte * (size - self.size))
+
+    @property
+    def share(self) -> float:
+        """How many they are, as far as messages get to them."""
+        return sum([r.share for r in self.receivers])
+
+    @property
+    def mean(self) -> float:
+        """The mean time to those whom messages get to [s]."""
+        return self.latency + sum(r.delay * r.share for r in self.receivers) / self.share
+
+    @property
+    def slowest(self) -> float:
+        """The time to the last of the receivers [s]."""
+        return self.latency + max(r.delay for r in self.receivers)
+
+
+class Audiences:
+    """The audience of each stream, looked at anew when somebody joins or leaves it, and every `REFRESH`.
+
+    In large teams that is more work, and done more rarely: every `REFRESH` for every `MANY` robots. Streams of one
+    robot whose samples are of one size, and which the same robots want, have one audience.
+    """
+
+    def __init__(self, settings: CoreSettings, members: Members, subscribers: Subscribers, paths: Paths) -> None:
+        self._settings = settings
+        self._members = members
+        self._subscribers = subscribers
+        self._paths = paths
+        self._known: dict[tuple[str, str], _Looked] = {}
+        self._common: dict[tuple[str, int, tuple[str, ...]], _Looked] = {}
+        self._lost, self._lost_at = 0.0, -math.inf
+
+    def of(self, now: float, stream: Stream) -> Audience:
+        """Return those that gain by each message of a stream as they are now."""
+        gaining, place = self._subscribers.gaining(stream), (stream.robot, stream.key)
+        known = self._known.get(place)
+        if known is None or now >= known.until or not (gaining is known.gaining or gaining == known.gaining):
+            if len(self._known) > self._settings.streams:
+                self._known.clear()
+            known = self._known[place] = self._look(now, stream, gaining)
+        return known.audience
+
+    def to(self, now: float, name: str, size: int) -> Audience:
+        """Return the robot with this tag as the only one that gains by a message of ours of so many bytes."""
+        fan = self._paths.of(self._settings.robot)
+        first, receivers = grouped(fan.ways((name,), size, self._loss(now)))
+        return Audience(size, first, fan.mean.per_byte, receivers)
+
+    def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> "_Looked":
+        """Look at the ways of a stream, or find what they were for another one lately."""
+        size = stream.newest.size
+        found = self._common.get((stream.robot, size, gaining))
+        if found is None or now >= found.until:
+            if len(self._common) > self._settings.streams:
+                self._common.clear()
+            lost, fan = self._loss(now), self._paths.of(stream.robot)
+            ways = fan.ways(gaining, size, lost)
+            first, receivers = grouped(ways or [Way(fan.mean.of(size))])
+            until = now + REFRESH * max(1.0, len(self._members.peers) / MANY)
+            found = _Looked(until, gaining, Audience(size, first, fan.mean.per_byte, receivers))
+            self._common[stream.robot, size, gaining] = found
+        return found
+
+    def _loss(self, now: float) -> float:
+        """The mean loss, looked at anew when time passed."""
+        if now != self._lost_at:
+            self._lost, self._lost_at = self._paths.mean_loss(), now
+        return self._lost
+
+
+@dataclass(frozen=True, slots=True)
+class _Looked:
+    """An audience, of those that were `gaining`, as it is taken to be `until` then [s]."""
+
+    until: float
+    gaining: tuple[str, ...]
+    audience: Audience

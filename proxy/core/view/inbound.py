@@ -1,0 +1,271 @@
+"""How the samples and digests of another robot come to us: how long they take, and how many get lost."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from proxy.core.protocol.messages import StreamDigest
+from proxy.core.view.latency import Latency, LatencyFit, middle
+from proxy.core.view.loss import Loss
+from proxy.core.view.offset import ClockOffset
+
+MOST_AGE = 10.0
+"""A sample that seems to be older than this when it arrives says nothing about the way [s]."""
+MOST_WAIT = 1.0
+"""A sample that seems to have waited longer than this before it was sent was not the last one generated [s]."""
+APART = 2.0
+"""A timestamp that is further than this from when its sample was sent does not tell of that [s]."""
+EARLY = 0.005
+"""A sample may seem to arrive so much before it was sent, besides what the clock offset may be wrong by [s]."""
+STANDS = 1e-5
+"""Timestamps closer together than this come from a clock that stands still [s]."""
+UNHEARD = 2.0
+"""A step of a wall clock is told this late at most [s]."""
+STREAMS = 1024
+"""Streams of one peer that samples are counted of."""
+RECENT = 64
+"""Samples whose timestamps are not read yet."""
+READ = 8192.0
+"""Timestamps are read to this part of a second, which is coarser than what a wall clock of today tells as a number."""
+LOOK = 0.5
+"""What samples take is worked out anew this often while they come [s]."""
+SET = 5e-4
+"""A wall clock that moved by less was not set [s]."""
+FADING = 0.9
+"""So much is left of the longest time between samples with each that comes sooner."""
+WAITS = 5
+"""Waits looked back on."""
+UNCONFIRMED, RARELY = 10.0, 3.0
+"""What samples took is forgotten when none came for so long [s], or so many usual times, though digests do..."""
+SHORTER, SPARE = 0.5, 0.05
+"""... that take so much less, and this less besides [s]: it was learnt in a queue, which may be why none comes."""
+
+
+@dataclass(slots=True)
+class Incoming:
+    """How the samples of one stream of a peer come in."""
+
+    heard: int = 0
+    """Samples received."""
+    stamp: float = -1.0
+    """Timestamp of the last one [s, its robot's wall clock]; -1.0: it had none."""
+    at: float = 0.0
+    """When it came [s]."""
+    size: int = 0
+    astray: bool = False
+    """Whether its timestamps are of another clock than its robot's."""
+    waits: deque[float] = field(default_factory=lambda: deque(maxlen=WAITS))
+    """How long samples waited to be sent [s], as far as digests tell."""
+    counted: tuple[int, int] | None = None
+    """Samples sent by the last news that counted, and those received then."""
+
+    def hear(self, now: float, size: int, stamp: float | None) -> float:
+        """A sample came; return how long samples wait to be sent [s]."""
+        self.heard += 1
+        self.at, self.size = now, size
+        self.stamp = -1.0 if stamp is None else stamp
+        return middle(self.waits) if self.waits else 0.0
+
+    def count(self, sent: int) -> None:
+        """So many were sent, and what was received by now was sent by then."""
+        self.counted = sent, self.heard
+
+    def restart(self) -> None:
+        """What was counted before is not about the same samples any more."""
+        self.counted = None
+
+    def judge(self, sent: float, wall_offset: float, period: float) -> None:
+        """See if its last timestamp was of the wall clock: its sample was sent at `sent` [s, its robot's clock]."""
+        self.astray = abs(sent - (self.stamp - wall_offset)) > APART + period
+
+
+class _Heard(NamedTuple):
+    """A sample that came at `at` [s], and should have been sent when its robot's wall clock showed `shown`."""
+
+    at: float
+    size: int
+    shown: float
+    stream: Incoming
+
+
+class Inbound:
+    """What samples of a robot take to us, by their timestamps, and the loss among them; `offset` is of its clock."""
+
+    def __init__(self, offset: ClockOffset) -> None:
+        self._offset = offset
+        self.samples = 0
+        """Samples heard."""
+        self.implausible = 0
+        """Those whose timestamp could not be right."""
+        self.evicted = 0
+        """Streams that there was no room for."""
+        self.wall_offset: float | None = None
+        """The robot's wall clock minus its monotonic clock [s]; None until it said."""
+        self._streams: dict[str, Incoming] = {}
+        self._unread: deque[_Heard] = deque(maxlen=RECENT)
+        self._samples = LatencyFit()
+        self._digests = LatencyFit()
+        self._losses = Loss()
+        self._sent, self._came = 0, 0
+        """What was sent to us, and what came of that, of all streams."""
+        self._last: tuple[float, int] = (0.0, 0)
+        """When the last sample came [s], and its size [B]."""
+        self._period = 0.0
+        """The longest time between two that came lately [s]."""
+        self._usual: Latency | None = None
+        self._usual_until = 0.0
+
+    @property
+    def latency(self) -> Latency | None:
+        """What samples take to us; as long as too few came, digests; None while unknown."""
+        return self._samples.line or self._digests.line
+
+    @property
+    def line(self) -> Latency | None:
+        """The same, else what digests take there and back."""
+        return self.latency or self._offset.line
+
+    @property
+    def loss(self) -> float | None:
+        """The part of the samples sent to us that does not reach us; None while unknown."""
+        return self._losses.share
+
+    @property
+    def counted(self) -> tuple[int, int]:
+        """How many samples were sent to us lately, and how many of these got lost."""
+        return self._losses.counted
+
+    def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> float | None:
+        """A sample arrived; `stamp` is on its robot's wall clock [s].
+
+        Return when it was generated, on our clock [s], by what samples take and how long they wait; None while that is
+        not known. Its timestamp serves to find what samples take, once it is sure that the clock was not set meanwhile.
+        """
+        self.samples += 1
+        if self._last[1]:
+            self._period = max(now - self._last[0], FADING * self._period)
+        self._last = now, size
+        incoming = self._of(key)
+        before, wait = incoming.stamp, incoming.hear(now, size, stamp)
+        if stamp is not None and self.wall_offset is not None and self._offset.known:
+            if abs(stamp - before) < STANDS:
+                self.implausible += 1
+            else:
+                if len(self._unread) == RECENT:
+                    self._read(self._unread[0].at)
+                self._unread.append(_Heard(now, size, stamp + wait, incoming))
+        self._read(now - UNHEARD)
+        line = self._usually(now)
+        return None if line is None else now - line.of(size) - wait
+
+    def heard_news(self, key: str, news: StreamDigest, *, counts: bool) -> None:
+        """The robot tells of a stream; it `counts` where we get every sample, and have got what it says was sent."""
+        incoming = self._of(key)
+        before, heard = incoming.counted, incoming.heard
+        if not counts:
+            incoming.restart()
+        else:
+            incoming.count(news.forwarded)
+            if before is not None and news.forwarded >= before[0]:
+                self._count(news.forwarded - before[0], heard - before[1])
+                if news.forwarded - before[0] == heard - before[1] > 0:
+                    self._compare(incoming, news)
+        wait = news.t_forwarded - news.t_generated
+        if (before is None or news.forwarded > before[0]) and 0.0 <= wait < max(MOST_WAIT, news.period):
+            incoming.waits.append(wait)
+
+    def heard_digest(self, now: float, sent: float, size: int) -> None:
+        """A digest that was sent at `sent`, on its robot's clock, is an example of what messages take."""
+        if self._offset.known:
+            self._digests.observe(now, size, max(0.0, now - self._offset.ours(sent)))
+
+    def forget_queue(self, now: float) -> None:
+        """Samples that seem to come too late to be worth anything are not sent, so nobody would learn better."""
+        if not self._offset.known or now < self._last[0] + max(UNCONFIRMED, RARELY * self._period):
+            return
+        line = self._samples.line
+        if line is not None and self._offset.latency < SHORTER * line.of(self._last[1]) - SPARE:
+            self._samples = LatencyFit()
+            self._unread.clear()
+
+    def set_wall_offset(self, now: float, offset: float) -> None:
+        """The robot's wall clock shows so much more than its monotonic one; it was set when it shows something else."""
+        before = self.wall_offset
+        if before is None or abs(before - offset) <= SET:
+            self.wall_offset = offset
+            return
+        self._read(now - UNHEARD)
+        self.wall_offset = offset
+        self._read(now, before)
+
+    def restart_losses(self) -> None:
+        """What is sent and what is counted there are not the same any more."""
+        self._losses.restart()
+        for incoming in self._streams.values():
+            incoming.restart()
+
+    def _count(self, sent: int, came: int) -> None:
+        if not self._losses.begun:
+            self._losses.read(self._sent, self._came)
+        self._sent += sent
+        self._came += came
+        self._losses.read(self._sent, self._came)
+
+    def _compare(self, incoming: Incoming, news: StreamDigest) -> None:
+        """All that was sent came: so news tells when the last one was sent, whatever an application stamped it with.
+
+        What was learned from timestamps of another clock is forgotten.
+        """
+        if incoming.stamp < 0.0 or self.wall_offset is None or not self._offset.known:
+            return
+        incoming.judge(news.t_forwarded, self.wall_offset, news.period)
+        line, took = self._samples.line, incoming.at - self._offset.ours(news.t_forwarded)
+        if incoming.astray and line is not None and line.of(incoming.size) > took + APART:
+            self._samples = LatencyFit()
+
+    def _read(self, until: float, *others: float) -> None:
+        """Read the timestamps of samples that came until then: had the wall clock been set, that was told by now.
+
+        `others` are offsets that it may have had, too: the likeliest reading counts.
+        """
+        while self._unread and self._unread[0].at <= until:
+            heard = self._unread.popleft()
+            took = None if heard.stream.astray else self._took(heard, self.wall_offset)
+            for offset in () if heard.stream.astray else others:
+                took = self._likelier(heard, self._took(heard, offset), took)
+            if took is None:
+                self.implausible += 1
+            else:
+                self._samples.observe(heard.at, heard.size, took)
+
+    def _took(self, heard: _Heard, wall_offset: float | None) -> float | None:
+        """The time from sending to receipt of a sample [s]; None when it cannot be right."""
+        if wall_offset is None:
+            return None
+        took = round(READ * (heard.at - self._offset.ours(heard.shown - wall_offset))) / READ
+        if took >= 0.0:
+            return took if took < MOST_AGE else None
+        return 0.0 if took >= -EARLY - self._offset.uncertainty(heard.at) else None
+
+    def _likelier(self, heard: _Heard, one: float | None, other: float | None) -> float | None:
+        """Of two times that a sample may have taken the one that is nearer to what they usually take [s]."""
+        if one is None or other is None:
+            return other if one is None else one
+        line = self._usually(heard.at)
+        usual = line.of(heard.size) if line else 0.0
+        return one if abs(one - usual) <= abs(other - usual) else other
+
+    def _usually(self, now: float) -> Latency | None:
+        """What samples take to us, looked at anew now and then."""
+        if self._usual is None or now >= self._usual_until:
+            self._usual, self._usual_until = self.line, now + LOOK
+        return self._usual
+
+    def _of(self, key: str) -> Incoming:
+        """Return how a stream comes in; if there are too many, the one not heard of for longest is forgotten."""
+        found = self._streams.pop(key, None) or Incoming()
+        if len(self._streams) >= STREAMS:
+            del self._streams[next(iter(self._streams))]
+            self.evicted += 1
+        self._streams[key] = found
+        return found

@@ -1,0 +1,83 @@
+"""The other robots that are here, each under a name that no other one has."""
+
+from collections.abc import Mapping
+
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import tag
+from proxy.core.view.peer import Peer
+
+MOST_PEERS = 256
+"""Robots in the view; a robot that said nothing yet has to leave for a new one."""
+
+
+class Members:
+    """The robots whose presence is known, by tag; `evicted` counts those for which there was no room."""
+
+    def __init__(self, settings: CoreSettings) -> None:
+        self._own = settings.robot, tag(settings.zid)
+        self._peers: dict[str, Peer] = {}
+        self.peers: Mapping[str, Peer] = self._peers
+        """The other robots, by tag."""
+        self.tags: dict[str, str] = {}
+        """The tags of all robots by their names, our own included."""
+        self.evicted = 0
+        self._silent: set[str] = set()
+        """Tags of the robots that have not announced a state yet."""
+        self._note_names()
+
+    def knows(self, zid: str) -> bool:
+        """Whether a robot of this id is here, or it is our own."""
+        return tag(zid) in self._peers or tag(zid) == self._own[1]
+
+    def evict(self) -> Peer | None:
+        """There is no room for a new robot; return who has to leave as it said nothing yet, if anybody."""
+        self.evicted += 1
+        return next((p for p in self._peers.values() if p.state is None and p.digest is None), None)
+
+    def add(self, now: float, robot: str, zid: str) -> None:
+        """A robot came. Of robots of one name the later ones get another one here, with a part of their ids."""
+        self._peers[tag(zid)] = Peer(self._free_name(robot, zid), zid, now, name=robot)
+        self._silent.add(tag(zid))
+        self._note_names()
+
+    def announced(self, name: str) -> None:
+        """The robot with this tag has announced what its apps subscribe to."""
+        self._silent.discard(name)
+
+    def remove(self, zid: str) -> Peer | None:
+        """A robot left; return what was known of it."""
+        peer = self._peers.pop(tag(zid), None)
+        self._silent.discard(tag(zid))
+        self._note_names()
+        return peer
+
+    @property
+    def unannounced(self) -> int:
+        """How many robots may want what we send though they did not say so: Zenoh knows sooner than they can."""
+        return sum(not self._peers[name].plain for name in self._silent)
+
+    def called(self, robot: str) -> Peer | None:
+        """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
+        return self._peers.get(self.tags.get(robot, ""))
+
+    def namesakes(self) -> list[Peer]:
+        """Return the robots that have another one's name, or ours."""
+        return [peer for peer in self._peers.values() if peer.robot != peer.name]
+
+    def heir_of(self, name: str) -> Peer | None:
+        """Return the robot that has a name that is free now, but was given another one here."""
+        return next((other for other in self._peers.values() if other.name == name), None)
+
+    def restore_name(self, peer: Peer) -> None:
+        """The one that had the name of this robot is gone."""
+        peer.rename(peer.name)
+        self._note_names()
+
+    def _free_name(self, robot: str, zid: str) -> str:
+        """The name of a robot, with as much of its id as nobody else's has."""
+        taken = {peer.robot for peer in self._peers.values()} | {self._own[0]}
+        names = (robot, *(f"{robot}-{zid[:length]}" for length in range(4, len(zid) + 1)))
+        return next((name for name in names if name not in taken), f"{robot}-{zid}")
+
+    def _note_names(self) -> None:
+        self.tags = {peer.robot: name for name, peer in self._peers.items()} | dict((self._own,))

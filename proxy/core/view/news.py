@@ -1,0 +1,96 @@
+"""What digests tell of the streams of another robot."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from proxy.core.forecast import rhythm_report
+from proxy.core.protocol.messages import StreamDigest, StreamState
+from proxy.core.view.peer import Peer
+from proxy.core.view.stream import SAME, Generated, Sent, Stream, usual_scale
+from proxy.core.view.streams import Streams
+from proxy.core.view.subscribers import Subscribers
+from proxy.core.view.traffic import TrafficLog
+
+
+class News:
+    """Takes in news of streams; `own` are our name and tag."""
+
+    def __init__(self, own: tuple[str, str], streams: Streams, subscribers: Subscribers, traffic: TrafficLog) -> None:
+        self._robot, self._tag = own
+        self._streams = streams
+        self._subscribers = subscribers
+        self._traffic = traffic
+
+    def take(self, now: float, peer: Peer, news: Iterable[StreamDigest]) -> None:
+        """A digest of a peer told this."""
+        for each in news:
+            key = peer.keys.get(each.id)
+            if key is None:
+                self._postpone(now, peer, each)
+            else:
+                self._take(now, peer, key, each, counts=True)
+
+    def take_state(self, now: float, peer: Peer) -> None:
+        """A peer announced its state: what it says of its streams holds, and news that waited for keys is taken in.
+
+        News that waited for its key is older than what came since: where that counted it seemed lost later, and an
+        operator of eight robots took 17 % for lost where all came.
+        """
+        for key, told in peer.told.items():
+            if (stream := self._streams.known(peer.robot, key)) is not None:
+                stream.assume(told)
+        for news, entry in peer.pending.named(peer.keys):
+            if entry is not None:
+                self._traffic.retract(entry)
+            self._take(now, peer, peer.keys[news.id], news, counts=False)
+
+    def _postpone(self, now: float, peer: Peer, news: StreamDigest) -> None:
+        """Keep news of a stream whose key is not known yet; what was sent counts as if one robot wanted it.
+
+        In a team that starts, states come seconds after the first frames: eight robots exceeded the limit meanwhile.
+        """
+        more = peer.pending.keep(news)
+        # Not if it does not say how large it was, or was heard from the air.
+        if more and news.size and not self._subscribers.overhears(peer.robot):
+            entry = self._traffic.note_unknown(min(peer.offset.ours(news.t_forwarded), now), news.size)
+            peer.pending.count(news.id, entry)
+
+    def _take(self, now: float, peer: Peer, key: str, news: StreamDigest, *, counts: bool) -> None:
+        """Take in news of a stream. Whether what came of it by now `counts` beside what it says was sent."""
+        stream = self._streams.get(now, peer.robot, key)
+        if stream is None:
+            return
+        gets_all = self._subscribers.broadcasts(peer.robot) or self._tag in self._subscribers.of(stream)
+        peer.inbound.heard_news(key, news, counts=counts and gets_all)
+        told = peer.told.get(key)
+        if told is not None:
+            stream.assume(told)
+        t_gen = min(peer.offset.ours(news.t_generated), now)
+        before, kind = stream.last, stream.information_type
+        # Announcements leave features out, and what is as usual.
+        features = kind.heard(news.features) if news.features or before is None else before.features
+        news, rhythm = _completed(stream, news, told), rhythm_report.decoded(news, peer.offset.ours)
+        last = Generated(t_gen, news.size, news.scale, features)
+        stream.note_generated(news.generated, last, told=rhythm)
+        t_sent = peer.offset.ours(news.t_forwarded)
+        if stream.overheard:
+            stream.number(news.forwarded, heard=stream.sent is not None and t_sent < stream.sent.t_sent + SAME)
+        if news.forwarded > stream.forwarded:
+            self._traffic.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
+
+
+def _completed(stream: Stream, news: StreamDigest, told: StreamState | None) -> StreamDigest:
+    """Return news with what an announcement leaves out because it is as usual."""
+    if news.size and news.scale >= 0.0:
+        return news
+    size = news.size or (told.size if told is not None else stream.newest.size if stream.last else 0)
+    return replace(news, size=size, scale=news.scale if news.scale >= 0.0 else usual_scale(stream))
+
+
+def _last_sent(news: StreamDigest, t_sent: float, last: Generated, before: Generated | None) -> Sent:
+    """What a stream last sent: news tells when it was sent, and what was last generated, be that sent or not.
+
+    What was generated later than that was sent is another sample: then the one before is the best that we know.
+    """
+    like = last if news.t_forwarded >= news.t_generated or before is None else before
+    return Sent(t_sent, t_sent, like.size, like.scale, like.features)

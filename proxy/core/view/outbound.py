@@ -1,0 +1,73 @@
+"""How our samples get to another robot, as it tells: how long they take, and how many get lost."""
+
+from collections import deque
+
+from proxy.core.protocol.messages import Echo
+from proxy.core.view.inbound import MOST_AGE, STANDS
+from proxy.core.view.latency import Latency
+from proxy.core.view.loss import Loss
+from proxy.core.view.offset import ClockOffset
+
+MOST_PER_BYTE = 0.1
+"""No channel takes as long for a byte [s/B]."""
+MARKS = 64
+"""Digests of ours looked back on, when their echoes come."""
+
+
+class Outbound:
+    """What was sent to a robot, and what came there; `offset` is of its clock."""
+
+    def __init__(self, offset: ClockOffset) -> None:
+        self._offset = offset
+        self.sent = 0
+        """Samples handed to the mesh for the robot."""
+        self.received = 0
+        """Samples of ours that it received, as it tells."""
+        self.latency: Latency | None = None
+        """What our samples take to it, as it tells; None while unknown."""
+        self._marks: deque[tuple[float, int]] = deque(maxlen=MARKS)
+        """Send times of our last digests, and `sent` then."""
+        self._losses = Loss()
+
+    @property
+    def line(self) -> Latency | None:
+        """What our samples take to the robot, else digests there and back; None while unknown."""
+        return self.latency or self._offset.line
+
+    @property
+    def loss(self) -> float | None:
+        """The part of our samples that does not reach the robot; None while unknown."""
+        return self._losses.share
+
+    @property
+    def counted(self) -> tuple[int, int]:
+        """How many samples were sent to it lately, and how many of these got lost."""
+        return self._losses.counted
+
+    def handed(self) -> None:
+        """A sample was handed to the mesh for the robot."""
+        self.sent += 1
+
+    def sent_digest(self, at: float) -> None:
+        """We send a digest: its echo will say what had arrived of what was sent by now."""
+        self._marks.append((at, self.sent))
+
+    def heard_echo(self, now: float, echo: Echo) -> None:
+        """The robot tells what it got of us."""
+        if echo.sent > now:
+            return  # of a digest that we have not sent
+        self._offset.echoed(echo.sent, echo.received)
+        self.received, self.latency = echo.samples, latency_of(echo)
+        sent = next((count for at, count in self._marks if abs(at - echo.sent) < STANDS), None)
+        if sent is not None:
+            self._losses.read(sent, echo.samples)
+
+    def restart_losses(self) -> None:
+        """What is sent and what is counted there are not the same any more."""
+        self._losses.restart()
+
+
+def latency_of(echo: Echo) -> Latency | None:
+    """Return what an echo tells of the way; None when its sender does not know, or tells what cannot be."""
+    possible = 0.0 <= echo.latency < MOST_AGE and 0.0 <= echo.per_byte < MOST_PER_BYTE
+    return Latency(echo.latency, echo.per_byte) if possible and (echo.latency or echo.per_byte) else None

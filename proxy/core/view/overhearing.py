@@ -1,0 +1,78 @@
+"""What samples tell that are overheard: what was sent, before the digest of their robot tells it."""
+
+from proxy.core.interface.events import SampleHeard
+from proxy.core.view.members import Members
+from proxy.core.view.origins import Origins
+from proxy.core.view.peer import Peer
+from proxy.core.view.stream import SAME, Generated, Sent, Stream
+from proxy.core.view.streams import PLAIN, Streams
+from proxy.core.view.traffic import TrafficLog
+
+
+class Overhearing:
+    """Takes in the samples of other robots that arrive from the mesh."""
+
+    def __init__(self, streams: Streams, members: Members, origins: Origins, traffic: TrafficLog) -> None:
+        self._streams = streams
+        self._members = members
+        self._origins = origins
+        self._traffic = traffic
+
+    def take(self, event: SampleHeard) -> None:
+        """A sample of another robot arrived from the mesh."""
+        now, robot = event.now, self._origins.robot_of(event.origin)
+        peer = self._members.called(robot)
+        if peer is not None and peer.plain:
+            peer, robot = None, f"{PLAIN}{event.origin}"
+        if peer is not None and peer.digest is not None:
+            t_gen = peer.inbound.heard_sample(now, event.key, event.size, event.stamp)
+            self._take_from(now, t_gen, event, peer)
+        elif peer is not None:
+            self._traffic.note_unknown(now, event.size)
+        elif robot.startswith(PLAIN) and (stream := self._streams.get(now, robot, event.key)) is not None:
+            features = event.features or {}
+            scale = stream.information_type.scale(features)
+            generated = Generated(now, event.size, scale, features)
+            stream.note_generated(stream.generated + 1, generated, numbered=False)
+            self._traffic.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
+
+    def _take_from(self, now: float, t_gen: float | None, event: SampleHeard, peer: Peer) -> None:
+        """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already.
+
+        Where its timestamp cannot tell, it was generated when it was sent.
+        """
+        stream = self._streams.known(peer.robot, event.key)
+        if stream is None or stream.last is None:
+            stream = self._meet(now, t_gen, event, peer)
+        if stream is None or stream.last is None:
+            self._traffic.note_unknown(now, event.size)
+            return
+        # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
+        on_air = now - peer.offset.latency + SAME
+        t_gen = on_air if t_gen is None else min(t_gen, now)
+        if stream.sent is not None and t_gen < stream.sent.t_sent + SAME:
+            return
+        features = event.features or {}
+        scale = stream.information_type.scale(features) if features else stream.last.scale
+        t_sent = max(t_gen, on_air)
+        self._traffic.note_sent(stream, stream.forwarded + 1, Sent(t_gen, t_sent, event.size, scale, features))
+        # Its number only the digest tells that follows: a wrong one would spoil the schedule, and hide the right one.
+        if t_gen > stream.last.t_gen:
+            stream.replace_last(Generated(t_gen, event.size, scale, features or stream.last.features))
+
+    def _meet(self, now: float, t_gen: float | None, event: SampleHeard, peer: Peer) -> Stream | None:
+        """A sample of a stream was overheard of which no digest has told yet; None where no spec plans for it.
+
+        In a large team that takes long: of fifty robots that broadcast each knew 100 of 250 streams after 8 s, found
+        room for too many samples, and 60 % of the windows were over the limit. With ten robots of equal messages it is
+        worth 2 to 4 % of utility.
+        """
+        stream = self._streams.get(now, peer.robot, event.key)
+        if stream is None:
+            return None
+        if (told := peer.told.get(event.key)) is not None:
+            stream.assume(told)
+        features, at = event.features or {}, now if t_gen is None else min(t_gen, now)
+        last = Generated(at, event.size, stream.information_type.scale(features), features)
+        stream.note_generated(1, last, numbered=False, overheard=True)
+        return stream

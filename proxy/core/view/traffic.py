@@ -1,0 +1,84 @@
+"""What goes on the air: how much this robot sent in all, and when other robots sent how much."""
+
+from collections import deque
+
+from proxy.core.view.stream import Sent, Stream
+from proxy.core.view.subscribers import Subscribers
+
+MOST_SENDS = 16_384
+"""Sends of other robots looked back on."""
+KEPT = 1.5
+"""Others' sends are remembered for so many of the longest windows: who waited for the room that they left may send."""
+
+Amount = tuple[int, int]
+"""The size of a sample [B], and in how many copies it goes on the air."""
+Entry = tuple[float, Amount]
+"""When something was sent [s], and how much."""
+
+
+class TrafficLog:
+    """Our own totals, copies counted, and the sends of others that limits still count."""
+
+    def __init__(self, robot: str, subscribers: Subscribers) -> None:
+        self._robot = robot
+        self._subscribers = subscribers
+        self.messages = 0
+        self.bytes = 0
+        self.largest = 0
+        """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
+        self.sends: deque[Entry] = deque(maxlen=MOST_SENDS)
+        """When and how much other robots sent lately."""
+        self.talk: deque[Entry] = deque(maxlen=MOST_SENDS)
+        """The same of what robots told each other beyond what limits leave to that."""
+        self.revision = 0
+        """How often `sends` or `talk` changed."""
+
+    def count(self, messages: int, size: int) -> None:
+        """So many messages of ours, of so many bytes in all, copies counted, go on the air."""
+        self.messages += messages
+        self.bytes += size
+
+    def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
+        """The `count`-th sample sent of a stream was this one."""
+        noted = stream.note_sent(count, sent)
+        stream.reach(self._subscribers.of(stream))
+        copies = self._subscribers.copies(stream)
+        if stream.robot == self._robot:
+            self.largest = max(self.largest, copies * sent.size)
+        else:
+            self.revision += 1
+            self.sends.extend([(each.t_sent, (sent.size, copies)) for each in noted])
+
+    def note_unknown(self, at: float, size: int) -> Entry:
+        """Something was sent of a stream that we know nothing of, in one copy; return its entry."""
+        entry = at, (size, 1)
+        self.revision += 1
+        self.sends.append(entry)
+        return entry
+
+    def retract(self, entry: Entry) -> None:
+        """It is known now what stream that was: it counts as a sample of that."""
+        if entry in self.sends:
+            self.sends.remove(entry)
+            self.revision += 1
+
+    def note_talk(self, now: float, size: int) -> None:
+        """So many bytes of what robots tell each other count against the limits like samples of other robots."""
+        self.revision += 1
+        self.talk.append((now, (size, 1)))
+
+    def sent_since(self, since: float) -> list[Entry]:
+        """When and how much other robots sent."""
+        return [each for each in self.sends if each[0] >= since]
+
+    def announced(self) -> None:
+        """A digest of ours tells what we sent so far."""
+        self.largest = 0
+
+    def sweep(self, now: float, longest: float) -> None:
+        """Forget what no window counts, the longest of which is so long [s]; cheap to call at every event."""
+        since = now - KEPT * longest
+        for past in (self.sends, self.talk):
+            while past and past[0][0] < since:
+                past.popleft()
+                self.revision += 1
