@@ -66,7 +66,7 @@ def test_who_comes_again_has_a_new_id(fly):
     zid = flying.members["r1"].zid
     assert zid != "z-r1"
     assert tag(zid) in flying.cores["op"].view.peers
-    assert any(stream.robot == "r1" for stream in flying.cores["op"].view.streams())
+    assert any(stream.robot == "r1" for stream in flying.cores["op"].view.streams)
     assert flying.cores["r1"].counts.received > 0
 
 

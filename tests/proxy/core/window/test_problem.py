@@ -157,9 +157,9 @@ def test_what_gets_lost_is_worth_less(crowd):
     """A receiver counts by the part of our samples that it is expected to get."""
     peer = meet(crowd, Latency(0.02))
     for at, sent, received in ((1.0, 0, 0), (2.0, 100, 75)):
-        peer.sent = sent
-        peer.sent_digest(at)
-        peer.heard_echo(at + 0.1, Echo("z-r1", at, at, received, 0.02))
+        peer.outbound.sent = sent
+        peer.outbound.sent_digest(at)
+        peer.outbound.heard_echo(at + 0.1, Echo("z-r1", at, at, received, 0.02))
     problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), union())[0]
     assert problem.streams[0].receivers == (Receiver(0.0, pytest.approx(0.75)),)
 
