@@ -1,9 +1,9 @@
 """The core's part of `sendworthy status`: plain JSON data."""
 
-from __future__ import annotations
+from collections.abc import Collection, Mapping
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
+from proxy.core.parts import Parts
 from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.messages import tag
 from proxy.core.view.latency import Latency
@@ -12,16 +12,18 @@ from proxy.core.view.stream import Stream
 from proxy.core.view.warnings import cast_warnings, namesake_warnings, transport_warnings
 from utility_specs import InformationType
 
-if TYPE_CHECKING:
-    from proxy.core.core import Core
-
 OTHER_VERSION = ":other version"
 UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown")
 """How kinds of what was refused and is not malformed end."""
 
 
-def report(core: Core, now: float) -> dict[str, Any]:
-    """All that the core knows, by topic. Times are ages or durations [s], sizes are bytes."""
+def report(
+    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
+) -> dict[str, Any]:
+    """All that the core knows, by topic. Times are ages or durations [s], sizes are bytes.
+
+    `refused` counts what was heard and changed nothing, `retained` is what is taken from apps whoever is here.
+    """
     return {
         "robot": core.settings.robot,
         "version": core.settings.version,
@@ -32,9 +34,9 @@ def report(core: Core, now: float) -> dict[str, Any]:
         "coordination": "split" if core.coordination.team.splits else "announce",
         "transport": core.settings.transport,
         "wall_error": core.view.clocks.error or None,
-        "uptime": now - core.started,
+        "uptime": uptime,
         "counts": _counts(core),
-        "kept": core.kept.copies.described(now) | {"keys": sorted(core.retained)},
+        "kept": core.kept.copies.described(now) | {"keys": sorted(retained)},
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "streams": [_stream(core, stream, now) for stream in core.view.streams],
@@ -47,9 +49,9 @@ def report(core: Core, now: float) -> dict[str, Any]:
             *cast_warnings(core.budget.limits, core.settings.transport),
             *core.view.clocks.warnings(),
         ],
-        "malformed": sum(count for kind, count in core.refused.items() if not kind.endswith(UNDERSTOOD)),
-        "other_version": sum(count for kind, count in core.refused.items() if kind.endswith(OTHER_VERSION)),
-        "refused": dict(sorted(core.refused.items())),
+        "malformed": sum(count for kind, count in refused.items() if not kind.endswith(UNDERSTOOD)),
+        "other_version": sum(count for kind, count in refused.items() if kind.endswith(OTHER_VERSION)),
+        "refused": dict(sorted(refused.items())),
         "evicted": core.view.evicted
         + core.unknown_senders.forgotten
         + sum(p.evicted for p in core.view.peers.values())
@@ -59,7 +61,7 @@ def report(core: Core, now: float) -> dict[str, Any]:
     }
 
 
-def _counts(core: Core) -> dict[str, Any]:
+def _counts(core: Parts) -> dict[str, Any]:
     counts = core.counts
     return {
         "in": counts.received,
@@ -72,7 +74,7 @@ def _counts(core: Core) -> dict[str, Any]:
     }
 
 
-def _budget(core: Core, now: float) -> list[dict[str, Any]]:
+def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
     adaptive = [k for k, limit in enumerate(core.budget.limits) if limit.least < 1.0]
     return [
         {
@@ -90,7 +92,7 @@ def _budget(core: Core, now: float) -> list[dict[str, Any]]:
     ]
 
 
-def _stream(core: Core, stream: Stream, now: float) -> dict[str, Any]:
+def _stream(core: Parts, stream: Stream, now: float) -> dict[str, Any]:
     last, sent = stream.last, stream.sent
     return {
         "robot": stream.robot,
@@ -130,7 +132,7 @@ def _features(each: InformationType) -> list[dict[str, Any]]:
     ]
 
 
-def _peer(peer: Peer, core: Core, now: float) -> dict[str, Any]:
+def _peer(peer: Peer, core: Parts, now: float) -> dict[str, Any]:
     known, ahead = peer.offset.known, core.view.clocks.ahead(peer)
     return {
         "robot": peer.robot,

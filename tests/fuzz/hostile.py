@@ -89,8 +89,8 @@ class Besieged:
         assert len(view.origins.own) <= 256
         assert len(view.streams._matching) <= MOST_MATCHING
         assert all(len(peer.pending) <= PENDING for peer in view.peers.values())
-        assert len(core.unknown_senders._heard) <= MOST
-        assert all(len(kept) <= MOST_EACH for kept in core.unknown_senders._heard.values())
+        assert len(core.parts.unknown_senders._heard) <= MOST
+        assert all(len(kept) <= MOST_EACH for kept in core.parts.unknown_senders._heard.values())
         assert set(core.gossip.requests._open) <= set(view.peers)
         taking_part = view.peers.keys() - core.mismatched.found
         assert core.coordination.team._votes <= taking_part

@@ -182,7 +182,7 @@ def test_all_digests_of_a_team_are_within_its_allowance_and_none_is_refused(how)
     team = fly(mission, how, 0)
     rate = allowance_of(mission.specs, how.allowance, how.members)
     assert 0 < team.digest_bytes <= rate * (WARM_UP + how.seconds + TUNING.announcement_debt)
-    assert sum(core.refused.total() for core in team.cores.values()) == 0
+    assert sum(core.news.refused.total() for core in team.cores.values()) == 0
     assert all(core.counts.conserved for core in team.cores.values())
 
 

@@ -1,0 +1,81 @@
+"""Robots that appear on the mesh and vanish from it."""
+
+from planner import Aggregation
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Command, NoteInterest, Notice
+from proxy.core.parts import Parts
+from proxy.core.protocol.messages import tag
+from proxy.core.reactions.mesh_news import MeshNews
+from proxy.core.reactions.retention import Retention
+from proxy.core.reactions.team_limits import TeamLimits
+from proxy.core.samples.away import Leaving
+from proxy.core.view.peer import Peer
+from proxy.core.view.warnings import namesake_warnings
+
+
+class Membership:
+    """Takes robots into the view and out of it."""
+
+    def __init__(self, parts: Parts, limits: TeamLimits, news: MeshNews, retention: Retention) -> None:
+        self._settings = parts.settings
+        self._view = parts.view
+        self._unknown_senders = parts.unknown_senders
+        self._capacity = parts.channel.capacity
+        self._kept = parts.kept
+        self._gossip = parts.gossip
+        self._limits = limits
+        self._news = news
+        self._retention = retention
+
+    def appeared(self, event: ev.PeerAppeared) -> list[Command]:
+        """A presence token appeared."""
+        warned, known = namesake_warnings(self._settings, self._view.peers), dict(self._view.peers)
+        name = tag(event.zid)
+        if event.zid == self._settings.zid or not self._view.add_peer(event.now, event.robot, event.zid):
+            self._lost_for_a_moment(event.now, name, event.zid)
+            return []
+        for other in known.keys() - self._view.peers.keys():  # it had to leave for the new one
+            self._forget(other)
+        self._limits.set_members(event.now)
+        self._gossip.met(event.now, name)
+        commands: list[Command] = [Notice("info", f"robot {self._view.peers[name].robot} is on the mesh")]
+        self._kept.appeared(event.robot, name)
+        for stream in self._view.streams.own():
+            if stream.key in self._kept.reached(name):
+                stream.reach((name,))
+        for heard, digest in self._unknown_senders.introduce(name):
+            commands += self._news.hear(heard, digest, 0)
+        after = namesake_warnings(self._settings, self._view.peers)
+        return [*commands, *(Notice("error", warning) for warning in after if warning not in warned)]
+
+    def gone(self, event: ev.PeerGone) -> list[Command]:
+        """A presence token vanished."""
+        peer = self._view.peers.get(tag(event.zid))
+        if peer is None or peer.zid != event.zid:
+            return []
+        robot = peer.robot
+        self._kept.lost(event.now, self._leaving(peer))
+        self._view.gone(event.zid)
+        self._forget(tag(event.zid))
+        self._limits.set_members(event.now)
+        notice = Notice("info", f"robot {robot} left the mesh")
+        return [*self._retention.renew(), NoteInterest(event.zid, ()), notice]
+
+    def _lost_for_a_moment(self, now: float, name: str, zid: str) -> None:
+        """The token of a robot that we know appears: it had vanished, too shortly for us to hear of it."""
+        peer = self._view.peers.get(name)
+        if peer is not None and peer.zid == zid and peer.state is not None:
+            self._kept.lost(now, self._leaving(peer))
+            self._kept.appeared(peer.name, name)
+            self._kept.subscribed(name, peer.subscriptions)
+
+    def _leaving(self, peer: Peer) -> Leaving:
+        name = tag(peer.zid)
+        once = [s for s in self._view.streams.own() if s.information_type.aggregation is Aggregation.ONCE]
+        reached = frozenset(stream.key for stream in once if name in stream.reached)
+        return Leaving(peer.name, name, peer.subscriptions, reached, peer.specs == self._view.specs.generation)
+
+    def _forget(self, name: str) -> None:
+        """The robot with this tag is not in the view any more."""
+        self._gossip.requests.done(name)
+        self._capacity.forget(name)

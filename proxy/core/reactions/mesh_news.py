@@ -1,0 +1,107 @@
+"""What is heard on the mesh: samples, digests and states of other robots, and what is none of these."""
+
+from collections import Counter
+
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Command, NoteInterest, Notice
+from proxy.core.parts import Parts
+from proxy.core.protocol.messages import Digest, StreamDigest, tag
+from proxy.core.reactions.retention import Retention
+from proxy.core.view.peer import Peer
+from proxy.core.view.plausible import PATIENCE, objection, objection_to_state
+from proxy.core.view.stream import Stream
+from proxy.core.view.warnings import transport_warnings
+
+
+class MeshNews:
+    """`refused` counts by kind what was heard on Sendworthy's keys and changed nothing."""
+
+    def __init__(self, parts: Parts, retention: Retention) -> None:
+        self._settings = parts.settings
+        self._view = parts.view
+        self._mismatched = parts.mismatched
+        self._unknown_senders = parts.unknown_senders
+        self._coordination = parts.coordination
+        self._capacity = parts.channel.capacity
+        self._kept = parts.kept
+        self._gossip = parts.gossip
+        self._retention = retention
+        self.refused: Counter[str] = Counter()
+
+    def sample(self, event: ev.SampleHeard) -> list[Command]:
+        """A sample of another robot arrived."""
+        self._view.overhearing.take(event)
+        return []
+
+    def digest(self, event: ev.DigestHeard) -> list[Command]:
+        """A digest arrived."""
+        return self.hear(event.now, event.digest, event.size)
+
+    def hear(self, now: float, digest: Digest, size: int) -> list[Command]:
+        """Take in a digest of so many bytes, if it is one that its robot can have sent."""
+        peer = self._view.peers.get(digest.tag)
+        if peer is None:
+            if digest.tag == tag(self._settings.zid):
+                self.refused["digest:forged"] += 1
+            else:
+                self._unknown_senders.keep(now, digest)
+            return []
+        if wrong := self._objection(now, peer, digest):
+            self.refused[wrong] += 1
+            return []
+        if peer.digest is not None and now - peer.digest_received > PATIENCE:
+            peer.restart()
+        if self._view.heard_digest(now, digest):
+            self._coordination.heard(now, digest)
+            self._mismatched.heard(digest.tag)
+            self._gossip.account.heard_digest(now, size)
+            self._capacity.digest_received(now, digest)
+            self._gossip.requests.compare(now, digest.tag, peer)
+        return self._view.clocks.compare(now, (peer,))
+
+    def _objection(self, now: float, peer: Peer, digest: Digest) -> str:
+        def known(news: StreamDigest) -> Stream | None:
+            return self._view.streams.known(peer.robot, peer.keys.get(news.id, ""))
+
+        return objection(now, peer, digest, known)
+
+    def state(self, event: ev.StateHeard) -> list[Command]:
+        """A state arrived; that of a robot that we do not know yet is asked for when we do."""
+        name = tag(event.state.zid)
+        peer = self._view.peers.get(name)
+        if peer is None:
+            return []
+        if wrong := objection_to_state(peer, event.state):
+            self.refused[wrong] += 1
+            return []
+        self._gossip.account.heard_state(event.now, event.state, event.size)
+        warned, subscriptions = transport_warnings(self._settings, self._view.peers), peer.subscriptions
+        if self._view.heard_state(event.now, event.state):
+            self._gossip.requests.compare(event.now, name, peer)
+        else:
+            self._gossip.requests.want(event.now, name)
+        commands: list[Command] = []
+        if peer.subscriptions != subscriptions:
+            commands.append(NoteInterest(peer.zid, peer.subscriptions))
+        if peer.state is not None:
+            self._kept.subscribed(name, peer.subscriptions)
+            commands += self._retention.renew()
+        after = transport_warnings(self._settings, self._view.peers)
+        commands += [Notice("error", warning) for warning in after if warning not in warned]
+        return [*commands, *self._view.clocks.compare(event.now, self._view.peers.values())]
+
+    def malformed(self, event: ev.MalformedHeard) -> list[Command]:
+        """Something on a key of ours was no digest and no state."""
+        self.refused[event.kind] += event.count
+        return []
+
+    def version(self, event: ev.VersionHeard) -> list[Command]:
+        """A robot speaks this version of the protocol."""
+        if (peer := self._view.peers.get(event.tag)) is not None:
+            peer.speak(event.version)
+        return []
+
+    def state_asked(self, event: ev.StateAsked) -> list[Command]:
+        """Another robot asked for our state, and got it."""
+        self._gossip.state_asked(event.now)
+        return []

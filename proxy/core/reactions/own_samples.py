@@ -1,0 +1,152 @@
+"""What becomes of samples that applications of this robot publish."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from planner import Aggregation
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Command
+from proxy.core.model.limits import use_of
+from proxy.core.model.mode import Mode
+from proxy.core.model.waiting import Waiting
+from proxy.core.parts import Parts
+from proxy.core.protocol.fixed import feature, rounded
+from proxy.core.samples.counts import DROPPED
+from proxy.core.samples.inbox import SUPERSEDED
+from proxy.core.view.stream import Generated, Stream
+
+
+class OwnSamples:
+    """Takes samples in, and notes what the mesh session made of them."""
+
+    def __init__(self, parts: Parts) -> None:
+        self._settings = parts.settings
+        self._view = parts.view
+        self._budget = parts.budget
+        self._counts = parts.counts
+        self._kept = parts.kept
+        self._gate = parts.gate
+        self._gossip = parts.gossip
+
+    def published(self, event: ev.SamplePublished) -> list[Command]:
+        """Pass a sample on, or queue it for its decision."""
+        if self._view.origins.claim(event.origin):
+            self._gossip.states.review(event.now)
+        ours = self._view.origins.robot_of(event.origin) == self._settings.robot
+        self._counts.enter(event.sample, event.key if ours else "")
+        if event.superseded:
+            self._counts.passed(event.superseded, SUPERSEDED)
+        if not ours:
+            return [self._gate.outcomes.pass_on(event.sample, "passed:relayed")]
+        if self._gate.appraisal.mode is Mode.PASS:
+            return [self._gate.outcomes.pass_on(event.sample, "passed:mode")]
+        stream = self._view.streams.get(event.now, self._settings.robot, event.key)
+        # The period of a stream that is there may change by and by; a new stream is news.
+        known = stream is None or stream.generated
+        self._gossip.states.sample_came(event.now, event.size, new=not known)
+        if stream is None:
+            self._uncovered(event.now, 1, event.size)
+            return [self._gate.outcomes.pass_on(event.sample, self._why_undecided(event.key))]
+        return self._covered(event, stream)
+
+    def _covered(self, event: ev.SamplePublished, stream: Stream) -> list[Command]:
+        """Queue a sample of a stream that specs plan for; its deletion passes if they say so."""
+        waiting = Waiting(event.sample, event.key, event.size, event.t_gen, 0.0, event.priority, markovian=False)
+        if event.delete and stream.information_type.deletes == "bypass":
+            self._uncovered(event.now, 1, event.size)
+            self._keep_for_absent(stream, waiting, delete=True)
+            return self._gate.undecided.delete(event.key, event.sample)
+        if event.superseded:
+            stream.fates[SUPERSEDED] += event.superseded
+        valued = self._valued(stream, waiting, event.features, stream.generated + event.superseded + 1)
+        self._keep_for_absent(stream, valued, delete=event.delete)
+        return self._gate.put(event.now, valued)
+
+    def reread(self, event: ev.SampleReread) -> list[Command]:
+        """Queue a sample again that was taken back when the specs changed."""
+        waiting = self._gate.undecided.settled(event.sample)
+        if waiting is None:
+            return []
+        stream = self._view.streams.get(event.now, self._settings.robot, waiting.key)
+        if stream is None:
+            self._uncovered(event.now, 1, waiting.size)
+            return [self._gate.outcomes.pass_on(event.sample, self._why_undecided(waiting.key))]
+        # A stream that was not covered for a while has forgotten its samples.
+        forgotten = stream.last is None or stream.last.t_gen < waiting.t_gen
+        waiting = self._valued(stream, waiting, event.features, stream.generated + forgotten)
+        superseded = self._gate.undecided.supersede(waiting)
+        return self._gate.put(event.now, waiting) if superseded is None else superseded
+
+    def passed(self, event: ev.SamplesPassed) -> list[Command]:
+        """Count samples that went straight to the mesh session."""
+        self._counts.passed(event.count, event.reason, event.size)
+        if not event.reason.startswith(DROPPED):
+            self._uncovered(event.now, event.count, event.size)
+        return []
+
+    def handed(self, event: ev.SampleHanded) -> list[Command]:
+        """The mesh session took a sample."""
+        self._gate.outcomes.handed(event.now, event.sample)
+        return []
+
+    def refused(self, event: ev.SampleRefused) -> list[Command]:
+        """The mesh session did not take a sample."""
+        self._gate.undecided.settled(event.sample)
+        self._kept.refused(self._gate.outcomes.refused(event.sample, event.reason), event.sample)
+        return []
+
+    def copy_handed(self, event: ev.CopyHanded) -> list[Command]:
+        """The mesh session took a copy."""
+        self._kept.copies.handed(event.now, event.sample, event.to)
+        return []
+
+    def copy_refused(self, event: ev.CopyRefused) -> list[Command]:
+        """The mesh session did not take a copy."""
+        self._kept.copies.turned_back(event.now, event.sample, event.to)
+        return []
+
+    def ready(self, event: ev.DecisionReady) -> list[Command]:
+        """A search has an answer."""
+        return self._gate.ready(event)
+
+    def late(self, event: ev.DecisionLate) -> list[Command]:
+        """The deadline of a search is over."""
+        return self._gate.overdue(event.now, event.ticket)
+
+    def _valued(self, stream: Stream, waiting: Waiting, extracted: Mapping[str, float], count: int) -> Waiting:
+        """Return a sample with its worth by the specs in force; it is number `count` of the stream.
+
+        A deletion that is decided has no features of its own: it has those that samples have by default.
+        """
+        shown = extracted or stream.information_type.completed({})
+        features = {name: feature(value) for name, value in shown.items()}
+        scale = rounded(stream.information_type.scale(features))
+        generated = Generated(waiting.t_gen, waiting.size, scale, features)
+        if count > stream.generated:
+            stream.note_generated(count, generated)
+        elif stream.last is not None and stream.last.t_gen == waiting.t_gen:
+            stream.renew(generated)
+        self._gossip.digests.valued(stream)
+        # In shadow all samples go, so none gives way to a newer one.
+        markovian = stream.information_type.markovian and self._gate.appraisal.mode_of(stream) is not Mode.SHADOW
+        return replace(waiting, scale=scale, markovian=markovian, features=features)
+
+    def _keep_for_absent(self, stream: Stream, waiting: Waiting, *, delete: bool) -> None:
+        """Keep a sample for robots that are away, if each sample of its stream counts; of `best` the best one does."""
+        if self._settings.away and not stream.information_type.markovian:
+            most = 1 if stream.information_type.aggregation is Aggregation.BEST else self._settings.backlog
+            lifetime = self._view.lifetimes.end(stream.information_type.utility)
+            self._kept.published(waiting, lifetime, most, delete=delete)
+
+    def _why_undecided(self, key: str) -> str:
+        """Why nobody decides on the samples of a key."""
+        covering = self._view.specs.match(key)
+        if covering is None:
+            return "passed:no-spec"
+        return "passed:bypass" if covering.bypass else "passed:mode"
+
+    def _uncovered(self, now: float, count: int, size: int) -> None:
+        """So many samples of `size` in all go out that nobody decides on: they lower what is left for the others."""
+        each = use_of(-(-size // count), 1, self._budget.limits)
+        self._budget.use_at_most(now, tuple(count * use for use in each), 1.0 - self._view.specs.floor)
+        self._view.traffic.count(count, size)

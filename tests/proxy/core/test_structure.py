@@ -1,0 +1,114 @@
+"""The house of the core: packages that import one another only downward, small classes, and nobody writes another's fields."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+CORE = Path(__file__).parents[3] / "proxy" / "core"
+PACKAGES = (
+    "model",
+    "protocol",
+    "interface",
+    "forecast",
+    "view",
+    "market",
+    "split",
+    "coordination",
+    "congestion",
+    "window",
+    "samples",
+    "gossip",
+    "parts",
+    "status",
+    "reactions",
+    "core",
+)
+"""From the lowest to the highest: a package imports itself and lower ones."""
+MOST_METHODS = 20
+MOST_LINES = 400
+SOURCES = sorted(path for path in CORE.rglob("*.py"))
+ALL = pytest.mark.parametrize("source", SOURCES, ids=lambda path: str(path.relative_to(CORE)))
+
+
+def package_of(source: Path) -> str:
+    return source.relative_to(CORE).parts[0].removesuffix(".py")
+
+
+def imported(source: Path) -> Iterator[str]:
+    """Yield the packages of the core that a file imports, for types alone included."""
+    for node in ast.walk(ast.parse(source.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("proxy.core"):
+            parts = node.module.split(".")
+            yield from parts[2:3] or [alias.name for alias in node.names]
+
+
+def foreign_writes(tree: ast.Module) -> Iterator[str]:
+    """Yield the fields that are set of objects other than `self`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store | ast.Del):
+            own = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+            if not own:
+                yield f"line {node.lineno}: {ast.unparse(node)}"
+
+
+def test_every_package_has_its_place():
+    """A new package is put where it belongs."""
+    found = {package_of(source) for source in SOURCES} - {"__init__"}
+    assert found == set(PACKAGES)
+
+
+@ALL
+def test_packages_import_only_downward(source):
+    """So there is no circle, and each package can be read without those above it."""
+    package = package_of(source)
+    if package != "__init__":
+        lower = PACKAGES[: PACKAGES.index(package) + 1]
+        assert set(imported(source)) <= set(lower)
+
+
+@ALL
+def test_files_of_a_package_have_no_circles(source):
+    """Not even for types alone."""
+    own = ".".join(source.relative_to(CORE.parent.parent).with_suffix("").parts)
+    seen, todo = set[str](), list(modules_imported(own))
+    while todo:
+        module = todo.pop()
+        assert module != own, f"{own} imports itself by way of others"
+        if module not in seen:
+            seen.add(module)
+            todo += modules_imported(module)
+
+
+def modules_imported(module: str) -> list[str]:
+    """Return the modules of the core that one imports."""
+    source = CORE.parent.parent / f"{module.replace('.', '/')}.py"
+    if not source.exists():
+        return []
+    found = []
+    for node in ast.walk(ast.parse(source.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("proxy.core"):
+            found += [f"{node.module}.{alias.name}" for alias in node.names] + [node.module]
+    return found
+
+
+@ALL
+def test_classes_are_small(source):
+    """A class with more methods is two things."""
+    for node in ast.walk(ast.parse(source.read_text())):
+        if isinstance(node, ast.ClassDef):
+            methods = sum(isinstance(each, ast.FunctionDef) for each in node.body)
+            assert methods <= MOST_METHODS, f"{node.name} has {methods} methods"
+
+
+@ALL
+def test_files_are_short(source):
+    """A file that is longer is two things."""
+    assert len(source.read_text().splitlines()) <= MOST_LINES
+
+
+@ALL
+def test_nobody_writes_the_fields_of_others(source):
+    """An object's fields are its own: others call its methods, or take what it returns."""
+    assert not list(foreign_writes(ast.parse(source.read_text())))
