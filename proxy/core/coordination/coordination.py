@@ -69,7 +69,8 @@ class Coordination:
         if self._overbooks:
             return self._overbooking.factor / self.team.robots
         if (split := self._agrees) is None:
-            return 1.0 - self._settings.margin if self.team.rivals else 1.0
+            margin = max(self._settings.margin, TUNING.varied_margin if self.team.varied else 0.0)
+            return 1.0 - margin if self.team.rivals else 1.0
         ours = split.own_part.of(now, k)
         if self._established:
             return ours
@@ -130,7 +131,7 @@ class Coordination:
     def advance(
         self,
         now: float,
-        limits: Sequence[Limit],
+        limits: tuple[Limit, ...],
         waiting: float,
         announcing: Callable[[float], float],
         using: Callable[[float], float],

@@ -2,10 +2,10 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.model.limits import Limit, shortest_window
+from proxy.core.model.limits import Limit, changes_plans, shortest_window, use_of
 from proxy.core.protocol.messages import Digest
 from proxy.core.view.view import SharedView
 
@@ -31,6 +31,8 @@ class Team:
         """Whether several robots have something to send."""
         self.must_announce = False
         """Whether others have to hear of what we send, as far as we know."""
+        self.varied = False
+        """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""
 
     @property
     def splits(self) -> bool:
@@ -74,7 +76,7 @@ class Team:
     def judge(
         self,
         now: float,
-        limits: Sequence[Limit],
+        limits: tuple[Limit, ...],
         waiting: float,
         announcing: Callable[[float], float],
         *,
@@ -82,9 +84,12 @@ class Team:
     ) -> None:
         """Find whether the team has to split; `asked`: whether another robot asks for a part."""
         view, window, still = self._view, shortest_window(limits), TUNING.hysteresis if self.votes_to_split else 1.0
-        sending = {stream.robot for stream in view.contention.all(now)} | self._unheard()
+        competing = view.contention.all(now)
+        sending = {stream.robot for stream in competing} | self._unheard()
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does.
         self.rivals = asked or len(sending) > 1 or len(view.peers) > TUNING.few_robots
+        large = [s for s in competing if changes_plans(use_of(round(s.mean_size), 1, limits), limits)]
+        self.varied = bool(large) and all(s.size_deviation > TUNING.varied_sizes * s.mean_size for s in large)
         # Who has just been met may send before it can say so.
         self.must_announce = self.rivals or bool(view.newcomers.met_lately(now))
         if not self.rivals or math.isinf(window):

@@ -1,4 +1,4 @@
-"""The house of the core: packages that import one another only downward, small classes, and nobody writes another's fields."""
+"""The house of the core: packages import one another only downward, classes are small, fields are their owner's."""
 
 import ast
 from collections.abc import Iterator

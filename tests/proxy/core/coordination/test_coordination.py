@@ -7,6 +7,7 @@ from proxy.core.interface import events as ev
 from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
 from proxy.core.protocol.split_report import SplitReport
+from proxy.core.view.stream import Generated
 from tests.proxy.core.coordination.conftest import WINDOW, Robot, names
 
 CAMERA = (StreamState(1, "robot/op/camera", "camera", 0.5),)
@@ -114,3 +115,29 @@ def test_where_a_large_team_splits_strictly_each_has_an_equal_part(make_team):
     assert team.coordination.part(team.now, 0) == pytest.approx(equal, rel=0.06)
     assert not team.coordination.whole_turn(team.now, 0)
     assert team.coordination.announcement(team.now) is None
+
+
+@pytest.mark.parametrize(
+    ("sizes", "left"), [((1000, 1000), 0.0), ((400, 3600), TUNING.varied_margin)], ids=["alike", "varied"]
+)
+def test_where_all_large_samples_vary_in_size_a_margin_is_left(make_team, sizes, left):
+    """Then what fits beside others is sent all the same; where messages are alike a margin could cost a whole one."""
+    team = make_team()
+    for robot in ("r1", "p1"):
+        stream = team.view.streams.get(0.0, robot, f"robot/{robot}/camera")
+        for count in range(9, 29):
+            stream.note_generated(count + 1, Generated(count - 28.5, sizes[count % 2], 1.0))
+    team.now = 0.0
+    team.look()
+    assert team.coordination.team.rivals
+    assert team.coordination.part(team.now, 0) == 1.0 - left
+
+
+def test_who_is_alone_leaves_no_margin(make_team):
+    """There is nobody whose news could be late."""
+    team = make_team(send=1)
+    stream = team.view.streams.get(0.0, "r1", "robot/r1/camera")
+    for count in range(9, 29):
+        stream.note_generated(count + 1, Generated(count - 28.5, (400, 3600)[count % 2], 1.0))
+    team.look()
+    assert team.coordination.part(team.now, 0) == 1.0
