@@ -86,9 +86,9 @@ def rivals(
                 since = grew + opening(view) + view.staleness.delay
             ends = max(since, decided) + news + _spread(now, each)
             decided, part = max(decided, ends), float(now < ends)
-            size = max(each.mean_size, each.usual_size) + TUNING.larger_deviations * each.size_deviation
+            size = max(each.sizes.mean, each.sizes.announced) + TUNING.larger_deviations * each.sizes.deviation
         else:
-            ends, size = now + news, each.mean_size
+            ends, size = now + news, each.sizes.mean
             back = news * (TUNING.undecided_news if rank else 1.0)
             part = float((-math.expm1(-back / each.schedule.period)) ** TUNING.caution)
         if part > 0.0:
@@ -139,7 +139,7 @@ def _claims(
         for each in view.contention.all(now)
         if each.robot != stream.robot
         and disputes.weighed(each).standing is Standing.CONTESTED
-        and changes_plans(use_of(round(each.mean_size), view.subscribers.copies(each), limits, own=False), limits)
+        and changes_plans(use_of(round(each.sizes.mean), view.subscribers.copies(each), limits, own=False), limits)
     ]
 
 
@@ -168,7 +168,7 @@ def claim(now: float, stream: Stream) -> Claim:
     """Return the claim of a stream."""
     since = max(0.0, now - (stream.began if stream.sent is None else stream.sent.t_sent))
     gain = stream.newest.scale * integral(stream.information_type.utility, since)
-    return gain / max(1.0, stream.usual_size or stream.mean_size), stream.robot
+    return gain / max(1.0, stream.sizes.announced or stream.sizes.mean), stream.robot
 
 
 def _theirs(now: float, stream: Stream, ours: Stream) -> Claim:

@@ -26,15 +26,15 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: fl
     for stream in view.streams.own():
         if not view.contention.competes(now, stream) or _late(view, stream, audience := view.audiences.of(now, stream)):
             continue
-        copies, spread = view.subscribers.copies(stream), stream.size_deviation
-        sizes = {max(1, round(stream.mean_size + off * spread)) for off in TUNING.size_deviations}
+        copies, spread = view.subscribers.copies(stream), stream.sizes.deviation
+        sizes = {max(1, round(stream.sizes.mean + off * spread)) for off in TUNING.size_deviations}
         parts = [
             max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
             for size in sorted(sizes)
         ]
         interval = interval_of(now, stream, window, TUNING.new_stream)
         mean = sum(parts) / len(parts)
-        variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.mean_size, 1.0))
+        variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.sizes.mean, 1.0))
         yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share), variance)
 
 

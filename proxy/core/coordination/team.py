@@ -88,8 +88,8 @@ class Team:
         sending = {stream.robot for stream in competing} | self._unheard()
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does.
         self.rivals = asked or len(sending) > 1 or len(view.peers) > TUNING.few_robots
-        large = [s for s in competing if changes_plans(use_of(round(s.mean_size), 1, limits), limits)]
-        self.varied = bool(large) and all(s.size_deviation > TUNING.varied_sizes * s.mean_size for s in large)
+        large = [s for s in competing if changes_plans(use_of(round(s.sizes.mean), 1, limits), limits)]
+        self.varied = bool(large) and all(s.sizes.deviation > TUNING.varied_sizes * s.sizes.mean for s in large)
         # Who has just been met may send before it can say so.
         self.must_announce = self.rivals or bool(view.newcomers.met_lately(now))
         if not self.rivals or math.isinf(window):

@@ -53,7 +53,7 @@ class Announcements:
         limits, rate = self._limits.limits, 0.0
         load = [0.0] * len(limits)
         for stream in self._view.contention.all(now):
-            use = use_of(round(stream.mean_size), self._view.subscribers.copies(stream), limits)
+            use = use_of(round(stream.sizes.mean), self._view.subscribers.copies(stream), limits)
             if changes_plans(use, limits):
                 often = 1.0 / stream.period
                 rate += often

@@ -104,6 +104,6 @@ def _apart_from_streams(state: State) -> Iterable[object]:
 
 
 def _stream_state(stream: Stream) -> StreamState:
-    schedule, size = stream.schedule, round(stream.mean_size)
+    schedule, size = stream.schedule, round(stream.sizes.mean)
     kind, period, jitter = schedule.kind, schedule.period, schedule.jitter
     return StreamState(stream.id, stream.key, stream.information_type.name, period, jitter, size, kind)

@@ -111,7 +111,7 @@ class StateAnnouncements:
         self.left_out, self.state, self._announced_at = left_out, state, now
         for each in state.streams:
             if (stream := self._view.streams.known(state.robot, each.key)) is not None:
-                stream.announce_size(each.size)
+                stream.sizes.announce(each.size)
         self._account.sent_other(now, len(pack_state(update or state)), self._account.copies)
         return [*notices, SendState(state, update)]
 

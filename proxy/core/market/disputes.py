@@ -130,9 +130,9 @@ class Disputes:
         """What there is to know of a stream."""
         view, limits = self._view, self._limits
         own, copies, audience = self._own(stream), view.subscribers.copies(stream), view.audiences.of(now, stream)
-        size = round(stream.mean_size)
+        size = round(stream.sizes.mean)
         use = use_of(size, copies, limits, own=own)
-        more = use_of(size + round(stream.size_deviation), copies, limits, own=own)
+        more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
         return Row(
             stream,
             interval_of(now, stream, min(c.window for c in limits)),

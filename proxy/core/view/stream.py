@@ -1,11 +1,9 @@
 """What is known of one stream: the samples of one key from one robot."""
 
-import math
 from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from statistics import NormalDist
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -14,19 +12,13 @@ from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.forecast.schedule import Schedule
 from proxy.core.protocol.fixed import rounded
 from proxy.core.protocol.messages import StreamState
+from proxy.core.view.sizes import Sizes
 from utility_specs import InformationType
 
 SAME = 1e-3
 """A sample that was generated so much after the last one was sent is another one [s]."""
 SCALE = "scale"
 """Stands for the scale where features are not known."""
-NEW_SIZE = 0.1
-"""What the size of a new sample counts in the mean and the variance of sizes."""
-SMALLER = 0.3
-"""Where sizes vary, those sent are smaller than the mean by about so many standard deviations: with five robots of 1 to
-40 kB plans reached 94.2 % of the bound, with the mean 93.3, with the last size 93.1."""
-LEAST_SIZE = 0.2
-"""No sample is planned with a smaller part of the mean size."""
 LEAST_PERIOD = 1e-3
 """Streams are taken to generate no faster than so [s]."""
 LEADS = (1, 4)
@@ -83,12 +75,7 @@ class Stream:
     """What was decided on samples of ours, by reason."""
     reached: set[str] = field(default_factory=set)
     """Tags of the robots that were sent a sample."""
-    mean_size: float = 0.0
-    """Mean size of the samples generated, the recent ones counting more [B]."""
-    size_variance: float = 0.0
-    """The variance of these sizes [B²]."""
-    usual_size: int = 0
-    """What its robot last told of its size, so that all robots know the same; 0: nothing yet [B]."""
+    sizes: Sizes = field(default_factory=Sizes)
     interval: float = 0.0
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
     changes: int = 0
@@ -132,7 +119,7 @@ class Stream:
         self.changes += 1
         self.schedule.observe(count if numbered else None, last.t_gen, told)
         self.last = last
-        self._note_size(last.size)
+        self.sizes.note(last.size)
         if self._outlook is not None:
             self._outlook.note(last.t_gen, last.features or {SCALE: last.scale})
             self._steady = self._outlook.steady
@@ -141,29 +128,7 @@ class Stream:
     @property
     def likely_size(self) -> int:
         """The size that a sample to come is planned with [B]: a bit less than the mean, for smaller ones are sent."""
-        if self.size_variance == 0.0:
-            return self.newest.size
-        return round(max(self.mean_size - SMALLER * self.size_deviation, 0.5 * self.mean_size))
-
-    def smallest(self, part: float) -> int:
-        """The mean size of the smallest `part` of the samples [B], if sizes are spread about the mean like a bell."""
-        normal = NormalDist()
-        below = normal.pdf(normal.inv_cdf(part)) / part * self.size_deviation
-        return round(max(self.mean_size - below, LEAST_SIZE * self.mean_size))
-
-    def _note_size(self, size: int) -> None:
-        """Take a size into the mean and the variance, by exponential weights."""
-        if not self.mean_size:
-            self.mean_size = float(size)
-            return
-        off = size - self.mean_size
-        self.mean_size += NEW_SIZE * off
-        self.size_variance = (1.0 - NEW_SIZE) * (self.size_variance + NEW_SIZE * off * off)
-
-    @property
-    def size_deviation(self) -> float:
-        """The standard deviation of the sizes of its samples [B]."""
-        return math.sqrt(self.size_variance)
+        return self.sizes.likely(self.newest.size)
 
     def touch(self, now: float) -> None:
         """Something was heard of the stream."""
@@ -243,13 +208,9 @@ class Stream:
         self.changes += 1
         self.matching = matching
 
-    def announce_size(self, size: int) -> None:
-        """The stream's robot announces its size [B]."""
-        self.usual_size = size
-
     def assume(self, told: StreamState) -> None:
         """The stream's robot tells of its schedule and its size."""
-        self.announce_size(told.size)
+        self.sizes.announce(told.size)
         if self.schedule.assume(told.period, told.schedule):
             self.changes += 1
 

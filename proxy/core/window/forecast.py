@@ -52,7 +52,7 @@ def _latency(view: SharedView, c: Candidate) -> float:
 
 def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
     """Where far more is offered than can be sent expect only the smallest samples of bulky streams to be sent."""
-    uses = [use_of(round(c.stream.mean_size), c.copies, limits, own=c.own) for c in candidates]
+    uses = [use_of(round(c.stream.sizes.mean), c.copies, limits, own=c.own) for c in candidates]
     periods = [max(c.stream.schedule.period, LEAST_PERIOD) for c in candidates]
     offered = [sum([use[k] / period for use, period in zip(uses, periods, strict=True)]) for k in range(len(limits))]
     carried = [
@@ -64,7 +64,7 @@ def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
     for c, use in zip(candidates, uses, strict=True):
         stream = c.stream
         bulky = any(u > TUNING.bulky * limit.limit for u, limit in zip(use, limits, strict=True))
-        varied = stream.size_deviation > TUNING.varied * stream.mean_size and stream.schedule.kind != MEMORYLESS
+        varied = stream.sizes.deviation > TUNING.varied * stream.sizes.mean and stream.schedule.kind != MEMORYLESS
         if bulky and varied and not guaranteed(stream):
             chosen = [t for i, t in enumerate(c.times) if int((i + 1) * part) > int(i * part)]
-            c.expect(chosen or c.times[-1:], stream.smallest(part))
+            c.expect(chosen or c.times[-1:], stream.sizes.smallest(part))

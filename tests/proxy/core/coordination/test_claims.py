@@ -246,7 +246,7 @@ def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view)
     assert leads(10.0, view, disputes, ours, limits)
     view.traffic.note_sent(ours, 2, Sent(9.8, 9.8, SIZE, 1.0))
     assert not leads(10.0, view, disputes, ours, limits)
-    theirs.mean_size = SIZE / 40
+    theirs.sizes.mean = SIZE / 40
     assert leads(10.0, view, disputes, ours, limits)
     ours.schedule.assume(0.1, "poisson")
     assert not leads(10.0, view, disputes, ours, limits)

@@ -1,9 +1,8 @@
 """One stream: what is expected of its next samples."""
 
-import numpy as np
 import pytest
 
-from proxy.core.view.stream import LEADS, LEAST_SIZE, Generated, Stream
+from proxy.core.view.stream import LEADS, Generated, Stream
 
 TRENDING = """
 [[information_type]]
@@ -92,14 +91,3 @@ def test_a_stream_of_which_nothing_was_generated_has_no_newest(make_stream):
     """The view has none such."""
     with pytest.raises(LookupError, match="nothing was generated of robot/r1/camera yet"):
         _ = make_stream("{}").newest
-
-
-@pytest.mark.parametrize("part", [0.05, 0.3, 0.9])
-def test_the_smallest_samples_are_so_large_in_the_mean(make_stream, part):
-    """By sampling; never less than a part of the mean, for no size is negative."""
-    stream = make_stream("{}")
-    stream.mean_size, stream.size_variance = 1000.0, 100.0**2
-    sizes = np.sort(np.random.default_rng(3).normal(1000.0, 100.0, 200_000))
-    assert stream.smallest(part) == pytest.approx(np.mean(sizes[: int(part * len(sizes))]), rel=0.01)
-    stream.size_variance = 1000.0**2
-    assert stream.smallest(0.05) == LEAST_SIZE * 1000
