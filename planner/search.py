@@ -15,13 +15,16 @@ from typing import Literal, Protocol
 
 @dataclass(frozen=True, slots=True)
 class SearchSettings:
-    """How to search. `exploration` is c of Eq. 3; `reduction` is that of §3.2.2 (paper mode only)."""
+    """How to search. `exploration` is c of Eq. 3; `reduction` is that of §3.2.2 (paper mode only).
+
+    A search that has `max_nodes` holds 8 MB at most.
+    """
 
     search: Literal["best", "paper"] = "best"
     engine: Literal["native", "python"] = "native"
     reduction: Literal["off", "paper", "exact"] = "off"
     exploration: float = 0.35
-    max_nodes: int = 65_536
+    max_nodes: int = 49_152
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,8 @@
 """Memory: what one search holds at most, and whether decisions leave anything behind."""
 
 import gc
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import planner
@@ -37,25 +39,32 @@ def resident() -> int:
 
 
 def _searches() -> Table:
-    rows = []
-    window = Team(100, 120).windows(1)[0]
-    for settings in SETTINGS:
-        _decide(window, settings, ITERATIONS)
-        held: list[Search] = []
-        before = resident()
-        for _ in range(HELD):
-            held.append(planner.start(window, settings))
-            held[-1].run(ITERATIONS)
-        each = (resident() - before) / HELD
-        nodes = held[-1].plan().nodes
-        rows.append((_name(settings), f"{held[-1].iterations:,}", f"{nodes:,}", f"{each / MEGABYTE:.1f}"))
     return Table(
         "A search of 10,000 iterations [MB]",
         ("search", "iterations", "nodes", "memory"),
-        tuple(rows),
+        tuple(_in_a_process_of_its_own(settings) for settings in SETTINGS),
         "100 robots, horizon 120, the mean of searches held at once; the tables of the window are in it. Best mode ends"
         " when its answer is proven, any mode when its nodes are used up.",
     )
+
+
+def _in_a_process_of_its_own(settings: SearchSettings) -> tuple[str, ...]:
+    """Measure a search where no memory was given back before that it could live in."""
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        return pool.submit(_held, settings).result()
+
+
+def _held(settings: SearchSettings) -> tuple[str, ...]:
+    window = Team(100, 120).windows(1)[0]
+    _decide(window, settings, ITERATIONS)
+    held: list[Search] = []
+    before = resident()
+    for _ in range(HELD):
+        held.append(planner.start(window, settings))
+        held[-1].run(ITERATIONS)
+    each = (resident() - before) / HELD
+    nodes = held[-1].plan().nodes
+    return _name(settings), f"{held[-1].iterations:,}", f"{nodes:,}", f"{each / MEGABYTE:.1f}"
 
 
 def _growth(decisions: int) -> Table:
