@@ -45,8 +45,7 @@ class OwnSamples:
         known = stream is None or stream.generated
         self._gossip.states.sample_came(event.now, event.size, new=not known)
         if stream is None:
-            self._uncovered(event.now, 1, event.size)
-            return [self._gate.outcomes.pass_on(event.sample, self._why_undecided(event.key))]
+            return [self._pass_undecided(event.now, event.sample, event.key, event.size)]
         return self._covered(event, stream)
 
     def _covered(self, event: ev.SamplePublished, stream: Stream) -> list[Command]:
@@ -69,8 +68,7 @@ class OwnSamples:
             return []
         stream = self._view.streams.get(event.now, self._settings.robot, waiting.key)
         if stream is None:
-            self._uncovered(event.now, 1, waiting.size)
-            return [self._gate.outcomes.pass_on(event.sample, self._why_undecided(waiting.key))]
+            return [self._pass_undecided(event.now, event.sample, waiting.key, waiting.size)]
         # A stream that was not covered for a while has forgotten its samples.
         forgotten = stream.last is None or stream.last.t_gen < waiting.t_gen
         waiting = self._valued(stream, waiting, event.features, stream.generated + forgotten)
@@ -138,12 +136,13 @@ class OwnSamples:
             lifetime = self._view.lifetimes.end(stream.information_type.utility)
             self._kept.published(waiting, lifetime, most, delete=delete)
 
-    def _why_undecided(self, key: str) -> str:
-        """Why nobody decides on the samples of a key."""
+    def _pass_undecided(self, now: float, sample: int, key: str, size: int) -> Command:
+        """Pass a sample on a key that specs plan nothing for, and say why nobody decides on it."""
+        self._uncovered(now, 1, size)
         covering = self._view.specs.match(key)
         if covering is None:
-            return "passed:no-spec"
-        return "passed:bypass" if covering.bypass else "passed:mode"
+            return self._gate.outcomes.pass_on(sample, "passed:no-spec")
+        return self._gate.outcomes.pass_on(sample, "passed:bypass" if covering.bypass else "passed:mode")
 
     def _uncovered(self, now: float, count: int, size: int) -> None:
         """So many samples of `size` in all go out that nobody decides on: they lower what is left for the others."""

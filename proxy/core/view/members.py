@@ -62,7 +62,7 @@ class Members:
 
     def namesakes(self) -> list[Peer]:
         """Return the robots that have another one's name, or ours."""
-        return [peer for peer in self._peers.values() if peer.robot != peer.name]
+        return [peer for peer in self._peers.values() if peer.is_namesake]
 
     def heir_of(self, name: str) -> Peer | None:
         """Return the robot that has a name that is free now, but was given another one here."""

@@ -86,6 +86,11 @@ class Peer:
         return 0 if self.state is None else self.state.number
 
     @property
+    def is_namesake(self) -> bool:
+        """Whether its name was taken when it came, so that it has another one here."""
+        return self.robot != self.name
+
+    @property
     def digest_received(self) -> float:
         """When its last digest came [s]; 0.0 when none did."""
         return 0.0 if self.last_heard is None else self.last_heard.received

@@ -31,7 +31,7 @@ def namesake_warnings(settings: CoreSettings, peers: Mapping[str, Peer]) -> list
     names = {name for name, _ in robots}
     renamed = [(name.removesuffix(f"-{zid[:4]}"), zid, name) for name, zid in robots]
     return [
-        *(namesake_warning(peer.name, peer.zid, peer.robot) for peer in peers.values() if peer.robot != peer.name),
+        *(namesake_warning(peer.name, peer.zid, peer.robot) for peer in peers.values() if peer.is_namesake),
         *(namesake_warning(name, zid, shown) for name, zid, shown in renamed if name != shown and name in names),
     ]
 
