@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from proxy.core.coordination.coordination import Coordination
-from proxy.core.coordination.sends import OwnSends, uses_of
+from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import opens
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
@@ -29,6 +29,7 @@ class Budget:
         self._memory = 0.0
         """How long sends are remembered [s]."""
         self.own = OwnSends()
+        self._others = OthersSends(view.traffic)
         self._mute_until = -math.inf
         """When the allowance has room for announcements [s]."""
         self._usable_for: tuple[tuple[Limit, ...], tuple[float, ...]] = (), ()
@@ -83,8 +84,7 @@ class Budget:
 
     def free(self, now: float) -> list[float]:
         """What may still be sent now of each constraint; less than nothing where too much was sent."""
-        others = self.others(now)
-        return [self.whole(now, k) - self._counted(now, k, limit.window, others) for k, limit in enumerate(self.limits)]
+        return [self.whole(now, k) - self._counted(now, k, limit.window) for k, limit in enumerate(self.limits)]
 
     def left(self, now: float) -> list[float]:
         """What we may use of each constraint within the window that ends now, our own sends included."""
@@ -94,11 +94,12 @@ class Budget:
         """Name the constraints that leave no room for a message with this use now."""
         if now < self._mute_until and changes_plans(use, self.limits):
             return tuple(limit.name for limit in self.limits if limit.shared)
-        others = self.others(now)
         return tuple(
-            limit.name
-            for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-            if not self._fits(now, k, amount, others)
+            [
+                limit.name
+                for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
+                if not self._fits(now, k, amount)
+            ]
         )
 
     def opens(self, now: float, use: tuple[float, ...], *, anybodys: bool = False) -> float:
@@ -107,6 +108,8 @@ class Budget:
         Or when our part grows that is too small for it, as a slot was passed on to us: ten robots with equal messages
         reached 82 to 93 % of a central decider in `split` where such a sample was dropped, and reach 83 to 95 now.
         """
+        if all(self._counted(now, k, c.window) + use[k] <= c.limit for k, c in enumerate(self.usable(now))):
+            return -math.inf
         opening = opens(self.usable(now), self.own, self.others(now), use, anybodys=anybodys)
         if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):
             return opening
@@ -145,20 +148,23 @@ class Budget:
         own = tuple(each for each in self.own if each[0] >= since)
         return Limits(self.usable(now), own, self._sent_by_others(now, since), alone=self.alone)
 
-    def _fits(self, now: float, k: int, amount: float, others: tuple[Send, ...]) -> bool:
+    def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""
         limit, whole = self.limits[k], self.whole(now, k)
         if amount <= whole:
-            return self._counted(now, k, limit.window, others) + amount <= whole
+            return self._counted(now, k, limit.window) + amount <= whole
         if limit.shared and not self._coordination.whole_turn(now, k):
             return False
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
+        since = now - stretched
         # Digests go on beside it.
-        return self._counted(now, k, stretched, self._sent_by_others(now, now - stretched)) <= 0.0
+        others = self._sent_by_others(now, since)
+        return self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
-    def _counted(self, now: float, k: int, window: float, others: tuple[Send, ...]) -> float:
-        since = now - window
-        return self.own.used(since, k) + sum(use[k] for t, use in others if t >= since)
+    def _counted(self, now: float, k: int, window: float) -> float:
+        """Return what counts of the window that ends now. Others' samples take as long to leave as ours."""
+        ours = self.own.used(now - window, k)
+        return ours if self.alone else ours + self._others.used(now - window - self.own.leave_after, k, self.limits)
 
     def _sent_by_others(
         self, now: float, since: float, besides: Iterable[tuple[float, Amount]] = ()

@@ -1,18 +1,76 @@
 """What counts against the limits: our own sends, and what we know others to have sent."""
 
-from collections import deque
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.model.limits import Limit, Send, use_of
-from proxy.core.view.traffic import Amount
+from proxy.core.model.limits import Limit, Send, longest_window, use_of
+from proxy.core.view.traffic import Amount, TrafficLog
+
+
+class SendLog:
+    """Sends in the order of their times, and what those since any moment use of each limit: two look-ups, no sum."""
+
+    def __init__(self) -> None:
+        self._times: list[float] = []
+        self._uses: list[tuple[float, ...]] = []
+        self._sums: list[tuple[float, ...]] = []
+        """What each send and all before it use together, as far as they are remembered."""
+        self._first = 0
+        """Those before this place are forgotten: they are taken away when they are as many as those that are left."""
+
+    def __iter__(self) -> Iterator[Send]:
+        """Oldest first."""
+        return iter(list(zip(self._times[self._first :], self._uses[self._first :], strict=True)))
+
+    def add(self, t: float, use: tuple[float, ...]) -> None:
+        """Something was sent at `t` [s]."""
+        place = bisect_right(self._times, t, lo=self._first)
+        self._times.insert(place, t)
+        self._uses.insert(place, use)
+        self._sum_up(place)
+
+    def remove(self, send: Send) -> bool:
+        """Forget one send; return whether it was there."""
+        place = bisect_left(self._times, send[0], lo=self._first)
+        while place < len(self._times) and self._times[place] == send[0]:
+            if self._uses[place] == send[1]:
+                del self._times[place], self._uses[place]
+                self._sum_up(place)
+                return True
+            place += 1
+        return False
+
+    def forget(self, before: float) -> None:
+        """Of what was sent before this nothing counts any more."""
+        self._first = bisect_left(self._times, before, lo=self._first)
+        if 2 * self._first > len(self._times):
+            del self._times[: self._first], self._uses[: self._first]
+            self._first = 0
+            self._sum_up(0)
+
+    def used(self, since: float, k: int) -> float:
+        """Return what was used of a limit since then."""
+        place = bisect_left(self._times, since, lo=self._first)
+        if place == len(self._times):
+            return 0.0
+        return self._sums[-1][k] - (self._sums[place - 1][k] if place else 0.0)
+
+    def _sum_up(self, place: int) -> None:
+        """Sum up anew from this place on."""
+        del self._sums[place:]
+        total = self._sums[-1] if self._sums else ()
+        for use in self._uses[place:]:
+            total = tuple([a + b for a, b in zip(total, use, strict=True)]) if total else use
+            self._sums.append(total)
 
 
 class OwnSends:
-    """Our sends, oldest first, by what they use of each limit in force."""
+    """Our sends, by what they use of each limit in force."""
 
     def __init__(self) -> None:
-        self._sent: deque[Send] = deque()
+        self._sent = SendLog()
         self._leaving: dict[int, Send] = {}
         """Of these, large samples that the mesh has not taken yet."""
         self.leave_after = 0.0
@@ -24,24 +82,24 @@ class OwnSends:
 
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before; nothing was used of those that are new."""
-        self._sent = deque((t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in self._sent)
+        before, self._sent = self._sent, SendLog()
+        for t, use in before:
+            self._sent.add(t, tuple(0.0 if k is None else use[k] for k in places))
         self._leaving.clear()
 
     def note(self, now: float, use: tuple[float, ...], large: int | None) -> None:
         """A message is sent now, a `large` sample or something else."""
-        send = now, use
-        self._sent.append(send)
+        self._sent.add(now, use)
         if large is not None:
-            self._leaving[large] = send
+            self._leaving[large] = now, use
 
     def forget(self, before: float) -> None:
         """Of what was sent before this nothing counts any more."""
-        while self._sent and self._sent[0][0] < before:
-            self._sent.popleft()
+        self._sent.forget(before)
 
     def used(self, since: float, k: int) -> float:
-        """Return what they used of a limit."""
-        return sum(use[k] for t, use in self._sent if t >= since)
+        """Return what they used of a limit since then."""
+        return self._sent.used(since, k)
 
     def handed(self, now: float, sample: int) -> None:
         """The mesh took a sample: a large one counts for a window from now on, not from when it was decided.
@@ -50,9 +108,8 @@ class OwnSends:
         held 1.23 to 1.31 limits, as this one had taken some ms longer to leave.
         """
         send = self._leaving.pop(sample, None)
-        if send is not None and send in self._sent:
-            self._sent.remove(send)
-            self._sent.append((now, send[1]))
+        if send is not None and self._sent.remove(send):
+            self._sent.add(now, send[1])
             took, weight = now - send[0], TUNING.departure_weight
             self.leave_after = min(
                 max(took, (1.0 - weight) * self.leave_after + weight * took), TUNING.longest_departure
@@ -61,6 +118,37 @@ class OwnSends:
     def refused(self, sample: int) -> None:
         """The mesh did not take a sample."""
         self._leaving.pop(sample, None)
+
+
+class OthersSends:
+    """What others sent, and told each other beyond what limits leave to that, by what it uses of each limit in force."""
+
+    def __init__(self, traffic: TrafficLog) -> None:
+        self._traffic = traffic
+        self._log = SendLog()
+        self._limits: tuple[Limit, ...] = ()
+        self._taken = 0, 0, 0
+        """How many sends and how much talk there was so far, and how many sends had been retracted."""
+
+    def used(self, since: float, k: int, limits: tuple[Limit, ...]) -> float:
+        """Return what it used of a limit since then, at most the longest window ago."""
+        self._follow(limits)
+        self._log.forget(since - longest_window(limits))
+        return self._log.used(since, k)
+
+    def _follow(self, limits: tuple[Limit, ...]) -> None:
+        """Take in what was noted since the last time; all of it under other limits, or when something was retracted."""
+        traffic = self._traffic
+        noted = traffic.noted, traffic.talked, traffic.retracted
+        if noted == self._taken and limits is self._limits:
+            return
+        sends, talk, retracted = self._taken
+        if limits != self._limits or retracted != traffic.retracted:
+            self._log, sends, talk = SendLog(), 0, 0
+        self._limits, self._taken = limits, noted
+        for entries, new in ((traffic.sends, noted[0] - sends), (traffic.talk, noted[1] - talk)):
+            for t, amount in islice(entries, max(0, len(entries) - new), None):
+                self._log.add(t, use_of(*amount, limits, own=False))
 
 
 def uses_of(

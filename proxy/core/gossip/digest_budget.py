@@ -5,9 +5,8 @@ those who have most to announce announce most, if need be ahead of time. A part 
 that each robot has an equal part: ordinary news, and, paid for later, states, questions and answers.
 """
 
-from collections import deque
-
 from proxy.core.gossip.echo_budget import EchoBudget
+from proxy.core.gossip.recent_bytes import RecentBytes
 from proxy.core.gossip.state_budget import StateBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.tuning import TUNING as MODEL
@@ -29,8 +28,8 @@ class DigestBudget:
         """The allowance of all robots together [B/s]."""
         self._robots, self._copies, self._follows = 1, 1, False
         self._saved, self._splits, self._quiet, self._window = saved, False, False, 0.0
-        self._recent: deque[tuple[float, float]] = deque()
-        """When all told something in the last window [s], and how much [B]."""
+        self._recent = RecentBytes()
+        """What all told in the last window."""
         self._common = 0.0
         """What is left of the allowance of all [B]."""
         self._own = MODEL.least_allowance
@@ -71,8 +70,7 @@ class DigestBudget:
 
     def advance(self, now: float) -> None:
         """Take in what the allowance has brought since the last time."""
-        while self._recent and self._recent[0][0] <= now - self._window:
-            self._recent.popleft()
+        self._recent.forget(now - self._window)
         elapsed = now - self._updated
         if elapsed > 0.0:
             self._common, self._own = self._levels(now)
@@ -143,7 +141,7 @@ class DigestBudget:
         """Return what so many bytes in so many copies cost; that much was told now."""
         self.advance(now)
         cost = (size + TUNING.overhead) * max(1, copies)
-        self._recent.append((now, cost))
+        self._recent.add(now, cost)
         return cost
 
     def _fits_at(self, now: float, cost: float) -> float:
@@ -153,13 +151,9 @@ class DigestBudget:
         """
         if self._saved:
             return now
-        recent = [(t, each) for t, each in self._recent if t > now - self._window]
-        told, at = sum(each for _, each in recent), now
-        for t, each in recent:
-            if told + cost <= self.rate * self._window:
-                break
-            told, at = told - each, t + self._window + self._turn * cost / self.rate
-        return at
+        self._recent.forget(now - self._window)
+        at = self._recent.fits_at(now, self._window, self.rate * self._window - cost)
+        return at + self._turn * cost / self.rate if at > now else now
 
     def _levels(self, now: float) -> tuple[float, float]:
         """What is left of the allowance of all, and of our part for ordinary news, as of now [B]."""

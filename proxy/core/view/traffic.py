@@ -32,6 +32,8 @@ class TrafficLog:
         """The same of what robots told each other beyond what limits leave to that."""
         self.revision = 0
         """How often `sends` or `talk` changed."""
+        self.noted, self.talked, self.retracted = 0, 0, 0
+        """How many sends of others, and how much talk, were noted so far, and how many sends turned out not to be one."""
 
     def count(self, messages: int, size: int) -> None:
         """So many messages of ours, of so many bytes in all, copies counted, go on the air."""
@@ -47,12 +49,14 @@ class TrafficLog:
             self.largest = max(self.largest, copies * sent.size)
         else:
             self.revision += 1
+            self.noted += len(noted)
             self.sends.extend([(each.t_sent, (sent.size, copies)) for each in noted])
 
     def note_unknown(self, at: float, size: int) -> Entry:
         """Something was sent of a stream that we know nothing of, in one copy; return its entry."""
         entry = at, (size, 1)
         self.revision += 1
+        self.noted += 1
         self.sends.append(entry)
         return entry
 
@@ -61,10 +65,12 @@ class TrafficLog:
         if entry in self.sends:
             self.sends.remove(entry)
             self.revision += 1
+            self.retracted += 1
 
     def note_talk(self, now: float, size: int) -> None:
         """So many bytes of what robots tell each other count against the limits like samples of other robots."""
         self.revision += 1
+        self.talked += 1
         self.talk.append((now, (size, 1)))
 
     def sent_since(self, since: float) -> list[Entry]:

@@ -1,0 +1,36 @@
+"""How much was told lately."""
+
+from collections import deque
+
+
+class RecentBytes:
+    """Amounts [B] by when they were told [s], and their `total`, which is kept and not summed up at every look."""
+
+    def __init__(self) -> None:
+        self.total = 0.0
+        self._told: deque[tuple[float, float]] = deque()
+
+    def add(self, now: float, amount: float) -> None:
+        """So much is told now."""
+        self._told.append((now, amount))
+        self.total += amount
+
+    def forget(self, before: float) -> None:
+        """Forget what was told before this, or just then [s]."""
+        told = self._told
+        while told and told[0][0] <= before:
+            self.total -= told.popleft()[1]
+        if not told:
+            self.total = 0.0
+
+    def fits_at(self, now: float, window: float, room: float) -> float:
+        """Return when no more than `room` of it is left in a window, the last that leaves it then; now if so already.
+
+        What was told before the window that ends now must be forgotten.
+        """
+        left, at = self.total, now
+        for t, amount in self._told:
+            if left <= room:
+                break
+            left, at = left - amount, t + window
+        return at
