@@ -4,7 +4,8 @@
     for command in core.handle(event): ...
 
 The same events and settings give the same commands, whoever drives: the daemon, a simulation, a test. An event is taken
-in by one reaction (`reactions/`); then each part goes on with what is due (`_advance`), and names when it is next.
+in by one reaction (`reactions/`); then the parts go on with what is due (`_advance`), and name when they are next. Most
+of what is heard is only noted: where no sample waits for it, the parts go on when the next of them is due.
 """
 
 from collections.abc import Callable
@@ -20,12 +21,15 @@ from proxy.core.reactions.mesh_news import MeshNews
 from proxy.core.reactions.own_samples import OwnSamples
 from proxy.core.reactions.retention import Retention
 from proxy.core.reactions.team_limits import TeamLimits
-from proxy.core.samples.unplanned import Unplanned
 from proxy.core.status import report
 from utility_specs import Specs
 
 LONGEST_SLEEP = 1.0
 """Time passes this often at least [s]."""
+TIDIED_EVERY = 0.1
+"""What is too old is forgotten this often at most [s]."""
+NOTED = frozenset({ev.SampleHanded, ev.SampleHeard, ev.DigestHeard, ev.MalformedHeard, ev.VersionHeard})
+"""Events that bring about nothing by themselves, unless a sample waits or the team agrees on parts."""
 
 
 class Core:
@@ -36,11 +40,11 @@ class Core:
         self.settings, self.view, self.mismatched = settings, parts.view, parts.mismatched
         self.coordination, self.budget, self.channel = parts.coordination, parts.budget, parts.channel
         self.counts, self.kept, self.gate, self.gossip = parts.counts, parts.kept, parts.gate, parts.gossip
-        self._started = self._wakes_at = now
-        self._unplanned = Unplanned(parts.counts)
+        self._started = self._wakes_at = self._tidied_at = now
         self._retention = Retention(parts)
         self._limits = TeamLimits(parts)
         self.news = MeshNews(parts, self._retention)
+        self._samples = OwnSamples(parts)
         self._reactions = self._all_reactions()
         self._limits.adopt(now)
 
@@ -49,9 +53,11 @@ class Core:
         react = self._reactions.get(type(event))
         if react is None:
             raise TypeError(f"{type(event).__name__} is no event of the core")
-        commands = [*react(event), *self._advance(event.now)]
-        self._retention.follow(event.now, commands)
-        self._wakes_at = self._due_at(event.now)
+        commands, now = react(event), event.now
+        if type(event) not in NOTED or self.gate.waits or self.coordination.split_in_force or self._due_at(now) <= now:
+            commands = [*commands, *self._advance(now)]
+            self._retention.follow(now, commands)
+        self._wakes_at = self._due_at(now)
         return self.kept.around(commands)
 
     def wake_at(self, now: float) -> float:
@@ -64,7 +70,7 @@ class Core:
 
     def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
         """Return who takes in which event."""
-        samples, news = OwnSamples(self.parts), self.news
+        samples, news = self._samples, self.news
         members = Membership(self.parts, self._limits, news, self._retention)
         changes = Changes(self.parts, self._limits, self._retention)
         return {
@@ -96,17 +102,28 @@ class Core:
 
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event; what one part says is passed on to the others."""
-        gossip, announcements = self.gossip, self.gossip.announcements
-        urgent = self.channel.look(now, self.counts.dropped)
-        commands = [*self._limits.follow_channel(), *self._limits.leave_out_mismatched(now)]
-        parts_changed = self.coordination.advance(
+        urgent, commands = False, list[Command]()
+        if now >= self.channel.due_at:
+            urgent = self.channel.look(now, self.counts.dropped)
+            commands += self._limits.follow_channel()
+        if now >= self._tidied_at + TIDIED_EVERY:
+            commands += self._tidy(now)
+        gossip, announcements, coordination = self.gossip, self.gossip.announcements, self.coordination
+        parts_changed = coordination.advance(
             now, self.budget.limits, self.channel.staleness, announcements.share, self.budget.using
         )
-        self.budget.mute(announcements.due_at(now))
+        if self.gate.waits:
+            self.budget.mute(announcements.due_at(now))
         commands += self.gate.next(now)
-        commands += gossip.advance(now, self.gate.appraisal.mode, urgent=urgent, parts_changed=parts_changed)
+        mode, relaxed = self.gate.appraisal.mode, self.gate.appraisal.all_fits
+        return commands + gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
+
+    def _tidy(self, now: float) -> list[Command]:
+        """Forget what is too old, look for whom to leave out of the team, and say what was dropped unplanned."""
+        self._tidied_at = now
         self.view.sweep(now)
-        return [*commands, *self._retention.sweep(now), *self._unplanned.look(now)]
+        commands = self._limits.leave_out_mismatched(now)
+        return [*commands, *self._retention.sweep(now), *self._samples.unplanned.look(now)]
 
     def _due_at(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""

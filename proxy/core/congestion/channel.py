@@ -27,6 +27,11 @@ class Channel:
         """Those of which the driver knows."""
 
     @property
+    def due_at(self) -> float:
+        """When to look at it, and to put in force what it bears [s]."""
+        return -math.inf if self._factors != self.capacity.factors else self.capacity.due_at
+
+    @property
     def allowance_factor(self) -> float:
         """How much of the allowance is left: less than in proportion, as digests tell where little gets through."""
         return math.sqrt(min(self.capacity.factors, default=1.0))

@@ -13,6 +13,7 @@ from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import opens
+from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
 from proxy.core.view.traffic import Amount
 from proxy.core.view.view import SharedView
@@ -108,7 +109,9 @@ class Budget:
         Or when our part grows that is too small for it, as a slot was passed on to us: ten robots with equal messages
         reached 82 to 93 % of a central decider in `split` where such a sample was dropped, and reach 83 to 95 now.
         """
-        if all(self._counted(now, k, c.window) + use[k] <= c.limit for k, c in enumerate(self.usable(now))):
+        if all(
+            self._counted(now, k, c.window + MARKET.closed) + use[k] <= c.limit for k, c in enumerate(self.usable(now))
+        ):
             return -math.inf
         opening = opens(self.usable(now), self.own, self.others(now), use, anybodys=anybodys)
         if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):

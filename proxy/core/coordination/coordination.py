@@ -56,7 +56,7 @@ class Coordination:
         return self._split is not None and self.team.quiet and not self.team.strict
 
     @property
-    def _agrees(self) -> Split | None:
+    def split_in_force(self) -> Split | None:
         """The parts that the team agrees on."""
         return self._split if self.team.splits and not self._overbooks else None
 
@@ -68,7 +68,7 @@ class Coordination:
         """
         if self._overbooks:
             return self._overbooking.factor / self.team.robots
-        if (split := self._agrees) is None:
+        if (split := self.split_in_force) is None:
             margin = max(self._settings.margin, TUNING.varied_margin if self.team.varied else 0.0)
             return 1.0 - margin if self.team.rivals else 1.0
         ours = split.own_part.of(now, k)
@@ -79,14 +79,14 @@ class Coordination:
 
     def grows_at(self, now: float) -> float:
         """When our part grows if nothing is heard, as what others sent in a slot of ours has left it [s]; else ∞."""
-        return math.inf if self._agrees is None else self._agrees.own_part.grows_at(now)
+        return math.inf if self.split_in_force is None else self.split_in_force.own_part.grows_at(now)
 
     def whole_turn(self, now: float, k: int) -> bool:
         """Whether a message may go now that is larger than all we may use.
 
         Nobody else may send then; or, in a large team, we have not sent for as many windows as it has parts.
         """
-        return self._agrees is None or self.part(now, k) >= TUNING.whole_part
+        return self.split_in_force is None or self.part(now, k) >= TUNING.whole_part
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """A message was sent that uses such parts of the shared limits."""
@@ -144,11 +144,11 @@ class Coordination:
         due = now >= self._due
         if due:
             self._due = now + TUNING.interval
-            asked = self._agrees is not None and self._agrees.agreement.rivals
+            asked = self.split_in_force is not None and self.split_in_force.agreement.rivals
             self.team.judge(now, limits, waiting, announcing, asked=asked)
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.robots)
-        split = self._agrees
+        split = self.split_in_force
         if split is not None and not self._did_split:
             split.exchange.begin(now)
             due, self._forms_until = True, now + TUNING.forming_time
@@ -164,7 +164,7 @@ class Coordination:
 
     def announcement(self, now: float) -> SplitReport | None:
         """Return what a digest says of parts; None where all plan for all."""
-        split = self._agrees
+        split = self.split_in_force
         return None if split is None or split.agreement.silent else split.exchange.announcement(now)
 
     def announced(self, digest: Digest) -> None:
@@ -181,7 +181,7 @@ class Coordination:
     @property
     def passes_on(self) -> bool:
         """Whether a robot waits for a slot that we pass on: for us alone."""
-        return self._agrees is not None and self._agrees.exchange.passes_on
+        return self.split_in_force is not None and self.split_in_force.exchange.passes_on
 
     def begins(self, now: float) -> bool:
         """Whether a team that splits from the beginning has just begun."""
@@ -189,16 +189,16 @@ class Coordination:
 
     def forming(self, now: float) -> bool:
         """Whether the team begins so, or agrees on parts for the first time: all other announcements have time."""
-        return self._agrees is not None and (self.team.strict or not self.formed) and now < self._forms_until
+        return self.split_in_force is not None and (self.team.strict or not self.formed) and now < self._forms_until
 
     @property
     def settled(self) -> bool:
         """Whether nobody waits to hear of parts."""
-        return self._agrees is None or self._agrees.agreement.settled
+        return self.split_in_force is None or self.split_in_force.agreement.settled
 
     def due_at(self, now: float) -> float:
         """When this changes by time alone [s]."""
-        if (split := self._agrees) is None:
+        if (split := self.split_in_force) is None:
             return self._due if self._view.peers else math.inf
         return min(self._due, split.due_at(now))
 

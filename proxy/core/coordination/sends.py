@@ -121,7 +121,7 @@ class OwnSends:
 
 
 class OthersSends:
-    """What others sent, and told each other beyond what limits leave to that, by what it uses of each limit in force."""
+    """What others sent, or told beyond what limits leave to that, by what it uses of each limit in force."""
 
     def __init__(self, traffic: TrafficLog) -> None:
         self._traffic = traffic

@@ -99,7 +99,7 @@ class DigestBudget:
         """Whether more was told than the allowance of all has room for."""
         return self._levels(now)[0] < 0.0
 
-    def due(self, now: float, *, news: bool, copies: int) -> float:
+    def due(self, now: float, *, news: bool, copies: int, apart_at_least: float = 0.0) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
         It is as large as the last one, and we tell no more than an equal part. For what the others tell we wait a
@@ -119,7 +119,7 @@ class DigestBudget:
         due = max(now, affordable, min(max(room, fits), until))
         if self._splits:
             due = max(due, fits)
-        return due if news else max(due, self._last + slowest)
+        return max(due, self._last + (apart_at_least if news else slowest))
 
     def due_ahead(self, now: float, seconds: float) -> float:
         """When a digest may go out that spends the allowance of so many seconds ahead of time, in our clock [s]."""
@@ -151,7 +151,6 @@ class DigestBudget:
         """
         if self._saved:
             return now
-        self._recent.forget(now - self._window)
         at = self._recent.fits_at(now, self._window, self.rate * self._window - cost)
         return at + self._turn * cost / self.rate if at > now else now
 

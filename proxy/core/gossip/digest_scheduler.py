@@ -51,6 +51,8 @@ class DigestScheduler:
         """Whether something changed enough to alter others' plans."""
         self._parts_changed, self._parts_since = False, math.inf
         """Whether what we tell of parts is news, and since when [s]."""
+        self._apart = 0.0
+        """Ordinary news are so far apart at least [s]."""
         self._sent_at = -math.inf
         """When the last digest went out [s]."""
         self._messages = 0
@@ -60,16 +62,23 @@ class DigestScheduler:
         """A sample of ours was valued: the others should hear of it soon if they want it and its value has changed."""
         self.urgent |= self._news.value_changed(stream) and self._view.subscribers.count(stream) > 0
 
-    def advance(self, now: float, *, urgent: bool, parts_changed: bool) -> list[Command]:
-        """Send a digest if one is due. Whether the channel is `urgent` news, and what we ask for of the limits."""
+    def advance(self, now: float, *, urgent: bool, parts_changed: bool, relaxed: bool) -> list[Command]:
+        """Send a digest if one is due.
+
+        Whether the channel is `urgent` news, and what we ask for of the limits; `relaxed`: there is room for all.
+        """
         self.urgent |= urgent
+        self._apart = TUNING.relaxed if relaxed else 0.0
         self._parts_changed |= parts_changed
         commands: list[Command] = []
-        if self._digest_at(now) <= now:
+        digest_at = self._digest_at(now)
+        if digest_at <= now:
             commands.append(self._send_news(now))
         elif self._retransmission_at(now) <= now and (again := self._retransmissions.take(now)) is not None:
             commands.append(self._send(now, again, announces=True))
-        self.due_at = min(self._digest_at(now), self._retransmission_at(now))
+        if commands:
+            digest_at = self._digest_at(now)
+        self.due_at = min(digest_at, self._retransmission_at(now))
         return commands
 
     def _digest_at(self, now: float) -> float:
@@ -79,6 +88,8 @@ class DigestScheduler:
         return max(self._sent_at + TUNING.digests_apart, self._wanted_at(now))
 
     def _retransmission_at(self, now: float) -> float:
+        if self._retransmissions.due_at == math.inf:
+            return math.inf
         ahead = self._budget.due_ahead(now, TUNING.retransmission_debt)
         return max(self._sent_at + TUNING.digests_apart, self._retransmissions.due_at, ahead)
 
@@ -87,7 +98,7 @@ class DigestScheduler:
         coordination = self._coordination
         self._news.look(self._view.streams.revision, list(self._view.streams.own()))
         news = self._news.waiting or not coordination.settled or self._sent_something or self._capacity.probe_due(now)
-        due = self._budget.due(now, news=news, copies=self._account.digest_copies)
+        due = self._budget.due(now, news=news, copies=self._account.digest_copies, apart_at_least=self._apart)
         if coordination.forming(now) and not self._parts_changed:
             return max(due, now + TUNING.slowest_digest)
         if self._sent_much():

@@ -71,10 +71,11 @@ class Gossip:
         self.states.asked(now)
         self.news.forget()
 
-    def advance(self, now: float, mode: Mode, *, urgent: bool, parts_changed: bool) -> list[Command]:
+    def advance(self, now: float, mode: Mode, *, urgent: bool, parts_changed: bool, relaxed: bool) -> list[Command]:
         """Tell and ask what is due now.
 
-        `mode` is ours; whether the channel is `urgent` news, and what we ask for of the limits.
+        `mode` is ours; whether the channel is `urgent` news, and what we ask for of the limits. `relaxed`: there is
+        room for all.
         """
         self._follow(now)
         commands = self.states.advance(now, mode)
@@ -82,7 +83,7 @@ class Gossip:
         if (name := self.requests.take(now, apart)) is not None:
             self.account.sent_other(now, TUNING.question, 1)
             commands.append(AskState(self._view.peers[name].name, name))
-        return [*commands, *self.digests.advance(now, urgent=urgent, parts_changed=parts_changed)]
+        return [*commands, *self.digests.advance(now, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)]
 
     def _follow(self, now: float) -> None:
         """Take in what the allowance brought, by how the team shares the limits now."""

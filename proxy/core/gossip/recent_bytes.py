@@ -24,13 +24,10 @@ class RecentBytes:
             self.total = 0.0
 
     def fits_at(self, now: float, window: float, room: float) -> float:
-        """Return when no more than `room` of it is left in a window, the last that leaves it then; now if so already.
-
-        What was told before the window that ends now must be forgotten.
-        """
+        """Return when no more than `room` of it is left in a window: when what must leave it has; now if so already."""
         left, at = self.total, now
         for t, amount in self._told:
-            if left <= room:
+            if left <= room and t > now - window:
                 break
-            left, at = left - amount, t + window
+            left, at = left - amount, max(now, t + window)
         return at

@@ -13,6 +13,7 @@ from proxy.core.parts import Parts
 from proxy.core.protocol.fixed import feature, rounded
 from proxy.core.samples.counts import DROPPED
 from proxy.core.samples.inbox import SUPERSEDED
+from proxy.core.samples.unplanned import Unplanned
 from proxy.core.view.stream import Generated, Stream
 
 
@@ -27,6 +28,7 @@ class OwnSamples:
         self._kept = parts.kept
         self._gate = parts.gate
         self._gossip = parts.gossip
+        self.unplanned = Unplanned(parts.counts)
 
     def published(self, event: ev.SamplePublished) -> list[Command]:
         """Pass a sample on, or queue it for its decision."""
@@ -80,7 +82,7 @@ class OwnSamples:
         self._counts.passed(event.count, event.reason, event.size)
         if not event.reason.startswith(DROPPED):
             self._uncovered(event.now, event.count, event.size)
-        return []
+        return [*self.unplanned.look(event.now)]
 
     def handed(self, event: ev.SampleHanded) -> list[Command]:
         """The mesh session took a sample."""
@@ -91,7 +93,7 @@ class OwnSamples:
         """The mesh session did not take a sample."""
         self._gate.undecided.settled(event.sample)
         self._kept.refused(self._gate.outcomes.refused(event.sample, event.reason), event.sample)
-        return []
+        return [*self.unplanned.look(event.now)]
 
     def copy_handed(self, event: ev.CopyHanded) -> list[Command]:
         """The mesh session took a copy."""

@@ -27,6 +27,8 @@ class Appraisal:
         self.view = view
         self.budget = budget
         self.disputes = disputes
+        self.all_fits = False
+        """Whether there was room for all that may be sent when it was last looked at."""
         self._undersubscribed = Undersubscribed(view)
 
     def set_mode(self, mode: Mode) -> None:
@@ -60,11 +62,14 @@ class Appraisal:
     def look_for_room(self, now: float, stream: Stream, waiting: int) -> bool:
         """Return whether there is room for all that may be sent: then nothing is gained by dropping anything."""
         limits = self.budget.limits
-        if not limits:
-            return True
-        self._undersubscribed.advance(now, limits, alone=self.budget.alone)
-        self._undersubscribed.note(now, stream)
-        return self._undersubscribed.fits([limit.limit for limit in self.budget.usable(now)], waiting)
+        if limits:
+            self._undersubscribed.advance(now, limits, alone=self.budget.alone)
+            self._undersubscribed.note(now, stream)
+            usable = [limit.limit for limit in self.budget.usable(now)]
+            self.all_fits = self._undersubscribed.fits(usable, waiting)
+        else:
+            self.all_fits = True
+        return self.all_fits
 
     def weigh(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """Weigh what competes if it is time to; return how a sample stands among it."""

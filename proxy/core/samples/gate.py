@@ -52,6 +52,11 @@ class Gate:
         self._complaint = ""
         self._tickets = 0
 
+    @property
+    def waits(self) -> bool:
+        """Whether a sample waits, a copy does, or an answer is awaited."""
+        return bool(self._inbox) or bool(self._copies) or self.search.busy()
+
     def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Queue a sample. Where too many wait all go at once if the limits have room for them; if not, one leaves."""
         if self.search.busy() and (stream := self.appraisal.stream_of(now, waiting)) is not None:
@@ -89,7 +94,8 @@ class Gate:
                 commands += self._copy_gate.take_up(now, copy, self._tickets)
                 crowded = not self.search.busy() and self._copies.waits(copy)
             elif (sample := self.undecided.take(partial(self._waits.postpone, now))) is not None:
-                commands += [self._take_up(now, sample, searching=True), *self.undecided.pass_deletions()]
+                command = self._send_fitting(now) or self._take_up(now, sample, searching=True)
+                commands += [command, *self.undecided.pass_deletions()]
             else:
                 break
         else:
@@ -133,6 +139,15 @@ class Gate:
         for sample in self.undecided.take_all():
             commands += [self._take_up(now, sample, searching=False), *self.undecided.pass_deletions()]
         return commands
+
+    def _send_fitting(self, now: float) -> Command | None:
+        """Send the sample just taken up if it is known already that there is room for all; else None."""
+        if (fitting := self._waits.fitting) is None:
+            return None
+        sample, stream, use = fitting
+        must = self.appraisal.owed(now, stream, sample)
+        self.decisions.count(Shortcut.OWED if must else Shortcut.UNNEEDED)
+        return self.outcomes.send(now, stream, sample, use, "forwarded")
 
     def _take_up(self, now: float, sample: Waiting, *, searching: bool) -> Command:
         """Decide a sample as far as that needs no search; `searching`: by a search where it does, else it is sent."""

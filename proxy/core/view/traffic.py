@@ -33,7 +33,7 @@ class TrafficLog:
         self.revision = 0
         """How often `sends` or `talk` changed."""
         self.noted, self.talked, self.retracted = 0, 0, 0
-        """How many sends of others, and how much talk, were noted so far, and how many sends turned out not to be one."""
+        """How many sends of others and how much talk were noted so far, and how many sends turned out to be none."""
 
     def count(self, messages: int, size: int) -> None:
         """So many messages of ours, of so many bytes in all, copies counted, go on the air."""
