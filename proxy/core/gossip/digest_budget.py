@@ -37,7 +37,7 @@ class DigestBudget:
         self._updated = now
         self._size, self._brief = 64.0, 48.0
         """What the last ordinary digest took, and the last other one [B]."""
-        self._last = now - TUNING.slowest_digest
+        self.last_ordinary = now - TUNING.slowest_digest
         """When the last ordinary digest went out [s]."""
         self._turn = turn
         """Of a digest so much more has to be left of the allowance for an ordinary one: it moves on with each."""
@@ -91,7 +91,7 @@ class DigestBudget:
         if announces:
             self._brief = float(size + TUNING.overhead)
             return
-        self._size, self._last = float(size + TUNING.overhead), now
+        self._size, self.last_ordinary = float(size + TUNING.overhead), now
         self._own -= cost
         self._turn = (self._turn + GOLDEN) % 1.0
 
@@ -115,11 +115,11 @@ class DigestBudget:
         room = now + max(0.0, cost * apart - common) / self.rate
         fits, patience = self._fits_at(now, cost), TUNING.unhurried if self._splits and not self._follows else slowest
         window = self._window if self._window < slowest else 0.0
-        until = max(affordable + window * apart, self._last + patience * apart)
+        until = max(affordable + window * apart, self.last_ordinary + patience * apart)
         due = max(now, affordable, min(max(room, fits), until))
         if self._splits:
             due = max(due, fits)
-        return max(due, self._last + (apart_at_least if news else slowest))
+        return max(due, self.last_ordinary + (apart_at_least if news else slowest))
 
     def due_ahead(self, now: float, seconds: float) -> float:
         """When a digest may go out that spends the allowance of so many seconds ahead of time, in our clock [s]."""

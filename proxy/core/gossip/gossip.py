@@ -77,6 +77,8 @@ class Gossip:
         `mode` is ours; whether the channel is `urgent` news, and what we ask for of the limits. `relaxed`: there is
         room for all.
         """
+        if relaxed and not (urgent or parts_changed) and self.digests.gather(now) and now < self.due_at(now):
+            return []
         self._follow(now)
         commands = self.states.advance(now, mode)
         apart = self.budget.states.question_takes() if self._coordination.team.large else TUNING.questions_apart

@@ -58,12 +58,32 @@ class Gate:
         return bool(self._inbox) or bool(self._copies) or self.search.busy()
 
     def put(self, now: float, waiting: Waiting) -> list[Command]:
-        """Queue a sample. Where too many wait all go at once if the limits have room for them; if not, one leaves."""
+        """Send a sample at once if it surely fits, else queue it.
+
+        Where too many wait all go at once if the limits have room for them; if not, one leaves.
+        """
+        if not self.waits and (forwarded := self._send_fitting(now, waiting)) is not None:
+            return [forwarded]
         if self.search.busy() and (stream := self.appraisal.stream_of(now, waiting)) is not None:
             self.appraisal.published(now, stream)
         room = self._inbox.full(waiting) and self._takes_all(now, waiting)
         sent = self._send_all(now) if room else []
         return [*sent, *self.undecided.put(waiting)]
+
+    def _send_fitting(self, now: float, sample: Waiting) -> Command | None:
+        """Send a sample before which nothing waits, if there is room for it and for all that may be sent; else None."""
+        stream, appraisal, view = self.appraisal.stream_of(now, sample), self.appraisal, self._view
+        if stream is None or appraisal.mode_of(stream) is not Mode.ENFORCE or now < view.newcomers.greeted_by(now):
+            return None
+        if not view.subscribers.gaining(stream):
+            return None
+        use = appraisal.use(stream, sample)
+        if not appraisal.look_for_room(now, stream, 0) or self._budget.lacking(now, use):
+            return None
+        if self._budget.limits:
+            must = appraisal.owed(now, stream, sample)
+            self.decisions.count(Shortcut.OWED if must else Shortcut.UNNEEDED)
+        return self.outcomes.send(now, stream, sample, use, "forwarded")
 
     def set_mode(self, now: float, mode: Mode) -> list[Command]:
         """Do this with decisions from now on; in `pass` everything that waits passes."""
@@ -94,8 +114,7 @@ class Gate:
                 commands += self._copy_gate.take_up(now, copy, self._tickets)
                 crowded = not self.search.busy() and self._copies.waits(copy)
             elif (sample := self.undecided.take(partial(self._waits.postpone, now))) is not None:
-                command = self._send_fitting(now) or self._take_up(now, sample, searching=True)
-                commands += [command, *self.undecided.pass_deletions()]
+                commands += [self._take_up(now, sample, searching=True), *self.undecided.pass_deletions()]
             else:
                 break
         else:
@@ -139,15 +158,6 @@ class Gate:
         for sample in self.undecided.take_all():
             commands += [self._take_up(now, sample, searching=False), *self.undecided.pass_deletions()]
         return commands
-
-    def _send_fitting(self, now: float) -> Command | None:
-        """Send the sample just taken up if it is known already that there is room for all; else None."""
-        if (fitting := self._waits.fitting) is None:
-            return None
-        sample, stream, use = fitting
-        must = self.appraisal.owed(now, stream, sample)
-        self.decisions.count(Shortcut.OWED if must else Shortcut.UNNEEDED)
-        return self.outcomes.send(now, stream, sample, use, "forwarded")
 
     def _take_up(self, now: float, sample: Waiting, *, searching: bool) -> Command:
         """Decide a sample as far as that needs no search; `searching`: by a search where it does, else it is sent."""

@@ -7,7 +7,7 @@ from proxy.core.market.prices import Standing
 from proxy.core.model.limits import Limit, changes_plans
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
-from proxy.core.samples.appraisal import Appraisal, Use
+from proxy.core.samples.appraisal import Appraisal
 from proxy.core.samples.inbox import Inbox
 from proxy.core.samples.tuning import TUNING
 from proxy.core.view.stream import Stream
@@ -22,8 +22,6 @@ class Waits:
         self._appraisal = appraisal
         self._inbox = inbox
         self._view, self._budget, self._disputes = appraisal.view, appraisal.budget, appraisal.disputes
-        self.fitting: tuple[Waiting, Stream, Use] | None = None
-        """The sample that was looked at last, if there is room for it and for all that may be sent; then it is sent."""
         self._opening: dict[int, tuple[float, tuple[Limit, ...]]] = {}
         """When there is room for samples that wait for it [s], under which limits."""
 
@@ -36,7 +34,6 @@ class Waits:
 
     def postpone(self, now: float, sample: Waiting) -> bool:
         """Let a sample wait if there is a reason to; return whether it waits."""
-        self.fitting = None
         return bool(self._budget.limits) and (self._for_greetings(now, sample) or self._for_room(now, sample))
 
     def give_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
@@ -94,15 +91,11 @@ class Waits:
             or not self._view.subscribers.gaining(stream)
         ):
             return -math.inf
-        needed = appraisal.use(stream, sample)
-        if appraisal.look_for_room(now, stream, len(self._inbox)) and not self._budget.lacking(now, needed):
-            self.fitting = sample, stream, needed
-            return -math.inf
         standing = appraisal.weigh(now, stream, sample)
         until = sample.t_gen + self._disputes.patience(stream, standing)
         if standing is Standing.HOPELESS or now >= until:
             return -math.inf
-        anybodys, later = standing is Standing.UNDISPUTED, 0.0
+        needed, anybodys, later = appraisal.use(stream, sample), standing is Standing.UNDISPUTED, 0.0
         if standing is Standing.CONTESTED:
             needed = self._disputes.besides(now, needed)
             if not self._budget.alone and leads(now, self._view, self._disputes, stream, self._budget.limits):
