@@ -62,7 +62,7 @@ class Gate:
 
         Where too many wait all go at once if the limits have room for them; if not, one leaves.
         """
-        if not self.waits and (forwarded := self._send_fitting(now, waiting)) is not None:
+        if self.appraisal.all_fits and not self.waits and (forwarded := self._send_fitting(now, waiting)) is not None:
             return [forwarded]
         if self.search.busy() and (stream := self.appraisal.stream_of(now, waiting)) is not None:
             self.appraisal.published(now, stream)
