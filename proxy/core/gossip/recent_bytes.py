@@ -16,9 +16,9 @@ class RecentBytes:
         self.total += amount
 
     def forget(self, before: float) -> None:
-        """Forget what was told before this, or just then [s]."""
+        """Forget what was told before this [s]: windows are closed."""
         told = self._told
-        while told and told[0][0] <= before:
+        while told and told[0][0] < before:
             self.total -= told.popleft()[1]
         if not told:
             self.total = 0.0

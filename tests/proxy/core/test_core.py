@@ -44,6 +44,22 @@ def test_a_sample_is_decided_and_forwarded(make_talk):
     assert talk.core.counts.conserved
 
 
+def test_what_is_heard_is_noted_and_brings_about_what_is_due(make_talk):
+    """Nothing else: a sample of another robot changes nothing here by itself, but time passes with it, too."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(1.0))
+    due = talk.core.gossip.due_at(1.0)
+
+    def heard(now):
+        return talk.tell(ev.SampleHeard(now, "robot/op/map", 100, "op", None, None))
+
+    assert heard(1.2) == []
+    assert 1.2 < talk.core.wake_at(1.2) <= due
+    assert [type(command) for command in heard(due)] == [SendDigest]
+    assert talk.core.wake_at(due) > due
+
+
 def test_the_features_of_a_sample_reach_the_planner_and_stay_with_what_was_sent(make_talk, make_specs):
     """A Python utility is tabulated for the sample to decide, and for the last one that was sent."""
     python = '{ kind = "python", function = "tests.utility_specs.worths:by_red" }'

@@ -3,7 +3,10 @@
 from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from proxy.core.coordination.sends import SendLog
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, ENERGY, heard
 
 
@@ -57,3 +60,48 @@ def test_under_new_limits_what_was_sent_counts_against_those_of_the_same_name_an
     assert budget.free(1.1) == [3.0, 1700.0, 3.0]
     budget.set_limits((replace(COUNT, name="bytes"),))
     assert budget.used(1.1, 0) == 0.0
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(("add", "add", "remove", "forget")), st.integers(-8, 3), st.integers(0, 50)),
+        max_size=60,
+    )
+)
+def test_a_log_of_sends_knows_what_was_used_since_any_moment(acts):
+    """As adding it all up says, whatever came late, was taken back or forgotten."""
+    log, sends, now = SendLog(), [], 0.0
+    for act, ago, amount in acts:
+        now += 1.0
+        if act == "add":
+            sends.append((now + ago, (float(amount), 1.0)))
+            log.add(*sends[-1])
+        elif act == "remove" and sends:
+            assert log.remove(sends.pop(amount % len(sends)))
+            assert not log.remove((now, (-1.0, -1.0)))
+        elif act == "forget":
+            sends = [send for send in sends if send[0] >= now + ago - 20.0]
+            log.forget(now + ago - 20.0)
+        assert sorted(log) == sorted(sends)
+        assert [t for t, _ in log] == sorted(t for t, _ in sends)
+        for since in (now - 30.0, now - 4.0, now):
+            for k in (0, 1):
+                assert log.used(since, k) == sum(use[k] for t, use in sends if t >= since)
+
+
+def test_what_is_counted_of_others_is_what_they_sent(make_budget):
+    """Under these limits and under others, in a window and in none, though some of it turns out to be none."""
+    budget, view = make_budget(BYTES, COUNT)
+    for step in range(40):
+        now = 1.0 + 0.1 * step
+        heard(view, now, 10 + step)
+        if step % 7 == 0:
+            view.traffic.note_talk(now, 30)
+        if step % 11 == 0:
+            view.traffic.retract(view.traffic.note_unknown(now - 0.2, 500))
+        if step == 20:
+            budget.set_limits((COUNT, BYTES))
+        for k, limit in enumerate(budget.limits):
+            theirs = sum(use[k] for t, use in budget.others(now) if t >= now - limit.window)
+            assert budget.free(now)[k] == pytest.approx(budget.whole(now, k) - theirs)
+    assert budget.free(now + 10.0) == [budget.whole(now, k) for k in range(2)]

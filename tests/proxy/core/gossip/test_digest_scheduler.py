@@ -341,3 +341,41 @@ def test_what_is_announced_on_the_air_is_told_again_where_much_is_lost(make_talk
     sent = [s for d in digests(talk, 6.0) for s in d.streams if s.t_forwarded == pytest.approx(6.0)]
     assert len(sent) == 1 + again
     assert len({s.forwarded for s in sent}) == 1
+
+
+@pytest.fixture
+def roomy(make_talk, make_specs):
+    """A robot with a camera that uses a thousandth of the limit; another one wants it."""
+    talk = make_talk(make_specs("100 Mbit/s"), allowance=0.02)
+    talk.want(0.0)
+    for step in range(40):
+        publish_fitting(talk, 1.0 + 0.01 * step)
+    return talk
+
+
+def publish_fitting(talk, now, **what):
+    """Publish a sample for which there is room; return whether it was sent as it came."""
+    sample, commands = talk.publish(now, size=100, **what)
+    for decide in only(commands, Decide):
+        talk.answer(now, decide, send=True)
+    return Forward(sample) in commands
+
+
+def test_where_there_is_room_for_all_news_gather(roomy):
+    """However often samples come, and however much of the allowance is left; in the end all of it was told."""
+    assert all(publish_fitting(roomy, 2.0 + 0.005 * step) for step in range(200))
+    told = digests(roomy, 2.0)
+    assert len(told) == pytest.approx(1.0 / TUNING.relaxed, abs=2.0)
+    due = told[-1].sent + TUNING.relaxed
+    assert roomy.core.wake_at(2.995) <= due
+    roomy.tell(ev.TimePassed(due))
+    (last,) = digests(roomy, due)
+    assert [(each.generated, each.forwarded) for each in last.streams] == [(240, 240)]
+
+
+def test_what_alters_the_plans_of_others_is_told_at_once_all_the_same(roomy):
+    """That a sample is worth eleven times as much as the one before it."""
+    assert publish_fitting(roomy, 2.0)
+    told = digests(roomy)[-1].sent
+    publish_fitting(roomy, told + 0.01, red=1.0)
+    assert digests(roomy)[-1].sent == told + 0.01
