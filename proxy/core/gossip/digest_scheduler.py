@@ -104,7 +104,7 @@ class DigestScheduler:
     def _wanted_at(self, now: float) -> float:
         """When the allowance and what there is to tell have us tell something [s]."""
         coordination = self._coordination
-        self._news.look(self._view.streams.revision, list(self._view.streams.own()))
+        self._news.look(self._view.streams.revision, self._view.streams.own())
         news = self._news.waiting or not coordination.settled or self._sent_something or self._capacity.probe_due(now)
         due = self._budget.due(now, news=news, copies=self._account.digest_copies, apart_at_least=self._apart)
         if coordination.forming(now) and not self._parts_changed:

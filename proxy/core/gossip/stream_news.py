@@ -1,6 +1,6 @@
 """What is news of our streams: what there is to tell of each, and what was announced of it last."""
 
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from operator import attrgetter
 
 from proxy.core.forecast import rhythm_report
@@ -31,8 +31,14 @@ class StreamNews:
         self._digests: dict[str, tuple[Stream, int, StreamDigest]] = {}
         """What there is to tell of each stream, since so many changes of it."""
 
-    def look(self, revision: int, streams: list[Stream]) -> None:
-        """See whether there is news of our streams, where they changed: which there are, or what is known of one."""
+    def look(self, revision: int, own: Iterable[Stream]) -> None:
+        """See whether there is news of our streams, where they changed: which there are, or what is known of one.
+
+        What is news stays news until it is announced.
+        """
+        if self.waiting and (revision, self._revision) == self._looked_at[::2]:
+            return
+        streams = list(own)
         changes = revision, sum(map(_CHANGES, streams)), self._revision
         if changes != self._looked_at:
             self._looked_at = changes
