@@ -197,9 +197,9 @@ class Coordination:
         return self.split_in_force is None or self.split_in_force.agreement.settled
 
     def due_at(self, now: float) -> float:
-        """When this changes by time alone [s]."""
+        """When this changes by time alone [s]: where all plan for all, only what happens is looked at."""
         if (split := self.split_in_force) is None:
-            return self._due if self._view.peers else math.inf
+            return self._due if self._overbooks else math.inf
         return min(self._due, split.due_at(now))
 
     def _introduce(self, now: float) -> None:
