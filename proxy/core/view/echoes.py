@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 
 from proxy.core.protocol.messages import Echo
-from proxy.core.view.latency import Latency
-from proxy.core.view.outbound import latency_of
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.outbound import latency_of
 from proxy.core.view.peer import HeardDigest, Peer
 
 LEAST_LATENCY = 1e-6

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import tag
-from proxy.core.view.latency import Latency
-from proxy.core.view.loss import share_of
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.loss import share_of
 from proxy.core.view.members import Members
 from proxy.core.view.receivers import Way
 

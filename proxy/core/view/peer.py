@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 from proxy.core.protocol.messages import Digest, State, StreamState, tag
 from proxy.core.protocol.tuning import TUNING
-from proxy.core.view.inbound import SET, Inbound
-from proxy.core.view.latency import Latency
-from proxy.core.view.offset import DRIFT, ClockOffset
-from proxy.core.view.outbound import Outbound
+from proxy.core.transit.inbound import SET, Inbound
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.offset import DRIFT, ClockOffset
+from proxy.core.transit.outbound import Outbound
 from proxy.core.view.pending import PendingNews
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from proxy.core.interface.commands import Command, Notice
 from proxy.core.model.settings import CoreSettings
-from proxy.core.view.inbound import SET
+from proxy.core.transit.inbound import SET
 from proxy.core.view.peer import Peer
 
 APART = 0.05

@@ -7,7 +7,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.bid import UNIT
-from proxy.core.view.latency import Latency
+from proxy.core.transit.latency import Latency
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView
 

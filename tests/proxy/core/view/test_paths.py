@@ -5,8 +5,8 @@ import pytest
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import broadcast
 from proxy.core.protocol.messages import Digest, Echo, State
+from proxy.core.transit.latency import Latency
 from proxy.core.view.audience import MANY, REFRESH
-from proxy.core.view.latency import Latency
 from proxy.core.view.receivers import Way
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView

@@ -3,9 +3,9 @@
 import pytest
 
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest
-from proxy.core.view.inbound import STREAMS, UNCONFIRMED
-from proxy.core.view.latency import Latency
-from proxy.core.view.outbound import latency_of
+from proxy.core.transit.inbound import STREAMS, UNCONFIRMED
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.outbound import latency_of
 from proxy.core.view.peer import Peer
 
 KEY = "robot/r2/camera"

@@ -12,7 +12,7 @@ from planner import Receiver, SearchSettings, start
 from planner.measures import Energy, Messages
 from proxy.core.model.limits import Limit, Limits
 from proxy.core.protocol.messages import Echo, State
-from proxy.core.view.latency import Latency
+from proxy.core.transit.latency import Latency
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.window.window import WindowBuilder
 from tests.proxy.core.window.views import (

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.view.loss import ENOUGH, MEMORY, Loss, share_of
+from proxy.core.transit.loss import ENOUGH, MEMORY, Loss, share_of
 
 
 def test_nothing_sent_tells_nothing():

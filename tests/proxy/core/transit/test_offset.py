@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.view.offset import DRIFT, ClockOffset
+from proxy.core.transit.offset import DRIFT, ClockOffset
 
 DELAYS = st.floats(0.0, 3.0)
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from proxy.core.protocol.messages import StreamDigest
-from proxy.core.view.latency import Latency, LatencyFit, middle
-from proxy.core.view.loss import Loss
-from proxy.core.view.offset import ClockOffset
+from proxy.core.transit.latency import Latency, LatencyFit, middle
+from proxy.core.transit.loss import Loss
+from proxy.core.transit.offset import ClockOffset
 
 MOST_AGE = 10.0
 """A sample that seems to be older than this when it arrives says nothing about the way [s]."""

@@ -3,10 +3,10 @@
 from collections import deque
 
 from proxy.core.protocol.messages import Echo
-from proxy.core.view.inbound import MOST_AGE, STANDS
-from proxy.core.view.latency import Latency
-from proxy.core.view.loss import Loss
-from proxy.core.view.offset import ClockOffset
+from proxy.core.transit.inbound import MOST_AGE, STANDS
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.loss import Loss
+from proxy.core.transit.offset import ClockOffset
 
 MOST_PER_BYTE = 0.1
 """No channel takes as long for a byte [s/B]."""

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.view.latency import CLASSES, MEMORY, RECENT, Latency, LatencyFit, middle, weighted_median
+from proxy.core.transit.latency import CLASSES, MEMORY, RECENT, Latency, LatencyFit, middle, weighted_median
 
 SEEDS = st.integers(0, 10_000)
 SIZES = (100, 900, 5_000, 40_000)

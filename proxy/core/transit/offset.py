@@ -10,7 +10,7 @@ know that they are right bound the offset, too, unless digests prove them wrong.
 import math
 from typing import NamedTuple
 
-from proxy.core.view.latency import Latency
+from proxy.core.transit.latency import Latency
 
 DRIFT = 200e-6
 """The most that the clocks of two robots drift from each other: ±100 ppm each [s/s]."""
