@@ -11,11 +11,7 @@ import math
 from typing import NamedTuple
 
 from proxy.core.transit.latency import Latency
-
-DRIFT = 200e-6
-"""The most that the clocks of two robots drift from each other: ±100 ppm each [s/s]."""
-RESOLUTION = 2e-6
-"""What times lose on the wire [s]."""
+from proxy.core.transit.tuning import TUNING
 
 
 class _Bound(NamedTuple):
@@ -26,7 +22,7 @@ class _Bound(NamedTuple):
 
     def widened(self, now: float) -> float:
         """What clocks may have drifted since [s]."""
-        return DRIFT * max(0.0, now - self.at)
+        return TUNING.drift * max(0.0, now - self.at)
 
 
 class ClockOffset:
@@ -94,11 +90,11 @@ class ClockOffset:
         return self._offset
 
     def uncertainty(self, now: float) -> float:
-        """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than `DRIFT`; else infinite."""
+        """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than they may; else infinite."""
         if self._last is None or self._least is None:
             return math.inf
         least, most = self._range
-        return (most - least) / 2.0 + RESOLUTION + DRIFT * abs(now - self._last.at)
+        return (most - least) / 2.0 + TUNING.resolution + TUNING.drift * abs(now - self._last.at)
 
     @property
     def latency(self) -> float:
@@ -130,11 +126,11 @@ class ClockOffset:
     def _agree(self) -> None:
         """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
         least, most = self._by_digests()
-        if most - least < -RESOLUTION:
+        if most - least < -TUNING.resolution:
             self.jumps += 1
             self._most, self._shown = self._last, None
             least, most = self._by_digests()
-            if most - least < -RESOLUTION:
+            if most - least < -TUNING.resolution:
                 least, self._least = -math.inf, None
         self._offset, self._range = None, self._narrowed(least, most)
 
@@ -152,7 +148,7 @@ class ClockOffset:
         if self._shown is None or self._last is None:
             return least, most
         bound, error = self._shown
-        error += bound.widened(self._last.at) + RESOLUTION
+        error += bound.widened(self._last.at) + TUNING.resolution
         if bound.offset - error > most or bound.offset + error < least:
             return least, most
         return max(least, bound.offset - error), min(most, bound.offset + error)

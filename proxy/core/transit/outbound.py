@@ -3,15 +3,10 @@
 from collections import deque
 
 from proxy.core.protocol.messages import Echo
-from proxy.core.transit.inbound import MOST_AGE, STANDS
 from proxy.core.transit.latency import Latency
 from proxy.core.transit.loss import Loss
 from proxy.core.transit.offset import ClockOffset
-
-MOST_PER_BYTE = 0.1
-"""No channel takes as long for a byte [s/B]."""
-MARKS = 64
-"""Digests of ours looked back on, when their echoes come."""
+from proxy.core.transit.tuning import TUNING
 
 
 class Outbound:
@@ -25,7 +20,7 @@ class Outbound:
         """Samples of ours that it received, as it tells."""
         self.latency: Latency | None = None
         """What our samples take to it, as it tells; None while unknown."""
-        self._marks: deque[tuple[float, int]] = deque(maxlen=MARKS)
+        self._marks: deque[tuple[float, int]] = deque(maxlen=TUNING.digests_awaiting_echoes)
         """Send times of our last digests, and `sent` then."""
         self._losses = Loss()
 
@@ -58,7 +53,7 @@ class Outbound:
             return  # of a digest that we have not sent
         self._offset.echoed(echo.sent, echo.received)
         self.received, self.latency = echo.samples, latency_of(echo)
-        sent = next((count for at, count in self._marks if abs(at - echo.sent) < STANDS), None)
+        sent = next((count for at, count in self._marks if abs(at - echo.sent) < TUNING.same_time), None)
         if sent is not None:
             self._losses.read(sent, echo.samples)
 
@@ -69,5 +64,5 @@ class Outbound:
 
 def latency_of(echo: Echo) -> Latency | None:
     """Return what an echo tells of the way; None when its sender does not know, or tells what cannot be."""
-    possible = 0.0 <= echo.latency < MOST_AGE and 0.0 <= echo.per_byte < MOST_PER_BYTE
+    possible = 0.0 <= echo.latency < TUNING.oldest_arrival and 0.0 <= echo.per_byte < TUNING.slowest_channel
     return Latency(echo.latency, echo.per_byte) if possible and (echo.latency or echo.per_byte) else None

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from proxy.core.interface.commands import Command, Notice
 from proxy.core.model.settings import CoreSettings
-from proxy.core.transit.inbound import SET
+from proxy.core.transit.tuning import TUNING as TRANSIT
 from proxy.core.view.peer import Peer
 
 APART = 0.05
@@ -33,7 +33,7 @@ class WallClocks:
 
     def set(self, offset: float, error: float) -> None:
         """Our wall clock shows so much more than the monotonic one, wrong by `error` at most; 0.0: unknown [s]."""
-        if abs(offset - self.offset) > SET:
+        if abs(offset - self.offset) > TRANSIT.wall_clock_set:
             for peer in self._peers.values():
                 peer.offset.unshown()
         self.offset, self.error = offset, error

@@ -3,9 +3,9 @@
 import pytest
 
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest
-from proxy.core.transit.inbound import STREAMS, UNCONFIRMED
 from proxy.core.transit.latency import Latency
 from proxy.core.transit.outbound import latency_of
+from proxy.core.transit.tuning import TUNING
 from proxy.core.view.peer import Peer
 
 KEY = "robot/r2/camera"
@@ -91,9 +91,9 @@ def test_what_was_learnt_in_a_queue_is_forgotten_when_no_sample_comes(peer, took
     for at in range(2, 10):
         hear(peer, float(at), took)
     last = 9.0 + took
-    hear_digest(peer, last + UNCONFIRMED - 0.1)
+    hear_digest(peer, last + TUNING.unconfirmed_for - 0.1)
     assert peer.inbound.latency.fixed == pytest.approx(took, abs=1e-3)
-    hear_digest(peer, last + UNCONFIRMED)
+    hear_digest(peer, last + TUNING.unconfirmed_for)
     assert peer.inbound.line.of(100) == pytest.approx(0.01 if forgotten else took, abs=1e-3)
 
 
@@ -234,11 +234,11 @@ def test_loss_from_it_is_what_it_says_it_sent_and_did_not_come(peer):
 
 def test_streams_of_a_peer_are_bounded(peer):
     """Samples of too many are counted, and tell nothing more."""
-    for number in range(STREAMS + 10):
+    for number in range(TUNING.streams + 10):
         peer.inbound.heard_sample(2.0, f"robot/{number}/camera", 100, None)
         peer.inbound.heard_news(f"robot/{number}/camera", news(1, 1, 1.0, 1.0), counts=True)
-    assert peer.inbound.samples == STREAMS + 10
-    assert len(peer.inbound._streams) == STREAMS
+    assert peer.inbound.samples == TUNING.streams + 10
+    assert len(peer.inbound._streams) == TUNING.streams
 
 
 @pytest.mark.parametrize(
@@ -253,7 +253,7 @@ def test_what_an_echo_tells_that_cannot_be_is_not_believed(peer, latency, per_by
 
 def test_of_too_many_streams_the_one_not_heard_of_for_longest_is_forgotten(peer):
     """And counted: however many keys a robot had, what it sends now tells of its ways."""
-    for number in range(STREAMS + 1):
+    for number in range(TUNING.streams + 1):
         peer.inbound.heard_sample(2.0, f"robot/r2/old/{number}", 100, None)
     assert peer.evicted == 1
     for at in range(3, 13):
