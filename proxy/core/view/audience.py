@@ -10,11 +10,7 @@ from proxy.core.view.paths import Paths
 from proxy.core.view.receivers import Way, grouped
 from proxy.core.view.stream import Stream
 from proxy.core.view.subscribers import Subscribers
-
-REFRESH = 0.2
-"""What ways are like is looked at anew this often [s]."""
-MANY = 10
-"""Robots that are no large team."""
+from proxy.core.view.tuning import TUNING
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +46,10 @@ class Audience:
 
 
 class Audiences:
-    """The audience of each stream, looked at anew when somebody joins or leaves it, and every `REFRESH`.
+    """The audience of each stream, looked at anew when somebody joins or leaves it, and now and then.
 
-    In large teams that is more work, and done more rarely: every `REFRESH` for every `MANY` robots. Streams of one
-    robot whose samples are of one size, and which the same robots want, have one audience.
+    In large teams that is more work, and done more rarely. Streams of one robot whose samples are of one size, and
+    which the same robots want, have one audience.
     """
 
     def __init__(self, settings: CoreSettings, members: Members, subscribers: Subscribers, paths: Paths) -> None:
@@ -91,7 +87,7 @@ class Audiences:
             lost, fan = self._loss(now), self._paths.of(stream.robot)
             ways = fan.ways(gaining, size, lost)
             first, receivers = grouped(ways or [Way(fan.mean.of(size))])
-            until = now + REFRESH * max(1.0, len(self._members.peers) / MANY)
+            until = now + TUNING.ways_refresh * max(1.0, len(self._members.peers) / TUNING.small_team)
             found = _Looked(until, gaining, Audience(size, first, fan.mean.per_byte, receivers))
             self._common[stream.robot, size, gaining] = found
         return found

@@ -6,12 +6,7 @@ from proxy.core.protocol.messages import Echo
 from proxy.core.transit.latency import Latency
 from proxy.core.transit.outbound import latency_of
 from proxy.core.view.peer import HeardDigest, Peer
-
-LEAST_LATENCY = 1e-6
-"""What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
-MANY, STARTS = 4, 2.0
-"""Of more peers than these who was met so shortly ago is not echoed [s]: of nine robots that began at once two took
-each other's clocks to be 72 ms apart for 20 s, as all that was echoed was a digest that had waited for 145 ms."""
+from proxy.core.view.tuning import TUNING
 
 
 class Echoes:
@@ -66,7 +61,7 @@ class Echoes:
             peer.offset.presume(min(known, default=0.0))
 
     def _has_started(self, now: float, peer: Peer) -> bool:
-        return len(self._peers) <= MANY or now >= peer.since + STARTS
+        return len(self._peers) <= TUNING.peers_always_echoed or now >= peer.since + TUNING.unechoed_after_meeting
 
     def _order(self, entry: tuple[str, Peer]) -> tuple[bool, bool, str]:
         """Who knows no way yet is echoed first; of several each robot begins with another one.
@@ -79,5 +74,5 @@ class Echoes:
 
 def _echo(name: str, peer: Peer, heard: HeardDigest) -> Echo:
     line = peer.inbound.latency
-    said = Latency(0.0) if line is None else Latency(max(line.fixed, LEAST_LATENCY), line.per_byte)
+    said = Latency(0.0) if line is None else Latency(max(line.fixed, TUNING.least_latency), line.per_byte)
     return Echo(name, heard.sent, heard.received, heard.samples, said.fixed, said.per_byte)

@@ -6,10 +6,11 @@ from dataclasses import replace
 from proxy.core.forecast import rhythm_report
 from proxy.core.protocol.messages import StreamDigest, StreamState
 from proxy.core.view.peer import Peer
-from proxy.core.view.stream import SAME, Generated, Sent, Stream, usual_scale
+from proxy.core.view.stream import Generated, Sent, Stream, usual_scale
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.traffic import TrafficLog
+from proxy.core.view.tuning import TUNING
 
 
 class News:
@@ -74,7 +75,8 @@ class News:
         stream.note_generated(news.generated, last, told=rhythm)
         t_sent = peer.offset.ours(news.t_forwarded)
         if stream.overheard:
-            stream.number(news.forwarded, heard=stream.sent is not None and t_sent < stream.sent.t_sent + SAME)
+            heard = stream.sent is not None and t_sent < stream.sent.t_sent + TUNING.same_sample
+            stream.number(news.forwarded, heard=heard)
         if news.forwarded > stream.forwarded:
             self._traffic.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
 

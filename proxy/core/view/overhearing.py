@@ -4,9 +4,10 @@ from proxy.core.interface.events import SampleHeard
 from proxy.core.view.members import Members
 from proxy.core.view.origins import Origins
 from proxy.core.view.peer import Peer
-from proxy.core.view.stream import SAME, Generated, Sent, Stream
+from proxy.core.view.stream import Generated, Sent, Stream
 from proxy.core.view.streams import PLAIN, Streams
 from proxy.core.view.traffic import TrafficLog
+from proxy.core.view.tuning import TUNING
 
 
 class Overhearing:
@@ -48,9 +49,9 @@ class Overhearing:
             self._traffic.note_unknown(now, event.size)
             return
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
-        on_air = now - peer.offset.latency + SAME
+        on_air = now - peer.offset.latency + TUNING.same_sample
         t_gen = on_air if t_gen is None else min(t_gen, now)
-        if stream.sent is not None and t_gen < stream.sent.t_sent + SAME:
+        if stream.sent is not None and t_gen < stream.sent.t_sent + TUNING.same_sample:
             return
         features = event.features or {}
         scale = stream.information_type.scale(features) if features else stream.last.scale

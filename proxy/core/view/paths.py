@@ -11,9 +11,7 @@ from proxy.core.transit.latency import Latency
 from proxy.core.transit.loss import share_of
 from proxy.core.view.members import Members
 from proxy.core.view.receivers import Way
-
-MOST_LOSS = 0.95
-"""A robot that gets less than the rest of our samples is not given up: it may get better."""
+from proxy.core.view.tuning import TUNING
 
 Known = dict[str, tuple[Latency | None, float | None]]
 """What is known of ways, by the tags of the receivers: time and loss; None where it is not."""
@@ -33,7 +31,7 @@ class Fan:
         """
         names, share, mean = set(gaining), 1.0 - lost, self.mean.of(size)
         found = [
-            Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(MOST_LOSS, loss))
+            Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(TUNING.most_loss, loss))
             for name, (line, loss) in self._known
             if name in names
         ]
@@ -56,7 +54,7 @@ class Paths:
         """Return the loss of all samples that went on ways that we know; 0.0 when we know none."""
         counted = [peer.counted_samples for peer in self._members.peers.values()]
         share = share_of(sum(sent for sent, _ in counted), sum(lost for _, lost in counted))
-        return min(MOST_LOSS, share or 0.0)
+        return min(TUNING.most_loss, share or 0.0)
 
     def _from_us(self) -> Known:
         return {name: (peer.outbound.line, peer.outbound.loss) for name, peer in self._members.peers.items()}

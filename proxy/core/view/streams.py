@@ -7,16 +7,9 @@ from collections.abc import Iterator
 
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.stream import Stream
+from proxy.core.view.tuning import TUNING
 from utility_specs import Specs
 
-SWEEP = 10.0
-"""It is looked for plain nodes that fell silent this often [s]."""
-SILENT = 60.0
-"""Streams of a plain node are forgotten after this long [s]..."""
-PERIODS = 5.0
-"""... and so many of their periods."""
-MOST_MATCHING = 4096
-"""Own keys of which it is known that somebody on the mesh wants them."""
 PLAIN = "?"
 """Plain nodes are named by this and their origin."""
 
@@ -84,7 +77,7 @@ class Streams:
         self._matching.pop(key, None)
         if matching:
             self._matching[key] = None
-            if len(self._matching) > MOST_MATCHING:
+            if len(self._matching) > TUNING.matching_keys:
                 del self._matching[next(iter(self._matching))]
                 self.evicted += 1
         stream = self._all.get((self._own, key))
@@ -105,11 +98,11 @@ class Streams:
 
     def sweep(self, now: float) -> None:
         """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
-        if now < self._swept + SWEEP:
+        if now < self._swept + TUNING.plain_check:
             return
         self._swept = now
         for stream in self.plain():
-            if now - stream.touched > max(SILENT, PERIODS * stream.schedule.period):
+            if now - stream.touched > max(TUNING.plain_silent, TUNING.plain_silent_periods * stream.schedule.period):
                 self.forget(stream)
 
     def revise(self) -> None:

@@ -12,8 +12,8 @@ from proxy.core.market.disputes import Disputes
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
-from proxy.core.view.newcomers import NEW
 from proxy.core.view.stream import Generated, Sent
+from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.view import SharedView
 
 PERIOD, SIZE = 0.1, 1_000
@@ -220,7 +220,7 @@ def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_
         stream, 1, Sent(9.5, 9.5, SIZE, 1.0)
     )  # who has sent waits for who has not, whatever their names
     assert taken(view, 10.0) == (SIZE if size == SIZE else 0.0,)
-    assert taken(view, 9.0 + NEW) == (0.0,)
+    assert taken(view, 9.0 + VIEW.newcomer_time) == (0.0,)
     news = StreamDigest(1, 5, 0, 9.0, 0.0, size, 1.0)
     view.heard_digest(10.0, Digest(robot, tag(f"z-{robot}"), 9.9, streams=(news,)))
     assert taken(view, 10.5) == (0.0,)

@@ -6,9 +6,9 @@ from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import broadcast
 from proxy.core.protocol.messages import Digest, Echo, State
 from proxy.core.transit.latency import Latency
-from proxy.core.view.audience import MANY, REFRESH
 from proxy.core.view.receivers import Way
 from proxy.core.view.stream import Generated
+from proxy.core.view.tuning import TUNING
 from proxy.core.view.view import SharedView
 
 GROUP = broadcast("224.0.0.226:7449")
@@ -110,26 +110,26 @@ def test_an_audience_is_looked_at_anew_when_somebody_joins_or_after_a_while(view
     assert (audience.latency_of(1000), audience.latency_of(2000)) == pytest.approx((0.11, 0.12))
     view.peers["z-r2"].outbound.latency = Latency(0.4)
     assert view.audiences.of(1.1, own) is audience
-    later = view.audiences.of(1.0 + REFRESH, own)
+    later = view.audiences.of(1.0 + TUNING.ways_refresh, own)
     assert (later.mean, later.slowest, later.share) == pytest.approx((0.62 / 3, 0.4, 3.0))
     view.gone("z-r2")
-    assert view.audiences.of(1.0 + REFRESH, own).share == 2.0
+    assert view.audiences.of(1.0 + TUNING.ways_refresh, own).share == 2.0
     for robot in ("r3", "r4"):
         view.gone(f"z-{robot}")
     assert ways(view, own, 100) == []
-    assert view.audiences.of(1.0 + REFRESH, own).share == 1.0
+    assert view.audiences.of(1.0 + TUNING.ways_refresh, own).share == 1.0
 
 
 def test_in_a_large_team_audiences_are_looked_at_anew_more_rarely(view):
     """There each is more work, and there are more of them."""
-    for number in range(2 * MANY - 3):
+    for number in range(2 * TUNING.small_team - 3):
         meet(view, f"x{number}")
     own = view.streams.get(0.0, "r1", "robot/r1/camera")
     own.note_generated(1, Generated(0.0, 1000, 1.0))
     audience = view.audiences.of(1.0, own)
     view.peers["z-r2"].outbound.latency = Latency(0.4)
-    assert view.audiences.of(1.0 + 1.9 * REFRESH, own) is audience
-    assert view.audiences.of(1.0 + 2.1 * REFRESH, own).slowest == pytest.approx(0.4)
+    assert view.audiences.of(1.0 + 1.9 * TUNING.ways_refresh, own) is audience
+    assert view.audiences.of(1.0 + 2.1 * TUNING.ways_refresh, own).slowest == pytest.approx(0.4)
 
 
 def test_streams_of_one_robot_have_one_audience_while_it_is_the_same(view):
@@ -140,7 +140,8 @@ def test_streams_of_one_robot_have_one_audience_while_it_is_the_same(view):
     first, second, larger = (view.audiences.of(1.0, stream) for stream in streams)
     assert second is first
     assert larger is not first
-    assert view.audiences.of(1.0 + REFRESH, streams[1]) is view.audiences.of(1.0 + REFRESH, streams[0])
+    later = 1.0 + TUNING.ways_refresh
+    assert view.audiences.of(later, streams[1]) is view.audiences.of(later, streams[0])
 
 
 def test_audiences_are_bounded(make_specs):

@@ -2,7 +2,8 @@
 
 import pytest
 
-from proxy.core.view.stream import LEADS, Generated, Stream
+from proxy.core.view.stream import Generated, Stream
+from proxy.core.view.tuning import TUNING
 
 TRENDING = """
 [[information_type]]
@@ -42,7 +43,7 @@ def test_what_rises_is_expected_to_go_on_rising(make_stream):
     expected = [stream.expected(9.0 + ahead) for ahead in range(1, 60)]
     assert [e.features["red"] for e in expected[:2]] == pytest.approx([0.2, 0.26])
     assert [e.scale for e in expected[:2]] == pytest.approx([3.0, 3.6])
-    assert len({e.scale for e in expected}) <= len(LEADS)
+    assert len({e.scale for e in expected}) <= len(TUNING.leads)
     assert {e.size for e in expected} == {100}
     assert stream.forecasts == {"red": "trend"}
     assert stream.expected(9.5) is stream.expected(10.0)

@@ -1,5 +1,7 @@
 """Which streams there are, and who has to leave."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -7,6 +9,7 @@ from hypothesis import strategies as st
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.stream import Generated
 from proxy.core.view.streams import Streams, owner_of
+from proxy.core.view.tuning import TUNING
 
 CAMERA = "robot/r2/camera"
 
@@ -53,7 +56,7 @@ def test_a_single_stream_of_each_owner_is_full_too(specs):
 
 def test_what_matches_is_bounded(specs, monkeypatch):
     """The oldest is forgotten, and counted."""
-    monkeypatch.setattr("proxy.core.view.streams.MOST_MATCHING", 2)
+    monkeypatch.setattr("proxy.core.view.streams.TUNING", replace(TUNING, matching_keys=2))
     streams = table(specs, 10)
     for number in range(3):
         streams.match(f"robot/{number}/camera", matching=True)

@@ -1,6 +1,7 @@
 """The shared view: streams, peers, origins, bounded."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -9,10 +10,9 @@ from proxy.core.interface.events import SampleHeard
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import UNICAST, broadcast
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState, tag
-from proxy.core.view.echoes import MANY, STARTS
 from proxy.core.view.interest import intersects
-from proxy.core.view.newcomers import GREETING
 from proxy.core.view.stream import Generated, Sent, Stream
+from proxy.core.view.tuning import TUNING
 from proxy.core.view.view import SharedView
 
 CAMERA = "robot/r2/camera"
@@ -162,12 +162,12 @@ def test_the_quickest_digest_since_the_last_echo_tells_most_of_clocks(view):
 def test_in_a_large_team_who_has_just_met_is_not_echoed(view):
     """Its digests wait while it starts."""
     meet(view)
-    for number in range(MANY):
+    for number in range(TUNING.peers_always_echoed):
         view.add_peer(10.0, f"r{number + 3}", f"z-r{number + 3}")
     for name, now in (("r2", 10.1), ("r3", 10.2)):
         view.heard_digest(now, Digest(name, tag(f"z-{name}"), now))
     assert [echo.peer for echo in view.echoes.due(10.5)] == [tag("z-r2")]
-    assert [echo.peer for echo in view.echoes.due(10.0 + STARTS)] == [tag("z-r2"), tag("z-r3")]
+    assert [echo.peer for echo in view.echoes.due(10.0 + TUNING.unechoed_after_meeting)] == [tag("z-r2"), tag("z-r3")]
 
 
 def test_who_knows_no_way_yet_is_echoed_first(view):
@@ -274,13 +274,13 @@ def test_who_has_just_been_met_may_say_for_a_moment_what_it_sent_lately(make_spe
     assert view.newcomers.greeted_by(1.0) == -math.inf
     view.add_peer(1.0, "r2", "z-r2")
     view.add_peer(1.1, "r3", "z-r3")
-    assert view.newcomers.greeted_by(1.1) == 1.1 + GREETING
+    assert view.newcomers.greeted_by(1.1) == 1.1 + TUNING.greeting_time
     view.heard_state(1.1, State("r3", "z-r3", "enforce", ""))
-    assert view.newcomers.greeted_by(1.1) == 1.0 + GREETING
+    assert view.newcomers.greeted_by(1.1) == 1.0 + TUNING.greeting_time
     view.heard_digest(1.2, Digest("r2", "z-r2", 1.2))
     assert view.newcomers.greeted_by(1.2) == -math.inf
     view.add_peer(2.0, "r4", "z-r4")
-    assert view.newcomers.greeted_by(2.0 + GREETING) == -math.inf
+    assert view.newcomers.greeted_by(2.0 + TUNING.greeting_time) == -math.inf
 
 
 def test_of_once_only_those_gain_that_were_sent_nothing_yet(make_specs):
@@ -547,7 +547,7 @@ def test_names_with_the_same_beginning_of_their_ids_differ(view):
 
 def test_peers_are_bounded(view, monkeypatch):
     """Of a flood of tokens those that say nothing leave first; who speaks stays."""
-    monkeypatch.setattr("proxy.core.view.view.MOST_PEERS", 3)
+    monkeypatch.setattr("proxy.core.view.view.TUNING", replace(TUNING, peers=3))
     meet(view)
     for number in range(10):
         assert view.add_peer(0.0, "x", f"x{number}")
