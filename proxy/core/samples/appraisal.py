@@ -38,8 +38,8 @@ class Appraisal:
         return self.mode if stream is None else in_force(self.mode, stream.information_type.mode)
 
     def stream_of(self, now: float, sample: Waiting) -> Stream | None:
-        """Return the stream of a sample; None where no spec plans for it."""
-        return self.view.streams.get(now, self.view.settings.robot, sample.key)
+        """Return the stream of a sample, which keeps it in the view; None where no spec plans for it."""
+        return self.view.streams.touch(now, self.view.settings.robot, sample.key)
 
     def copies(self, stream: Stream | None) -> int:
         """How often a sample of the stream goes on the air."""

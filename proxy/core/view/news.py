@@ -58,7 +58,7 @@ class News:
 
     def _take(self, now: float, peer: Peer, key: str, news: StreamDigest, *, counts: bool) -> None:
         """Take in news of a stream. Whether what came of it by now `counts` beside what it says was sent."""
-        stream = self._streams.get(now, peer.robot, key)
+        stream = self._streams.touch(now, peer.robot, key)
         if stream is None:
             return
         gets_all = self._subscribers.broadcasts(peer.robot) or self._tag in self._subscribers.of(stream)

@@ -52,8 +52,11 @@ class Streams:
         """The stream of a robot and key, if there is one."""
         return self._all.get((robot, key))
 
-    def get(self, now: float, robot: str, key: str) -> Stream | None:
-        """The stream of a robot and key, made when new; None when no spec plans for the key."""
+    def touch(self, now: float, robot: str, key: str) -> Stream | None:
+        """Something is heard of the stream of a robot and key; return it, made when new.
+
+        It is the last of its owner's to be forgotten then. None when no spec plans for the key.
+        """
         place = robot, key
         found = self._all.get(place)
         if found is None:

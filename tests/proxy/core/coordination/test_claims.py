@@ -26,7 +26,7 @@ def view(make_specs):
     view.add_peer(0.0, "r2", "z2")
     view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2"):
-        stream = view.streams.get(0.0, robot, f"robot/{robot}/camera")
+        stream = view.streams.touch(0.0, robot, f"robot/{robot}/camera")
         stream.matching = True
         for count in range(100):
             stream.note_generated(count + 1, Generated(count * PERIOD, SIZE, 1.0))
@@ -135,7 +135,7 @@ def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
     sent(view, "r2", 9.0)
     news = news_take(view)
     assert taken(view, 10.0 + 2.0 * news) == (0.0,)
-    third = view.streams.get(0.0, "r3", "robot/r3/camera")
+    third = view.streams.touch(0.0, "r3", "robot/r3/camera")
     third.matching = True
     for count in range(100):
         third.note_generated(count + 1, Generated(count * PERIOD + 0.5 * news, SIZE, 1.0))
@@ -152,7 +152,7 @@ def test_who_sent_last_counts_until_all_can_have_heard_of_it(view):
     news = news_take(view)
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
-    third = view.streams.get(0.0, "r3", "robot/r3/camera")
+    third = view.streams.touch(0.0, "r3", "robot/r3/camera")
     third.matching = True
     for count in range(100):
         third.note_generated(count + 1, Generated(count * PERIOD + 0.05, SIZE, 1.0))
@@ -198,8 +198,8 @@ def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view)
 
 def test_a_stream_that_never_sent_has_the_claim_of_its_whole_life(view):
     """All know since when it generates, whenever they heard of it first."""
-    ours = view.streams.get(0.0, "r1", "robot/r3/camera")
-    theirs = view.streams.get(0.0, "r2", "robot/r3/camera")
+    ours = view.streams.touch(0.0, "r1", "robot/r3/camera")
+    theirs = view.streams.touch(0.0, "r2", "robot/r3/camera")
     ours.note_generated(1, Generated(0.1, SIZE, 1.0))
     theirs.note_generated(50, Generated(5.0, SIZE, 1.0), told=Rhythm(0.1, 5.0, 50, 0.001, 16))
     assert theirs.began == pytest.approx(ours.began)
@@ -212,7 +212,7 @@ def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_
     view.add_peer(9.0, robot, f"z-{robot}")
     told = (StreamState(1, f"robot/{robot}/camera", "camera", PERIOD, size=size),)
     view.heard_state(9.0, State(robot, f"z-{robot}", "enforce", "", told, ("robot/**",)))
-    stream = view.streams.get(9.0, "r1", "robot/r1/camera")
+    stream = view.streams.touch(9.0, "r1", "robot/r1/camera")
     for count in range(10):
         stream.note_generated(count + 1, Generated(9.0 + count * PERIOD, SIZE, 1.0))
     assert taken(view, 10.0) == (use,)

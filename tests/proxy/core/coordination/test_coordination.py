@@ -124,7 +124,7 @@ def test_where_all_large_samples_vary_in_size_a_margin_is_left(make_team, sizes,
     """Then what fits beside others is sent all the same; where messages are alike a margin could cost a whole one."""
     team = make_team()
     for robot in ("r1", "p1"):
-        stream = team.view.streams.get(0.0, robot, f"robot/{robot}/camera")
+        stream = team.view.streams.touch(0.0, robot, f"robot/{robot}/camera")
         for count in range(9, 29):
             stream.note_generated(count + 1, Generated(count - 28.5, sizes[count % 2], 1.0))
     team.now = 0.0
@@ -136,7 +136,7 @@ def test_where_all_large_samples_vary_in_size_a_margin_is_left(make_team, sizes,
 def test_who_is_alone_leaves_no_margin(make_team):
     """There is nobody whose news could be late."""
     team = make_team(send=1)
-    stream = team.view.streams.get(0.0, "r1", "robot/r1/camera")
+    stream = team.view.streams.touch(0.0, "r1", "robot/r1/camera")
     for count in range(9, 29):
         stream.note_generated(count + 1, Generated(count - 28.5, (400, 3600)[count % 2], 1.0))
     team.look()

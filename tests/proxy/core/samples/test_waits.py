@@ -19,7 +19,7 @@ def rivals(make_talk, make_specs):
     talk.want(0.0)
     talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", OTHERS, ("robot/*/camera",), number=2)))
-    other = talk.core.view.streams.get(0.0, "op", "robot/op/camera")
+    other = talk.core.view.streams.touch(0.0, "op", "robot/op/camera")
     for count in range(1, 41):
         decide_all(talk, 0.2 * count, talk.publish(0.2 * count, size=4000)[1], send=count == 38)
         other.note_generated(count, Generated(0.2 * count - 0.005, 4000, 1.0))

@@ -73,11 +73,11 @@ class Course:
         self.view.overhearing.take(SampleHeard(self.now, key, 10 * number, f"z-{robot}", None, None))
 
     def publish(self, _robot, key, number):
-        stream = self.view.streams.get(self.now, OWN, key)
+        stream = self.view.streams.touch(self.now, OWN, key)
         stream.note_generated(stream.generated + 1, Generated(self.now, 10 * number, number / 2))
 
     def send(self, _robot, key, *_):
-        stream = self.view.streams.get(self.now, OWN, key)
+        stream = self.view.streams.touch(self.now, OWN, key)
         self.view.traffic.note_sent(stream, stream.forwarded + 1, Sent(self.now, self.now, 10, 1.0))
 
     def miss(self, robot, *_):

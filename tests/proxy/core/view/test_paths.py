@@ -45,7 +45,7 @@ def lose(peer, sent, received):
 
 def test_our_own_ways_are_what_the_receivers_tell(view):
     """Else what digests took there and back, else the mean of what is known."""
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     assert ways(view, own, 100) == [Way(0.0)] * 3
     view.peers["z-r2"].outbound.latency = Latency(0.15, 1e-3)
     view.peers["z-r3"].offset.heard(1.0, 1.05)
@@ -58,7 +58,7 @@ def test_our_own_ways_are_what_the_receivers_tell(view):
 
 def test_ways_of_others_are_what_their_receivers_tell(view):
     """Us, and whoever echoes them in its digests."""
-    camera = view.streams.get(0.0, "r2", "robot/r2/camera")
+    camera = view.streams.touch(0.0, "r2", "robot/r2/camera")
     echoes = (Echo("z-r2", 0.0, 0.0, 0, 0.3, 1e-3), Echo("z-xx", 0.0, 0.0, 0, 0.9), Echo("z-r4", 0.0, 0.0, 0, 0.0))
     view.heard_digest(1.0, Digest("r3", "z-r3", 1.0, 0, 0, (), echoes))
     for at in range(3):
@@ -82,7 +82,7 @@ def test_few_samples_of_many_robots_tell_the_mean_loss(view):
 
 def test_loss_is_of_each_way_and_the_mean_where_unknown(view):
     """A robot that gets nothing is not given up."""
-    own, other = view.streams.get(0.0, "r1", "robot/r1/camera"), view.streams.get(0.0, "r2", "robot/r2/camera")
+    own, other = view.streams.touch(0.0, "r1", "robot/r1/camera"), view.streams.touch(0.0, "r2", "robot/r2/camera")
     assert view.paths.mean_loss() == 0.0
     lose(view.peers["z-r2"], 100, 80)
     lose(view.peers["z-r3"], 100, 0)
@@ -96,13 +96,13 @@ def test_loss_is_of_each_way_and_the_mean_where_unknown(view):
 
 def test_a_plain_node_gets_things_like_the_others(view):
     """Nothing is known of it but that it is there."""
-    camera = view.streams.get(0.0, "?plain", "robot/x/camera")
+    camera = view.streams.touch(0.0, "?plain", "robot/x/camera")
     assert ways(view, camera, 100) == [Way(0.0, 4.0)]
 
 
 def test_an_audience_is_looked_at_anew_when_somebody_joins_or_after_a_while(view):
     """Not for every decision: with many robots that takes long."""
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     own.note_generated(1, Generated(0.0, 1000, 1.0))
     for peer in view.peers.values():
         peer.outbound.latency = Latency(0.1, 1e-5)
@@ -124,7 +124,7 @@ def test_in_a_large_team_audiences_are_looked_at_anew_more_rarely(view):
     """There each is more work, and there are more of them."""
     for number in range(2 * TUNING.small_team - 3):
         meet(view, f"x{number}")
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     own.note_generated(1, Generated(0.0, 1000, 1.0))
     audience = view.audiences.of(1.0, own)
     view.peers["z-r2"].outbound.latency = Latency(0.4)
@@ -134,7 +134,7 @@ def test_in_a_large_team_audiences_are_looked_at_anew_more_rarely(view):
 
 def test_streams_of_one_robot_have_one_audience_while_it_is_the_same(view):
     """Samples of another size have their own, and when it is time they are looked at together."""
-    streams = [view.streams.get(0.0, "r1", f"robot/{number}/camera") for number in range(3)]
+    streams = [view.streams.touch(0.0, "r1", f"robot/{number}/camera") for number in range(3)]
     for stream, size in zip(streams, (1000, 1000, 2000), strict=True):
         stream.note_generated(1, Generated(0.0, size, 1.0))
     first, second, larger = (view.audiences.of(1.0, stream) for stream in streams)
@@ -148,7 +148,7 @@ def test_audiences_are_bounded(make_specs):
     """Those of streams that there are no more are forgotten, and of sizes that were."""
     view = SharedView(CoreSettings("r1", "z-r1", streams=3), make_specs())
     for number in range(20):
-        stream = view.streams.get(float(number), "r1", f"robot/{number}/camera")
+        stream = view.streams.touch(float(number), "r1", f"robot/{number}/camera")
         stream.note_generated(1, Generated(0.0, number, 1.0))
         view.audiences.of(float(number), stream)
     assert len(view.audiences._known) <= 4
@@ -157,7 +157,7 @@ def test_audiences_are_bounded(make_specs):
 
 def test_samples_for_a_robot_are_counted_when_they_are_handed_over(view, make_specs):
     """In unicast those that it wants, in broadcast all."""
-    view.streams.get(0.0, "r1", "robot/r1/camera")
+    view.streams.touch(0.0, "r1", "robot/r1/camera")
     view.heard_state(0.0, State("r4", "z-r4", "enforce", "", (), ("else",)))
     view.handed("robot/r1/camera")
     view.handed("no/such")

@@ -27,9 +27,21 @@ def test_streams_are_bounded(specs):
     """The one not heard of for longest is forgotten, and counted."""
     streams = table(specs, 3)
     for number in range(5):
-        streams.get(float(number), "r1", f"robot/{number}/camera")
+        streams.touch(float(number), "r1", f"robot/{number}/camera")
     assert [stream.key for stream in streams] == [f"robot/{number}/camera" for number in (2, 3, 4)]
     assert streams.evicted == 2
+
+
+def test_only_who_hears_of_a_stream_keeps_it(specs):
+    """To look whether it is known makes no stream, and keeps none from being forgotten."""
+    streams = table(specs, 2)
+    assert streams.known("r1", "robot/1/camera") is None
+    first, second = (streams.touch(0.0, "r1", f"robot/{number}/camera") for number in (1, 2))
+    assert streams.known("r1", first.key) is streams.touch(1.0, "r1", first.key) is first
+    assert (first.touched, list(streams)) == (1.0, [first, second])
+    assert streams.known("r1", second.key) is second
+    streams.touch(2.0, "r1", "robot/3/camera")
+    assert streams.known("r1", second.key) is None
 
 
 def test_who_has_most_streams_loses_one(specs):
@@ -37,9 +49,9 @@ def test_who_has_most_streams_loses_one(specs):
     streams = table(specs, 6)
     for robot in ("r1", "r2"):
         for key in ("a", "b"):
-            streams.get(0.0, robot, f"robot/{key}/camera")
+            streams.touch(0.0, robot, f"robot/{key}/camera")
     for number in range(20):
-        streams.get(1.0, f"?{number}" if number % 2 else "r9", f"robot/{number}/camera")
+        streams.touch(1.0, f"?{number}" if number % 2 else "r9", f"robot/{number}/camera")
     robots = [stream.robot for stream in streams]
     assert (robots.count("r1"), robots.count("r2")) == (2, 2)
     assert sum(robot.startswith("?") for robot in robots) == 1
@@ -50,7 +62,7 @@ def test_a_single_stream_of_each_owner_is_full_too(specs):
     """The newcomer stays; another owner's leaves."""
     streams = table(specs, 2)
     for robot in ("r1", "r2", "r3"):
-        streams.get(0.0, robot, CAMERA)
+        streams.touch(0.0, robot, CAMERA)
     assert {stream.robot for stream in streams} == {"r1", "r3"}
 
 
@@ -61,20 +73,20 @@ def test_what_matches_is_bounded(specs, monkeypatch):
     for number in range(3):
         streams.match(f"robot/{number}/camera", matching=True)
     assert streams.evicted == 1
-    assert [streams.get(0.0, "r1", f"robot/{n}/camera").matching for n in range(3)] == [False, True, True]
+    assert [streams.touch(0.0, "r1", f"robot/{n}/camera").matching for n in range(3)] == [False, True, True]
 
 
 def test_a_key_that_nobody_plans_for_is_no_stream(specs):
     """It takes no room."""
     streams = table(specs, 2)
-    assert streams.get(0.0, "r1", "other/key") is None
+    assert streams.touch(0.0, "r1", "other/key") is None
     assert (list(streams), streams.revision) == ([], 0)
 
 
 def test_a_robot_takes_over_what_was_heard_of_a_plain_node(specs):
     """Unless it has the stream already: then its own stays."""
     streams = table(specs, 4)
-    plain = [streams.get(0.0, f"?{origin}", CAMERA) for origin in ("one", "other")]
+    plain = [streams.touch(0.0, f"?{origin}", CAMERA) for origin in ("one", "other")]
     plain[0].note_generated(3, Generated(0.0, 10, 1.0))
     for stream in plain:
         streams.hand_over(stream, "r2")
@@ -86,7 +98,7 @@ def test_streams_follow_the_name_of_their_robot(specs):
     """Nobody else's do."""
     streams = table(specs, 4)
     for robot in ("r2", "r3"):
-        streams.get(0.0, robot, CAMERA)
+        streams.touch(0.0, robot, CAMERA)
     streams.rename("r2", "r4")
     assert {stream.robot for stream in streams} == {"r3", "r4"}
     assert [stream.robot for stream in streams.of("r4")] == ["r4"]
@@ -101,7 +113,7 @@ def test_every_stream_has_one_owner_and_changes_are_counted(make_specs, looked_a
     before = 0
     for now, (robot, number) in enumerate(looked_at):
         known = streams.known(robot, f"robot/{number}/camera")
-        found = streams.get(float(now), robot, f"robot/{number}/camera")
+        found = streams.touch(float(now), robot, f"robot/{number}/camera")
         assert (known is None) == (streams.revision > before)
         assert found is streams.known(robot, found.key)
         before = streams.revision

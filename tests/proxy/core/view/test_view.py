@@ -83,13 +83,13 @@ def test_what_is_heard_from_the_air_counts_by_that(make_specs):
 
 def test_a_robot_that_told_nothing_yet_may_want_everything(view):
     """Zenoh sends it a copy as soon as it is linked; who takes no part is a plain node, and costs nothing here."""
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     meet(view, subscriptions=(own.key,))
     assert view.subscribers.copies(own) == 1
     view.add_peer(1.0, "r3", "z-r3")
     view.add_peer(1.0, "r4", "z-r4")
     assert (view.subscribers.count(own), view.subscribers.copies(own)) == (1, 3)
-    assert view.subscribers.copies(view.streams.get(1.0, "r3", "robot/r3/camera")) == 1
+    assert view.subscribers.copies(view.streams.touch(1.0, "r3", "robot/r3/camera")) == 1
     view.heard_state(1.1, State("r3", "z-r3", "enforce", ""))
     assert view.subscribers.copies(own) == 2
     view.peers[tag("z-r4")].take_part(plain=True)
@@ -234,7 +234,7 @@ def test_origins_are_bounded(view):
 
 def test_receivers_are_the_robots_that_subscribe(view):
     """Our own apps count for others' streams, Zenoh's matching for a plain node that wants ours."""
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     assert view.subscribers.count(own) == 0
     own.matching = True
     assert view.subscribers.count(own) == 1
@@ -242,7 +242,7 @@ def test_receivers_are_the_robots_that_subscribe(view):
     view.heard_state(0.0, State("r3", "z-r3", "enforce", "", (), ("robot/**",)))
     meet(view, subscriptions=("robot/*/camera", "robot/r1/**"))
     assert view.subscribers.count(own) == 2
-    others = view.streams.get(0.0, "r2", CAMERA)
+    others = view.streams.touch(0.0, "r2", CAMERA)
     assert view.subscribers.count(others) == 1
     view.subscribers.set_own(("robot/r2/*",))
     assert (view.subscribers.count(others), view.subscribers.copies(others)) == (2, 2)
@@ -251,7 +251,7 @@ def test_receivers_are_the_robots_that_subscribe(view):
 def test_what_a_router_relays_costs_the_way_to_it_and_to_each_robot(make_specs):
     """Nobody but a plain node behind the router: the way to it. Each robot that wants the stream: one copy more."""
     view = SharedView(CoreSettings("r1", "z-r1", relayed=True), make_specs())
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     own.matching = True
     assert (view.subscribers.count(own), view.subscribers.copies(own)) == (1, 1)
     meet(view, subscriptions=("robot/*/camera",))
@@ -262,7 +262,7 @@ def test_who_did_not_say_yet_what_it_wants_counts_for_what_we_send_alone(make_sp
     """What others send goes to those of whom we know that they want it: they have known them for longer."""
     view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
     meet(view, subscriptions=("robot/*/camera",))
-    own, others = view.streams.get(0.0, "r1", "robot/r1/camera"), view.streams.get(0.0, "r3", "robot/r3/camera")
+    own, others = view.streams.touch(0.0, "r1", "robot/r1/camera"), view.streams.touch(0.0, "r3", "robot/r3/camera")
     view.add_peer(0.0, "r3", "z-r3")
     view.add_peer(0.0, "r4", "z-r4")
     assert (view.subscribers.copies(own), view.subscribers.copies(others)) == (3, 1)
@@ -287,7 +287,7 @@ def test_of_once_only_those_gain_that_were_sent_nothing_yet(make_specs):
     """Whoever joins later gets its first; one that left and is back, too. Own and others' streams alike."""
     view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=ONCE))
     meet(view, subscriptions=("robot/**",))
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     own.note_generated(1, Generated(0.0, 10, 1.0))
     assert (view.subscribers.gaining(own), view.contention.competes(1.0, own)) == (("z-r2",), True)
     view.traffic.note_sent(own, 1, Sent(1.0, 1.0, 10, 1.0))
@@ -303,14 +303,14 @@ def test_of_once_only_those_gain_that_were_sent_nothing_yet(make_specs):
     meet(view, subscriptions=("robot/**",))
     assert set(view.subscribers.gaining(own)) == {"z-r2", "z-r3"}
     view.heard_digest(3.0, digest(3.0, StreamDigest(7, 2, 1, 2.9, 2.5, 10, 1.0)))
-    others = view.streams.get(3.0, "r2", CAMERA)
+    others = view.streams.touch(3.0, "r2", CAMERA)
     assert (view.subscribers.of(others), view.subscribers.gaining(others)) == (("z-r3",), ())
 
 
 def test_a_plain_node_that_was_sent_something_gains_no_more_of_it(make_specs):
     """It has no name, so all such nodes are one."""
     view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=ONCE))
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     own.matching = True
     assert view.subscribers.gaining(own) == ("",)
     view.traffic.note_sent(own, 1, Sent(1.0, 1.0, 10, 1.0))
@@ -325,7 +325,7 @@ def test_an_invalid_subscription_matches_nothing():
 
 def test_a_stream_that_ended_takes_no_part(view):
     """After ten seconds, or five periods, without news."""
-    stream = view.streams.get(0.0, "r1", "robot/r1/camera")
+    stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
     stream.matching = True
     assert not view.contention.competes(0.0, stream)
     stream.note_generated(1, Generated(0.0, 10, 1.0))
@@ -337,7 +337,7 @@ def test_a_stream_that_ended_takes_no_part(view):
 
 def test_specs_are_swapped_whole(view, make_specs):
     """Streams keep what was observed under their new type, or leave."""
-    stream = view.streams.get(0.0, "r1", "robot/r1/camera")
+    stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
     stream.note_generated(1, Generated(0.0, 10, 1.0))
     view.streams.set_specs(make_specs(limit="1 Mbit/s"))
     assert next(iter(view.streams)).generated == 1
@@ -385,11 +385,11 @@ def test_a_broadcast_sample_is_one_copy_for_all(make_specs):
         view.add_peer(0.0, robot, f"z-{robot}")
         state = State(robot, f"z-{robot}", "enforce", "", (), ("robot/*/camera",), transport=transport)
         view.heard_state(0.0, state)
-    streams = {robot: view.streams.get(0.0, robot, f"robot/{robot}/camera") for robot in ("r1", "r2", "r3")}
+    streams = {robot: view.streams.touch(0.0, robot, f"robot/{robot}/camera") for robot in ("r1", "r2", "r3")}
     assert {robot: view.subscribers.count(stream) for robot, stream in streams.items()} == {"r1": 3, "r2": 2, "r3": 2}
     assert {robot: view.subscribers.copies(stream) for robot, stream in streams.items()} == {"r1": 1, "r2": 2, "r3": 1}
     view.gone("z-r3")
-    assert view.subscribers.copies(view.streams.get(1.0, "r3", "robot/r3/camera")) == 2
+    assert view.subscribers.copies(view.streams.touch(1.0, "r3", "robot/r3/camera")) == 2
 
 
 def test_how_long_a_stream_is_silent_tells_when_its_robot_spoke_not_when_that_came(make_specs):
@@ -607,12 +607,12 @@ def test_matching_outlives_its_stream(view, make_specs):
     """Zenoh says it once: neither a swap of specs nor an eviction may lose it, nor may it come too early."""
     key = "robot/r1/camera"
     view.streams.match(key, matching=True)
-    assert view.subscribers.count(view.streams.get(0.0, "r1", key)) == 1
+    assert view.subscribers.count(view.streams.touch(0.0, "r1", key)) == 1
     view.streams.set_specs(make_specs(text='[[information_type]]\nname="x"\nkeys=["x"]\nutility={kind="video"}\n'))
     view.streams.set_specs(make_specs())
-    assert view.subscribers.count(view.streams.get(0.0, "r1", key)) == 1
+    assert view.subscribers.count(view.streams.touch(0.0, "r1", key)) == 1
     view.streams.match(key, matching=False)
-    assert view.subscribers.count(view.streams.get(0.0, "r1", key)) == 0
+    assert view.subscribers.count(view.streams.touch(0.0, "r1", key)) == 0
 
 
 def test_an_update_changes_only_the_streams_it_names(view):
@@ -661,7 +661,7 @@ def test_what_came_before_a_key_was_known_was_not_lost(view):
 
 def test_who_was_not_reached_after_all_is_reached_by_the_next_sample(view):
     """Though the same robots want it."""
-    stream = view.streams.get(0.0, "r1", CAMERA)
+    stream = view.streams.touch(0.0, "r1", CAMERA)
     names = ("z-r2", "z-r3")
     stream.reach(names)
     stream.miss(("z-r2",))
