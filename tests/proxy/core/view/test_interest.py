@@ -72,3 +72,9 @@ def test_expressions_that_take_ages_to_compare_are_not_compared():
     assert not intersects("**/a/**/a/**/b", "a/" * 100 + "c")
     assert intersects("**/a/" * 30 + "b", "a/" * 100 + "c")
     assert intersects("x" + "$*a" * 30 + "b", "x" + "a" * 100 + "c")
+
+
+def test_an_invalid_subscription_matches_nothing():
+    """What a peer says is not trusted to be a key expression."""
+    assert not intersects("a//b", "a/b")
+    assert intersects("a/*", "a/b")

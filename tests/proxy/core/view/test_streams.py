@@ -6,6 +6,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from planner import Video
+from proxy.core.interface.events import SampleHeard
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.stream import Generated
 from proxy.core.view.streams import Streams, owner_of
@@ -121,3 +123,37 @@ def test_every_stream_has_one_owner_and_changes_are_counted(make_specs, looked_a
     listed = [stream for owner in everybody - {"?"} for stream in streams.of(owner)] + streams.plain()
     assert {id(stream) for stream in listed} == {id(stream) for stream in streams}
     assert len(list(streams)) <= 4
+
+
+def test_specs_are_swapped_whole(view, make_specs):
+    """Streams keep what was observed under their new type, or leave."""
+    stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    stream.note_generated(1, Generated(0.0, 10, 1.0))
+    view.streams.set_specs(make_specs(limit="1 Mbit/s"))
+    assert next(iter(view.streams)).generated == 1
+    assert next(iter(view.streams)).information_type.utility == Video()
+    text = '[[information_type]]\nname = "x"\nkeys = ["x"]\naggregation = "most_recent"\nutility = { kind = "video" }\n'
+    view.streams.set_specs(make_specs(text=text))
+    assert list(view.streams) == []
+
+
+def test_matching_outlives_its_stream(view, make_specs):
+    """Zenoh says it once: neither a swap of specs nor an eviction may lose it, nor may it come too early."""
+    key = "robot/r1/camera"
+    view.streams.match(key, matching=True)
+    assert view.subscribers.count(view.streams.touch(0.0, "r1", key)) == 1
+    view.streams.set_specs(make_specs(text='[[information_type]]\nname="x"\nkeys=["x"]\nutility={kind="video"}\n'))
+    view.streams.set_specs(make_specs())
+    assert view.subscribers.count(view.streams.touch(0.0, "r1", key)) == 1
+    view.streams.match(key, matching=False)
+    assert view.subscribers.count(view.streams.touch(0.0, "r1", key)) == 0
+
+
+def test_plain_nodes_that_fall_silent_are_forgotten(view):
+    """After a minute, or a few periods."""
+    view.overhearing.take(SampleHeard(1.0, CAMERA, 100, "feed", None, None))
+    view.sweep(30.0)
+    assert len(list(view.streams)) == 1
+    view.sweep(35.0)
+    view.sweep(62.0)
+    assert list(view.streams) == []
