@@ -6,7 +6,7 @@ from typing import Any
 from proxy.core.parts import Parts
 from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.messages import tag
-from proxy.core.view.latency import Latency
+from proxy.core.transit.latency import Latency
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
 from proxy.core.view.warnings import cast_warnings, namesake_warnings, transport_warnings

@@ -7,10 +7,7 @@ from proxy.core.interface.commands import Decide, Drop, Forward, Reread
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
 from proxy.core.samples.inbox import SUPERSEDED
-from proxy.core.view.members import MOST_PEERS
-from proxy.core.view.pending import PENDING
-from proxy.core.view.streams import MOST_MATCHING
-from proxy.core.view.unknown_senders import MOST, MOST_EACH
+from proxy.core.view.tuning import TUNING
 
 STREAMS = 300
 """Streams that the core may keep; few, so that the bound is met, but one for each robot that there may be."""
@@ -84,13 +81,13 @@ class Besieged:
         assert core.counts.by_reason.total() - core.counts.by_reason[SUPERSEDED] <= self.samples
         assert len(list(view.streams)) <= STREAMS
         assert sum(map(len, view.streams._owned.values())) == len(view.streams._all)
-        assert len(view.peers) <= MOST_PEERS
+        assert len(view.peers) <= TUNING.peers
         assert len({peer.robot for peer in view.peers.values()} | {"r1"}) == len(view.peers) + 1
         assert len(view.origins.own) <= 256
-        assert len(view.streams._matching) <= MOST_MATCHING
-        assert all(len(peer.pending) <= PENDING for peer in view.peers.values())
-        assert len(core.parts.unknown_senders._heard) <= MOST
-        assert all(len(kept) <= MOST_EACH for kept in core.parts.unknown_senders._heard.values())
+        assert len(view.streams._matching) <= TUNING.matching_keys
+        assert all(len(peer.pending) <= TUNING.pending_news for peer in view.peers.values())
+        assert len(core.parts.unknown_senders._heard) <= TUNING.unknown_senders
+        assert all(len(kept) <= TUNING.unknown_digests for kept in core.parts.unknown_senders._heard.values())
         assert set(core.gossip.requests._open) <= set(view.peers)
         taking_part = view.peers.keys() - core.mismatched.found
         assert core.coordination.team._votes <= taking_part

@@ -8,8 +8,9 @@ from proxy.core.parts import Parts
 from proxy.core.protocol.messages import Digest, StreamDigest, tag
 from proxy.core.reactions.retention import Retention
 from proxy.core.view.peer import Peer
-from proxy.core.view.plausible import PATIENCE, objection, objection_to_state
+from proxy.core.view.plausible import objection, objection_to_state
 from proxy.core.view.stream import Stream
+from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.warnings import transport_warnings
 
 
@@ -49,7 +50,7 @@ class MeshNews:
         if wrong := self._objection(now, peer, digest):
             self.refused[wrong] += 1
             return []
-        if peer.digest is not None and now - peer.digest_received > PATIENCE:
+        if peer.digest is not None and now - peer.digest_received > VIEW.implausible_for:
             peer.restart()
         if self._view.heard_digest(now, digest):
             self._coordination.heard(now, digest)

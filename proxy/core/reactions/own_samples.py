@@ -42,7 +42,7 @@ class OwnSamples:
             return [self._gate.outcomes.pass_on(event.sample, "passed:relayed")]
         if self._gate.appraisal.mode is Mode.PASS:
             return [self._gate.outcomes.pass_on(event.sample, "passed:mode")]
-        stream = self._view.streams.get(event.now, self._settings.robot, event.key)
+        stream = self._view.streams.touch(event.now, self._settings.robot, event.key)
         # The period of a stream that is there may change by and by; a new stream is news.
         known = stream is None or stream.generated
         self._gossip.states.sample_came(event.now, event.size, new=not known)
@@ -68,7 +68,7 @@ class OwnSamples:
         waiting = self._gate.undecided.settled(event.sample)
         if waiting is None:
             return []
-        stream = self._view.streams.get(event.now, self._settings.robot, waiting.key)
+        stream = self._view.streams.touch(event.now, self._settings.robot, waiting.key)
         if stream is None:
             return [self._pass_undecided(event.now, event.sample, waiting.key, waiting.size)]
         # A stream that was not covered for a while has forgotten its samples.

@@ -1,1 +1,1 @@
-"""The shared view: every stream, every robot, and how messages get from one to the other."""
+"""The shared view: every stream and every robot, who wants what, and what was sent."""

@@ -10,11 +10,7 @@ from proxy.core.view.paths import Paths
 from proxy.core.view.receivers import Way, grouped
 from proxy.core.view.stream import Stream
 from proxy.core.view.subscribers import Subscribers
-
-REFRESH = 0.2
-"""What ways are like is looked at anew this often [s]."""
-MANY = 10
-"""Robots that are no large team."""
+from proxy.core.view.tuning import TUNING
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +31,7 @@ class Audience:
 
     @property
     def share(self) -> float:
-        """How many they are, as far as messages get to them."""
+        """How many receivers there are, each counted by the chance that a message gets there."""
         return sum([r.share for r in self.receivers])
 
     @property
@@ -50,10 +46,10 @@ class Audience:
 
 
 class Audiences:
-    """The audience of each stream, looked at anew when somebody joins or leaves it, and every `REFRESH`.
+    """The audience of each stream, looked at anew when somebody joins or leaves it, and now and then.
 
-    In large teams that is more work, and done more rarely: every `REFRESH` for every `MANY` robots. Streams of one
-    robot whose samples are of one size, and which the same robots want, have one audience.
+    In large teams that is more work, and done more rarely. Streams of one robot whose samples are of one size, and
+    which the same robots want, have one audience.
     """
 
     def __init__(self, settings: CoreSettings, members: Members, subscribers: Subscribers, paths: Paths) -> None:
@@ -82,7 +78,7 @@ class Audiences:
         return Audience(size, first, fan.mean.per_byte, receivers)
 
     def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> "_Looked":
-        """Look at the ways of a stream, or find what they were for another one lately."""
+        """Look at the ways of a stream, unless those of another stream that are the same were looked at lately."""
         size = stream.newest.size
         found = self._common.get((stream.robot, size, gaining))
         if found is None or now >= found.until:
@@ -91,7 +87,7 @@ class Audiences:
             lost, fan = self._loss(now), self._paths.of(stream.robot)
             ways = fan.ways(gaining, size, lost)
             first, receivers = grouped(ways or [Way(fan.mean.of(size))])
-            until = now + REFRESH * max(1.0, len(self._members.peers) / MANY)
+            until = now + TUNING.ways_refresh * max(1.0, len(self._members.peers) / TUNING.small_team)
             found = _Looked(until, gaining, Audience(size, first, fan.mean.per_byte, receivers))
             self._common[stream.robot, size, gaining] = found
         return found

@@ -9,18 +9,13 @@ from functools import lru_cache
 
 import zenoh
 
-MOST_KEYS = 8192
-"""Keys whose answer is kept."""
-MOST_NARROWED = 256
-"""Subscriptions that are narrowed to the keys of information types; of more, all of those keys are meant."""
-MOST_WILD = 3
-"""`**` and `$*` in one key expression; Zenoh takes exponential time for many: who asks so is said to want all."""
+from proxy.core.view.tuning import TUNING
 
 
 @lru_cache(maxsize=65_536)
 def intersects(expression: str, key: str) -> bool:
     """Whether a subscription's key expression matches the key; an invalid one matches nothing."""
-    if expression.count("**") + expression.count("$*") > MOST_WILD:
+    if expression.count("**") + expression.count("$*") > TUNING.wildcards:
         return True
     one, other = _parsed(expression), _parsed(key)
     return one is not None and other is not None and bool(one.intersects(other))
@@ -28,14 +23,14 @@ def intersects(expression: str, key: str) -> bool:
 
 def common(subscriptions: Collection[str], keys: Collection[str]) -> set[str]:
     """Return key expressions that match what both some subscription and some of the keys do, and little more."""
-    if len(subscriptions) > MOST_NARROWED:
+    if len(subscriptions) > TUNING.subscriptions_narrowed:
         return set(keys)
     return {_narrower(each, key) for each in subscriptions for key in keys if intersects(each, key)}
 
 
 def _narrower(expression: str, key: str) -> str:
     """Return the narrower of two expressions that have something in common; where neither is, the first."""
-    if expression.count("**") + expression.count("$*") > MOST_WILD:
+    if expression.count("**") + expression.count("$*") > TUNING.wildcards:
         return key
     one, other = _parsed(expression), _parsed(key)
     return key if one is None or other is None or one.includes(other) else expression
@@ -74,7 +69,7 @@ class Interest:
         """Return the tags of the robots whose apps subscribe to the key, in order, without that of its publisher."""
         found = self._wanting.get((key, publisher))
         if found is None:
-            if len(self._wanting) >= MOST_KEYS:
+            if len(self._wanting) >= TUNING.keys_answered:
                 self._wanting.clear()
             tags: set[str] = set().union(*(by for expression, by in self._by.items() if intersects(expression, key)))
             found = self._wanting[key, publisher] = tuple(sorted(tags - {publisher}))

@@ -6,9 +6,6 @@ from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import tag
 from proxy.core.view.peer import Peer
 
-MOST_PEERS = 256
-"""Robots in the view; a robot that said nothing yet has to leave for a new one."""
-
 
 class Members:
     """The robots whose presence is known, by tag; `evicted` counts those for which there was no room."""

@@ -1,6 +1,6 @@
 """Robots on the mesh with which nobody here can share: no team waits for them, and its operator is told.
 
-They have other limits, for they have other specs; or nothing is understood of what they say, if they say anything.
+Such robots have other limits, as they have other specs; or they say nothing that is understood here.
 """
 
 import math
@@ -10,19 +10,11 @@ from proxy.core.model.limits import fingerprint
 from proxy.core.protocol.envelope import READABLE, VERSION
 from proxy.core.view.peer import Peer
 from proxy.core.view.streams import Streams
-
-PATIENCE = 5.0
-"""Specs may be changed on one robot after the other, and a newcomer says something, within this time [s]..."""
-ASKING = 0.05
-"""... and so much more for each robot that there is, for all have to be asked [s]."""
-SILENCE = 300.0
-"""A robot that was understood tells all something more than twice in this time, whatever the allowance [s]."""
-PACE = 0.5
-"""They are looked for this often [s]."""
+from proxy.core.view.tuning import TUNING
 
 
 class MismatchedLimits:
-    """Who takes no part. Robots are named by their tags."""
+    """The robots that take no part, by their tags."""
 
     def __init__(self, peers: Mapping[str, Peer], streams: Streams) -> None:
         self._peers = peers
@@ -44,13 +36,13 @@ class MismatchedLimits:
         """Look who has taken no part for too long; return whether these are others than before."""
         if now < self._look_at:
             return False
-        self._look_at, peers = now + PACE, self._peers
+        self._look_at, peers = now + TUNING.mismatch_check, self._peers
         self._heard &= peers.keys()
         alike = (0, fingerprint(self._table.specs))  # who says nothing of its limits may have the same
         self._since = {name: self._since.get(name, now) for name, peer in peers.items() if peer.limits not in alike}
         for name, peer in peers.items():
             peer.take_part(plain=self._not_understood(now, name, peer))
-        apart = {name for name, since in self._since.items() if now - since > PATIENCE}
+        apart = {name for name, since in self._since.items() if now - since > TUNING.agreement_time}
         before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
         return self.found != before
 
@@ -61,10 +53,11 @@ class MismatchedLimits:
 
     def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
         if name in self._heard:
-            return now - peer.digest_received > SILENCE
+            return now - peer.digest_received > TUNING.understood_for
         if peer.state is not None:
-            return now - peer.since > SILENCE
-        return now - peer.since > PATIENCE + ASKING * len(self._peers) or _foreign(peer)
+            return now - peer.since > TUNING.understood_for
+        patience = TUNING.agreement_time + TUNING.agreement_per_robot * len(self._peers)
+        return now - peer.since > patience or _foreign(peer)
 
     def _warning(self, peer: Peer) -> str:
         here = self._table.specs.generation

@@ -1,17 +1,11 @@
-"""Robots that have just come: others know little of them, and they little of others."""
+"""Robots that have just come: the others know little of them, and they know little of the others."""
 
 import math
 from collections.abc import Mapping
 
 from proxy.core.view.peer import Peer
 from proxy.core.view.streams import Streams
-
-NEW = 10.0
-"""In a large team it takes so long until all have told all what they send [s]."""
-GREETING = 0.25
-"""Who has just been met tells within this time what it sent lately [s]."""
-SILENT = 2.0
-"""A robot that has sent nothing for so long since we do is not about to [s]."""
+from proxy.core.view.tuning import TUNING
 
 
 class Newcomers:
@@ -32,22 +26,23 @@ class Newcomers:
 
         Teams are often switched on before anything is sent.
         """
-        began = self._began()
-        return [peer for peer in self._peers.values() if now < max(peer.since, began) + NEW and not peer.plain]
+        began, time = self._began(), TUNING.newcomer_time
+        return [peer for peer in self._peers.values() if now < max(peer.since, began) + time and not peer.plain]
 
     def greeted_by(self, now: float) -> float:
-        """Until when robots that have just been met may still say what they sent lately; −∞ where all have [s]."""
-        if now >= self._met_at + GREETING:
+        """Until when a robot that has just been met may still tell what it sent lately [s]; −∞ where all have told."""
+        time = TUNING.greeting_time
+        if now >= self._met_at + time:
             return -math.inf
         new = (p for p in self._peers.values() if p.last_heard is None and not p.plain)
-        return max((peer.since + GREETING for peer in new if peer.state is None or peer.told), default=-math.inf)
+        return max((peer.since + time for peer in new if peer.state is None or peer.told), default=-math.inf)
 
     def only_listens(self, peer: Peer) -> bool:
-        """Whether a robot has sent nothing although we have for a while: an operator only listens."""
+        """Whether a robot has sent nothing though we have sent for a while: an operator only listens."""
         if peer.counted is None:
             return False
         told_at, messages, _ = peer.counted
-        return messages == 0 and told_at >= max(peer.since, self._began()) + SILENT
+        return messages == 0 and told_at >= max(peer.since, self._began()) + TUNING.silent_since_start
 
     def _began(self) -> float:
         return min((stream.began for stream in self._streams.own()), default=-math.inf)

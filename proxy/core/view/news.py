@@ -6,10 +6,11 @@ from dataclasses import replace
 from proxy.core.forecast import rhythm_report
 from proxy.core.protocol.messages import StreamDigest, StreamState
 from proxy.core.view.peer import Peer
-from proxy.core.view.stream import SAME, Generated, Sent, Stream, usual_scale
+from proxy.core.view.stream import Generated, Sent, Stream, usual_scale
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.traffic import TrafficLog
+from proxy.core.view.tuning import TUNING
 
 
 class News:
@@ -57,7 +58,7 @@ class News:
 
     def _take(self, now: float, peer: Peer, key: str, news: StreamDigest, *, counts: bool) -> None:
         """Take in news of a stream. Whether what came of it by now `counts` beside what it says was sent."""
-        stream = self._streams.get(now, peer.robot, key)
+        stream = self._streams.touch(now, peer.robot, key)
         if stream is None:
             return
         gets_all = self._subscribers.broadcasts(peer.robot) or self._tag in self._subscribers.of(stream)
@@ -74,7 +75,8 @@ class News:
         stream.note_generated(news.generated, last, told=rhythm)
         t_sent = peer.offset.ours(news.t_forwarded)
         if stream.overheard:
-            stream.number(news.forwarded, heard=stream.sent is not None and t_sent < stream.sent.t_sent + SAME)
+            heard = stream.sent is not None and t_sent < stream.sent.t_sent + TUNING.same_sample
+            stream.number(news.forwarded, heard=heard)
         if news.forwarded > stream.forwarded:
             self._traffic.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
 

@@ -4,9 +4,10 @@ from proxy.core.interface.events import SampleHeard
 from proxy.core.view.members import Members
 from proxy.core.view.origins import Origins
 from proxy.core.view.peer import Peer
-from proxy.core.view.stream import SAME, Generated, Sent, Stream
+from proxy.core.view.stream import Generated, Sent, Stream
 from proxy.core.view.streams import PLAIN, Streams
 from proxy.core.view.traffic import TrafficLog
+from proxy.core.view.tuning import TUNING
 
 
 class Overhearing:
@@ -29,7 +30,7 @@ class Overhearing:
             self._take_from(now, t_gen, event, peer)
         elif peer is not None:
             self._traffic.note_unknown(now, event.size)
-        elif robot.startswith(PLAIN) and (stream := self._streams.get(now, robot, event.key)) is not None:
+        elif robot.startswith(PLAIN) and (stream := self._streams.touch(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
             generated = Generated(now, event.size, scale, features)
@@ -48,9 +49,9 @@ class Overhearing:
             self._traffic.note_unknown(now, event.size)
             return
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
-        on_air = now - peer.offset.latency + SAME
+        on_air = now - peer.offset.latency + TUNING.same_sample
         t_gen = on_air if t_gen is None else min(t_gen, now)
-        if stream.sent is not None and t_gen < stream.sent.t_sent + SAME:
+        if stream.sent is not None and t_gen < stream.sent.t_sent + TUNING.same_sample:
             return
         features = event.features or {}
         scale = stream.information_type.scale(features) if features else stream.last.scale
@@ -67,7 +68,7 @@ class Overhearing:
         room for too many samples, and 60 % of the windows were over the limit. With ten robots of equal messages it is
         worth 2 to 4 % of utility.
         """
-        stream = self._streams.get(now, peer.robot, event.key)
+        stream = self._streams.touch(now, peer.robot, event.key)
         if stream is None:
             return None
         if (told := peer.told.get(event.key)) is not None:

@@ -1,39 +1,37 @@
 """The ways of messages from robot to robot, as far as this robot knows: how long they take, and how surely.
 
-Our own we measure or are told; those between two others are told by the one that receives.
+What our samples take we are told, what comes to us we measure; of a way between two others the receiver tells.
 """
 
 from collections.abc import Iterable
 
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import tag
-from proxy.core.view.latency import Latency
-from proxy.core.view.loss import share_of
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.loss import share_of
 from proxy.core.view.members import Members
 from proxy.core.view.receivers import Way
-
-MOST_LOSS = 0.95
-"""A robot that gets less than the rest of our samples is not given up: it may get better."""
+from proxy.core.view.tuning import TUNING
 
 Known = dict[str, tuple[Latency | None, float | None]]
 """What is known of ways, by the tags of the receivers: time and loss; None where it is not."""
 
 
 class Fan:
-    """What is known of the ways of a robot's samples, in the order of the tags, and the mean time they take."""
+    """What is known of the ways of a robot's samples, in the order of the receivers' tags, and their mean time."""
 
     def __init__(self, known: Known) -> None:
         self.mean = _mean(line for line, _ in known.values() if line is not None)
         self._known = sorted(known.items())
 
     def ways(self, gaining: tuple[str, ...], size: float, lost: float) -> list[Way]:
-        """Return the ways of a sample of `size` [B] to those that gain by it; what is not known is as in the mean.
+        """Return the ways of a sample of `size` [B] to those that gain by it; where a time is not known the mean is.
 
-        Those of which nothing is known are one way, with the sum of their shares; `lost` is the mean loss.
+        Receivers of whose ways nothing is known make one way, with the sum of their shares; `lost` is the mean loss.
         """
         names, share, mean = set(gaining), 1.0 - lost, self.mean.of(size)
         found = [
-            Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(MOST_LOSS, loss))
+            Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(TUNING.most_loss, loss))
             for name, (line, loss) in self._known
             if name in names
         ]
@@ -56,7 +54,7 @@ class Paths:
         """Return the loss of all samples that went on ways that we know; 0.0 when we know none."""
         counted = [peer.counted_samples for peer in self._members.peers.values()]
         share = share_of(sum(sent for sent, _ in counted), sum(lost for _, lost in counted))
-        return min(MOST_LOSS, share or 0.0)
+        return min(TUNING.most_loss, share or 0.0)
 
     def _from_us(self) -> Known:
         return {name: (peer.outbound.line, peer.outbound.loss) for name, peer in self._members.peers.items()}

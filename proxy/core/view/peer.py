@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 from proxy.core.protocol.messages import Digest, State, StreamState, tag
 from proxy.core.protocol.tuning import TUNING
-from proxy.core.view.inbound import SET, Inbound
-from proxy.core.view.latency import Latency
-from proxy.core.view.offset import DRIFT, ClockOffset
-from proxy.core.view.outbound import Outbound
+from proxy.core.transit.inbound import Inbound
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.offset import ClockOffset
+from proxy.core.transit.outbound import Outbound
+from proxy.core.transit.tuning import TUNING as TRANSIT
 from proxy.core.view.pending import PendingNews
 
 
@@ -115,7 +116,7 @@ class Peer:
         self.wire = version
 
     def take_part(self, *, plain: bool) -> None:
-        """It is, or is not any more, a `plain` node to us, which takes no part."""
+        """It is a `plain` node to us, which takes no part, or takes part again."""
         self.plain = plain
 
     def restart(self) -> None:
@@ -155,7 +156,7 @@ class Peer:
     def _take_clock(self, now: float, state: State) -> None:
         """What a state tells of the wall clock; of two of one number that differ one is forged: then nobody knows."""
         before = self.inbound.wall_offset
-        stepped = before is not None and abs(before - state.wall_offset) > SET
+        stepped = before is not None and abs(before - state.wall_offset) > TRANSIT.wall_clock_set
         contested = 0 < state.number == self.number and (stepped or state.clock_error != self.clock_error)
         self.clock_error = 0.0 if contested else state.clock_error
         if stepped:
@@ -166,7 +167,7 @@ class Peer:
         """A digest of the peer arrived."""
         self.digest = digest
         self.last_heard = heard = HeardDigest(digest.sent, now, self.inbound.samples)
-        if self.quickest is None or heard.took <= self.quickest.took + DRIFT * (now - self.quickest.received):
+        if self.quickest is None or heard.took <= self.quickest.took + TRANSIT.drift * (now - self.quickest.received):
             self.quickest = heard
         if not digest.brief:
             self.counted = now, digest.messages, digest.bytes
@@ -174,6 +175,6 @@ class Peer:
         self.inbound.forget_queue(now)
 
     def restart_losses(self) -> None:
-        """What is sent and what is counted there are not the same any more."""
+        """Forget the counts of samples, ours and the robot's: from now on other samples are counted."""
         self.outbound.restart_losses()
         self.inbound.restart_losses()

@@ -3,9 +3,7 @@
 from collections.abc import Container
 
 from proxy.core.protocol.messages import StreamDigest
-
-PENDING = 1024
-"""Stream news kept of streams whose key is not known yet."""
+from proxy.core.view.tuning import TUNING
 
 Entry = tuple[float, tuple[int, int]]
 """When a sample was sent [s], and what it counts as: bytes and copies."""
@@ -26,7 +24,7 @@ class PendingNews:
     def keep(self, news: StreamDigest) -> bool:
         """Keep news; return whether it tells of another sample that was sent."""
         earlier = self._news.get(news.id)
-        if earlier is None and len(self._news) >= PENDING:
+        if earlier is None and len(self._news) >= TUNING.pending_news:
             self.evicted += 1
             return False
         self._news[news.id] = news

@@ -1,8 +1,8 @@
-"""What a robot may say of itself: who speaks in another's name, or nonsense, is not listened to.
+"""What a robot may say of itself: messages in another robot's name, and nonsense, are refused.
 
-Without TLS a mesh cannot tell who speaks. So what one message may change stays within what an honest robot could have
-said, and what was said falsely gives way to what is said later: after `PATIENCE` without a digest that fits, the next
-one counts as that of a robot that starts anew.
+Without TLS nobody on a mesh can tell who speaks. So a message changes no more than an honest robot's could, and what a
+forged one changed does not last: when no digest has followed from the last one for a while, the next digest counts as
+that of a robot that starts anew.
 """
 
 from collections.abc import Callable
@@ -10,33 +10,21 @@ from collections.abc import Callable
 from proxy.core.protocol.messages import Digest, State, StreamDigest
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
-
-PATIENCE = 10.0
-"""A digest has to follow the one before for this long [s]."""
-DELAY = 30.0
-"""A digest may come this much sooner after the one before than it was sent [s]."""
-AHEAD = 1.0
-"""What was generated or sent may be this far in the future of the digest that tells it [s]."""
-FASTEST = 20_000.0
-"""Samples per second of one stream, or messages of one robot."""
-BROADEST = 1e10
-"""Bytes per second of one robot."""
-BURST = 60.0
-"""Counters may run ahead by so much time at these rates [s]."""
+from proxy.core.view.tuning import TUNING
 
 
 def objection(now: float, peer: Peer, digest: Digest, known: Callable[[StreamDigest], Stream | None]) -> str:
     """Return what is wrong with a peer's digest, or nothing; `known` finds the stream that news is of."""
     if digest.robot != peer.name:
         return "digest:forged"
-    latest = digest.sent + AHEAD
+    latest = digest.sent + TUNING.digest_ahead
     for news in digest.streams:
         if news.t_generated > latest or news.t_forwarded > latest:
             return "digest:time"
     for news in digest.streams:
-        if news.generated > FASTEST * BURST and _leaps(now, news, known(news)):
+        if news.generated > TUNING.fastest_count * TUNING.count_burst and _leaps(now, news, known(news)):
             return "digest:counts"
-    if peer.digest is None or now - peer.digest_received > PATIENCE:
+    if peer.digest is None or now - peer.digest_received > TUNING.implausible_for:
         return ""
     return _does_not_follow(peer.digest, now - peer.digest_received, digest) or _miscounts(now, peer, digest)
 
@@ -44,24 +32,27 @@ def objection(now: float, peer: Peer, digest: Digest, known: Callable[[StreamDig
 def is_old(now: float, peer: Peer | None, sent: float) -> bool:
     """Whether a digest that was sent then by a robot has been heard before, or a later one has. From any thread."""
     last = None if peer is None else peer.digest
-    return last is not None and peer is not None and now - peer.digest_received <= PATIENCE and sent <= last.sent
+    if last is None or peer is None:
+        return False
+    return now - peer.digest_received <= TUNING.implausible_for and sent <= last.sent
 
 
 def _does_not_follow(last: Digest, elapsed: float, digest: Digest) -> str:
     """Say why a digest cannot come so long after the one before."""
     if digest.sent <= last.sent:
         return "digest:old"
-    if digest.sent - last.sent > elapsed + DELAY:
+    if digest.sent - last.sent > elapsed + TUNING.digest_delay:
         return "digest:time"
     return ""
 
 
 def _miscounts(now: float, peer: Peer, digest: Digest) -> str:
     """Say if a digest cannot count what it does, after what its robot counted before."""
-    if digest.brief or peer.counted is None or now - peer.counted[0] > PATIENCE:
+    if digest.brief or peer.counted is None or now - peer.counted[0] > TUNING.implausible_for:
         return ""
     elapsed, messages, size = now - peer.counted[0], digest.messages - peer.counted[1], digest.bytes - peer.counted[2]
-    fits = 0 <= messages <= FASTEST * (elapsed + BURST) and 0 <= size <= BROADEST * (elapsed + BURST)
+    time = elapsed + TUNING.count_burst
+    fits = 0 <= messages <= TUNING.fastest_count * time and 0 <= size <= TUNING.fastest_bytes * time
     return "" if fits else "digest:counts"
 
 
@@ -77,4 +68,5 @@ def _leaps(now: float, news: StreamDigest, stream: Stream | None) -> bool:
     """Whether more was generated since the last news than any app could publish."""
     if stream is None or stream.generated == 0:
         return False
-    return news.generated - stream.generated > FASTEST * (max(0.0, now - stream.touched) + BURST)
+    time = max(0.0, now - stream.touched) + TUNING.count_burst
+    return news.generated - stream.generated > TUNING.fastest_count * time

@@ -5,11 +5,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from planner import Receiver
-
-MOST_GROUPS = 4
-"""Receivers are told apart by their latency in at most so many groups: each makes a decision slower."""
-ALIKE = 1e-3
-"""Latencies that round to the same multiple of this are one group [s]."""
+from proxy.core.view.tuning import TUNING
 
 
 class Way(NamedTuple):
@@ -26,9 +22,9 @@ def grouped(ways: Iterable[Way]) -> tuple[float, tuple[Receiver, ...]]:
     """
     alike: dict[int, list[Way]] = {}
     for way in ways:
-        alike.setdefault(round(way.latency / ALIKE), []).append(way)
+        alike.setdefault(round(way.latency / TUNING.alike_latency), []).append(way)
     groups = [_joined(each) for _, each in sorted(alike.items())]
-    while len(groups) > MOST_GROUPS:
+    while len(groups) > TUNING.receiver_groups:
         groups = _with_nearest_joined(groups)
     least = groups[0].latency
     return least, tuple(Receiver(group.latency - least, group.share) for group in groups)

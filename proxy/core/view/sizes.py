@@ -4,13 +4,7 @@ import math
 from dataclasses import dataclass
 from statistics import NormalDist
 
-NEWEST = 0.1
-"""What the size of a new sample counts in the mean and the variance of sizes."""
-SMALLER = 0.3
-"""Where sizes vary, those sent are smaller than the mean by about so many standard deviations: with five robots of 1 to
-40 kB plans reached 94.2 % of the bound, with the mean 93.3, with the last size 93.1."""
-LEAST = 0.2
-"""No sample is planned with a smaller part of the mean size."""
+from proxy.core.view.tuning import TUNING
 
 
 @dataclass(slots=True)
@@ -35,8 +29,9 @@ class Sizes:
             self.mean = float(size)
             return
         off = size - self.mean
-        self.mean += NEWEST * off
-        self.variance = (1.0 - NEWEST) * (self.variance + NEWEST * off * off)
+        weight = TUNING.newest_size_weight
+        self.mean += weight * off
+        self.variance = (1.0 - weight) * (self.variance + weight * off * off)
 
     def announce(self, size: int) -> None:
         """The stream's robot announced this size [B]."""
@@ -46,10 +41,11 @@ class Sizes:
         """The size that a sample to come is planned with, after the newest one: a bit less than the mean [B]."""
         if self.variance == 0.0:
             return newest
-        return round(max(self.mean - SMALLER * self.deviation, 0.5 * self.mean))
+        likely = self.mean - TUNING.sent_size_deviations * self.deviation
+        return round(max(likely, TUNING.least_likely_size * self.mean))
 
     def smallest(self, part: float) -> int:
         """The mean size of the smallest `part` of the samples [B], if sizes are spread about the mean like a bell."""
         normal = NormalDist()
         below = normal.pdf(normal.inv_cdf(part)) / part * self.deviation
-        return round(max(self.mean - below, LEAST * self.mean))
+        return round(max(self.mean - below, TUNING.smallest_size_part * self.mean))

@@ -1,13 +1,11 @@
-"""How old news of other robots is when it comes, and up to when it tells of their streams."""
+"""How old news of other robots is when it comes, and until when it tells of their streams."""
 
 from collections import deque
 from collections.abc import Iterable, Mapping
 
 from proxy.core.protocol.messages import Digest
 from proxy.core.view.peer import Peer
-
-DELAYS, MOST_OF_THEM = 64, 0.9
-"""How long news are delayed is seen by so many of the last digests: this part of them came sooner."""
+from proxy.core.view.tuning import TUNING
 
 
 class Staleness:
@@ -17,7 +15,7 @@ class Staleness:
         self._peers = peers
         self._reported_until: dict[str, float] = {}
         """When the last digest of each robot was sent [s, our clock], announcements aside."""
-        self._delays: deque[float] = deque(maxlen=DELAYS)
+        self._delays: deque[float] = deque(maxlen=TUNING.digest_delays)
         """What the last digests took beyond the quickest of their robots [s]."""
 
     def heard(self, now: float, peer: Peer, digest: Digest) -> None:
@@ -47,5 +45,5 @@ class Staleness:
 
     @property
     def delay(self) -> float:
-        """What digests take beyond that, all but few [s]: they wait for others, and for processors."""
-        return sorted(self._delays)[int(MOST_OF_THEM * len(self._delays))] if self._delays else 0.0
+        """What all but few digests take beyond their least [s]: they wait for other messages, and for processors."""
+        return sorted(self._delays)[int(TUNING.digests_in_time * len(self._delays))] if self._delays else 0.0

@@ -13,16 +13,11 @@ from proxy.core.forecast.schedule import Schedule
 from proxy.core.protocol.fixed import rounded
 from proxy.core.protocol.messages import StreamState
 from proxy.core.view.sizes import Sizes
+from proxy.core.view.tuning import TUNING
 from utility_specs import InformationType
 
-SAME = 1e-3
-"""A sample that was generated so much after the last one was sent is another one [s]."""
 SCALE = "scale"
 """Stands for the scale where features are not known."""
-LEAST_PERIOD = 1e-3
-"""Streams are taken to generate no faster than so [s]."""
-LEADS = (1, 4)
-"""Features that change with time are forecast for so many periods ahead: for the next sample, and for all others."""
 
 
 NONE: Mapping[str, float] = MappingProxyType({})
@@ -66,7 +61,7 @@ class Stream:
     forwarded: int = 0
     last: Generated | None = None
     sent: Sent | None = None
-    recent: deque[Sent] = field(default_factory=lambda: deque(maxlen=512))
+    recent: deque[Sent] = field(default_factory=lambda: deque(maxlen=TUNING.sends_of_stream))
     overheard: bool = False
     """Whether it is known from the air alone: how many were generated and sent its robot has not told yet."""
     matching: bool = False
@@ -139,7 +134,7 @@ class Stream:
         self.robot = robot
 
     def replace_last(self, last: Generated) -> None:
-        """A newer sample than the last one was overheard; its number only a digest will tell."""
+        """A newer sample than the last one was overheard; only a digest will tell its number."""
         self.last = last
 
     def renew(self, last: Generated) -> None:
@@ -149,7 +144,7 @@ class Stream:
         self._expected.clear()
 
     def revalue(self) -> None:
-        """What is known of samples is worth what the specs in force now make of their features."""
+        """Value the samples that are known by the specs in force now."""
         scale = self.information_type.scale
         if self.last is not None:
             self.renew(self.last._replace(scale=rounded(scale(self.last.features))))
@@ -171,11 +166,12 @@ class Stream:
         self.changes += 1
         if self.sent is not None and sent.t_sent > self.sent.t_sent:
             gap = (sent.t_sent - self.sent.t_sent) / (missed + 1)
-            self.interval = gap if self.interval == 0.0 else 0.8 * self.interval + 0.2 * gap
+            newest = TUNING.newest_interval_weight
+            self.interval = gap if self.interval == 0.0 else (1.0 - newest) * self.interval + newest * gap
             if missed:
                 noted += [
                     Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale)
-                    for i in range(min(missed, 32), 0, -1)
+                    for i in range(min(missed, TUNING.untold_sends), 0, -1)
                 ]
         noted.append(sent)
         self.recent.extend(noted)
@@ -183,9 +179,9 @@ class Stream:
         return noted
 
     def number(self, count: int, *, heard: bool) -> None:
-        """Its robot tells for the first time how many it sent of what we overheard, and whether we `heard` the last.
+        """Its robot tells for the first time how many samples it sent; the last one may have been `heard` from the air.
 
-        What was sent before we heard any counts for nothing.
+        Samples that were sent before we overheard any do not count.
         """
         self.overheard = False
         self.forwarded = max(self.forwarded, count if heard else count - 1)
@@ -204,7 +200,7 @@ class Stream:
         self._sent_to = ()
 
     def match(self, *, matching: bool) -> None:
-        """Whether anybody on the mesh wants the stream, as Zenoh says."""
+        """Zenoh tells whether anybody on the mesh wants the stream."""
         self.changes += 1
         self.matching = matching
 
@@ -220,10 +216,10 @@ class Stream:
             return self.newest
         if not self._expected:
             period = self.schedule.period
-            self._reach = [] if self._steady else [(lead + 0.5) * period for lead in LEADS[:-1]]
+            self._reach = [] if self._steady else [(lead + 0.5) * period for lead in TUNING.leads[:-1]]
         at = bisect_left(self._reach, t_gen - self.newest.t_gen)
         if at not in self._expected:
-            self._expected[at] = self._outlined(self._outlook, LEADS[at])
+            self._expected[at] = self._outlined(self._outlook, TUNING.leads[at])
         return self._expected[at]
 
     @property
@@ -241,7 +237,7 @@ class Stream:
     @property
     def period(self) -> float:
         """Mean time between samples, long enough to make a rate of [s]."""
-        return max(self.schedule.period, LEAST_PERIOD)
+        return max(self.schedule.period, TUNING.least_period)
 
     @property
     def mean_interval(self) -> float:

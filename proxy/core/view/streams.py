@@ -1,22 +1,15 @@
-"""All streams in the view, by robot and key: which there are, who has them, who has to leave when there are too many.
+"""All streams in the view, by robot and key: which there are, whose they are, and which leave when there are too many.
 
-All plain nodes together are one owner, so that nobody can push out another robot's streams by posing as many.
+All plain nodes together count as one owner: so nobody can push out a robot's streams by posing as many nodes.
 """
 
 from collections.abc import Iterator
 
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.stream import Stream
+from proxy.core.view.tuning import TUNING
 from utility_specs import Specs
 
-SWEEP = 10.0
-"""It is looked for plain nodes that fell silent this often [s]."""
-SILENT = 60.0
-"""Streams of a plain node are forgotten after this long [s]..."""
-PERIODS = 5.0
-"""... and so many of their periods."""
-MOST_MATCHING = 4096
-"""Own keys of which it is known that somebody on the mesh wants them."""
 PLAIN = "?"
 """Plain nodes are named by this and their origin."""
 
@@ -35,7 +28,7 @@ class Streams:
         self._most = settings.streams
         self._all: dict[Place, Stream] = {}
         self._owned: dict[str, dict[Place, Stream]] = {}
-        """The same by owner, the one not heard of for longest first."""
+        """The streams of each owner, the one not heard of for longest first."""
         self._matching: dict[str, None] = {}
         self._ids = 0
         self._swept = 0.0
@@ -59,8 +52,11 @@ class Streams:
         """The stream of a robot and key, if there is one."""
         return self._all.get((robot, key))
 
-    def get(self, now: float, robot: str, key: str) -> Stream | None:
-        """The stream of a robot and key, made when new; None when no spec plans for the key."""
+    def touch(self, now: float, robot: str, key: str) -> Stream | None:
+        """Something is heard of the stream of a robot and key; return it, made when new.
+
+        It is the last of its owner's to be forgotten then. None when no spec plans for the key.
+        """
         place = robot, key
         found = self._all.get(place)
         if found is None:
@@ -80,11 +76,11 @@ class Streams:
         return found
 
     def match(self, key: str, *, matching: bool) -> None:
-        """Whether anybody on the mesh wants one of our keys; it holds for the stream whenever there is one."""
+        """Whether anybody on the mesh wants one of our keys; that is known before there is a stream, and after it."""
         self._matching.pop(key, None)
         if matching:
             self._matching[key] = None
-            if len(self._matching) > MOST_MATCHING:
+            if len(self._matching) > TUNING.matching_keys:
                 del self._matching[next(iter(self._matching))]
                 self.evicted += 1
         stream = self._all.get((self._own, key))
@@ -105,11 +101,11 @@ class Streams:
 
     def sweep(self, now: float) -> None:
         """Forget the streams of plain nodes that fell silent; cheap to call at every event."""
-        if now < self._swept + SWEEP:
+        if now < self._swept + TUNING.plain_check:
             return
         self._swept = now
         for stream in self.plain():
-            if now - stream.touched > max(SILENT, PERIODS * stream.schedule.period):
+            if now - stream.touched > max(TUNING.plain_silent, TUNING.plain_silent_periods * stream.schedule.period):
                 self.forget(stream)
 
     def revise(self) -> None:
@@ -147,7 +143,7 @@ class Streams:
             self.admit(stream)
 
     def hand_over(self, stream: Stream, robot: str) -> None:
-        """A plain node's stream is a robot's: what was overheard stays known; the robot counts by itself."""
+        """A plain node's stream turns out to be a robot's: what was overheard is kept, the robot's own counts hold."""
         self.forget(stream)
         if (robot, stream.key) in self._all:
             return

@@ -4,11 +4,7 @@ from collections import deque
 
 from proxy.core.view.stream import Sent, Stream
 from proxy.core.view.subscribers import Subscribers
-
-MOST_SENDS = 16_384
-"""Sends of other robots looked back on."""
-KEPT = 1.5
-"""Others' sends are remembered for so many of the longest windows: who waited for the room that they left may send."""
+from proxy.core.view.tuning import TUNING
 
 Amount = tuple[int, int]
 """The size of a sample [B], and in how many copies it goes on the air."""
@@ -26,10 +22,10 @@ class TrafficLog:
         self.bytes = 0
         self.largest = 0
         """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
-        self.sends: deque[Entry] = deque(maxlen=MOST_SENDS)
+        self.sends: deque[Entry] = deque(maxlen=TUNING.sends)
         """When and how much other robots sent lately."""
-        self.talk: deque[Entry] = deque(maxlen=MOST_SENDS)
-        """The same of what robots told each other beyond what limits leave to that."""
+        self.talk: deque[Entry] = deque(maxlen=TUNING.sends)
+        """When and how much robots told each other beyond what the limits leave to that."""
         self.revision = 0
         """How often `sends` or `talk` changed."""
         self.noted, self.talked, self.retracted = 0, 0, 0
@@ -83,7 +79,7 @@ class TrafficLog:
 
     def sweep(self, now: float, longest: float) -> None:
         """Forget what no window counts, the longest of which is so long [s]; cheap to call at every event."""
-        since = now - KEPT * longest
+        since = now - TUNING.windows_kept * longest
         for past in (self.sends, self.talk):
             while past and past[0][0] < since:
                 past.popleft()

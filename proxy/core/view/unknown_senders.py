@@ -1,11 +1,7 @@
 """Digests of robots whose presence is not known yet: they may overtake it."""
 
 from proxy.core.protocol.messages import Digest
-
-MOST = 64
-"""Unknown senders listened to."""
-MOST_EACH = 4
-"""Digests kept of each."""
+from proxy.core.view.tuning import TUNING
 
 
 class UnknownSenders:
@@ -20,10 +16,10 @@ class UnknownSenders:
         kept = self._heard.pop(digest.tag, [])
         self._heard[digest.tag] = kept
         kept.append((now, digest))
-        if len(kept) > MOST_EACH:
+        if len(kept) > TUNING.unknown_digests:
             del kept[0]
             self.forgotten += 1
-        if len(self._heard) > MOST:
+        if len(self._heard) > TUNING.unknown_senders:
             self.forgotten += len(self._heard.pop(next(iter(self._heard))))
 
     def introduce(self, tag: str) -> list[tuple[float, Digest]]:

@@ -7,7 +7,7 @@ from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.view.audience import Audiences
 from proxy.core.view.contention import Contention
 from proxy.core.view.echoes import Echoes
-from proxy.core.view.members import MOST_PEERS, Members
+from proxy.core.view.members import Members
 from proxy.core.view.newcomers import Newcomers
 from proxy.core.view.news import News
 from proxy.core.view.origins import Origins
@@ -17,11 +17,9 @@ from proxy.core.view.staleness import Staleness
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.traffic import TrafficLog
+from proxy.core.view.tuning import TUNING
 from proxy.core.view.wall import WallClocks
 from utility_specs import Specs
-
-DIGEST = 150
-"""A digest is about so large on the way [B]."""
 
 
 class SharedView:
@@ -64,7 +62,7 @@ class SharedView:
         """A robot's presence token appeared; False when we know it already, or there are too many."""
         if self.members.knows(zid):
             return False
-        if len(self.peers) >= MOST_PEERS:
+        if len(self.peers) >= TUNING.peers:
             leaving = self.members.evict()
             if leaving is None:
                 return False
@@ -110,7 +108,7 @@ class SharedView:
         for echo in digest.echoes:
             self.echoes.heard(now, peer, echo)
         if not is_broadcast(peer.transport):
-            peer.inbound.heard_digest(now, digest.sent, DIGEST)
+            peer.inbound.heard_digest(now, digest.sent, TUNING.usual_digest)
         self._news.take(now, peer, digest.streams)
         return True
 
@@ -146,11 +144,11 @@ class SharedView:
             peer.outbound.sent_digest(at)
 
     def announced(self) -> None:
-        """A digest of ours says what we sent until now."""
+        """A digest of ours tells what we sent until now."""
         self.largest = 0
 
     def restart_losses(self) -> None:
-        """From now on other samples are counted than before."""
+        """Forget the counts of all peers: from now on other samples are counted."""
         for peer in self.peers.values():
             peer.restart_losses()
 

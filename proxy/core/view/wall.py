@@ -1,21 +1,15 @@
 """Wall clocks of robots: ours, what it tells of the offsets to others, and which clocks disagree.
 
-Nothing depends on them but timestamps, which is what people look at, and what is known of clock offsets sooner.
+They matter for timestamps, which people look at, and for clock offsets, which they tell sooner than digests do.
 """
 
 from collections.abc import Iterable, Mapping
 
 from proxy.core.interface.commands import Command, Notice
 from proxy.core.model.settings import CoreSettings
-from proxy.core.view.inbound import SET
+from proxy.core.transit.tuning import TUNING as TRANSIT
 from proxy.core.view.peer import Peer
-
-APART = 0.05
-"""Wall clocks further apart than this are worth a warning [s]."""
-TOGETHER = 0.04
-"""Those not further apart than this no more [s]."""
-UNTOLD = 2.5e-3
-"""Two wall clocks may have moved so much against each other and nobody said so, because it is too little [s]."""
+from proxy.core.view.tuning import TUNING
 
 
 class WallClocks:
@@ -33,15 +27,16 @@ class WallClocks:
 
     def set(self, offset: float, error: float) -> None:
         """Our wall clock shows so much more than the monotonic one, wrong by `error` at most; 0.0: unknown [s]."""
-        if abs(offset - self.offset) > SET:
+        if abs(offset - self.offset) > TRANSIT.wall_clock_set:
             for peer in self._peers.values():
                 peer.offset.unshown()
         self.offset, self.error = offset, error
 
     def bound(self, now: float, peer: Peer) -> None:
-        """What the state of a peer says of its wall clock holds now: a bound, where both are known to be right."""
+        """The state of a peer tells of its wall clock now: that bounds its clock offset where both clocks are right."""
         if self.error and peer.clock_error and peer.inbound.wall_offset is not None:
-            peer.offset.shown(now, peer.inbound.wall_offset - self.offset, self.error + peer.clock_error + UNTOLD)
+            error = self.error + peer.clock_error + TUNING.untold_clock_step
+            peer.offset.shown(now, peer.inbound.wall_offset - self.offset, error)
 
     def forget(self, name: str) -> None:
         """The robot with this tag left."""
@@ -64,12 +59,12 @@ class WallClocks:
 
     def _compared(self, peer: Peer, now: float) -> list[Command]:
         ahead, was = self.ahead(peer), peer.tag in self._apart
-        if ahead is None or (not was and abs(ahead) <= APART):
+        if ahead is None or (not was and abs(ahead) <= TUNING.clock_warning_above):
             return []
         uncertainty = peer.offset.uncertainty(now)
-        if uncertainty > TOGETHER:
+        if uncertainty > TUNING.clock_warning_ends_below:
             return []
-        wrong = abs(ahead) - uncertainty > (TOGETHER if was else APART)
+        wrong = abs(ahead) - uncertainty > (TUNING.clock_warning_ends_below if was else TUNING.clock_warning_above)
         if wrong:
             self._apart[peer.tag] = ahead
         else:

@@ -3,7 +3,7 @@
 from proxy.core.coordination.claims import Claim, claim
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, Limits, changes_plans, longest_window, use_of
-from proxy.core.view.stream import LEAST_PERIOD
+from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.view import SharedView
 from proxy.core.window.candidates import Candidate
 from proxy.core.window.guarantees import guaranteed
@@ -53,7 +53,7 @@ def _latency(view: SharedView, c: Candidate) -> float:
 def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
     """Where far more is offered than can be sent expect only the smallest samples of bulky streams to be sent."""
     uses = [use_of(round(c.stream.sizes.mean), c.copies, limits, own=c.own) for c in candidates]
-    periods = [max(c.stream.schedule.period, LEAST_PERIOD) for c in candidates]
+    periods = [max(c.stream.schedule.period, VIEW.least_period) for c in candidates]
     offered = [sum([use[k] / period for use, period in zip(uses, periods, strict=True)]) for k in range(len(limits))]
     carried = [
         TUNING.offered * c.limit / c.window / rate for c, rate in zip(limits, offered, strict=True) if rate > 0.0

@@ -93,7 +93,7 @@ class WindowBuilder:
     def _copied(self, now: float, place: int, current: Waiting) -> Candidate:
         """Return the stream of a copy, as it is for the one robot that the copy is for."""
         view, own = self._view, self._view.settings.robot
-        stream = view.streams.get(now, own, current.key)
+        stream = view.streams.touch(now, own, current.key)
         if stream is None:
             raise LookupError(f"no type plans for {current.key}")
         audience = view.audiences.to(now, current.to, current.size)

@@ -24,7 +24,7 @@ from proxy.core.interface.commands import (
 from proxy.core.model.mode import Mode
 from proxy.core.protocol.fixed import rounded, single
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
-from proxy.core.view.members import MOST_PEERS
+from proxy.core.view.tuning import TUNING as VIEW
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
 
@@ -566,7 +566,7 @@ def test_a_robot_that_has_to_leave_for_a_new_one_is_asked_no_more(make_talk):
     """However many tokens there are, the core goes on."""
     talk = make_talk()
     talk.want(0.0)
-    for number in range(2 * MOST_PEERS):
+    for number in range(2 * VIEW.peers):
         talk.tell(ev.PeerAppeared(1.0, f"x{number}", f"{number:08x}ff"))
     for step in range(300):
         talk.tell(ev.TimePassed(2.0 + 2.0 * step))

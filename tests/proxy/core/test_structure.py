@@ -12,6 +12,7 @@ PACKAGES = (
     "protocol",
     "interface",
     "forecast",
+    "transit",
     "view",
     "market",
     "split",

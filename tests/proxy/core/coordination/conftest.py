@@ -33,7 +33,7 @@ class Robot:
         self.coordination.set_members(0.0, peers)
         self.view.subscribers.set_own(("robot/**",))
         for robot in ("r1", *peers)[:send]:
-            stream = self.view.streams.get(0.0, robot, f"robot/{robot}/camera")
+            stream = self.view.streams.touch(0.0, robot, f"robot/{robot}/camera")
             stream.matching = True
             for count in range(9):
                 stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))

@@ -12,8 +12,8 @@ from proxy.core.market.disputes import Disputes
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
-from proxy.core.view.newcomers import NEW
 from proxy.core.view.stream import Generated, Sent
+from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.view import SharedView
 
 PERIOD, SIZE = 0.1, 1_000
@@ -26,7 +26,7 @@ def view(make_specs):
     view.add_peer(0.0, "r2", "z2")
     view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2"):
-        stream = view.streams.get(0.0, robot, f"robot/{robot}/camera")
+        stream = view.streams.touch(0.0, robot, f"robot/{robot}/camera")
         stream.matching = True
         for count in range(100):
             stream.note_generated(count + 1, Generated(count * PERIOD, SIZE, 1.0))
@@ -135,7 +135,7 @@ def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
     sent(view, "r2", 9.0)
     news = news_take(view)
     assert taken(view, 10.0 + 2.0 * news) == (0.0,)
-    third = view.streams.get(0.0, "r3", "robot/r3/camera")
+    third = view.streams.touch(0.0, "r3", "robot/r3/camera")
     third.matching = True
     for count in range(100):
         third.note_generated(count + 1, Generated(count * PERIOD + 0.5 * news, SIZE, 1.0))
@@ -152,7 +152,7 @@ def test_who_sent_last_counts_until_all_can_have_heard_of_it(view):
     news = news_take(view)
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
-    third = view.streams.get(0.0, "r3", "robot/r3/camera")
+    third = view.streams.touch(0.0, "r3", "robot/r3/camera")
     third.matching = True
     for count in range(100):
         third.note_generated(count + 1, Generated(count * PERIOD + 0.05, SIZE, 1.0))
@@ -198,8 +198,8 @@ def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view)
 
 def test_a_stream_that_never_sent_has_the_claim_of_its_whole_life(view):
     """All know since when it generates, whenever they heard of it first."""
-    ours = view.streams.get(0.0, "r1", "robot/r3/camera")
-    theirs = view.streams.get(0.0, "r2", "robot/r3/camera")
+    ours = view.streams.touch(0.0, "r1", "robot/r3/camera")
+    theirs = view.streams.touch(0.0, "r2", "robot/r3/camera")
     ours.note_generated(1, Generated(0.1, SIZE, 1.0))
     theirs.note_generated(50, Generated(5.0, SIZE, 1.0), told=Rhythm(0.1, 5.0, 50, 0.001, 16))
     assert theirs.began == pytest.approx(ours.began)
@@ -212,7 +212,7 @@ def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_
     view.add_peer(9.0, robot, f"z-{robot}")
     told = (StreamState(1, f"robot/{robot}/camera", "camera", PERIOD, size=size),)
     view.heard_state(9.0, State(robot, f"z-{robot}", "enforce", "", told, ("robot/**",)))
-    stream = view.streams.get(9.0, "r1", "robot/r1/camera")
+    stream = view.streams.touch(9.0, "r1", "robot/r1/camera")
     for count in range(10):
         stream.note_generated(count + 1, Generated(9.0 + count * PERIOD, SIZE, 1.0))
     assert taken(view, 10.0) == (use,)
@@ -220,7 +220,7 @@ def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_
         stream, 1, Sent(9.5, 9.5, SIZE, 1.0)
     )  # who has sent waits for who has not, whatever their names
     assert taken(view, 10.0) == (SIZE if size == SIZE else 0.0,)
-    assert taken(view, 9.0 + NEW) == (0.0,)
+    assert taken(view, 9.0 + VIEW.newcomer_time) == (0.0,)
     news = StreamDigest(1, 5, 0, 9.0, 0.0, size, 1.0)
     view.heard_digest(10.0, Digest(robot, tag(f"z-{robot}"), 9.9, streams=(news,)))
     assert taken(view, 10.5) == (0.0,)

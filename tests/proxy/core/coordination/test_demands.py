@@ -7,7 +7,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.bid import UNIT
-from proxy.core.view.latency import Latency
+from proxy.core.transit.latency import Latency
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView
 
@@ -19,7 +19,7 @@ def make_view(make_specs):
     def make(size, value=1.0, *, wanted=True, samples=50):
         view = SharedView(CoreSettings("r1", "z1"), make_specs(window=0.5))
         view.add_peer(0.0, "r2", "z2")
-        stream = view.streams.get(0.0, "r1", "robot/r1/camera")
+        stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
         stream.matching = wanted
         for count in range(samples):
             stream.note_generated(count + 1, Generated(5.0 - 0.1 * (samples - count), size, value))

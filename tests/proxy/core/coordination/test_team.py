@@ -45,7 +45,7 @@ def test_who_has_nothing_to_send_does_not_ask_for_a_split(make_team):
     """An operator hears digests behind the frames that it gets; that they are late harms nobody."""
     team = make_team(send=0)
     for robot in ("p1", "p2"):
-        stream = team.view.streams.get(0.0, robot, f"robot/{robot}/camera")
+        stream = team.view.streams.touch(0.0, robot, f"robot/{robot}/camera")
         for count in range(9):
             stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
     team.look(waiting=2.0 * TUNING.late_news * WINDOW)
@@ -114,7 +114,7 @@ def test_who_asks_for_a_part_is_a_rival_however_seldom_its_streams_are_told_of(m
     team = make_team(("p1",), send=1)
     team.look(waiting=99.0)
     assert not team.coordination.team.rivals
-    stream = team.view.streams.get(0.0, "p1", "robot/p1/camera")
+    stream = team.view.streams.touch(0.0, "p1", "robot/p1/camera")
     for count in range(9):
         stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
     team.look(waiting=99.0)
@@ -122,7 +122,8 @@ def test_who_asks_for_a_part_is_a_rival_however_seldom_its_streams_are_told_of(m
     team.say("p1", splits=True, split=SplitReport(1, (Segment(5_000, 120),), 1, 0))
     team.now += 60.0
     for count in range(9, 80):
-        team.view.streams.get(0.0, "r1", "robot/r1/camera").note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
+        own = team.view.streams.touch(0.0, "r1", "robot/r1/camera")
+        own.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
     team.look(waiting=99.0)
     assert team.coordination.team.rivals
     team.say("p1", splits=True, split=SplitReport(2, (), 1, 0))

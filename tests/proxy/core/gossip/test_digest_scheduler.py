@@ -12,7 +12,7 @@ from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.protocol.split_report import SplitReport
 from proxy.core.protocol.state_codec import pack_state
-from proxy.core.view.newcomers import NEW
+from proxy.core.view.tuning import TUNING as VIEW
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly
 from studies.simulation.missions import draw, scenario
@@ -240,7 +240,7 @@ def test_who_has_just_met_somebody_announces_what_it_sends(make_talk):
     talk = make_talk(allowance=0.05)
     talk.want(0.0)
     told = []
-    for begin in (1.0, 1.5 + NEW):
+    for begin in (1.0, 1.5 + VIEW.newcomer_time):
         talk.tell(ev.TimePassed(begin - 0.1))
         for now in (begin, begin + 0.05, begin + 0.1, begin + 0.15):
             sends(talk, now, size=1500)

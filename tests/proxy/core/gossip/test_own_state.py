@@ -19,7 +19,7 @@ TOLD = State("r1", "z1", "enforce", "s", (CAMERA,), ("k",), number=4)
 def test_streams_are_told_with_what_is_typical_of_them(make_specs):
     """Period and mean size, by which newcomers forecast at once."""
     view = SharedView(CoreSettings("r1", "z1"), make_specs())
-    stream = view.streams.get(0.0, "r1", "robot/r1/camera")
+    stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
     for count, size in ((1, 1000), (2, 2000)):
         stream.note_generated(count, Generated(0.5 * count, size, 1.0))
     (told,) = state_of(view, Mode.ENFORCE).streams

@@ -8,7 +8,7 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.market.prices import Standing
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
-from proxy.core.view.newcomers import NEW
+from proxy.core.view.tuning import TUNING as VIEW
 from tests.proxy.core.talk import only
 
 SPEC = """
@@ -132,8 +132,8 @@ def test_who_was_met_lately_is_taken_to_send_as_many_small_samples_as_we_do(talk
     after, _ = disputes(talk).left(6.0)
     odometry = 10 * 116
     assert before[0] - after[0] == pytest.approx(odometry, rel=0.2)
-    run(talk, 6.0, 4.5 + NEW)
-    assert disputes(talk).left(4.5 + NEW)[0] == pytest.approx(before, rel=0.01)
+    run(talk, 6.0, 4.5 + VIEW.newcomer_time)
+    assert disputes(talk).left(4.5 + VIEW.newcomer_time)[0] == pytest.approx(before, rel=0.01)
 
 
 @pytest.mark.parametrize(("messages", "presumed"), [(0, 0.0), (1, 10 * 116)])

@@ -6,8 +6,8 @@ from proxy.core.coordination.claims import news_take
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.protocol.messages import State, StreamState
-from proxy.core.view.newcomers import GREETING
 from proxy.core.view.stream import Generated
+from proxy.core.view.tuning import TUNING as VIEW
 from tests.proxy.core.samples.answers import decide_all
 from tests.proxy.core.talk import only
 
@@ -19,7 +19,7 @@ def rivals(make_talk, make_specs):
     talk.want(0.0)
     talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", OTHERS, ("robot/*/camera",), number=2)))
-    other = talk.core.view.streams.get(0.0, "op", "robot/op/camera")
+    other = talk.core.view.streams.touch(0.0, "op", "robot/op/camera")
     for count in range(1, 41):
         decide_all(talk, 0.2 * count, talk.publish(0.2 * count, size=4000)[1], send=count == 38)
         other.note_generated(count, Generated(0.2 * count - 0.005, 4000, 1.0))
@@ -66,14 +66,14 @@ def test_a_large_sample_waits_for_what_somebody_who_was_just_met_sent_lately(mak
     talk.tell(ev.PeerAppeared(5.0, "r2", "z-r2"))
     large, commands = talk.publish(5.1, size=3000)
     assert only(commands) == []
-    assert talk.core.wake_at(5.1) <= 5.0 + GREETING
+    assert talk.core.wake_at(5.1) <= 5.0 + VIEW.greeting_time
     small, commands = talk.publish(5.11, size=10, key="robot/x/camera")
     assert only(commands) == [Forward(small)]
     if says:
         commands = talk.tell(ev.StateHeard(5.13, State("r2", "z-r2", "enforce", "")))
     else:
-        assert only(talk.tell(ev.TimePassed(4.99 + GREETING))) == []
-        commands = talk.tell(ev.TimePassed(5.0 + GREETING))
+        assert only(talk.tell(ev.TimePassed(4.99 + VIEW.greeting_time))) == []
+        commands = talk.tell(ev.TimePassed(5.0 + VIEW.greeting_time))
     (decide,) = only(commands)
     assert isinstance(decide, Decide)
     assert only(talk.answer(5.3, decide, send=True)) == [Forward(large)]

@@ -12,6 +12,7 @@ from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamStat
 from proxy.core.view.contention import Contention
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.view import SharedView
+from tests.proxy.core.view.met import digest, meet
 from utility_specs import load_specs
 
 TEXT = """
@@ -73,11 +74,11 @@ class Course:
         self.view.overhearing.take(SampleHeard(self.now, key, 10 * number, f"z-{robot}", None, None))
 
     def publish(self, _robot, key, number):
-        stream = self.view.streams.get(self.now, OWN, key)
+        stream = self.view.streams.touch(self.now, OWN, key)
         stream.note_generated(stream.generated + 1, Generated(self.now, 10 * number, number / 2))
 
     def send(self, _robot, key, *_):
-        stream = self.view.streams.get(self.now, OWN, key)
+        stream = self.view.streams.touch(self.now, OWN, key)
         self.view.traffic.note_sent(stream, stream.forwarded + 1, Sent(self.now, self.now, 10, 1.0))
 
     def miss(self, robot, *_):
@@ -198,3 +199,31 @@ def test_whether_a_stream_competes_is_looked_at_anew_after_what_makes_the_differ
     found = contention.chosen(course.now, 5)
     assert found == competing(course.view, course.now)
     assert (key in [s.key for s in found]) is then
+
+
+def test_a_stream_that_ended_takes_no_part(view):
+    """After ten seconds, or five periods, without news."""
+    stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    stream.matching = True
+    assert not view.contention.competes(0.0, stream)
+    stream.note_generated(1, Generated(0.0, 10, 1.0))
+    assert view.contention.competes(9.0, stream)
+    assert not view.contention.competes(11.0, stream)
+    stream.note_generated(2, Generated(20.0, 10, 1.0))
+    assert view.contention.competes(100.0, stream)
+
+
+def test_a_stream_that_is_silent_for_long_by_its_own_measure_competes_no_more(view):
+    """As far as its robot's news tell: while there are none, it may well go on."""
+    meet(view)
+    view.subscribers.set_own(("**",))
+    for k in range(1, 12):
+        view.heard_digest(100.0 + 0.1 * k, digest(5.0 + 0.1 * k, StreamDigest(7, k, 0, 5.0 + 0.1 * k, 0.0, 10, 2.0)))
+    (stream,) = view.streams
+    assert view.contention.competes(130.0, stream)
+    view.heard_digest(101.8, digest(6.8))
+    assert view.contention.competes(130.0, stream)
+    view.heard_digest(102.2, digest(7.2))
+    assert not view.contention.competes(102.2, stream)
+    view.gone("z-r2")
+    assert list(view.streams) == []

@@ -1,5 +1,7 @@
 """Who subscribes to what."""
 
+from dataclasses import replace
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,7 +60,7 @@ def test_many_changes_at_once_are_as_exact():
 
 def test_answers_are_bounded(monkeypatch):
     """Keys of which many come once are not kept for ever."""
-    monkeypatch.setattr(interest, "MOST_KEYS", 10)
+    monkeypatch.setattr(interest, "TUNING", replace(interest.TUNING, keys_answered=10))
     kept = Interest()
     kept.set("p", ["**"])
     assert all(kept.wanting(f"k{n}") == ("p",) for n in range(50))
@@ -70,3 +72,9 @@ def test_expressions_that_take_ages_to_compare_are_not_compared():
     assert not intersects("**/a/**/a/**/b", "a/" * 100 + "c")
     assert intersects("**/a/" * 30 + "b", "a/" * 100 + "c")
     assert intersects("x" + "$*a" * 30 + "b", "x" + "a" * 100 + "c")
+
+
+def test_an_invalid_subscription_matches_nothing():
+    """What a peer says is not trusted to be a key expression."""
+    assert not intersects("a//b", "a/b")
+    assert intersects("a/*", "a/b")

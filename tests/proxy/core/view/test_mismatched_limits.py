@@ -9,7 +9,7 @@ from proxy.core.model.limits import fingerprint
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.messages import Digest, State, tag
-from proxy.core.view.mismatched_limits import PATIENCE, SILENCE
+from proxy.core.view.tuning import TUNING
 from studies.simulation.medium import Medium
 from studies.simulation.team import Frame, Team
 from tests.proxy.core.talk import SPEC
@@ -50,10 +50,10 @@ def warnings(talk, now):
 def test_who_has_other_limits_for_long_is_left_out_and_named(talk):
     """When it has ours it is one of the team again."""
     has(talk, 1.0, ALIEN)
-    talk.tell(ev.TimePassed(1.0 + PATIENCE))
-    assert not warnings(talk, 1.0 + PATIENCE)
-    talk.tell(ev.TimePassed(2.0 + PATIENCE))
-    (warning,) = warnings(talk, 2.0 + PATIENCE)
+    talk.tell(ev.TimePassed(1.0 + TUNING.agreement_time))
+    assert not warnings(talk, 1.0 + TUNING.agreement_time)
+    talk.tell(ev.TimePassed(2.0 + TUNING.agreement_time))
+    (warning,) = warnings(talk, 2.0 + TUNING.agreement_time)
     assert warning.startswith("robot op has other limits (specs otherspecs, here ")
     assert [notice.text for notice in talk.all(Notice) if notice.level == "error"] == [warning]
     assert apart(talk) == {"zz-op"}
@@ -71,8 +71,8 @@ def test_specs_that_change_on_one_robot_after_the_other_are_no_reason(talk, goes
         talk.tell(ev.PeerGone(2.0, "op", "zz-op"))
     else:
         has(talk, 2.0, fingerprint(talk.core.view.specs), number=2)
-    talk.tell(ev.TimePassed(3.0 + PATIENCE))
-    assert not warnings(talk, 3.0 + PATIENCE)
+    talk.tell(ev.TimePassed(3.0 + TUNING.agreement_time))
+    assert not warnings(talk, 3.0 + TUNING.agreement_time)
     assert not [notice for notice in talk.all(Notice) if notice.level == "error"]
 
 
@@ -149,7 +149,7 @@ def test_who_says_something_in_the_end_takes_part(make_talk):
     """It was slow to start: from its first digest it is one of the team, and no plain node any more."""
     talk = make_talk()
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
-    talk.tell(ev.TimePassed(1.5 + PATIENCE))
+    talk.tell(ev.TimePassed(1.5 + TUNING.agreement_time))
     assert apart(talk) == {"zz-op"}
     assert [notice.level for notice in talk.all(Notice) if "nothing is heard" in notice.text] == ["error"]
     talk.tell(ev.SampleHeard(7.0, "robot/op/camera", 1000, "zz-op", None, None))
@@ -163,9 +163,9 @@ def test_messages_of_another_version_in_the_name_of_one_that_is_understood_chang
     """Nobody without TLS knows who speaks: a forger cannot exclude a robot."""
     says(talk, 1.0)
     talk.tell(ev.VersionHeard(2.0, "zz-op", VERSION + 9))
-    talk.tell(ev.TimePassed(4.0 + PATIENCE))
+    talk.tell(ev.TimePassed(4.0 + TUNING.agreement_time))
     assert apart(talk) == set()
-    assert not talk.core.status(4.0 + PATIENCE)["warnings"]
+    assert not talk.core.status(4.0 + TUNING.agreement_time)["warnings"]
 
 
 def test_whose_digests_are_rare_takes_part(make_talk):
@@ -173,18 +173,18 @@ def test_whose_digests_are_rare_takes_part(make_talk):
     talk = make_talk()
     talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
     has(talk, 0.0, 0)
-    talk.tell(ev.TimePassed(SILENCE - 1.0))
+    talk.tell(ev.TimePassed(TUNING.understood_for - 1.0))
     assert apart(talk) == set()
-    talk.tell(ev.TimePassed(SILENCE + 1.0))
+    talk.tell(ev.TimePassed(TUNING.understood_for + 1.0))
     assert apart(talk) == {"zz-op"}
 
 
 def test_who_hangs_after_it_was_understood_is_left_out_in_the_end(talk):
     """Its token stands, but it says nothing for much longer than a robot of the slowest team would."""
     says(talk, 1.0)
-    talk.tell(ev.TimePassed(SILENCE))
+    talk.tell(ev.TimePassed(TUNING.understood_for))
     assert apart(talk) == set()
-    talk.tell(ev.TimePassed(SILENCE + 2.0))
+    talk.tell(ev.TimePassed(TUNING.understood_for + 2.0))
     assert apart(talk) == {"zz-op"}
 
 

@@ -2,26 +2,16 @@
 
 import pytest
 
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import broadcast
-from proxy.core.protocol.messages import Digest, Echo, State
-from proxy.core.view.audience import MANY, REFRESH
-from proxy.core.view.latency import Latency
+from proxy.core.protocol.messages import Digest, Echo
+from proxy.core.transit.latency import Latency
 from proxy.core.view.receivers import Way
-from proxy.core.view.stream import Generated
-from proxy.core.view.view import SharedView
-
-GROUP = broadcast("224.0.0.226:7449")
+from tests.proxy.core.view.met import lose, team
 
 
 @pytest.fixture
 def view(make_specs):
     """Robots r2, r3 and r4 want all cameras, as we do."""
-    made = SharedView(CoreSettings("r1", "z-r1"), make_specs())
-    made.subscribers.set_own(("robot/**",))
-    for robot in ("r2", "r3", "r4"):
-        meet(made, robot)
-    return made
+    return team(make_specs())
 
 
 def ways(view, stream, size):
@@ -29,23 +19,9 @@ def ways(view, stream, size):
     return view.paths.of(stream.robot).ways(gaining, size, view.paths.mean_loss())
 
 
-def meet(view, robot, **rest):
-    view.add_peer(0.0, robot, f"z-{robot}")
-    state = State(robot, f"z-{robot}", "enforce", view.specs.generation, (), ("robot/**",), **rest)
-    view.heard_state(0.0, state)
-
-
-def lose(peer, sent, received):
-    """Of so many samples only so many come."""
-    for at, out, came in ((1.0, 0, 0), (2.0, sent, received)):
-        peer.outbound.sent = out
-        peer.outbound.sent_digest(at)
-        peer.outbound.heard_echo(at, Echo("z-r1", at, at, came, 0.0))
-
-
 def test_our_own_ways_are_what_the_receivers_tell(view):
     """Else what digests took there and back, else the mean of what is known."""
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     assert ways(view, own, 100) == [Way(0.0)] * 3
     view.peers["z-r2"].outbound.latency = Latency(0.15, 1e-3)
     view.peers["z-r3"].offset.heard(1.0, 1.05)
@@ -58,7 +34,7 @@ def test_our_own_ways_are_what_the_receivers_tell(view):
 
 def test_ways_of_others_are_what_their_receivers_tell(view):
     """Us, and whoever echoes them in its digests."""
-    camera = view.streams.get(0.0, "r2", "robot/r2/camera")
+    camera = view.streams.touch(0.0, "r2", "robot/r2/camera")
     echoes = (Echo("z-r2", 0.0, 0.0, 0, 0.3, 1e-3), Echo("z-xx", 0.0, 0.0, 0, 0.9), Echo("z-r4", 0.0, 0.0, 0, 0.0))
     view.heard_digest(1.0, Digest("r3", "z-r3", 1.0, 0, 0, (), echoes))
     for at in range(3):
@@ -82,7 +58,7 @@ def test_few_samples_of_many_robots_tell_the_mean_loss(view):
 
 def test_loss_is_of_each_way_and_the_mean_where_unknown(view):
     """A robot that gets nothing is not given up."""
-    own, other = view.streams.get(0.0, "r1", "robot/r1/camera"), view.streams.get(0.0, "r2", "robot/r2/camera")
+    own, other = view.streams.touch(0.0, "r1", "robot/r1/camera"), view.streams.touch(0.0, "r2", "robot/r2/camera")
     assert view.paths.mean_loss() == 0.0
     lose(view.peers["z-r2"], 100, 80)
     lose(view.peers["z-r3"], 100, 0)
@@ -96,99 +72,13 @@ def test_loss_is_of_each_way_and_the_mean_where_unknown(view):
 
 def test_a_plain_node_gets_things_like_the_others(view):
     """Nothing is known of it but that it is there."""
-    camera = view.streams.get(0.0, "?plain", "robot/x/camera")
+    camera = view.streams.touch(0.0, "?plain", "robot/x/camera")
     assert ways(view, camera, 100) == [Way(0.0, 4.0)]
 
 
-def test_an_audience_is_looked_at_anew_when_somebody_joins_or_after_a_while(view):
-    """Not for every decision: with many robots that takes long."""
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
-    own.note_generated(1, Generated(0.0, 1000, 1.0))
-    for peer in view.peers.values():
-        peer.outbound.latency = Latency(0.1, 1e-5)
-    audience = view.audiences.of(1.0, own)
-    assert (audience.latency_of(1000), audience.latency_of(2000)) == pytest.approx((0.11, 0.12))
-    view.peers["z-r2"].outbound.latency = Latency(0.4)
-    assert view.audiences.of(1.1, own) is audience
-    later = view.audiences.of(1.0 + REFRESH, own)
-    assert (later.mean, later.slowest, later.share) == pytest.approx((0.62 / 3, 0.4, 3.0))
-    view.gone("z-r2")
-    assert view.audiences.of(1.0 + REFRESH, own).share == 2.0
-    for robot in ("r3", "r4"):
+def test_where_nobody_gains_there_is_no_way(view):
+    """All robots left."""
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    for robot in ("r2", "r3", "r4"):
         view.gone(f"z-{robot}")
     assert ways(view, own, 100) == []
-    assert view.audiences.of(1.0 + REFRESH, own).share == 1.0
-
-
-def test_in_a_large_team_audiences_are_looked_at_anew_more_rarely(view):
-    """There each is more work, and there are more of them."""
-    for number in range(2 * MANY - 3):
-        meet(view, f"x{number}")
-    own = view.streams.get(0.0, "r1", "robot/r1/camera")
-    own.note_generated(1, Generated(0.0, 1000, 1.0))
-    audience = view.audiences.of(1.0, own)
-    view.peers["z-r2"].outbound.latency = Latency(0.4)
-    assert view.audiences.of(1.0 + 1.9 * REFRESH, own) is audience
-    assert view.audiences.of(1.0 + 2.1 * REFRESH, own).slowest == pytest.approx(0.4)
-
-
-def test_streams_of_one_robot_have_one_audience_while_it_is_the_same(view):
-    """Samples of another size have their own, and when it is time they are looked at together."""
-    streams = [view.streams.get(0.0, "r1", f"robot/{number}/camera") for number in range(3)]
-    for stream, size in zip(streams, (1000, 1000, 2000), strict=True):
-        stream.note_generated(1, Generated(0.0, size, 1.0))
-    first, second, larger = (view.audiences.of(1.0, stream) for stream in streams)
-    assert second is first
-    assert larger is not first
-    assert view.audiences.of(1.0 + REFRESH, streams[1]) is view.audiences.of(1.0 + REFRESH, streams[0])
-
-
-def test_audiences_are_bounded(make_specs):
-    """Those of streams that there are no more are forgotten, and of sizes that were."""
-    view = SharedView(CoreSettings("r1", "z-r1", streams=3), make_specs())
-    for number in range(20):
-        stream = view.streams.get(float(number), "r1", f"robot/{number}/camera")
-        stream.note_generated(1, Generated(0.0, number, 1.0))
-        view.audiences.of(float(number), stream)
-    assert len(view.audiences._known) <= 4
-    assert len(view.audiences._common) <= 4
-
-
-def test_samples_for_a_robot_are_counted_when_they_are_handed_over(view, make_specs):
-    """In unicast those that it wants, in broadcast all."""
-    view.streams.get(0.0, "r1", "robot/r1/camera")
-    view.heard_state(0.0, State("r4", "z-r4", "enforce", "", (), ("else",)))
-    view.handed("robot/r1/camera")
-    view.handed("no/such")
-    assert [peer.outbound.sent for peer in view.peers.values()] == [1, 1, 0]
-    air = SharedView(CoreSettings("r1", "z-r1", transport=GROUP), make_specs())
-    meet(air, "r2", transport=GROUP)
-    air.handed("no/such")
-    assert [peer.outbound.sent for peer in air.peers.values()] == [1]
-
-
-def test_losses_with_other_specs_are_unknown(view):
-    """A robot with other specs counts other samples."""
-    peer = view.peers["z-r2"]
-    lose(peer, 100, 50)
-    view.heard_digest(3.0, Digest("r2", "z-r2", 3.0, 0, 0))
-    assert peer.outbound.loss == 0.5
-    view.heard_state(3.0, State("r2", "z-r2", "enforce", "others"))
-    view.heard_digest(4.0, Digest("r2", "z-r2", 4.0, 0, 0))
-    assert peer.outbound.loss is None
-    lose(peer, 100, 50)
-    view.restart_losses()
-    assert peer.outbound.loss is None
-
-
-def test_digests_say_nothing_of_samples_that_are_broadcast(make_specs):
-    """They go another way."""
-    for transport, found in ((GROUP, None), ("unicast", 0.01)):
-        view = SharedView(CoreSettings("r1", "z-r1", transport=transport), make_specs())
-        meet(view, "r2", transport=transport)
-        for at in range(5):
-            echoes = (Echo("z-r1", at, at + 0.01, 0, 0.0),)
-            view.heard_digest(at + 0.01, Digest("r2", "z-r2", float(at), 0, 0, (), echoes))
-        line = view.peers["z-r2"].inbound.latency
-        assert line is None if found is None else line.fixed == pytest.approx(found, abs=1e-3)
-        assert view.echoes.due(20.0)[0].latency == pytest.approx(found or 0.0, abs=1e-3)

@@ -4,8 +4,9 @@ import pytest
 
 from proxy.core.protocol.messages import Digest, State, StreamDigest
 from proxy.core.view.peer import Peer
-from proxy.core.view.plausible import PATIENCE, objection, objection_to_state
+from proxy.core.view.plausible import objection, objection_to_state
 from proxy.core.view.stream import Generated, Stream
+from proxy.core.view.tuning import TUNING
 
 
 @pytest.fixture
@@ -60,7 +61,7 @@ def test_what_was_said_falsely_gives_way(peer):
     """After a time without any digest that fits, the next one counts, whatever its time is."""
     digest = Digest("r2", "z2", 7.0, 0, 0)
     assert objection(101.0, peer, digest, lambda _: None) == "digest:old"
-    assert objection(100.1 + PATIENCE, peer, digest, lambda _: None) == ""
+    assert objection(100.1 + TUNING.implausible_for, peer, digest, lambda _: None) == ""
 
 
 def announce(peer, now):
@@ -84,7 +85,7 @@ def test_announcements_do_not_keep_false_counts_alive(peer):
         announce(peer, 101.9 + k)
         said.append(objection(102.0 + k, peer, digest, lambda _: None))
     assert said[0] == "digest:counts"
-    assert said[round(PATIENCE) :] == [""] * (20 - round(PATIENCE))
+    assert said[round(TUNING.implausible_for) :] == [""] * (20 - round(TUNING.implausible_for))
 
 
 def test_a_state_must_be_the_robots_own_and_new(peer):

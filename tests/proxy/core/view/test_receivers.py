@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner import Receiver
-from proxy.core.view.receivers import MOST_GROUPS, Way, grouped
+from proxy.core.view.receivers import Way, grouped
+from proxy.core.view.tuning import TUNING
 
 
 def test_equal_latencies_are_one_group():
@@ -36,7 +37,7 @@ def test_too_many_groups_are_joined_where_they_are_closest():
 def test_every_robot_counts_once_and_the_mean_latency_stays(drawn):
     """However they are grouped."""
     latency, receivers = grouped(Way(*way) for way in drawn)
-    assert 1 <= len(receivers) <= MOST_GROUPS
+    assert 1 <= len(receivers) <= TUNING.receiver_groups
     assert min(r.delay for r in receivers) == 0.0
     share = sum(share for _, share in drawn)
     assert sum(r.share for r in receivers) == pytest.approx(share)

@@ -2,7 +2,9 @@
 
 import pytest
 
-from proxy.core.view.stream import LEADS, Generated, Stream
+from proxy.core.view.stream import Generated, Sent, Stream
+from proxy.core.view.tuning import TUNING
+from tests.proxy.core.view.met import CAMERA
 
 TRENDING = """
 [[information_type]]
@@ -42,7 +44,7 @@ def test_what_rises_is_expected_to_go_on_rising(make_stream):
     expected = [stream.expected(9.0 + ahead) for ahead in range(1, 60)]
     assert [e.features["red"] for e in expected[:2]] == pytest.approx([0.2, 0.26])
     assert [e.scale for e in expected[:2]] == pytest.approx([3.0, 3.6])
-    assert len({e.scale for e in expected}) <= len(LEADS)
+    assert len({e.scale for e in expected}) <= len(TUNING.leads)
     assert {e.size for e in expected} == {100}
     assert stream.forecasts == {"red": "trend"}
     assert stream.expected(9.5) is stream.expected(10.0)
@@ -91,3 +93,28 @@ def test_a_stream_of_which_nothing_was_generated_has_no_newest(make_stream):
     """The view has none such."""
     with pytest.raises(LookupError, match="nothing was generated of robot/r1/camera yet"):
         _ = make_stream("{}").newest
+
+
+def test_sends_nobody_told_us_of_are_spread_evenly():
+    """A lost digest leaves a gap in the counts, not in what the air carried."""
+    stream = Stream(1, "r2", CAMERA, None)
+    stream.note_sent(1, Sent(1.0, 1.0, 10, 1.0))
+    stream.note_sent(4, Sent(4.0, 4.0, 10, 1.0))
+    assert [sent.t_sent for sent in stream.recent] == [1.0, 2.0, 3.0, 4.0]
+    assert stream.mean_interval == 1.0
+    stream.note_sent(2, Sent(9.0, 9.0, 10, 1.0))
+    assert stream.forwarded == 4
+    stream.note_generated(0, Generated(1.0, 1, 1.0))
+    with pytest.raises(LookupError, match="nothing was generated"):
+        _ = stream.newest
+
+
+def test_who_was_not_reached_after_all_is_reached_by_the_next_sample(view):
+    """Though the same robots want it."""
+    stream = view.streams.touch(0.0, "r1", CAMERA)
+    names = ("z-r2", "z-r3")
+    stream.reach(names)
+    stream.miss(("z-r2",))
+    assert stream.reached == {"z-r3"}
+    stream.reach(names)
+    assert stream.reached == set(names)

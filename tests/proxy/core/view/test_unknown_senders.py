@@ -1,7 +1,8 @@
 """Digests of robots whose presence is not known yet."""
 
 from proxy.core.protocol.messages import Digest
-from proxy.core.view.unknown_senders import MOST, MOST_EACH, UnknownSenders
+from proxy.core.view.tuning import TUNING
+from proxy.core.view.unknown_senders import UnknownSenders
 
 
 def digest(tag, sent=1.0):
@@ -20,11 +21,11 @@ def test_what_a_stranger_said_is_kept_until_it_is_introduced():
 def test_unknown_senders_are_bounded():
     """The one that was silent for longest is forgotten, and of each the oldest."""
     senders = UnknownSenders()
-    for number in range(MOST + 5):
+    for number in range(TUNING.unknown_senders + 5):
         senders.keep(float(number), digest(f"t{number}"))
     assert senders.introduce("t4") == []
     assert senders.forgotten == 5
-    for number in range(MOST_EACH + 2):
+    for number in range(TUNING.unknown_digests + 2):
         senders.keep(float(number), digest("t9", float(number)))
-    assert len(senders.introduce("t9")) == MOST_EACH
+    assert len(senders.introduce("t9")) == TUNING.unknown_digests
     assert senders.forgotten == 8

@@ -76,7 +76,7 @@ def test_of_too_many_streams_the_best_and_the_next_ones_have_places(make_specs):
     view.subscribers.set_own(("robot/**",))
     for number in range(8):
         period = 0.25 + 0.01 * number
-        stream = view.streams.get(9.9, f"x{number}", f"robot/x{number}/camera")
+        stream = view.streams.touch(9.9, f"x{number}", f"robot/x{number}/camera")
         for count in range(8):
             t_gen = 9.9 + (count - 7) * period
             stream.note_generated(count + 1, Generated(t_gen, 1000, 6.0 if number >= 6 else 1.0))

@@ -83,7 +83,7 @@ def test_what_is_forecast_is_worth_what_its_features_will_be(make_specs):
     view = make_view(make_specs(text=TRENDING))
     view.subscribers.set_own(("robot/**",))
     for robot in ("r1", "r2"):
-        stream = view.streams.get(10.0, robot, f"robot/{robot}/camera")
+        stream = view.streams.touch(10.0, robot, f"robot/{robot}/camera")
         stream.matching = True
         for count in range(11):
             features = {"red": 0.01 * count} if robot == "r1" else {}
@@ -110,7 +110,7 @@ def offered(make_specs, sizes, *, robots=4, kind=""):
     """Robots with frames of 10 Hz of these sizes, in turn, under a limit of 4 kB/s; the forecasts of each, by size."""
     view = make_view(make_specs(), horizon=400)
     for robot in range(robots):
-        stream = view.streams.get(10.0, f"r{robot + 1}", f"robot/r{robot + 1}/camera")
+        stream = view.streams.touch(10.0, f"r{robot + 1}", f"robot/r{robot + 1}/camera")
         stream.matching = True
         for count in range(100):
             stream.note_generated(count + 1, Generated(0.1 * count + 0.02 * robot, sizes[count % len(sizes)], 1.0))

@@ -12,7 +12,7 @@ from planner import Receiver, SearchSettings, start
 from planner.measures import Energy, Messages
 from proxy.core.model.limits import Limit, Limits
 from proxy.core.protocol.messages import Echo, State
-from proxy.core.view.latency import Latency
+from proxy.core.transit.latency import Latency
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.window.window import WindowBuilder
 from tests.proxy.core.window.views import (
@@ -49,7 +49,7 @@ def test_times_before_zero_are_times_like_others(make_specs):
         view = make_view(make_specs())
         view.subscribers.set_own(("robot/**",))
         for robot in ("r1", "r2"):
-            stream = view.streams.get(zero + 10.0, robot, f"robot/{robot}/camera")
+            stream = view.streams.touch(zero + 10.0, robot, f"robot/{robot}/camera")
             for count in range(11):
                 stream.note_generated(count + 1, Generated(zero + 5.0 + 0.5 * count, 1000, 1.0))
         view.traffic.note_sent(stream, 1, Sent(zero + 9.5, zero + 9.5, 1000, 1.0))
@@ -145,7 +145,7 @@ def test_receivers_of_our_own_stream_are_told_apart_by_latency(crowd):
 def test_a_message_arrives_the_later_the_larger_it_is(crowd):
     """The time to a receiver has a part per byte, for what is decided as for what was sent."""
     meet(crowd, Latency(0.02, 1e-5))
-    stream = crowd.streams.get(0.0, "r1", "robot/r1/camera")
+    stream = crowd.streams.touch(0.0, "r1", "robot/r1/camera")
     stream.note_sent(1, Sent(9.0, 9.0, 21_000, 1.0))
     problem = WindowBuilder(crowd, 0.0).build(10.0, replace(sample(10.0), size=11_000), (), union())[0]
     (fact,) = [m for m in problem.messages if m.sent and m.stream == 0]

@@ -28,7 +28,7 @@ def make_view(specs, **settings):
 
 def add_stream(view, robot, *, period=0.5, scale=1.0, size=1000, until=10.0, key=None):
     """A wanted stream that generated from 5 s to `until`."""
-    stream = view.streams.get(until, robot, key or f"robot/{robot}/camera")
+    stream = view.streams.touch(until, robot, key or f"robot/{robot}/camera")
     stream.matching = True
     for count in range(int((until - 5.0) / period) + 1):
         stream.note_generated(count + 1, Generated(5.0 + count * period, size, scale))

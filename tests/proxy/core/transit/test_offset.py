@@ -7,14 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.view.offset import DRIFT, ClockOffset
+from proxy.core.transit.offset import ClockOffset
+from proxy.core.transit.tuning import TUNING
 
 DELAYS = st.floats(0.0, 3.0)
 
 
 @given(
     offset=st.floats(-1e5, 1e5),
-    drifts=st.lists(st.floats(-DRIFT, DRIFT), min_size=1, max_size=8),
+    drifts=st.lists(st.floats(-TUNING.drift, TUNING.drift), min_size=1, max_size=8),
     messages=st.lists(st.tuples(st.floats(0.001, 20.0), st.booleans(), DELAYS, DELAYS), min_size=2, max_size=25),
 )
 def test_the_error_is_never_more_than_the_uncertainty(offset, drifts, messages):
@@ -54,9 +55,9 @@ def test_the_offset_is_found_through_varying_delays(offset, latency, seed):
         wait = 0.0 if i == 12 else rng.exponential(0.3)
         clock.echoed(sent=float(i), received=i - offset + latency + wait)
     assert clock.known
-    assert clock.offset == pytest.approx(offset, abs=DRIFT * 5.0)
-    assert clock.latency == pytest.approx(latency, abs=DRIFT * 10.0)
-    assert clock.ours(5.0 - offset) == pytest.approx(5.0, abs=DRIFT * 5.0)
+    assert clock.offset == pytest.approx(offset, abs=TUNING.drift * 5.0)
+    assert clock.latency == pytest.approx(latency, abs=TUNING.drift * 10.0)
+    assert clock.ours(5.0 - offset) == pytest.approx(5.0, abs=TUNING.drift * 5.0)
 
 
 def test_before_the_first_echo_the_way_here_counts_as_no_time():
@@ -87,7 +88,7 @@ def test_uncertainty_is_half_the_best_round_trip_and_grows_as_clocks_drift():
     clock.heard(10.0, 10.02)
     clock.echoed(10.0, 10.04)
     assert clock.uncertainty(10.02) == pytest.approx(0.03, abs=1e-4)
-    assert clock.uncertainty(110.02) == pytest.approx(0.03 + 100.0 * DRIFT, abs=1e-4)
+    assert clock.uncertainty(110.02) == pytest.approx(0.03 + 100.0 * TUNING.drift, abs=1e-4)
     clock.heard(110.0, 110.02)
     clock.echoed(110.0, 110.04)
     assert clock.uncertainty(110.02) == pytest.approx(0.03, abs=1e-4)
@@ -124,7 +125,7 @@ def test_no_clock_showed_later_than_the_latest():
     wrong=st.floats(-0.02, 0.02),
     ways=st.tuples(DELAYS, DELAYS),
     later=st.floats(0.0, 50.0),
-    drift=st.floats(-DRIFT, DRIFT),
+    drift=st.floats(-TUNING.drift, TUNING.drift),
 )
 def test_wall_clocks_that_are_right_bound_it_too(offset, wrong, ways, later, drift):
     """However unlike the ways there and back are; the truth is never outside."""

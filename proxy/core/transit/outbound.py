@@ -3,19 +3,14 @@
 from collections import deque
 
 from proxy.core.protocol.messages import Echo
-from proxy.core.view.inbound import MOST_AGE, STANDS
-from proxy.core.view.latency import Latency
-from proxy.core.view.loss import Loss
-from proxy.core.view.offset import ClockOffset
-
-MOST_PER_BYTE = 0.1
-"""No channel takes as long for a byte [s/B]."""
-MARKS = 64
-"""Digests of ours looked back on, when their echoes come."""
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.loss import Loss
+from proxy.core.transit.offset import ClockOffset
+from proxy.core.transit.tuning import TUNING
 
 
 class Outbound:
-    """What was sent to a robot, and what came there; `offset` is of its clock."""
+    """The samples that were sent to a robot, and those that came there; `offset` is of its clock."""
 
     def __init__(self, offset: ClockOffset) -> None:
         self._offset = offset
@@ -25,13 +20,13 @@ class Outbound:
         """Samples of ours that it received, as it tells."""
         self.latency: Latency | None = None
         """What our samples take to it, as it tells; None while unknown."""
-        self._marks: deque[tuple[float, int]] = deque(maxlen=MARKS)
+        self._marks: deque[tuple[float, int]] = deque(maxlen=TUNING.digests_awaiting_echoes)
         """Send times of our last digests, and `sent` then."""
         self._losses = Loss()
 
     @property
     def line(self) -> Latency | None:
-        """What our samples take to the robot, else digests there and back; None while unknown."""
+        """What our samples take to the robot, else half of what digests take there and back; None while unknown."""
         return self.latency or self._offset.line
 
     @property
@@ -58,16 +53,16 @@ class Outbound:
             return  # of a digest that we have not sent
         self._offset.echoed(echo.sent, echo.received)
         self.received, self.latency = echo.samples, latency_of(echo)
-        sent = next((count for at, count in self._marks if abs(at - echo.sent) < STANDS), None)
+        sent = next((count for at, count in self._marks if abs(at - echo.sent) < TUNING.same_time), None)
         if sent is not None:
             self._losses.read(sent, echo.samples)
 
     def restart_losses(self) -> None:
-        """What is sent and what is counted there are not the same any more."""
+        """Forget the counts: from now on the other robot counts other samples than we do."""
         self._losses.restart()
 
 
 def latency_of(echo: Echo) -> Latency | None:
     """Return what an echo tells of the way; None when its sender does not know, or tells what cannot be."""
-    possible = 0.0 <= echo.latency < MOST_AGE and 0.0 <= echo.per_byte < MOST_PER_BYTE
+    possible = 0.0 <= echo.latency < TUNING.oldest_arrival and 0.0 <= echo.per_byte < TUNING.slowest_channel
     return Latency(echo.latency, echo.per_byte) if possible and (echo.latency or echo.per_byte) else None

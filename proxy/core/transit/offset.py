@@ -1,21 +1,17 @@
 """The clock offset between two robots from four timestamps: a digest out, its echo back.
 
 No message arrives before it is sent. So each digest heard bounds the offset from above, each echo of one of ours from
-below, and a bound stays one as long as it widens by what clocks drift at most. The truth is between the best bounds
-there ever were; the middle is the estimate, and half the width what it may be wrong by, whatever waited where. That
-is half the best round trip, and the drift since. Where ways take long that is much: wall clocks of which both robots
-know that they are right bound the offset, too, unless digests prove them wrong.
+below. A bound goes on holding if it is widened by what clocks can have drifted since. The offset is between the best
+bounds there ever were. Their middle is the estimate, and half the width between them is what the estimate may be wrong
+by, however long messages waited: half the best round trip, and the drift since. Where ways take long that is much. So
+wall clocks that both robots know to be right bound the offset, too, unless digests prove them wrong.
 """
 
 import math
 from typing import NamedTuple
 
-from proxy.core.view.latency import Latency
-
-DRIFT = 200e-6
-"""The most that the clocks of two robots drift from each other: ±100 ppm each [s/s]."""
-RESOLUTION = 2e-6
-"""What times lose on the wire [s]."""
+from proxy.core.transit.latency import Latency
+from proxy.core.transit.tuning import TUNING
 
 
 class _Bound(NamedTuple):
@@ -26,7 +22,7 @@ class _Bound(NamedTuple):
 
     def widened(self, now: float) -> float:
         """What clocks may have drifted since [s]."""
-        return DRIFT * max(0.0, now - self.at)
+        return TUNING.drift * max(0.0, now - self.at)
 
 
 class ClockOffset:
@@ -94,11 +90,11 @@ class ClockOffset:
         return self._offset
 
     def uncertainty(self, now: float) -> float:
-        """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than `DRIFT`; else infinite."""
+        """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than they may; else infinite."""
         if self._last is None or self._least is None:
             return math.inf
         least, most = self._range
-        return (most - least) / 2.0 + RESOLUTION + DRIFT * abs(now - self._last.at)
+        return (most - least) / 2.0 + TUNING.resolution + TUNING.drift * abs(now - self._last.at)
 
     @property
     def latency(self) -> float:
@@ -128,13 +124,13 @@ class ClockOffset:
         return most - self._presumed if math.isinf(least) else (most + least) / 2.0
 
     def _agree(self) -> None:
-        """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
+        """Where the bounds contradict each other a clock has jumped: only the last digest still tells the offset."""
         least, most = self._by_digests()
-        if most - least < -RESOLUTION:
+        if most - least < -TUNING.resolution:
             self.jumps += 1
             self._most, self._shown = self._last, None
             least, most = self._by_digests()
-            if most - least < -RESOLUTION:
+            if most - least < -TUNING.resolution:
                 least, self._least = -math.inf, None
         self._offset, self._range = None, self._narrowed(least, most)
 
@@ -148,11 +144,11 @@ class ClockOffset:
         return least, most
 
     def _narrowed(self, least: float, most: float) -> tuple[float, float]:
-        """The same by wall clocks, too, unless they cannot be right [s]."""
+        """These bounds, narrowed by what wall clocks showed unless that cannot be right [s]."""
         if self._shown is None or self._last is None:
             return least, most
         bound, error = self._shown
-        error += bound.widened(self._last.at) + RESOLUTION
+        error += bound.widened(self._last.at) + TUNING.resolution
         if bound.offset - error > most or bound.offset + error < least:
             return least, most
         return max(least, bound.offset - error), min(most, bound.offset + error)

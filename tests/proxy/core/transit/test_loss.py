@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.view.loss import ENOUGH, MEMORY, Loss, share_of
+from proxy.core.transit.loss import Loss, share_of
+from proxy.core.transit.tuning import TUNING
 
 
 def test_nothing_sent_tells_nothing():
@@ -32,7 +33,7 @@ def test_a_loss_is_found(seed, rate):
     """To what chance and samples on their way make of it."""
     rng, loss = np.random.default_rng(seed), Loss()
     sent, came, waiting = 0, 0, 0
-    for _ in range(MEMORY):
+    for _ in range(TUNING.loss_readings):
         batch = int(rng.integers(5, 15))
         arrive = int(rng.binomial(batch, 1.0 - rate))
         sent, came, waiting = sent + batch, came + waiting, arrive  # each batch arrives by the next reading
@@ -86,7 +87,7 @@ def test_many_readings_of_few_samples_do_not_shorten_the_past():
         loss.read(number // 4, number // 4 - number // 8)
     assert loss.share == pytest.approx(0.5, abs=0.01)
     assert loss._read[0] == (0, 0)
-    assert len(loss._read) <= MEMORY
+    assert len(loss._read) <= TUNING.loss_readings
 
 
 def test_counts_tell_the_share():
@@ -96,5 +97,5 @@ def test_counts_tell_the_share():
     loss.read(0, 0)
     loss.read(40, 30)
     assert (loss.counted, loss.share) == ((40, 10), share_of(40, 10)) == ((40, 10), 0.25)
-    assert share_of(1, 1) == 1 / ENOUGH
+    assert share_of(1, 1) == 1 / TUNING.fewest_samples
     assert share_of(0, 0) is None

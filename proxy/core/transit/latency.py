@@ -12,16 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
-MEMORY = 16
-"""Samples of a class of sizes looked back on."""
-RECENT = 60.0
-"""Samples older than this before the last one do not count any more [s]."""
-ENOUGH = 3
-"""A class of fewer samples says nothing about the slope, and as many samples of any size nothing at all."""
-APART = 1.5
-"""Sizes whose ratio is less than this count as one."""
-CLASSES = 24
-"""Classes: doubling sizes, up to 8 MiB and beyond."""
+from proxy.core.transit.tuning import TUNING
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +45,7 @@ class _Class:
 
 
 class LatencyFit:
-    """The line through what recent messages took. At most `CLASSES` times `MEMORY` are remembered."""
+    """The line through what recent messages took. Of each class of sizes some are remembered."""
 
     def __init__(self) -> None:
         self._classes: dict[int, deque[_Taken]] = {}
@@ -65,10 +56,10 @@ class LatencyFit:
 
     def observe(self, now: float, size: int, time: float) -> None:
         """A message of so many bytes that came at `now` took `time` [s]."""
-        number = min(size.bit_length(), CLASSES - 1)
+        number = min(size.bit_length(), TUNING.size_classes - 1)
         taken = self._classes.get(number)
         if taken is None:
-            taken = self._classes[number] = deque(maxlen=MEMORY)
+            taken = self._classes[number] = deque(maxlen=TUNING.messages_of_a_size)
         taken.append(_Taken(now, float(size), time))
         self._newest = now
         self._stale = True
@@ -82,18 +73,18 @@ class LatencyFit:
 
     def _fitted(self) -> Latency | None:
         classes = [_summed_up(taken) for _, each in sorted(self._classes.items()) if (taken := self._recent(each))]
-        if sum(each.count for each in classes) < ENOUGH:
+        if sum(each.count for each in classes) < TUNING.fewest_messages:
             return None
         if len(classes) == 1:
             return Latency(classes[0].time)
-        slope = _slope([each for each in classes if each.count >= ENOUGH])
+        slope = _slope([each for each in classes if each.count >= TUNING.fewest_messages])
         fixed = weighted_median((each.time - slope * each.size, float(each.count)) for each in classes)
         if fixed >= 0.0:
             return Latency(fixed, slope)
         return Latency(0.0, weighted_median((each.time / each.size, each.count * each.size) for each in classes))
 
     def _recent(self, taken: deque[_Taken]) -> deque[_Taken]:
-        while taken and taken[0].at < self._newest - RECENT:
+        while taken and taken[0].at < self._newest - TUNING.messages_for:
             taken.popleft()
         return taken
 
@@ -128,6 +119,6 @@ def _slope(classes: list[_Class]) -> float:
     slopes = [
         ((large.time - small.time) / (large.size - small.size), large.size - small.size)
         for small, large in combinations(sorted(classes, key=lambda each: each.size), 2)
-        if large.size > APART * small.size
+        if large.size > TUNING.distinct_size_ratio * small.size
     ]
     return max(0.0, weighted_median(slopes)) if slopes else 0.0

@@ -1,4 +1,4 @@
-"""Digests and states on the wire."""
+"""Digests on the wire."""
 
 import dataclasses
 import zlib
@@ -8,29 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.bid import UNIT, Segment
 from proxy.core.protocol.digest_codec import pack_digest, unpack_digest
 from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.errors import MalformedWireError
-from proxy.core.protocol.fixed import rounded, seconds, single, ticks
-from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
+from proxy.core.protocol.fixed import ticks
+from proxy.core.protocol.messages import Digest, Echo, StreamDigest
 from proxy.core.protocol.split_report import TICK, SplitReport
-from proxy.core.protocol.state_codec import pack_state, unpack_state
 from proxy.core.protocol.tuning import TUNING
-
-time = st.integers(0, 10**13).map(lambda ticks_: ticks_ / 1e4)
-count = st.integers(0, 2**53)
-samples = st.integers(0, TUNING.samples)
-size = st.integers(0, TUNING.sample_bytes)
-amount = st.floats(0.0, 3600.0).map(rounded)
-period = st.floats(1e-4, 3600.0).map(rounded)
-part = st.floats(0.0, 1.0).map(rounded)
-feature = st.one_of(st.integers(-(2**53), 2**53).map(float), st.floats(-1e30, 1e30).map(single))
-name = st.text(max_size=20)
-tag = st.one_of(name, st.integers(0, 2**32 - 1).map(lambda n: f"{n:08x}"))
-zid = st.one_of(name, st.binary(min_size=1, max_size=16).map(bytes.hex))
-key = st.text(st.characters(exclude_characters="*", exclude_categories=["Cs"]), min_size=1, max_size=20)
+from tests.proxy.core.protocol.drawn import amount, count, feature, part, period, samples, size, time
 
 
 @st.composite
@@ -92,23 +78,6 @@ briefs = st.builds(
     state=count,
     brief=st.just(True),
 )
-stream_state = st.builds(StreamState, st.integers(0, 2**32), key, name, amount, amount, size, name)
-states = st.builds(
-    State,
-    robot=st.just("r1"),
-    zid=zid,
-    mode=name,
-    specs=name,
-    streams=st.lists(stream_state, max_size=3, unique_by=lambda s: s.id).map(tuple),
-    subscriptions=st.lists(name, max_size=3).map(tuple),
-    wall_offset=time,
-    origins=st.lists(zid, max_size=2).map(tuple),
-    transport=name,
-    number=count,
-    clock_error=st.integers(0, ticks(TUNING.clock_error)).map(seconds),
-    version=name,
-    limits=st.integers(0, 2**32),
-)
 
 
 def heard(data, sent=()):
@@ -121,27 +90,6 @@ def test_a_digest_survives_the_wire(digest):
     assert heard(pack_digest(digest), [ticks(echo.sent) for echo in digest.echoes]) == digest
 
 
-@given(states)
-def test_a_state_survives_the_wire(state):
-    """What was packed comes back; of an update its streams, its clock and its numbers alone."""
-    assert unpack_state(pack_state(state), "r1") == state
-    update = State("r1", state.zid, "", "", state.streams, (), state.wall_offset, number=state.number, since=1)
-    assert unpack_state(pack_state(dataclasses.replace(state, since=1)), "r1") == update
-
-
-@given(count, st.none() | st.lists(st.text(st.characters(exclude_characters="*"), min_size=1, max_size=5)).map(tuple))
-def test_a_word_on_copies_that_wait_survives_the_wire(number, keys):
-    """Without names, where there are too many, too."""
-    assert unpack_backlog(pack_backlog(number, keys)) == (number, None if keys is None else frozenset(keys))
-
-
-@pytest.mark.parametrize("fields", [[1], [-1, []], [1, "a"], [1, ["a/*"]], [1, [1]], ["1", None]])
-def test_a_word_that_is_none_is_refused(fields):
-    """Keys of samples are without wildcards."""
-    with pytest.raises(MalformedWireError):
-        unpack_backlog(msgpack.packb([VERSION, *fields]))
-
-
 def test_echoes_are_those_of_our_digests():
     """Only the last digits of a time travel: what we did not send, or sent twice with them, is no echo."""
     echoes = (Echo("own", 77.0, 5.0, 1, 0.0), Echo("other", 77.0, 5.0, 1, 0.0))
@@ -152,22 +100,12 @@ def test_echoes_are_those_of_our_digests():
     assert heard(data, [ticks(77.0), ticks(77.0 + 6.5536)]).echoes == (of_another,)
 
 
-def test_a_period_longer_than_a_day_is_told_as_a_day():
-    """What is so slow takes no part in any plan."""
-    state = State("r1", "z1", "", "", (StreamState(1, "a", "x", 1e9),))
-    assert unpack_state(pack_state(state), "r1").streams[0].period == pytest.approx(TUNING.period, rel=5e-4)
-
-
 @given(st.binary(max_size=200), st.booleans())
 def test_noise_is_malformed(data, compressed):
     """Random bytes never raise anything else, and never pass."""
     data = zlib.compress(data) if compressed else data
     with pytest.raises(MalformedWireError):
         heard(data)
-    with pytest.raises(MalformedWireError):
-        unpack_state(data, "r1")
-    with pytest.raises(MalformedWireError):
-        unpack_backlog(data)
 
 
 NONSENSE = st.one_of(st.none(), st.text(max_size=3), st.integers(), st.floats(), st.lists(st.none()), st.booleans())
@@ -257,57 +195,6 @@ def test_absurd_digests_are_refused(fields):
     assert heard(msgpack.packb([*BASE[:3], [STREAM[:5]]])).brief
     with pytest.raises(MalformedWireError):
         heard(msgpack.packb(fields))
-
-
-WHOLE = [VERSION, b"ab", 1, 0, [], 0, "enforce", "s", "unicast", [], []]
-
-
-@pytest.mark.parametrize(
-    ("place", "value"),
-    [
-        (4, [[1, "k", "camera"], [1, "l", "camera"]]),
-        (4, [[1, "k/*", "camera"]]),
-        (4, [[1, "", "camera"]]),
-        (4, [[1, "k", "camera", 10**9]]),
-        (4, [[1, "k", "camera", 1e8]]),
-        (4, [[n, "k", "x"] for n in range(5000)]),
-        (4, [[1, "k" * 2000, "camera"]]),
-        (9, ["k"] * 1025),
-        (10, [b"z"] * 257),
-        (10, [7]),
-        (10, [b"z" * 33]),
-        (11, -1),
-        (11, 0.5),
-        (3, -1),
-    ],
-)
-def test_absurd_states_are_refused(place, value):
-    """Streams without number, wildcards as keys, periods of years, more of anything than a robot has."""
-    assert unpack_state(msgpack.packb(WHOLE), "r1").number == 1
-    with pytest.raises(MalformedWireError):
-        unpack_state(msgpack.packb([*WHOLE[:place], value, *WHOLE[place + 1 :]]), "r1")
-
-
-def test_a_clock_that_may_be_wrong_by_more_than_is_of_use_is_not_known():
-    """The rest of the state counts."""
-    assert unpack_state(msgpack.packb([*WHOLE, ticks(TUNING.clock_error)]), "r1").clock_error == TUNING.clock_error
-    told = unpack_state(msgpack.packb([*WHOLE, ticks(TUNING.clock_error) + 1]), "r1")
-    assert (told.clock_error, told.number) == (0.0, 1)
-
-
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
-        (zlib.compress(b"\x00" * 100 * TUNING.state_bytes), "more than the"),
-        (b"\x78" * (TUNING.state_bytes + 1), "more than the"),
-        (b"\x78\x9c" + b"\xff" * 50, "not compressed"),
-        (msgpack.packb(WHOLE[:8]), "8 fields where 11"),
-    ],
-)
-def test_a_state_that_is_none_is_refused(data, message):
-    """Bombs are not inflated further than a state may be large."""
-    with pytest.raises(MalformedWireError, match=message):
-        unpack_state(data, "r1")
 
 
 def test_digests_are_small():

@@ -2,19 +2,14 @@
 
 from collections import deque
 
-MEMORY = 32
-"""Readings looked back on: 124 samples or more."""
-STEP = 4
-"""Samples between two readings that are kept, at least."""
-ENOUGH = 20
-"""A loss among fewer samples counts as one among so many: some are only on their way."""
+from proxy.core.transit.tuning import TUNING
 
 
 class Loss:
     """The share of samples lost within the recent past. A count that restarts begins a new past."""
 
     def __init__(self) -> None:
-        self._read: deque[tuple[int, int]] = deque(maxlen=MEMORY)
+        self._read: deque[tuple[int, int]] = deque(maxlen=TUNING.loss_readings)
         self._counted = (0, 0)
         self._stale = False
 
@@ -27,14 +22,14 @@ class Loss:
         """So many were sent so far, and so many received."""
         if self._read and (sent < self._read[-1][0] or received < self._read[-1][1]):
             self._read.clear()
-        if len(self._read) > 1 and self._read[-1][0] - self._read[-2][0] < STEP:
+        if len(self._read) > 1 and self._read[-1][0] - self._read[-2][0] < TUNING.samples_between_readings:
             self._read.pop()
         if not self._read or self._read[-1] != (sent, received):
             self._read.append((sent, received))
         self._stale = True
 
     def restart(self) -> None:
-        """The counts are not about the same samples any more."""
+        """Forget the counts: from now on other samples are counted."""
         self._read.clear()
         self._stale = True
 
@@ -59,4 +54,4 @@ class Loss:
 
 def share_of(sent: int, lost: int) -> float | None:
     """Return the part of so many samples that got lost; None while nothing was sent."""
-    return min(1.0, lost / max(sent, ENOUGH)) if sent else None
+    return min(1.0, lost / max(sent, TUNING.fewest_samples)) if sent else None

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.view.latency import CLASSES, MEMORY, RECENT, Latency, LatencyFit, middle, weighted_median
+from proxy.core.transit.latency import Latency, LatencyFit, middle, weighted_median
+from proxy.core.transit.tuning import TUNING
 
 SEEDS = st.integers(0, 10_000)
 SIZES = (100, 900, 5_000, 40_000)
@@ -43,7 +44,7 @@ def test_outliers_alter_little(fixed, per_byte, wait, seed):
     rng = np.random.default_rng(seed)
     messages = [
         (size, (fixed + per_byte * size) * rng.uniform(0.9, 1.1) + (wait if (number + at) % 4 == 0 else 0.0))
-        for number in range(MEMORY)
+        for number in range(TUNING.messages_of_a_size)
         for at, size in enumerate(SIZES)
     ]
     line, longest = fitted(messages).line, fixed + per_byte * SIZES[-1]
@@ -66,7 +67,7 @@ def test_no_message_takes_less_than_no_time(messages):
     fit = fitted(messages)
     assert fit.line.fixed >= 0.0
     assert fit.line.per_byte >= 0.0
-    assert sum(len(each) for each in fit._classes.values()) <= CLASSES * MEMORY
+    assert sum(len(each) for each in fit._classes.values()) <= TUNING.size_classes * TUNING.messages_of_a_size
 
 
 @given(st.lists(st.tuples(st.integers(1024, 2047), st.floats(0.0, 10.0)), min_size=3, max_size=16))
@@ -94,7 +95,7 @@ def test_a_size_that_is_seldom_sent_is_not_forgotten_because_of_the_others():
     for number in range(200):
         fit.observe(1.0 + number * 0.1, 100, 0.1)
     assert fit.line.of(40_000) == pytest.approx(0.5)
-    fit.observe(1.0 + RECENT, 100, 0.1)
+    fit.observe(1.0 + TUNING.messages_for, 100, 0.1)
     assert fit.line == Latency(0.1, 0.0)
 
 

@@ -5,40 +5,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from proxy.core.protocol.messages import StreamDigest
-from proxy.core.view.latency import Latency, LatencyFit, middle
-from proxy.core.view.loss import Loss
-from proxy.core.view.offset import ClockOffset
-
-MOST_AGE = 10.0
-"""A sample that seems to be older than this when it arrives says nothing about the way [s]."""
-MOST_WAIT = 1.0
-"""A sample that seems to have waited longer than this before it was sent was not the last one generated [s]."""
-APART = 2.0
-"""A timestamp that is further than this from when its sample was sent does not tell of that [s]."""
-EARLY = 0.005
-"""A sample may seem to arrive so much before it was sent, besides what the clock offset may be wrong by [s]."""
-STANDS = 1e-5
-"""Timestamps closer together than this come from a clock that stands still [s]."""
-UNHEARD = 2.0
-"""A step of a wall clock is told this late at most [s]."""
-STREAMS = 1024
-"""Streams of one peer that samples are counted of."""
-RECENT = 64
-"""Samples whose timestamps are not read yet."""
-READ = 8192.0
-"""Timestamps are read to this part of a second, which is coarser than what a wall clock of today tells as a number."""
-LOOK = 0.5
-"""What samples take is worked out anew this often while they come [s]."""
-SET = 5e-4
-"""A wall clock that moved by less was not set [s]."""
-FADING = 0.9
-"""So much is left of the longest time between samples with each that comes sooner."""
-WAITS = 5
-"""Waits looked back on."""
-UNCONFIRMED, RARELY = 10.0, 3.0
-"""What samples took is forgotten when none came for so long [s], or so many usual times, though digests do..."""
-SHORTER, SPARE = 0.5, 0.05
-"""... that take so much less, and this less besides [s]: it was learnt in a queue, which may be why none comes."""
+from proxy.core.transit.latency import Latency, LatencyFit, middle
+from proxy.core.transit.loss import Loss
+from proxy.core.transit.offset import ClockOffset
+from proxy.core.transit.tuning import TUNING
 
 
 @dataclass(slots=True)
@@ -54,7 +24,7 @@ class Incoming:
     size: int = 0
     astray: bool = False
     """Whether its timestamps are of another clock than its robot's."""
-    waits: deque[float] = field(default_factory=lambda: deque(maxlen=WAITS))
+    waits: deque[float] = field(default_factory=lambda: deque(maxlen=TUNING.waits))
     """How long samples waited to be sent [s], as far as digests tell."""
     counted: tuple[int, int] | None = None
     """Samples sent by the last news that counted, and those received then."""
@@ -67,16 +37,16 @@ class Incoming:
         return middle(self.waits) if self.waits else 0.0
 
     def count(self, sent: int) -> None:
-        """So many were sent, and what was received by now was sent by then."""
+        """The robot sent so many; what has been received by now is among them."""
         self.counted = sent, self.heard
 
     def restart(self) -> None:
-        """What was counted before is not about the same samples any more."""
+        """Forget the counts: from now on other samples are counted."""
         self.counted = None
 
     def judge(self, sent: float, wall_offset: float, period: float) -> None:
-        """See if its last timestamp was of the wall clock: its sample was sent at `sent` [s, its robot's clock]."""
-        self.astray = abs(sent - (self.stamp - wall_offset)) > APART + period
+        """Find whether timestamps are of the robot's wall clock; its last sample was sent at `sent` [s, its clock]."""
+        self.astray = abs(sent - (self.stamp - wall_offset)) > TUNING.timestamp_mismatch + period
 
 
 class _Heard(NamedTuple):
@@ -102,12 +72,12 @@ class Inbound:
         self.wall_offset: float | None = None
         """The robot's wall clock minus its monotonic clock [s]; None until it said."""
         self._streams: dict[str, Incoming] = {}
-        self._unread: deque[_Heard] = deque(maxlen=RECENT)
+        self._unread: deque[_Heard] = deque(maxlen=TUNING.unread_timestamps)
         self._samples = LatencyFit()
         self._digests = LatencyFit()
         self._losses = Loss()
         self._sent, self._came = 0, 0
-        """What was sent to us, and what came of that, of all streams."""
+        """Samples of all streams that were sent to us, and those of them that came."""
         self._last: tuple[float, int] = (0.0, 0)
         """When the last sample came [s], and its size [B]."""
         self._period = 0.0
@@ -122,7 +92,7 @@ class Inbound:
 
     @property
     def line(self) -> Latency | None:
-        """The same, else what digests take there and back."""
+        """What samples take to us; while that is unknown, half of what digests take there and back."""
         return self.latency or self._offset.line
 
     @property
@@ -143,23 +113,23 @@ class Inbound:
         """
         self.samples += 1
         if self._last[1]:
-            self._period = max(now - self._last[0], FADING * self._period)
+            self._period = max(now - self._last[0], TUNING.gap_fade * self._period)
         self._last = now, size
         incoming = self._of(key)
         before, wait = incoming.stamp, incoming.hear(now, size, stamp)
         if stamp is not None and self.wall_offset is not None and self._offset.known:
-            if abs(stamp - before) < STANDS:
+            if abs(stamp - before) < TUNING.same_time:
                 self.implausible += 1
             else:
-                if len(self._unread) == RECENT:
+                if len(self._unread) == TUNING.unread_timestamps:
                     self._read(self._unread[0].at)
                 self._unread.append(_Heard(now, size, stamp + wait, incoming))
-        self._read(now - UNHEARD)
+        self._read(now - TUNING.wall_step_told_within)
         line = self._usually(now)
         return None if line is None else now - line.of(size) - wait
 
     def heard_news(self, key: str, news: StreamDigest, *, counts: bool) -> None:
-        """The robot tells of a stream; it `counts` where we get every sample, and have got what it says was sent."""
+        """The robot tells of a stream. The news `counts` if each sample is for us and those it tells of have come."""
         incoming = self._of(key)
         before, heard = incoming.counted, incoming.heard
         if not counts:
@@ -171,7 +141,7 @@ class Inbound:
                 if news.forwarded - before[0] == heard - before[1] > 0:
                     self._compare(incoming, news)
         wait = news.t_forwarded - news.t_generated
-        if (before is None or news.forwarded > before[0]) and 0.0 <= wait < max(MOST_WAIT, news.period):
+        if (before is None or news.forwarded > before[0]) and 0.0 <= wait < max(TUNING.longest_wait, news.period):
             incoming.waits.append(wait)
 
     def heard_digest(self, now: float, sent: float, size: int) -> None:
@@ -180,26 +150,30 @@ class Inbound:
             self._digests.observe(now, size, max(0.0, now - self._offset.ours(sent)))
 
     def forget_queue(self, now: float) -> None:
-        """Samples that seem to come too late to be worth anything are not sent, so nobody would learn better."""
-        if not self._offset.known or now < self._last[0] + max(UNCONFIRMED, RARELY * self._period):
+        """Forget what samples took in a queue when none came lately and digests are quicker.
+
+        A robot that believes in the queue sends no samples, as they would come too late: it would never learn better.
+        """
+        at, size = self._last
+        if not self._offset.known or now < at + max(TUNING.unconfirmed_for, TUNING.unconfirmed_gaps * self._period):
             return
         line = self._samples.line
-        if line is not None and self._offset.latency < SHORTER * line.of(self._last[1]) - SPARE:
+        if line is not None and self._offset.latency < TUNING.quicker_ratio * line.of(size) - TUNING.quicker_by:
             self._samples = LatencyFit()
             self._unread.clear()
 
     def set_wall_offset(self, now: float, offset: float) -> None:
         """The robot's wall clock shows so much more than its monotonic one; it was set when it shows something else."""
         before = self.wall_offset
-        if before is None or abs(before - offset) <= SET:
+        if before is None or abs(before - offset) <= TUNING.wall_clock_set:
             self.wall_offset = offset
             return
-        self._read(now - UNHEARD)
+        self._read(now - TUNING.wall_step_told_within)
         self.wall_offset = offset
         self._read(now, before)
 
     def restart_losses(self) -> None:
-        """What is sent and what is counted there are not the same any more."""
+        """Forget the counts: from now on the other robot counts other samples than we do."""
         self._losses.restart()
         for incoming in self._streams.values():
             incoming.restart()
@@ -212,21 +186,21 @@ class Inbound:
         self._losses.read(self._sent, self._came)
 
     def _compare(self, incoming: Incoming, news: StreamDigest) -> None:
-        """All that was sent came: so news tells when the last one was sent, whatever an application stamped it with.
+        """All samples that were sent came, so the news tells when the last one was sent, whatever its timestamp.
 
-        What was learned from timestamps of another clock is forgotten.
+        What was learnt from timestamps of another clock is forgotten.
         """
         if incoming.stamp < 0.0 or self.wall_offset is None or not self._offset.known:
             return
         incoming.judge(news.t_forwarded, self.wall_offset, news.period)
         line, took = self._samples.line, incoming.at - self._offset.ours(news.t_forwarded)
-        if incoming.astray and line is not None and line.of(incoming.size) > took + APART:
+        if incoming.astray and line is not None and line.of(incoming.size) > took + TUNING.timestamp_mismatch:
             self._samples = LatencyFit()
 
     def _read(self, until: float, *others: float) -> None:
-        """Read the timestamps of samples that came until then: had the wall clock been set, that was told by now.
+        """Read the timestamps of samples that came until then: that the wall clock was set would be known by now.
 
-        `others` are offsets that it may have had, too: the likeliest reading counts.
+        The wall clock may also have had the offsets `others`; the likeliest reading counts.
         """
         while self._unread and self._unread[0].at <= until:
             heard = self._unread.popleft()
@@ -242,10 +216,11 @@ class Inbound:
         """The time from sending to receipt of a sample [s]; None when it cannot be right."""
         if wall_offset is None:
             return None
-        took = round(READ * (heard.at - self._offset.ours(heard.shown - wall_offset))) / READ
+        parts = TUNING.parts_of_a_second
+        took = round(parts * (heard.at - self._offset.ours(heard.shown - wall_offset))) / parts
         if took >= 0.0:
-            return took if took < MOST_AGE else None
-        return 0.0 if took >= -EARLY - self._offset.uncertainty(heard.at) else None
+            return took if took < TUNING.oldest_arrival else None
+        return 0.0 if took >= -TUNING.earliest_arrival - self._offset.uncertainty(heard.at) else None
 
     def _likelier(self, heard: _Heard, one: float | None, other: float | None) -> float | None:
         """Of two times that a sample may have taken the one that is nearer to what they usually take [s]."""
@@ -258,13 +233,13 @@ class Inbound:
     def _usually(self, now: float) -> Latency | None:
         """What samples take to us, looked at anew now and then."""
         if self._usual is None or now >= self._usual_until:
-            self._usual, self._usual_until = self.line, now + LOOK
+            self._usual, self._usual_until = self.line, now + TUNING.latency_refresh
         return self._usual
 
     def _of(self, key: str) -> Incoming:
         """Return how a stream comes in; if there are too many, the one not heard of for longest is forgotten."""
         found = self._streams.pop(key, None) or Incoming()
-        if len(self._streams) >= STREAMS:
+        if len(self._streams) >= TUNING.streams:
             del self._streams[next(iter(self._streams))]
             self.evicted += 1
         self._streams[key] = found

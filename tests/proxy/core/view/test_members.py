@@ -1,0 +1,51 @@
+"""The robots that are here, each under a name of its own."""
+
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
+from tests.proxy.core.view.met import CAMERA, digest, meet
+
+
+def test_robots_of_one_name_are_told_apart(view):
+    """Three clones and one of our own name: each has its streams, tags and claims; the plain name is inherited."""
+    for zid in ("aaaa1", "aaaa2", "bbbb1"):
+        assert view.add_peer(0.0, "r2", zid)
+        view.heard_state(0.0, State("r2", zid, "", "", (StreamState(7, CAMERA, "camera", 0.5),), ("robot/**",)))
+    view.add_peer(0.0, "r1", "cccc1")
+    assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-aaaa", "r2-bbbb", "r1-cccc"]
+    assert [peer.name for peer in view.members.namesakes()] == ["r2", "r2", "r1"]
+    for number, zid in enumerate(("aaaa1", "aaaa2", "bbbb1"), 1):
+        view.heard_digest(1.0, Digest("r2", zid, 1.0, 0, 0, (StreamDigest(7, number, 0, 1.0, 0.0, 10, 1.0),)))
+    assert {s.robot: s.generated for s in view.streams} == {"r2": 1, "r2-aaaa": 2, "r2-bbbb": 3}
+    assert view.members.tags == {
+        "r1": "z-r1",
+        "r2": "aaaa1",
+        "r2-aaaa": "aaaa2",
+        "r2-bbbb": "bbbb1",
+        "r1-cccc": "cccc1",
+    }
+    assert view.subscribers.of(view.streams.known("r2", CAMERA)) == ("aaaa2", "bbbb1")
+    view.gone("aaaa1")
+    assert {s.robot: s.generated for s in view.streams} == {"r2": 2, "r2-bbbb": 3}
+    assert view.subscribers.of(view.streams.known("r2", CAMERA)) == ("bbbb1",)
+
+
+def test_names_with_the_same_beginning_of_their_ids_differ(view):
+    """As much of the id as it takes."""
+    for zid in ("aaaa1111", "aaaa2222", "aaaa2333"):
+        view.add_peer(0.0, "r2", zid)
+    assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-aaaa", "r2-aaaa2"]
+
+
+def test_a_robot_that_restarted_has_its_name_when_its_old_self_leaves(view):
+    """The old presence token vanishes after the new one appeared; the new one's streams count anew."""
+    meet(view)
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 9, 9, 1.0, 1.0, 10, 1.0)))
+    view.add_peer(2.0, "r2", "z-new")
+    assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-z-ne"]
+    view.heard_state(2.0, State("r2", "z-new", "enforce", "", (StreamState(7, CAMERA, "camera", 0.5),)))
+    view.heard_digest(2.0, Digest("r2", "z-new", 1.0, 0, 0, (StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0),)))
+    view.gone("z-r2")
+    assert [(stream.robot, stream.generated) for stream in view.streams] == [("r2", 1)]
+    assert view.members.namesakes() == []
+    view.gone("z-new")
+    assert list(view.streams) == []
+    view.gone("z-new")

@@ -1,0 +1,119 @@
+"""What digests and states tell of the streams of another robot."""
+
+import pytest
+
+from proxy.core.interface.events import SampleHeard
+from proxy.core.model.settings import CoreSettings
+from proxy.core.model.transport import broadcast
+from proxy.core.protocol.messages import State, StreamDigest, StreamState
+from proxy.core.view.stream import Generated, Sent
+from proxy.core.view.view import SharedView
+from tests.proxy.core.view.met import CAMERA, digest, meet
+
+PYTHON = """
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+utility = { kind = "python", function = "tests.utility_specs.worths:by_red" }
+features.red = { kind = "color_fraction", color = "red" }
+"""
+
+
+def test_news_of_a_stream_is_read_on_our_clock(view):
+    """The sender's times pass through its clock offset."""
+    meet(view)
+    assert view.heard_digest(100.0, digest(5.0, StreamDigest(7, 3, 1, 4.9, 4.5, 1000, 2.0)))
+    (stream,) = view.streams
+    assert stream.last == Generated(pytest.approx(99.9), 1000, 2.0)
+    assert stream.sent == Sent(pytest.approx(99.5), pytest.approx(99.5), 1000, 2.0)
+    assert stream.schedule.forecast(99.9, 100.5, 5) == pytest.approx([100.4])
+
+
+def test_news_of_a_number_waits_for_its_key(view):
+    """Digests may arrive before the state that names their streams."""
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 0, 1.0, 0.0, 10, 1.0)))
+    assert list(view.streams) == []
+    meet(view)
+    assert [stream.key for stream in view.streams] == [CAMERA]
+
+
+def test_what_was_sent_of_a_number_without_a_key_counts_once(view):
+    """Before the state that names it, and not twice after that; what is told again is no other sample."""
+    view.add_peer(0.0, "r2", "z-r2")
+    for at, forwarded, size in ((1.0, 0, 10), (1.1, 1, 10), (1.2, 1, 10), (1.3, 2, 30)):
+        view.heard_digest(at, digest(at, StreamDigest(7, 4, forwarded, at, at, size, 1.0)))
+    view.heard_digest(1.4, digest(1.4, StreamDigest(8, 1, 1, 1.4, 1.4, 0, 1.0)))
+    assert view.traffic.sent_since(0.0) == [(1.1, (10, 1)), (1.3, (30, 1))]
+    view.subscribers.set_own(("**",))
+    meet(view)
+    assert sorted(view.traffic.sent_since(0.0)) == [(1.1, (10, 1)), (1.3, (30, 1))]
+
+
+def test_what_is_heard_from_the_air_counts_by_that(make_specs):
+    """However late it is named."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport=broadcast("g")), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (), transport=broadcast("g")))
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0)))
+    assert view.traffic.sent_since(0.0) == []
+
+
+def test_what_came_before_a_key_was_known_was_not_lost(view):
+    """News that waits for its key is older than the samples that came since: they are not taken for others'."""
+    streams, specs = (StreamState(7, CAMERA, "camera", 0.1),), view.specs.generation
+    view.subscribers.set_own((CAMERA,))
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 2, 2, 1.0, 1.0, 10, 1.0)))
+    peer = view.peers["z-r2"]
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", specs, (), origins=("r2-zid",)))
+    for count in range(38):
+        view.overhearing.take(SampleHeard(1.0 + 0.1 * count, CAMERA, 10, "r2-zid", None, None))
+    view.heard_state(5.0, State("r2", "z-r2", "enforce", specs, streams, (), origins=("r2-zid",), number=1))
+    view.heard_digest(5.1, digest(5.1, StreamDigest(7, 40, 40, 5.0, 5.0, 10, 1.0)))
+    for count in range(20):
+        view.overhearing.take(SampleHeard(5.1 + 0.1 * count, CAMERA, 10, "r2-zid", None, None))
+    view.heard_digest(7.2, digest(7.2, StreamDigest(7, 60, 60, 7.0, 7.0, 10, 1.0)))
+    assert peer.counted_samples == (20, 0)
+
+
+def test_how_a_stream_generates_its_robot_knows_best(view):
+    """Of a random stream the next is expected from now on, though the samples we know of seem regular."""
+    view.add_peer(0.0, "r2", "z-r2")
+    streams = (StreamState(7, CAMERA, "camera", 4.0, schedule="poisson"),)
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", streams))
+    for k in range(1, 5):
+        view.heard_digest(100.0 + k, digest(5.0 + k, StreamDigest(7, k, 0, 5.0 + k, 0.0, 1000, 2.0)))
+    (stream,) = view.streams
+    assert stream.schedule.kind == "poisson"
+    assert stream.schedule.forecast(104.0, 112.0, 5, 105.0) == [109.0]
+
+
+def test_nothing_was_generated_in_the_future(view):
+    """Whatever a peer's clock says, a sample is no newer than the news of it."""
+    meet(view)
+    view.heard_digest(100.0, digest(5.0, StreamDigest(7, 3, 0, 9.0, 0.0, 1000, 2.0)))
+    (stream,) = view.streams
+    assert stream.last.t_gen == 100.0
+
+
+def test_features_that_others_need_are_read_by_name(make_specs):
+    """As many as the type has; others tell of another spec."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=PYTHON))
+    meet(view)
+    view.heard_digest(100.0, digest(5.0, StreamDigest(7, 3, 1, 4.9, 4.5, 1000, 2.0, (0.5,))))
+    (stream,) = view.streams
+    assert stream.last.features == stream.sent.features == {"red": 0.5}
+    view.heard_digest(101.0, digest(6.0, StreamDigest(7, 4, 1, 5.9, 4.5, 1000, 2.0, (0.5, 0.7))))
+    assert stream.last.features == {}
+
+
+def test_what_was_last_sent_is_not_what_was_generated_since(view):
+    """News tells of the last sample generated: one that was generated after the last was sent is another one."""
+    meet(view)
+    view.heard_digest(2.0, digest(1.9, StreamDigest(7, 1, 1, 1.8, 1.85, 900, 7.0)))
+    view.heard_digest(3.0, digest(2.9, StreamDigest(7, 2, 1, 2.8, 1.85, 400, 2.0)))
+    view.heard_digest(4.0, digest(3.9, StreamDigest(7, 3, 2, 3.8, 2.85, 50, 1.0)))
+    stream = view.streams.known("r2", CAMERA)
+    assert (stream.last.size, stream.last.scale) == (50, 1.0)
+    assert (stream.sent.size, stream.sent.scale) == (400, 2.0)

@@ -1,0 +1,58 @@
+"""What samples tell that are overheard."""
+
+import pytest
+
+from proxy.core.interface.events import SampleHeard
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
+from proxy.core.view.view import SharedView
+from tests.proxy.core.view.met import CAMERA
+
+
+def test_a_plain_node_is_estimated_from_what_is_heard(view):
+    """Its id is no robot's, so every sample of it counts as generated and sent."""
+    for now in (1.0, 1.5, 2.0):
+        view.overhearing.take(SampleHeard(now, "robot/plain/camera", 100, "feed", None, None))
+    view.overhearing.take(SampleHeard(2.0, "no/spec", 100, "feed", None, None))
+    (stream,) = view.streams
+    assert (stream.robot, stream.generated, stream.forwarded) == ("?feed", 3, 3)
+    assert stream.schedule.period == pytest.approx(0.5)
+
+
+def test_an_overheard_sample_counts_as_sent_and_leaves_its_number_to_the_digest(make_specs):
+    """A number guessed too high would hide the right one; that the sample was sent is known at once, and once only."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 1.0),)))
+    name = next(iter(view.peers))
+
+    def news(now, generated, forwarded):
+        told = StreamDigest(1, generated, forwarded, now - 0.01, now - 0.01, 100, 1.0)
+        view.heard_digest(now, Digest("r2", name, now - 0.01, 0, 0, (told,)))
+
+    news(1.0, 1, 1)
+    news(2.0, 2, 2)
+    view.overhearing.take(SampleHeard(5.6, CAMERA, 100, "z-r2", None, None))
+    stream = view.streams.known("r2", CAMERA)
+    assert (stream.generated, stream.forwarded) == (2, 3)
+    news(5.61, 5, 3)
+    assert (stream.generated, stream.forwarded) == (5, 3)
+    assert len(view.traffic.sent_since(5.0)) == 1
+
+
+@pytest.mark.parametrize("told_at", [5.0, 5.6])
+def test_a_stream_is_known_from_the_air_before_any_digest_tells_of_it(make_specs, told_at):
+    """What it sent before nobody knows; what was heard and what is told of it then counts once."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 0.6),)))
+    name = next(iter(view.peers))
+    view.heard_digest(1.0, Digest("r2", name, 0.99))
+    view.overhearing.take(SampleHeard(5.0, CAMERA, 100, "z-r2", None, None))
+    view.overhearing.take(SampleHeard(5.0, "no/spec", 100, "z-r2", None, None))
+    stream = view.streams.known("r2", CAMERA)
+    assert (stream.generated, stream.forwarded, stream.period) == (1, 1, 0.6)
+    told = StreamDigest(1, 80, 40, told_at - 0.01, told_at - 0.01, 100, 1.0)
+    view.heard_digest(told_at + 0.02, Digest("r2", name, told_at + 0.01, 0, 0, (told,)))
+    assert (stream.generated, stream.forwarded) == (80, 40)
+    assert len(view.traffic.sent_since(4.0)) == (2 if told_at == 5.0 else 3)

@@ -1,0 +1,119 @@
+"""Who wants a stream, who still gains by it, and in how many copies it goes on the air."""
+
+from proxy.core.model.settings import CoreSettings
+from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.protocol.messages import State, StreamDigest, tag
+from proxy.core.view.stream import Generated, Sent
+from proxy.core.view.view import SharedView
+from tests.proxy.core.view.met import CAMERA, digest, meet
+
+ONCE = """
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+aggregation = "once"
+utility = { kind = "video" }
+"""
+
+
+def test_receivers_are_the_robots_that_subscribe(view):
+    """Our own apps count for others' streams, Zenoh's matching for a plain node that wants ours."""
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    assert view.subscribers.count(own) == 0
+    own.matching = True
+    assert view.subscribers.count(own) == 1
+    view.add_peer(0.0, "r3", "z-r3")
+    view.heard_state(0.0, State("r3", "z-r3", "enforce", "", (), ("robot/**",)))
+    meet(view, subscriptions=("robot/*/camera", "robot/r1/**"))
+    assert view.subscribers.count(own) == 2
+    others = view.streams.touch(0.0, "r2", CAMERA)
+    assert view.subscribers.count(others) == 1
+    view.subscribers.set_own(("robot/r2/*",))
+    assert (view.subscribers.count(others), view.subscribers.copies(others)) == (2, 2)
+
+
+def test_a_robot_that_told_nothing_yet_may_want_everything(view):
+    """Zenoh sends it a copy as soon as it is linked; who takes no part is a plain node, and costs nothing here."""
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    meet(view, subscriptions=(own.key,))
+    assert view.subscribers.copies(own) == 1
+    view.add_peer(1.0, "r3", "z-r3")
+    view.add_peer(1.0, "r4", "z-r4")
+    assert (view.subscribers.count(own), view.subscribers.copies(own)) == (1, 3)
+    assert view.subscribers.copies(view.streams.touch(1.0, "r3", "robot/r3/camera")) == 1
+    view.heard_state(1.1, State("r3", "z-r3", "enforce", ""))
+    assert view.subscribers.copies(own) == 2
+    view.peers[tag("z-r4")].take_part(plain=True)
+    assert view.subscribers.copies(own) == 1
+    view.add_peer(2.0, "r5", "z-r5")
+    view.gone("z-r5")
+    assert view.subscribers.copies(own) == 1
+
+
+def test_who_did_not_say_yet_what_it_wants_counts_for_what_we_send_alone(make_specs):
+    """What others send goes to those of whom we know that they want it: they have known them for longer."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
+    meet(view, subscriptions=("robot/*/camera",))
+    own, others = view.streams.touch(0.0, "r1", "robot/r1/camera"), view.streams.touch(0.0, "r3", "robot/r3/camera")
+    view.add_peer(0.0, "r3", "z-r3")
+    view.add_peer(0.0, "r4", "z-r4")
+    assert (view.subscribers.copies(own), view.subscribers.copies(others)) == (3, 1)
+
+
+def test_what_a_router_relays_costs_the_way_to_it_and_to_each_robot(make_specs):
+    """Nobody but a plain node behind the router: the way to it. Each robot that wants the stream: one copy more."""
+    view = SharedView(CoreSettings("r1", "z-r1", relayed=True), make_specs())
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    own.matching = True
+    assert (view.subscribers.count(own), view.subscribers.copies(own)) == (1, 1)
+    meet(view, subscriptions=("robot/*/camera",))
+    assert (view.subscribers.count(own), view.subscribers.copies(own)) == (1, 2)
+
+
+def test_a_broadcast_sample_is_one_copy_for_all(make_specs):
+    """How many want it does not matter; each robot's samples cost what its own transport makes of them."""
+    group = broadcast("224.0.0.226:7449")
+    view = SharedView(CoreSettings("r1", "z-r1", transport=group), make_specs())
+    for robot, transport in (("r2", UNICAST), ("r3", group), ("r4", group)):
+        view.add_peer(0.0, robot, f"z-{robot}")
+        state = State(robot, f"z-{robot}", "enforce", "", (), ("robot/*/camera",), transport=transport)
+        view.heard_state(0.0, state)
+    streams = {robot: view.streams.touch(0.0, robot, f"robot/{robot}/camera") for robot in ("r1", "r2", "r3")}
+    assert {robot: view.subscribers.count(stream) for robot, stream in streams.items()} == {"r1": 3, "r2": 2, "r3": 2}
+    assert {robot: view.subscribers.copies(stream) for robot, stream in streams.items()} == {"r1": 1, "r2": 2, "r3": 1}
+    view.gone("z-r3")
+    assert view.subscribers.copies(view.streams.touch(1.0, "r3", "robot/r3/camera")) == 2
+
+
+def test_of_once_only_those_gain_that_were_sent_nothing_yet(make_specs):
+    """Whoever joins later gets its first; one that left and is back, too. Own and others' streams alike."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=ONCE))
+    meet(view, subscriptions=("robot/**",))
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    own.note_generated(1, Generated(0.0, 10, 1.0))
+    assert (view.subscribers.gaining(own), view.contention.competes(1.0, own)) == (("z-r2",), True)
+    view.traffic.note_sent(own, 1, Sent(1.0, 1.0, 10, 1.0))
+    assert (view.subscribers.gaining(own), view.subscribers.count(own), view.contention.competes(1.0, own)) == (
+        (),
+        1,
+        False,
+    )
+    view.add_peer(2.0, "r3", "z-r3")
+    view.heard_state(2.0, State("r3", "z-r3", "enforce", "", (), ("robot/**",)))
+    assert view.subscribers.gaining(own) == ("z-r3",)
+    view.gone("z-r2")
+    meet(view, subscriptions=("robot/**",))
+    assert set(view.subscribers.gaining(own)) == {"z-r2", "z-r3"}
+    view.heard_digest(3.0, digest(3.0, StreamDigest(7, 2, 1, 2.9, 2.5, 10, 1.0)))
+    others = view.streams.touch(3.0, "r2", CAMERA)
+    assert (view.subscribers.of(others), view.subscribers.gaining(others)) == (("z-r3",), ())
+
+
+def test_a_plain_node_that_was_sent_something_gains_no_more_of_it(make_specs):
+    """It has no name, so all such nodes are one."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs(text=ONCE))
+    own = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    own.matching = True
+    assert view.subscribers.gaining(own) == ("",)
+    view.traffic.note_sent(own, 1, Sent(1.0, 1.0, 10, 1.0))
+    assert view.subscribers.gaining(own) == ()
