@@ -1,0 +1,43 @@
+"""What goes on the air, ours and that of others."""
+
+from proxy.core.view.stream import Sent
+from tests.proxy.core.view.met import meet
+
+
+def sent(view, robot, at, size=100):
+    stream = view.streams.touch(at, robot, f"robot/{robot}/camera")
+    view.traffic.note_sent(stream, stream.forwarded + 1, Sent(at, at, size, 1.0))
+
+
+def test_only_what_others_sent_is_looked_back_on(view):
+    """Of our own sends the largest counts, all copies of it, until it is announced."""
+    meet(view, subscriptions=("robot/r1/camera",))
+    for at, size in ((1.0, 300), (2.0, 200)):
+        sent(view, "r1", at, size)
+    sent(view, "r2", 2.5)
+    assert view.traffic.sent_since(0.0) == [(2.5, (100, 1))]
+    assert view.traffic.largest == 300
+    view.traffic.announced()
+    assert view.traffic.largest == 0
+
+
+def test_what_was_sent_of_an_unknown_stream_is_taken_back_once(view):
+    """When it is known of which stream it was."""
+    entry, traffic = view.traffic.note_unknown(1.0, 50), view.traffic
+    assert traffic.sent_since(1.0) == [entry] == [(1.0, (50, 1))]
+    traffic.retract(entry)
+    revision = traffic.revision
+    traffic.retract(entry)
+    assert (traffic.sent_since(0.0), traffic.revision) == ([], revision)
+
+
+def test_what_no_window_counts_is_forgotten(view):
+    """Samples and talk alike, some time after the window: who waited for their room may still send."""
+    for at in (1.0, 2.0, 4.0):
+        view.traffic.note_unknown(at, 50)
+        view.traffic.note_talk(at, 20)
+    view.traffic.sweep(5.0, 2.0)
+    assert [at for at, _ in view.traffic.sends] == [at for at, _ in view.traffic.talk] == [2.0, 4.0]
+    revision = view.traffic.revision
+    view.traffic.sweep(5.0, 2.0)
+    assert view.traffic.revision == revision
