@@ -26,12 +26,10 @@ from proxy.bridge.rules import Rules
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.sides import Sides
 from proxy.bridge.silence import Silence, longest_silence
+from proxy.bridge.tuning import TUNING
 from proxy.config import Config
 from proxy.core.interface.events import CopyRefused, Event, SampleRefused
 from proxy.runtime import LiveRuntime
-
-_PATIENCE = 0.15
-"""How long closing waits for a thread that is inside a call of Zenoh [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,13 +154,13 @@ class Bridge:
 
     def close(self) -> None:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
-        self._mirroring.close(_PATIENCE)
+        self._mirroring.close(TUNING.stop_wait)
         self._half_open.close()
         self._ingress.close()
         for part in (self._delivery, self._outward, self._inward):
             part.close()
         for thread in (self._egress, *self.executors):
-            thread.close(_PATIENCE)
+            thread.close(TUNING.stop_wait)
         self.demand.close()
 
     def forward(self, number: int) -> None:

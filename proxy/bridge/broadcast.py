@@ -26,18 +26,11 @@ from proxy.bridge.keys import ALL_DIGESTS, ANNOUNCED, INGRESS, on_air
 from proxy.bridge.keys import PREFIX as OWN
 from proxy.bridge.radio import interface_of
 from proxy.bridge.sessions import AT_ONCE, reason_of, zenoh_session
+from proxy.bridge.tuning import TUNING
 from proxy.errors import SessionError
 
 log = logging.getLogger(__name__)
 
-JOIN = 1000
-"""How often a robot says that it is on the group [ms]: a newcomer is heard this late at most. Costs 135 B/s."""
-CHECK = 0.5
-"""Time between two looks at who is heard [s]."""
-PATIENCE = 2.5
-"""The session is opened anew when nobody is heard for so long although there are others [s]; then twice that, …"""
-MOST_PATIENCE = 60.0
-"""… up to this [s]."""
 PREFIX = "sendworthy-broadcast-sample"
 """Above the keys of all samples on the air."""
 
@@ -57,7 +50,7 @@ def broadcast_options(group: str, interface: str) -> dict[str, Any]:
         "transport": {
             "shared_memory": {"enabled": False},
             # Without lanes every sample arrives with the default priority.
-            "multicast": {"qos": {"enabled": True}, "join_interval": JOIN},
+            "multicast": {"qos": {"enabled": True}, "join_interval": TUNING.join_interval},
         },
     }
 
@@ -162,13 +155,13 @@ class Broadcast:
 
     def _run(self) -> None:
         """Look whether anybody is heard; a dead session hears nobody."""
-        patience, since = PATIENCE, clock.monotonic()
-        while not self._stop.wait(CHECK):
+        patience, since = TUNING.group_silent, clock.monotonic()
+        while not self._stop.wait(TUNING.group_check):
             if _heard(self._session) or not self._others():
-                patience, since = PATIENCE, clock.monotonic()
+                patience, since = TUNING.group_silent, clock.monotonic()
             elif clock.monotonic() - since > patience:
                 self._reopen()
-                patience, since = min(2.0 * patience, MOST_PATIENCE), clock.monotonic()
+                patience, since = min(2.0 * patience, TUNING.longest_group_silent), clock.monotonic()
 
     def _reopen(self) -> None:
         try:

@@ -2,14 +2,12 @@
 
 from typing import NamedTuple
 
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC
 from proxy.bridge.rules import ADVANCED, Rules, Verdict
 from proxy.core.model.mode import Mode
 from proxy.runtime import LiveRuntime, Runtime
 from utility_specs import InformationType
-
-COURSES_KEPT = 8192
-"""Keys of which it is remembered what becomes of their samples."""
 
 
 class Course(NamedTuple):
@@ -58,7 +56,7 @@ class Courses:
         return self._sourced and not runtime.drops(runtime.specs.match(key))
 
     def _work_out(self, key: str, runtime: Runtime, courses: dict[str, Course]) -> Course:
-        if len(courses) >= COURSES_KEPT:
+        if len(courses) >= BOUNDS.keys:
             courses.clear()
         course = courses[key] = self._course(key, runtime)
         return course

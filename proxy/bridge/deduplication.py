@@ -14,14 +14,13 @@ from typing import Any, Generic, TypeVar
 
 import zenoh
 
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declaration import Declaration
 
 T = TypeVar("T")
 
 Handler = Any
 """A handler of Zenoh's, whose interface leaves out its type."""
-
-_CACHED = 8192
 
 
 class _Round:
@@ -126,7 +125,7 @@ class Deduplication(Generic[T]):
         cache = self._cache
         found = cache.get(key)
         if found is None:
-            if len(cache) >= _CACHED:
+            if len(cache) >= BOUNDS.keys:
                 cache.clear()
             known = list(self._known.items())
             found = cache[key] = tuple(number for number, (own, _) in known if own.intersects(key))

@@ -11,10 +11,11 @@ from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.deduplication import Deduplication, of_sample
 from proxy.bridge.hold_back import HoldBack
-from proxy.bridge.mirror import GRACE, Mirror
+from proxy.bridge.mirror import Mirror
 from proxy.bridge.received import Received
 from proxy.bridge.rules import Rules, Verdict
 from proxy.bridge.sample import origin_of, publish, wall_of
+from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import Event, SampleHeard
 from proxy.core.protocol.messages import tag
 
@@ -53,7 +54,7 @@ class Delivery:
         self.hold_back = HoldBack(lambda _: "") if hold_back is None else hold_back
         self._copies: Declaration | None = None
         self._deduplication = Deduplication(of_sample)
-        self._mirror = Mirror(self._subscribe, GRACE)
+        self._mirror = Mirror(self._subscribe, TUNING.grace)
         self.delivered = 0
         self.repeated = 0
         """Copies of samples that had come before."""

@@ -10,13 +10,11 @@ from functools import partial
 import zenoh
 
 from proxy import clock
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declaration import matches
 from proxy.bridge.keys import on_air
 from proxy.core.interface.events import MatchingChanged
 
-MOST = 1024
-"""Keys whose demand is followed; of more, one node is assumed to want them."""
-_CACHED = 8192
 _PUT = zenoh.SampleKind.PUT
 
 
@@ -76,7 +74,7 @@ class Demand:
     def note(self, key: str, sample: zenoh.Sample, *, covered: bool) -> None:
         """Follow `key` from now on. Called for every sample: cheap when nothing is new."""
         known = self._seen.get(key)
-        if known is covered or (known is None and len(self._seen) >= MOST):
+        if known is covered or (known is None and len(self._seen) >= BOUNDS.demanded_keys):
             return
         with self._lock:  # samples of one key may come on several threads
             known = self._seen.get(key)
@@ -107,7 +105,7 @@ class Demand:
             return 1
         counts = self._counts
         if (count := counts.get(key)) is None:
-            if len(counts) >= _CACHED:
+            if len(counts) >= BOUNDS.keys:
                 counts.clear()
             robots = self._robots.values()
             count = counts[key] = sum(any(each.intersects(key) for each in wanted) for wanted in robots)

@@ -16,24 +16,14 @@ from proxy.bridge.broadcast import DataSession
 from proxy.bridge.demand import Demand
 from proxy.bridge.paced import Paced
 from proxy.bridge.passed import EGRESS, FULL, Passed
-from proxy.bridge.room import CATCH_UP, Rooms
+from proxy.bridge.room import Rooms
 from proxy.bridge.sample import Held
 from proxy.bridge.send_buffers import SendBuffers
+from proxy.bridge.tuning import TUNING
 from proxy.bridge.writer import Writer
 from proxy.core.interface.events import CopyHanded, CopyRefused, SampleHanded, SampleRefused
 
 Answer = SampleHanded | SampleRefused | CopyHanded | CopyRefused
-
-BEHIND = 32
-"""With more passing samples whoever brings one lets the thread catch up, where surely no link holds it up."""
-MOVING = 0.05
-"""Full links move when a sample was sent so recently [s], for each 64 kB of the one in hand: who publishes faster is
-slowed down then, not dropped."""
-LOOK = 0.005
-"""Time between two looks whether links are idle, while something waits for its pace [s]; Zenoh's thread has this long
-to write the sample before."""
-_PUSHED_BACK = 0.05
-"""Passing traffic delays a decided sample by no more than this [s]."""
 
 
 class Egress:
@@ -106,7 +96,7 @@ class Egress:
             self._send_passing(reason, held)
             return
         room = self._rooms.passing
-        if len(self._passing) > BEHIND or room.crowded:
+        if len(self._passing) > TUNING.passing_backlog or room.crowded:
             self._let_catch_up(held)
         if not room.enter(held.size):
             self._passed.add(FULL, 0)
@@ -135,7 +125,7 @@ class Egress:
     @property
     def stands(self) -> bool:
         """Whether the mesh takes nothing: nobody is held up for its sake then."""
-        moving = MOVING * (1 + self._in_hand // 65536)
+        moving = TUNING.moving * (1 + self._in_hand // 65536)
         return not self.buffers.clear and clock.monotonic() - self._sent_at > moving
 
     def _let_catch_up(self, held: Held) -> None:
@@ -143,7 +133,7 @@ class Egress:
 
         Where no link holds it up, until it has caught up with all: then the next sample needs no thread again.
         """
-        most = 0 if len(self._passing) > BEHIND else BEHIND
+        most = 0 if len(self._passing) > TUNING.passing_backlog else TUNING.passing_backlog
         if not self.buffers.clear:
             most = self._rooms.passing.most // 2
             if not held.waits or self.stands:
@@ -152,7 +142,7 @@ class Egress:
             self._awaited = most
             self._caught_up.wait_for(
                 lambda: len(self._passing) <= most and not self._rooms.passing.crowded,
-                CATCH_UP * (1 + held.size // 65536),
+                TUNING.catch_up * (1 + held.size // 65536),
             )
 
     def _enqueue(self, put: Callable[[], None]) -> bool:
@@ -201,10 +191,10 @@ class Egress:
         due, now = self._decided.due(), clock.monotonic()
         if due is None:
             return None
-        if due > now and now >= self._sent_at + LOOK and self.buffers.idle:
+        if due > now and now >= self._sent_at + TUNING.idle_check and self.buffers.idle:
             self._decided.catch_up(now)
             return 0.0
-        return max(min(due - now, LOOK), 0.0)
+        return max(min(due - now, TUNING.idle_check), 0.0)
 
     def _wait(self, held: Held) -> bool:
         """Wait until links take a sample; whether it may be dropped on those that have no room for it."""
@@ -243,4 +233,4 @@ class Egress:
         self._passed.add(reason, air)
         if not self._decided.unpaced:
             with self._wake:
-                self._decided.push_back(clock.monotonic(), air, _PUSHED_BACK)
+                self._decided.push_back(clock.monotonic(), air, TUNING.push_back)

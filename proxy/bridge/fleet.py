@@ -12,14 +12,12 @@ from functools import partial
 import zenoh
 
 from proxy.bridge import keys
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.serial_executor import SerialExecutor
+from proxy.bridge.tuning import TUNING
 
 ORDERS = ("mode", "specs")
-PATIENCE = 5.0
-"""How long the other robots have to answer [s]."""
-LARGEST = 2 * 1024 * 1024
-"""Bytes of an order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +92,7 @@ class Fleet:
             payload=payload,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=PATIENCE,
+            timeout=TUNING.order_wait,
             priority=zenoh.Priority.DATA_LOW,
             allowed_destination=zenoh.Locality.REMOTE,
         )
@@ -109,7 +107,7 @@ _SILENT = "no answer: it is out of reach, or fleet.{} is false in its configurat
 def _reply(query: zenoh.Query, key: str, answer: Callable[[bytes], list[Outcome]]) -> None:
     with query:
         payload = query.payload
-        if payload is None or len(payload) > LARGEST:
+        if payload is None or len(payload) > BOUNDS.order_bytes:
             query.reply_err("the order is empty or too large")
             return
         outcomes = [asdict(outcome) for outcome in answer(payload.to_bytes())]

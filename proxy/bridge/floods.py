@@ -6,15 +6,11 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.budget import Bucket
 from proxy.core.interface.events import MalformedHeard
 
 log = logging.getLogger(__name__)
-
-RATE, BURST = 10.0, 100.0
-"""More than so many messages of a kind that are not taken in are a flood: a second, and at once."""
-PACE = 60.0
-"""A flood of one kind is said this often [s]."""
 
 
 class Floods:
@@ -39,7 +35,7 @@ class Floods:
         with self._lock:
             bucket = self._buckets.get(kind)
             if bucket is None:
-                bucket = self._buckets[kind] = Bucket(now, RATE, BURST)
+                bucket = self._buckets[kind] = Bucket(now, BOUNDS.flood, BOUNDS.flood_at_once)
             self._waiting[kind] += 1
             if bucket.take(now):
                 self._tell(now, robot, kind)
@@ -64,7 +60,7 @@ class Floods:
         return [
             f"a flood on Sendworthy's own keys: {each['messages']} messages too many so far ({kind})"
             for kind, each in self.describe(now).items()
-            if each["age"] < PACE
+            if each["age"] < BOUNDS.warnings_apart
         ]
 
     def _tell(self, now: float, robot: str, kind: str) -> None:
@@ -73,8 +69,8 @@ class Floods:
     def _flood(self, now: float, robot: str, kind: str) -> None:
         self._counts[kind] += 1
         self._last[kind] = now
-        said_at, said = self._said.get(kind, (now - PACE, 0))
-        if now - said_at >= PACE:
+        said_at, said = self._said.get(kind, (now - BOUNDS.warnings_apart, 0))
+        if now - said_at >= BOUNDS.warnings_apart:
             count = self._counts[kind]
             self._said[kind] = now, count
             log.warning(

@@ -17,17 +17,15 @@ import zenoh
 from proxy import clock
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.sockets import Sockets
+from proxy.bridge.tuning import TUNING
 
 log = logging.getLogger(__name__)
-
-YOUNG = 1.0
-"""A link that ends sooner may be one of two that were dialled at once [s]."""
 
 
 class HalfOpen:
     """Ends such links of `session`; a link that lasted less than `young` [s] says nothing."""
 
-    def __init__(self, session: zenoh.Session, young: float = YOUNG) -> None:
+    def __init__(self, session: zenoh.Session, young: float = TUNING.young_link) -> None:
         self._young = young
         self._sockets = Sockets(session)
         self._lock = threading.Lock()

@@ -15,20 +15,10 @@ from dataclasses import dataclass, replace
 import zenoh
 
 from proxy import clock
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.budget import Bucket
 from proxy.bridge.sample import origin_of
-
-PATIENCE = 2.0
-"""A robot is waited for so long after its return, its last word or its last copy [s]."""
-LONGEST = 10.0
-"""No sample is held back for longer [s]."""
-MOST, MOST_BYTES = 4096, 16 * 1024 * 1024
-"""Samples held back, and their bytes [B]; where there are more, streams are not in order."""
-MOST_ROBOTS = 64
-"""Robots that are waited for, or will be when they return."""
-MOST_ORIGINS = 1024
-RETURNS, AT_ONCE = 0.2, 16.0
-"""Robots that are waited for in a second, and at once: tokens that come and go hold up nobody."""
+from proxy.bridge.tuning import TUNING
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +66,7 @@ class HoldBack:
         self._streams: dict[tuple[str, str], deque[_Held]] = {}
         """By key and origin, the oldest first."""
         self._count = self._bytes = 0
-        self._budget = Bucket(clock.monotonic(), RETURNS, AT_ONCE)
+        self._budget = Bucket(clock.monotonic(), BOUNDS.returns, BOUNDS.returns_at_once)
         self.held = 0
         """Samples that were held back."""
 
@@ -86,7 +76,7 @@ class HoldBack:
             holding = any(self._tag(origin) == tag for _, origin in self._streams)
             self._returns.pop(tag, None)
             self._returns[tag] = _Return(clock.monotonic() if holding else math.inf)
-            if len(self._returns) > MOST_ROBOTS:
+            if len(self._returns) > BOUNDS.held_robots:
                 self._returns.popitem(last=False)
             self._release()
 
@@ -123,7 +113,7 @@ class HoldBack:
             if waiting is None and not self._waits(key, tag):
                 return False
             now = clock.monotonic()
-            if self._count >= MOST or self._bytes + size > MOST_BYTES:
+            if self._count >= BOUNDS.held_samples or self._bytes + size > BOUNDS.held_bytes:
                 self._hand_all((key, origin))
                 return False
             if (known := self._returns.get(tag)) is not None:
@@ -154,14 +144,14 @@ class HoldBack:
             return
         with self._lock:
             for tag, known in list(self._returns.items()):
-                if now < known.since + PATIENCE:
+                if now < known.since + TUNING.hold_back:
                     continue
                 if known.back:
                     del self._returns[tag]
                 else:
                     self._returns[tag] = replace(known, since=math.inf, keys=frozenset())
             for stream in list(self._streams):
-                while stream in self._streams and now >= self._streams[stream][0].since + LONGEST:
+                while stream in self._streams and now >= self._streams[stream][0].since + TUNING.longest_hold_back:
                     self._hand_first(stream)
             self._release()
 
@@ -176,7 +166,7 @@ class HoldBack:
         if tag:
             self._senders[origin] = tag
             self._senders.move_to_end(origin)
-            if len(self._senders) > MOST_ORIGINS:
+            if len(self._senders) > BOUNDS.held_origins:
                 self._senders.popitem(last=False)
         return tag
 

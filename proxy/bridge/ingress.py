@@ -17,12 +17,13 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.deduplication import Deduplication, of_sample
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
-from proxy.bridge.mirror import GRACE, Mirror
+from proxy.bridge.mirror import Mirror
 from proxy.bridge.passed import DENIED, OVERFLOW, Passed
 from proxy.bridge.payloads import Payloads
 from proxy.bridge.room import Room
 from proxy.bridge.rules import Rules
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
+from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import SamplePublished
 from utility_specs import InformationType
 
@@ -77,7 +78,7 @@ class Ingress:
         self._room = room
         self._cover = Cover()
         self._deduplication = Deduplication(of_sample)
-        self._mirror = Mirror(self._subscribe, GRACE)
+        self._mirror = Mirror(self._subscribe, TUNING.grace)
         self._own = str(mesh.zid())
         self.returned = 0
         """Samples that left here for the mesh and came back around the daemons."""

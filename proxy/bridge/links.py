@@ -9,11 +9,9 @@ from typing import Literal
 import zenoh
 
 from proxy.bridge.sockets import links_of
+from proxy.bridge.tuning import TUNING
 
 log = logging.getLogger(__name__)
-
-GRACE = 2.0
-"""How long a link may take before it is missed [s]."""
 
 
 class Links:
@@ -43,7 +41,7 @@ class Links:
                 if endpoint in self._warned:
                     log.info("%s.connect: %s is linked now", self._side, endpoint)
                 self._warned.discard(endpoint)
-            elif endpoint not in self._warned and now - since > GRACE:
+            elif endpoint not in self._warned and now - since > TUNING.link_grace:
                 self._warned.add(endpoint)
                 log.warning("%s.connect: no link to %s yet; still trying", self._side, endpoint)
 

@@ -9,12 +9,10 @@ from typing import Any
 
 import zenoh
 
+from proxy.bridge.tuning import TUNING
+
 SCOUTING_GROUP = "224.0.0.224:7446"
 """Where Zenoh's nodes look for each other by default."""
-PERIOD = 10.0
-"""Time between two looks [s]; a look takes a millisecond of a core."""
-LISTEN = 0.3
-"""How long answers are waited for [s]; on this host they take milliseconds."""
 SIGN = ("127.0.0.1", 7446)
 """Where the rules of `deploy/apps/radio.nft` let nothing be sent: so we know that they are in force."""
 
@@ -67,7 +65,7 @@ class Lookout:
 
         # Its stubs promise neither this kind of handler nor what `stop` returns.
         scout: Any = zenoh.scout(zenoh.handlers.Callback(take, indirect=False), "peer|router", self._config)  # type: ignore[arg-type]
-        self._stop.wait(LISTEN)
+        self._stop.wait(TUNING.lookout_listen)
         scout.stop()
         self._found = found
         self.looks += 1
@@ -75,7 +73,7 @@ class Lookout:
     def _run(self) -> None:
         while not self._stop.is_set():
             self.look()
-            self._stop.wait(PERIOD)
+            self._stop.wait(TUNING.lookout_interval)
 
 
 def around(app: zenoh.Session, mesh: zenoh.Session, others: Mapping[str, str]) -> list[str]:

@@ -6,14 +6,10 @@ from collections.abc import Callable, Collection, Mapping
 import zenoh
 
 from proxy import clock
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declaration import Declaration
 
 log = logging.getLogger(__name__)
-
-GRACE = 0.1
-"""Longer than a callback of Zenoh's waits before it runs [s]; for `grace`."""
-MOST = 16384
-"""Declarations of one kind in one direction; more are refused and said."""
 
 
 class Mirror:
@@ -81,8 +77,8 @@ class Mirror:
                 declared[0].undeclare()
 
     def _add(self, expression: str, complete: bool) -> None:  # noqa: FBT001 - the value of a mapping
-        if len(self._declared) >= MOST:
-            self._refuse(expression, f"there are {MOST} declarations already")
+        if len(self._declared) >= BOUNDS.declarations:
+            self._refuse(expression, f"there are {BOUNDS.declarations} declarations already")
             return
         try:
             self._declared[expression] = (self._declare(expression, complete), complete)

@@ -21,16 +21,12 @@ from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Rules
 from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sides import Sides
+from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import Event, InterestChanged, LinksGauged
 from proxy.runtime import LiveRuntime
 
 log = logging.getLogger(__name__)
 
-INTERVAL = 0.1
-"""Time between two reports of what passed, and looks at the links [s]."""
-
-LONG, RESTS, MOST_REST = 0.01, 3.0, 0.25
-"""After a look that took longer than this [s] it rests for so many times as long, and no longer than that [s]."""
 
 _NOTHING: Mapping[str, bool] = {}
 
@@ -119,7 +115,7 @@ class Mirroring:
     def _run(self) -> None:
         again, complaint = False, ""
         while not self._stop:
-            woken = self._wake.wait(INTERVAL)
+            woken = self._wake.wait(TUNING.mirroring_interval)
             if woken:  # else what came just after the wait would be forgotten
                 self._wake.clear()
             try:
@@ -143,8 +139,8 @@ class Mirroring:
 
     def _rest(self, took: float) -> None:
         """Who declares without end must not take the processor from what crosses."""
-        if took > LONG:
-            time.sleep(min(MOST_REST, RESTS * took))
+        if took > TUNING.long_look:
+            time.sleep(min(TUNING.longest_rest, TUNING.rest_after_look * took))
 
     def _gauge(self) -> None:
         """Tell the core how long what the links send is on its way, where a limit follows that."""

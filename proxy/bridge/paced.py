@@ -3,10 +3,7 @@
 from collections import Counter, deque
 
 from proxy.bridge.sample import Held
-
-SMALL = 0.01
-"""What takes no longer than this at the pace [s] goes before what takes longer. A frame of 26 kB at 1 Mbit/s holds its
-successor up for 0.2 s; behind it odometry of 116 B came 172 ms late (nine of ten samples less than that)."""
+from proxy.bridge.tuning import TUNING
 
 Item = tuple[int, Held]
 
@@ -95,4 +92,4 @@ class Paced:
             self._free_at = max(self._free_at, min(pushed, now + most))
 
     def _is_small(self, air: int) -> bool:
-        return self._rate is not None and air <= SMALL * self._rate
+        return self._rate is not None and air <= TUNING.quick_sample * self._rate

@@ -15,13 +15,15 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.budget import Budget
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.floods import Floods
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.serial_executor import SerialExecutor
-from proxy.bridge.tokens import MOST, Later, Tokens
+from proxy.bridge.tokens import Later, Tokens
+from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
 from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.digest_codec import digest_head, pack_digest, unpack_digest
@@ -29,24 +31,10 @@ from proxy.core.protocol.errors import MalformedWireError, OtherVersionError
 from proxy.core.protocol.fixed import ticks
 from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.protocol.state_codec import pack_state, state_version, unpack_state
-from proxy.core.protocol.tuning import TUNING
+from proxy.core.protocol.tuning import TUNING as PROTOCOL
 
 log = logging.getLogger(__name__)
 
-NAME_WAIT = 0.15
-"""How long a starting daemon listens for another one of its name [s]."""
-ECHOED = 64
-"""Of so many of our digests an echo is understood."""
-DIGESTS, ALL_DIGESTS = 200.0, 1000.0
-"""Digests that one robot may say in a second, and all together. One that is longer than..."""
-USUAL = 500.0
-"""... this counts as so many more of them [B]."""
-STATES, ALL_STATES = 10.0, 40.0
-"""States that one robot may say in a second, and all together. What is told of robots that nobody knows is not read."""
-WORDS, ALL_WORDS = 100.0, 400.0
-"""Words on backlogs that one robot may say in a second, and all together."""
-ANSWERS = 50
-"""Questions answered per second."""
 
 Job = Callable[[], Event | None]
 Post = Callable[[Event | Job], object]
@@ -63,7 +51,7 @@ def free_name(mesh: zenoh.Session, robot: str) -> str:
 
     handler = zenoh.handlers.Callback(take, indirect=False)
     watch: Declaration = mesh.liveliness().declare_subscriber(keys.alive(robot, "*"), handler, history=True)
-    found = taken.wait(NAME_WAIT)
+    found = taken.wait(TUNING.name_wait)
     watch.undeclare()
     if not found:
         return robot
@@ -102,16 +90,16 @@ class Presence:
         self._executor = executor
         self._offer = offer
         self._state: bytes | None = None
-        self._sent: deque[int] = deque(maxlen=ECHOED)
-        self._answered: deque[float] = deque(maxlen=ANSWERS)
+        self._sent: deque[int] = deque(maxlen=BOUNDS.echoed_digests)
+        self._answered: deque[float] = deque(maxlen=BOUNDS.answers)
         self._old = old
         self.floods = Floods(offer)
         self._hold_back = hold_back
         self._tokens = Tokens(self._zid, post, later, self.floods.refuse, lost=hold_back.lost, found=hold_back.found)
         self._looking = threading.Lock()
-        self._digests = Budget(DIGESTS, ALL_DIGESTS, lambda: len(self._tokens.tags))
-        self._states = Budget(STATES, ALL_STATES, lambda: len(self._tokens.tags))
-        self._words = Budget(WORDS, ALL_WORDS, lambda: len(self._tokens.tags))
+        self._digests = Budget(BOUNDS.digests, BOUNDS.all_digests, lambda: len(self._tokens.tags))
+        self._states = Budget(BOUNDS.states, BOUNDS.all_states, lambda: len(self._tokens.tags))
+        self._words = Budget(BOUNDS.backlogs, BOUNDS.all_backlogs, lambda: len(self._tokens.tags))
         self._versions: dict[str, int] = {}
         """What each robot speaks, as the core was told."""
         self._declared: list[Declaration] = []
@@ -178,7 +166,7 @@ class Presence:
         """Answer a question, if there were not too many: who asks in vain asks again."""
         now = clock.monotonic()
         with query:
-            if self._state is None or (len(self._answered) == ANSWERS and now < self._answered[0] + 1.0):
+            if self._state is None or (len(self._answered) == BOUNDS.answers and now < self._answered[0] + 1.0):
                 return
             self._answered.append(now)
             query.reply(keys.state(self._robot, self._tag), self._state)
@@ -191,7 +179,7 @@ class Presence:
         """Take in a digest if it is one and tells something new."""
         now, name = clock.monotonic(), keys.zid_of(key)
         size = len(sample.payload)
-        data = sample.payload.to_bytes() if size <= TUNING.digest_bytes else b""
+        data = sample.payload.to_bytes() if size <= PROTOCOL.digest_bytes else b""
         robot, known = keys.robot_of(key), name in self._tokens.tags
         try:
             version, sent = digest_head(data)
@@ -205,7 +193,7 @@ class Presence:
                 self.floods.refuse(now, robot, "digest:forged")
             elif known and self._old(now, name, sent):
                 self.floods.refuse(now, robot, "digest:old")
-            elif not self._admits(self._digests, now, name if known else "", 1.0 + size / USUAL):
+            elif not self._admits(self._digests, now, name if known else "", 1.0 + size / BOUNDS.digest_bytes):
                 self.floods.refuse(now, robot, "digest:flood")
             else:
                 self._note_version(now, name, version)
@@ -215,7 +203,7 @@ class Presence:
         """States are large, and one that is not taken in is asked for: of who is not known none is read."""
         now, key = clock.monotonic(), str(sample.key_expr)
         robot, name = keys.robot_of(key), keys.zid_of(key)
-        if len(sample.payload) > TUNING.state_bytes:
+        if len(sample.payload) > PROTOCOL.state_bytes:
             self.floods.refuse(now, robot, "state:malformed")
         elif name not in self._tokens.tags:
             self.floods.refuse(now, robot, "state:unknown")
@@ -230,7 +218,7 @@ class Presence:
         name = keys.zid_of(key)
         if name not in self._tokens.tags:
             return
-        if len(sample.payload) > TUNING.backlog_bytes or not self._admits(self._words, now, name):
+        if len(sample.payload) > PROTOCOL.backlog_bytes or not self._admits(self._words, now, name):
             self.floods.refuse(now, name, "backlog:flood")
             return
         try:
@@ -250,7 +238,7 @@ class Presence:
             return
         if not self._admits(self._digests, now, name):
             return
-        if len(self._versions) >= MOST:
+        if len(self._versions) >= BOUNDS.tokens:
             self._versions.clear()
         if self._offer(VersionHeard(now, name, version)):
             self._versions[name] = version

@@ -11,6 +11,7 @@ from functools import partial
 
 import zenoh
 
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.declarations.declarations import Declarations
 from proxy.bridge.declarations.query_options import QueryOptions
@@ -20,8 +21,6 @@ from proxy.bridge.mirror import Mirror
 from proxy.bridge.rules import ADVANCED, Direction
 from proxy.bridge.serial_executor import SerialExecutor
 
-MOST_PENDING = 1024
-"""Queries under way in one direction; more are answered with an error."""
 _NUMBERS = "_sn"
 """The parameter with which an advanced subscriber asks for samples by their numbers."""
 
@@ -95,7 +94,7 @@ class Queries:
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
         self._pending[id(query)] = query
-        if self.pending > MOST_PENDING:
+        if self.pending > BOUNDS.queries:
             self._refuse(query)
         else:
             self._fence.then(partial(self._pass_on, query, options))

@@ -9,10 +9,7 @@ from collections import OrderedDict
 
 import zenoh
 
-MOST = 1024
-"""Keys remembered; that of which nothing came for longest is forgotten."""
-MOST_EACH = 512
-"""Samples remembered of each key: twice as many as a robot may keep for another one."""
+from proxy.bridge.bounds import BOUNDS
 
 
 class Received:
@@ -35,13 +32,13 @@ class Received:
             if before is not None and (before or copy):
                 return False
             known[stamp] = copy
-            if len(known) > MOST_EACH:
+            if len(known) > BOUNDS.received_samples:
                 known.popitem(last=False)
             return True
 
     def _of(self, key: str) -> OrderedDict[zenoh.Timestamp, bool]:
         known = self._known.pop(key, None)
-        if known is None and len(self._known) >= MOST:
+        if known is None and len(self._known) >= BOUNDS.received_keys:
             self._known.popitem(last=False)
         self._known[key] = known = OrderedDict() if known is None else known
         return known

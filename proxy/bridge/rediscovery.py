@@ -13,11 +13,8 @@ from typing import Any
 
 import zenoh
 
-PERIOD = 0.5
-"""Time between two questions of a robot without any link [s]; with each link that is left it is as much longer, for all
-who hear a question answer it."""
-PATIENCE = 60.0
-"""So long a robot is looked for [s]; after that Zenoh's own questions have to do."""
+from proxy.bridge.tuning import TUNING
+
 _PEERS_WANTED = b"\x01\x09\x02"
 """A scout message of Zenoh's protocol: its kind, the version of the protocol, and who shall answer."""
 
@@ -39,11 +36,11 @@ class Rediscovery:
         """See who has gone and who is back, and ask if it is time."""
         linked = frozenset(str(zid) for zid in self._session.info.peers_zid())
         if linked != self._linked:
-            self._lost |= dict.fromkeys(self._linked - linked, now + PATIENCE)
+            self._lost |= dict.fromkeys(self._linked - linked, now + TUNING.rediscovery_time)
             self._linked = linked
         self._lost = {zid: until for zid, until in self._lost.items() if until > now and zid not in linked}
         if self._lost and now >= self._next:
-            self._next = now + PERIOD * (1 + len(linked))
+            self._next = now + TUNING.rediscovery_interval * (1 + len(linked))
             for each in self._sockets:
                 with suppress(OSError):  # the radio is off
                     each.sendto(_PEERS_WANTED, self._group)

@@ -3,8 +3,7 @@
 import threading
 from dataclasses import dataclass
 
-CATCH_UP = 0.001
-"""How long whoever brings a sample lets others leave at most, for each 64 kB of it [s]."""
+from proxy.bridge.tuning import TUNING
 
 
 class Room:
@@ -51,7 +50,7 @@ class Room:
         """Let others leave before a sample of `size` bytes comes, while it is crowded: for a moment at most."""
         with self._left:
             self._waiting += 1
-            self._left.wait_for(lambda: not self.crowded, CATCH_UP * (1 + size // 65536))
+            self._left.wait_for(lambda: not self.crowded, TUNING.catch_up * (1 + size // 65536))
             self._waiting -= 1
 
     def describe(self) -> dict[str, int]:

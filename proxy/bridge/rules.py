@@ -18,21 +18,12 @@ from typing import NamedTuple
 import zenoh
 
 from proxy import clock
+from proxy.bridge.bounds import BOUNDS
 from proxy.config import BridgeConfig
 from proxy.profile import load_profile
 
 log = logging.getLogger(__name__)
 
-KEPT = 8192
-"""Keys whose verdict is remembered, for each direction."""
-EXPRESSIONS_KEPT = 65536
-"""Declared key expressions of which it is remembered whether they cross, for each direction."""
-
-MOST = {"subscribers": 2048, "queryables": 2048, "tokens": 16384}
-"""Declarations of a kind that cross at a time. While one peer declared thousands, samples waited at most 0.3 s with
-this bound, 0.8 s with twice of it and 9.5 s without any."""
-PACE = 60.0
-"""That there are more is said this often [s]."""
 
 EVERYTHING = "**"
 ADVANCED = "/@adv/"
@@ -103,14 +94,14 @@ class Direction:
 
     def __init__(self, allow: Iterable[str], deny: Iterable[str], bypass: Iterable[str] = ()) -> None:
         self.allow, self.deny, self._bypass = Expressions(allow), Expressions(deny), Expressions(bypass)
-        self.verdict: Callable[[str], Verdict] = lru_cache(KEPT)(self._verdict)
-        self.lets: Callable[[str], bool] = lru_cache(EXPRESSIONS_KEPT)(self._lets)
+        self.verdict: Callable[[str], Verdict] = lru_cache(BOUNDS.keys)(self._verdict)
+        self.lets: Callable[[str], bool] = lru_cache(BOUNDS.expressions)(self._lets)
         """Whether a declaration or query crosses: some of its keys are allowed, and it is not wholly denied."""
         self._lock = threading.Lock()
         self._denied: Counter[str] = Counter()
-        self._withheld = dict.fromkeys(MOST, 0)
-        self._crossing: dict[str, dict[str, bool]] = {what: {} for what in MOST}
-        self.surplus = dict.fromkeys(MOST, 0)
+        self._withheld = dict.fromkeys(BOUNDS.crossing, 0)
+        self._crossing: dict[str, dict[str, bool]] = {what: {} for what in BOUNDS.crossing}
+        self.surplus = dict.fromkeys(BOUNDS.crossing, 0)
         """How many declarations wait until others of their kind are gone."""
         self._said: dict[str, float] = {}
 
@@ -133,7 +124,7 @@ class Direction:
 
         When there are too many those that have crossed stay, and of the others as many as there is room for.
         """
-        lets, most = lets or self.lets, MOST[what]
+        lets, most = lets or self.lets, BOUNDS.crossing[what]
         if len(declared) <= most:
             found = {expression: complete for expression, complete in declared.items() if lets(expression)}
             self.surplus[what], self._withheld[what] = 0, len(declared) - len(found)
@@ -149,7 +140,7 @@ class Direction:
 
     def _say(self, what: str) -> None:
         now = clock.monotonic()
-        if self.surplus[what] and now - self._said.get(what, -PACE) >= PACE:
+        if self.surplus[what] and now - self._said.get(what, -BOUNDS.warnings_apart) >= BOUNDS.warnings_apart:
             self._said[what] = now
             log.warning("%d %s too many are declared: they wait until others are gone", self.surplus[what], what)
 
@@ -181,7 +172,7 @@ class Rules:
         self.outward = self.out.verdict
         """What becomes of a sample of the robot's applications, by its key."""
         self._lets_token = {
-            direction: lru_cache(EXPRESSIONS_KEPT)(_token_rule(direction, other))
+            direction: lru_cache(BOUNDS.expressions)(_token_rule(direction, other))
             for direction, other in ((self.out, self.into), (self.into, self.out))
         }
 

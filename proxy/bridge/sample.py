@@ -5,9 +5,7 @@ from typing import NamedTuple
 import zenoh
 
 from proxy.bridge.broadcast import DataSession
-
-MAX_STAMP_ERROR = 1.0
-"""A timestamp further than this from the arrival says nothing about when the sample was made [s]."""
+from proxy.bridge.tuning import TUNING
 
 _PRIORITIES = {
     "Priority.REAL_TIME": 1,
@@ -104,4 +102,4 @@ def generated(stamp: zenoh.Timestamp | None, now: float, wall: float) -> float:
     if stamp is None:
         return now
     age = wall - wall_of(stamp)
-    return now - age if 0.0 <= age <= MAX_STAMP_ERROR else now
+    return now - age if 0.0 <= age <= TUNING.stamp_mismatch else now

@@ -15,6 +15,7 @@ import threading
 
 from proxy.bridge.broadcast import Broadcast, DataSession
 from proxy.bridge.sockets import Sockets, libc, tcp_info
+from proxy.bridge.tuning import TUNING
 
 _Memory = ctypes.c_uint32 * 9
 _MEMORY_SIZE = ctypes.sizeof(_Memory)
@@ -29,18 +30,6 @@ _SINCE_SENT, _UNACKED, _RTT, _NOT_SENT, _LEAST_RTT, _RATE = (
 trip [us], bytes that wait, the least time of a round trip [us], and what came through at last [B/s]."""
 _ACKED = struct.Struct("@120xQ")
 """Place of the bytes that have arrived."""
-LATELY = 300
-"""A link that sent nothing for so long says nothing of the channel [ms]; it says that it is alive every 500 ms."""
-DENSE = 4
-"""With fewer segments on their way a round trip is longer than the way: receivers wait before they acknowledge."""
-USABLE = 0.5
-"""Part of a send buffer that is filled without asking again."""
-LITTLE = 16384
-"""With less room than this a link counts as slow [B]."""
-IDLE = 4096
-"""A link with no more than this in its socket is idle: something small may always be on its way [B]."""
-EACH = 2048
-"""What a small sample may take of a send buffer beside its bytes, in the worst case [B]."""
 
 
 class SendBuffers:
@@ -59,7 +48,7 @@ class SendBuffers:
 
     def takes(self, size: int) -> bool:
         """Whether a publication of `size` bytes surely does not wait; what it takes is accounted for."""
-        cost = size + EACH
+        cost = size + TUNING.sample_overhead
         with self._lock:
             if self._budget < cost:
                 self._budget = self._look()
@@ -71,7 +60,7 @@ class SendBuffers:
     def slow(self) -> tuple[int, int]:
         """Return how many links have little room, and how many there are."""
         rooms = [_room(number) for number in self._sockets]
-        return sum(room < LITTLE for room in rooms), len(rooms)
+        return sum(room < TUNING.little_room for room in rooms), len(rooms)
 
     def waits(self) -> tuple[tuple[str, float], ...]:
         """Return for each link that sends: the session at its other end, and when what is sent now arrives [s]."""
@@ -80,7 +69,7 @@ class SendBuffers:
 
     def sent(self) -> dict[str, int]:
         """Return for each link that has room: the session at its other end, and what Zenoh wrote so far [B]."""
-        found = {zid: _written(number) for zid, number in self._ends if _room(number) >= LITTLE}
+        found = {zid: _written(number) for zid, number in self._ends if _room(number) >= TUNING.little_room}
         return {zid: written for zid, written in found.items() if written is not None}
 
     @property
@@ -99,7 +88,9 @@ class SendBuffers:
 
         Of what is broadcast nobody knows, for nobody acknowledges it.
         """
-        return not (self._unknown or self._broadcasts) and all(_buffer(number)[1] <= IDLE for number in self._sockets)
+        if self._unknown or self._broadcasts:
+            return False
+        return all(_buffer(number)[1] <= TUNING.idle_buffer for number in self._sockets)
 
     def refresh(self) -> None:
         """Take note of links that came and went."""
@@ -121,7 +112,7 @@ class SendBuffers:
 def _room(number: int) -> float:
     """Return what may be written into a socket without asking again [B]; nothing when it is gone."""
     size, held = _buffer(number)
-    return USABLE * size - held
+    return TUNING.usable_buffer * size - held
 
 
 def _buffer(number: int) -> tuple[int, float]:
@@ -152,6 +143,6 @@ def _wait(number: int) -> float | None:
     since, unacked, rtt, not_sent, least, rate = (
         place.unpack_from(info)[0] for place in (_SINCE_SENT, _UNACKED, _RTT, _NOT_SENT, _LEAST_RTT, _RATE)
     )
-    if since > LATELY or not rate:
+    if since > TUNING.sent_lately or not rate:
         return None
-    return float((rtt if unacked >= DENSE else least) / 1e6 + not_sent / rate)
+    return float((rtt if unacked >= TUNING.dense_segments else least) / 1e6 + not_sent / rate)

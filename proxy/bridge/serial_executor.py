@@ -7,16 +7,15 @@ from collections.abc import Callable
 
 import zenoh
 
-log = logging.getLogger(__name__)
+from proxy.bridge.bounds import BOUNDS
 
-MOST = 8192
-"""Jobs that may wait."""
+log = logging.getLogger(__name__)
 
 
 class SerialExecutor:
     """Runs jobs in order. `offer` refuses when `most` wait; `insist`, for what must be done, does not."""
 
-    def __init__(self, name: str, most: int = MOST) -> None:
+    def __init__(self, name: str, most: int = BOUNDS.jobs) -> None:
         self._most = most
         self._jobs: deque[Callable[[], object]] = deque()
         self._wake = threading.Condition()

@@ -7,41 +7,36 @@ from typing import Any
 
 import zenoh
 
+from proxy.bridge.tuning import TUNING
 from proxy.errors import PortInUseError, SessionError
 
 MESH_GROUP = "224.0.0.225:7448"
 """Not Zenoh's default group: the mesh session would link to the robot's own app side."""
-SOCKET_BUFFER = 65536
-"""Socket buffers on the mesh [B]. Large ones hide seconds of queue from the daemon."""
-LEASE = 10_000
-"""A link from which Zenoh reads nothing for this long is given up [ms]: a process hangs at its other end. Who vanishes
-is missed sooner, by `silence`."""
-KEEP_ALIVE = 20
-"""So many times in a lease a link that is idle is used all the same: a robot that vanishes leaves that unanswered."""
-LEASE_UNSEEN = 2000
-"""The lease where links may not be TCP, so that the kernel does not know who is silent [ms]."""
 
-BATCH = 8192
-"""Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than a robot may be silent."""
 
 QUEUES = {
-    "size": {"data_high": 8, "data": 8, "data_low": 8},
+    "size": dict.fromkeys(("data_high", "data", "data_low"), TUNING.pieces_waiting),
     "congestion_control": {
-        "drop": {"wait_before_drop": 1000, "max_wait_before_drop_fragments": 50_000},
-        "block": {"wait_before_close": 2_000_000},
+        "drop": {
+            "wait_before_drop": TUNING.full_link_wait,
+            "max_wait_before_drop_fragments": TUNING.full_link_wait_pieces,
+        },
+        "block": {"wait_before_close": TUNING.full_link_closes},
     },
 }
-"""Zenoh's queues on the mesh: pieces that wait in each, and how long a publication waits for a full link before its
-sample is dropped there, one of many pieces as late as by routers, or the link given up [µs]."""
-THREADS = "(tx: (worker_threads: 8), rx: (worker_threads: 64), net: (worker_threads: 4))"
-"""Both sides share Zenoh's threads, and a lost link keeps one for 10 s: with few, it would stop the apps' side."""
+"""Zenoh's queues on the mesh."""
+THREADS = (
+    f"(tx: (worker_threads: {TUNING.threads_sending}), rx: (worker_threads: {TUNING.threads_receiving}), "
+    f"net: (worker_threads: {TUNING.threads_linking}))"
+)
+"""Zenoh's threads."""
 os.environ.setdefault("ZENOH_RUNTIME", THREADS)  # read when the first session of the process opens
 
 PRIVATE = "sendworthy-private-"
 """Marks endpoints that are nobody's business but ours."""
 
 _TCP = ("tcp/", "tls/")
-_BUFFERS = f"so_sndbuf={SOCKET_BUFFER};so_rcvbuf={SOCKET_BUFFER}"
+_BUFFERS = f"so_sndbuf={TUNING.socket_buffer};so_rcvbuf={TUNING.socket_buffer}"
 
 
 def app_options(
@@ -62,7 +57,7 @@ def app_options(
     options: dict[str, Any] = {
         "mode": "router",
         "listen": {"endpoints": list(listen)},
-        "connect": _dialled(connect, _SOON),
+        "connect": _dialled(connect, TUNING.redial_router),
         "open": AT_ONCE,
         "scouting": {
             "delay": 0,
@@ -98,7 +93,7 @@ def mesh_options(
     options: dict[str, Any] = {
         "mode": "router" if relayed else "peer",
         "listen": {"endpoints": [bounded(endpoint) for endpoint in listen]},
-        "connect": _dialled((bounded(endpoint) for endpoint in connect), _PATIENTLY),
+        "connect": _dialled((bounded(endpoint) for endpoint in connect), TUNING.redial_mesh),
         "open": AT_ONCE,
         "scouting": {
             "multicast": {
@@ -113,9 +108,9 @@ def mesh_options(
         "transport": {
             "shared_memory": {"enabled": False},
             "link": {
-                "tx": {**_lease([*listen, *connect], zenoh_options), "batch_size": BATCH, "queue": QUEUES},
+                "tx": {**_lease([*listen, *connect], zenoh_options), "batch_size": TUNING.batch, "queue": QUEUES},
                 # For links that scouting finds; endpoints carry their own.
-                "tcp": {"so_sndbuf": SOCKET_BUFFER, "so_rcvbuf": SOCKET_BUFFER},
+                "tcp": {"so_sndbuf": TUNING.socket_buffer, "so_rcvbuf": TUNING.socket_buffer},
             },
         },
     }
@@ -189,12 +184,10 @@ def _lease(endpoints: Iterable[str], zenoh_options: Mapping[str, Any]) -> dict[s
     if "lease" in zenoh_options.get("transport", {}).get("link", {}).get("tx", {}):
         return {}
     seen = all(endpoint.startswith(_TCP) for endpoint in endpoints)
-    return {"lease": LEASE, "keep_alive": KEEP_ALIVE} if seen else {"lease": LEASE_UNSEEN}
+    return {"lease": TUNING.lease, "keep_alive": TUNING.keep_alive} if seen else {"lease": TUNING.lease_unseen}
 
 
-def _dialled(endpoints: Iterable[str], retry: Mapping[str, Any]) -> dict[str, Any]:
+def _dialled(endpoints: Iterable[str], redial: tuple[int, int]) -> dict[str, Any]:
+    first, last = redial
+    retry = {"period_init_ms": first, "period_max_ms": last, "period_increase_factor": TUNING.redial_slower}
     return {"endpoints": list(endpoints), "timeout_ms": -1, "exit_on_failure": False, "retry": retry}
-
-
-_SOON = {"period_init_ms": 100, "period_max_ms": 200, "period_increase_factor": 1.5}
-_PATIENTLY = {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 1.5}

@@ -2,7 +2,7 @@
 
 Zenoh gives a link up when nothing was read from it for a lease. On a busy machine it may be the reader that had no
 time, or the writer at the other end. The kernels acknowledge what arrives whatever their processes do: who does not do
-that for `SILENT` is gone, or out of reach. So Zenoh's lease can be long.
+that for a while is gone, or out of reach. So Zenoh's lease can be long.
 """
 
 import logging
@@ -13,11 +13,10 @@ from typing import Any, NamedTuple
 import zenoh
 
 from proxy.bridge.sockets import Sockets, tcp_info
+from proxy.bridge.tuning import TUNING
 
 log = logging.getLogger(__name__)
 
-SILENT = 2.0
-"""A robot whose kernel says nothing for this long, although it should, is gone [s]."""
 _PROBES, _UNACKED, _HEARD, _ACKED = (
     struct.Struct(f"@{at}x{kind}") for at, kind in ((3, "B"), (24, "I"), (56, "I"), (120, "Q"))
 )
@@ -27,8 +26,8 @@ _PROBES, _UNACKED, _HEARD, _ACKED = (
 
 def longest_silence(zenoh_options: Mapping[str, Any]) -> float:
     """How long a robot may be silent [s]: who configures Zenoh's lease means that."""
-    lease: float = zenoh_options.get("transport", {}).get("link", {}).get("tx", {}).get("lease", 1000 * SILENT)
-    return lease / 1000
+    lease: float | None = zenoh_options.get("transport", {}).get("link", {}).get("tx", {}).get("lease")
+    return TUNING.silent_robot if lease is None else lease / 1000
 
 
 class Answers(NamedTuple):
@@ -45,7 +44,7 @@ class Answers(NamedTuple):
 class Silence:
     """Ends links of `session` whose other end is silent for `longest` [s]."""
 
-    def __init__(self, session: zenoh.Session, longest: float = SILENT) -> None:
+    def __init__(self, session: zenoh.Session, longest: float = TUNING.silent_robot) -> None:
         self._sockets = Sockets(session)
         self._longest = longest
         self._last: dict[tuple[str, int], tuple[float, Answers]] = {}

@@ -1,11 +1,11 @@
 """How long a sample that must not be dropped waits for a link that is slower than the others.
 
 Zenoh publishes on one link after the other, and a full one holds up all behind it. Two routers would wait for as long
-as it takes, with everything of the robot behind that one link. Here the others wait no longer than `LONGEST`.
+as it takes, with everything of the robot behind that one link. Here the others wait no longer than `slow_link_wait`.
 
 What may be dropped on one link may be on all: Zenoh gives a link some pieces to hold, and drops what comes before its
 thread has had the time to write them. So from then on each sample waits until the links with room have the one before.
-A link that then lets `LONGEST` run out has dropped what it seemed to have room for: nothing waits for it again either.
+A link that then lets that time run out has dropped what it seemed to have room for: nothing waits for it again either.
 """
 
 import time
@@ -13,15 +13,7 @@ from collections.abc import Callable, Collection
 
 from proxy import clock
 from proxy.bridge.send_buffers import SendBuffers
-
-LONGEST = 0.25
-"""How long the other links wait for a full one [s]."""
-REST = 5.0
-"""How long nothing waits again for links that let it run out [s]."""
-_LOOK = 0.002
-"""Time between two looks at the links [s]."""
-_SOON = 0.0002
-"""The same for links that have room [s]: their threads have only to be scheduled."""
+from proxy.bridge.tuning import TUNING
 
 
 class SlowLinks:
@@ -30,7 +22,7 @@ class SlowLinks:
     def __init__(self, buffers: SendBuffers, wait: Callable[[float], object] = time.sleep) -> None:
         self._buffers = buffers
         self._wait = wait
-        self._lost_at = -REST
+        self._lost_at = -TUNING.slow_link_rest
         self._ended = False
         self._due: dict[str, int] = {}
         """What links will have sent when they have the sample before [B]."""
@@ -42,7 +34,7 @@ class SlowLinks:
     @property
     def calm(self) -> bool:
         """Whether no link was waited for in vain lately: then nothing that links have room for has to wait."""
-        return clock.monotonic() - self._lost_at >= REST
+        return clock.monotonic() - self._lost_at >= TUNING.slow_link_rest
 
     def stop_waiting(self) -> None:
         """Wait no more."""
@@ -53,14 +45,14 @@ class SlowLinks:
 
         Where no link has room the channel is full, and the first that has it again is not held up by the others.
         """
-        until = clock.monotonic() + LONGEST
+        until = clock.monotonic() + TUNING.slow_link_wait
         while not self._ended:
             full, links = self._buffers.slow()
             if not full or links == 1:
                 break
             if full < links and self._lost(clock.monotonic(), until):
                 return True
-            self._wait(_LOOK)
+            self._wait(TUNING.full_link_check)
         return False
 
     def await_previous(self, size: int, takers: Collection[str]) -> None:
@@ -69,10 +61,10 @@ class SlowLinks:
             self._due = {}
             self._given_up.clear()
             return
-        until = clock.monotonic() + LONGEST
+        until = clock.monotonic() + TUNING.slow_link_wait
         sent = self._buffers.sent()
         while (behind := self._behind(sent)) and not self._ended and clock.monotonic() < until:
-            self._wait(_SOON)
+            self._wait(TUNING.free_link_check)
             sent = self._buffers.sent()
         self._given_up |= behind
         self._due = {zid: done + size for zid, done in sent.items() if zid in takers and zid not in self._given_up}
@@ -81,7 +73,7 @@ class SlowLinks:
         return {zid for zid, due in self._due.items() if sent.get(zid, due) < due}
 
     def _lost(self, now: float, until: float) -> bool:
-        if now - self._lost_at < REST:
+        if now - self._lost_at < TUNING.slow_link_rest:
             return True
         if now < until:
             return False

@@ -8,20 +8,11 @@ from functools import partial
 
 from proxy import clock
 from proxy.bridge import keys
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.budget import Bucket
 from proxy.core.interface.events import Event, PeerAppeared, PeerGone
 from proxy.core.protocol.messages import tag
 
-MOST = 1024
-"""Tokens known at once; more are not believed."""
-OWN_CHANGES, OWN_AT_ONCE = 1.0, 6.0
-"""Of one robot so many changes are told a second, and at once: each has all robots share the channel anew..."""
-CHANGES, AT_ONCE = 50.0, 300.0
-"""... and so many of all robots."""
-AGAIN = 0.1
-"""What is too much is looked at again after this time [s]."""
-MOST_NAME = 128
-"""Letters in the name of a robot."""
 _ZID = re.compile("[0-9a-f]{1,32}")
 
 Job = Callable[[], Event | None]
@@ -45,7 +36,7 @@ class Tokens:
         self._refuse = refuse
         self._lost = lost
         self._found = found
-        self._changes = Bucket(clock.monotonic(), CHANGES, AT_ONCE)
+        self._changes = Bucket(clock.monotonic(), BOUNDS.all_token_changes, BOUNDS.all_token_changes_at_once)
         self._own_changes: dict[tuple[str, str], Bucket] = {}
         self._lock = threading.Lock()
         self._there: set[tuple[str, str]] = set()
@@ -59,8 +50,8 @@ class Tokens:
         if zid == self._own:
             return
         place = robot, zid
-        if len(robot) > MOST_NAME or not _ZID.fullmatch(zid):
-            self._refuse(clock.monotonic(), robot[:MOST_NAME], "token:malformed")
+        if len(robot) > BOUNDS.name_length or not _ZID.fullmatch(zid):
+            self._refuse(clock.monotonic(), robot[: BOUNDS.name_length], "token:malformed")
             return
         with self._lock:
             if not self._take_note(place, there=there):
@@ -82,7 +73,7 @@ class Tokens:
                     del self.tags[name]
                     self._lost(name)
             return known
-        if len(self._there) >= MOST or len(self._news) >= 2 * MOST:
+        if len(self._there) >= BOUNDS.tokens or len(self._news) >= 2 * BOUNDS.tokens:
             return False
         if place not in self._there:
             self._there.add(place)
@@ -96,16 +87,16 @@ class Tokens:
         now = clock.monotonic()
         own = self._own_changes.get(place)
         if own is None:
-            if len(self._own_changes) > 2 * MOST:
+            if len(self._own_changes) > 2 * BOUNDS.tokens:
                 self._own_changes.clear()
-            own = self._own_changes[place] = Bucket(now, OWN_CHANGES, OWN_AT_ONCE)
+            own = self._own_changes[place] = Bucket(now, BOUNDS.token_changes, BOUNDS.token_changes_at_once)
         room = own.take(now)
         if room and not self._changes.take(now):
             room = False
             own.give_back()
         if not room:
             self._refuse(now, place[0], "token:flood")
-            self._later(now + AGAIN, partial(self._tell, place))
+            self._later(now + BOUNDS.token_retry, partial(self._tell, place))
             return None
         with self._lock:
             there = self._news.pop(place)

@@ -7,6 +7,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.broadcast import DataSession
 from proxy.bridge.demand import Demand
 from proxy.bridge.sample import Held, publish
@@ -14,9 +15,6 @@ from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.slow_links import SlowLinks
 
 log = logging.getLogger(__name__)
-
-SAID = 60.0
-"""That samples may have been lost on a slow link is said this often [s]."""
 
 
 class Writer:
@@ -86,7 +84,7 @@ class Writer:
         """A sample may be dropped on a link that is slower than the others."""
         self.risked += 1
         said_at, said = self._said
-        if clock.monotonic() - said_at >= SAID:
+        if clock.monotonic() - said_at >= BOUNDS.warnings_apart:
             self._said = clock.monotonic(), self.risked
             log.warning(
                 "a link takes much less than the others; samples that may have been lost there since that was said: %d",

@@ -11,7 +11,8 @@ import zenoh
 
 from proxy import clock, exit_codes
 from proxy.bridge import keys
-from proxy.bridge.fleet import PATIENCE, Outcome, read_outcomes
+from proxy.bridge.fleet import Outcome, read_outcomes
+from proxy.bridge.tuning import TUNING
 from proxy.config_values import endpoint, robot_name
 from proxy.errors import ProxyError
 
@@ -78,7 +79,7 @@ class Client:
 
     def order(self, robot: str, order: str, payload: bytes) -> list[Outcome]:
         """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""
-        return read_outcomes(self._ask(keys.to_fleet(robot, order), payload, PATIENCE + TIMEOUT)[0].encode())
+        return read_outcomes(self._ask(keys.to_fleet(robot, order), payload, TUNING.order_wait + TIMEOUT)[0].encode())
 
     def samples(self, key: str, timeout: float) -> Generator[zenoh.Sample, None, None]:
         """Yield what is put under a key expression from now on. Raises NoAnswerError after so many seconds."""

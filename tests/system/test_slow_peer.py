@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from proxy.bridge.slow_links import LONGEST
+from proxy.bridge.tuning import TUNING
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
@@ -47,5 +47,5 @@ def test_one_slow_robot_delays_the_others_by_a_bounded_time(team, hinder):
     assert numbers == list(range(numbers[0], total))
     late = max(sample["heard"] - sample["sent"] for sample in heard[0].heard("bulk"))
     print(f"longest delay {late:.3f} s")
-    assert late < LONGEST + SLACK
+    assert late < TUNING.slow_link_wait + SLACK
     slow.daemon.send_signal(signal.SIGCONT)

@@ -1,6 +1,7 @@
 """Samples that are broadcast, on the loopback interface: it carries multicast to other sessions of the host."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -13,6 +14,7 @@ from proxy.bridge import keys
 from proxy.bridge.broadcast import PREFIX, Broadcast, broadcast_options, pattern
 from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sessions import zenoh_session
+from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import SampleHeard
 from proxy.errors import SessionError
 from tests.ports import free_port
@@ -187,16 +189,14 @@ def test_an_interface_that_is_none_is_named_with_its_key(stack, group):
 def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(stack, group, monkeypatch, caplog):
     """Zenoh never uses a group again after an error of the radio. An interface that is still gone is said."""
     caplog.set_level("INFO")
-    monkeypatch.setattr(broadcast_module, "CHECK", 0.01)
-    monkeypatch.setattr(broadcast_module, "PATIENCE", 0.02)
-    monkeypatch.setattr(broadcast_module, "MOST_PATIENCE", 0.05)
+    quick = replace(TUNING, group_check=0.01, group_silent=0.02, longest_group_silent=0.05)
+    monkeypatch.setattr(broadcast_module, "TUNING", quick)
     first, heard = opened(stack, group, others=True)
     wait_until(lambda: first.describe()["reopened"], what="a first time")
     monkeypatch.setattr(first, "_interface", "nope")
     wait_until(lambda: "nope" in caplog.text, what="the warning")
     monkeypatch.setattr(first, "_interface", LOOPBACK)
-    monkeypatch.setattr(broadcast_module, "PATIENCE", 5.0)
-    monkeypatch.setattr(broadcast_module, "MOST_PATIENCE", 5.0)
+    monkeypatch.setattr(broadcast_module, "TUNING", replace(quick, group_silent=5.0, longest_group_silent=5.0))
     second, _ = opened(stack, group)
     wait_until(lambda: second.describe()["heard"] == first.describe()["heard"] == 1, what="each other")
     assert f"nobody was heard on {group}: joined the group anew" in caplog.text

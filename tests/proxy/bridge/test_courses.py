@@ -1,8 +1,11 @@
 """What becomes of the samples of a key follows from rules, mode and specs, and is worked out once."""
 
+from dataclasses import replace
+
 import pytest
 
 from proxy.bridge import courses as courses_module
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.courses import Courses
 from proxy.bridge.rules import Rules
 from proxy.config import BridgeConfig
@@ -57,7 +60,7 @@ def test_a_course_stays_until_another_runtime_is_in_force(courses, live):
 
 def test_keys_that_are_remembered_are_bounded(courses, monkeypatch):
     """Of more all begin anew."""
-    monkeypatch.setattr(courses_module, "COURSES_KEPT", 1)
+    monkeypatch.setattr(courses_module, "BOUNDS", replace(BOUNDS, keys=1))
     course = courses.of("rest")
     courses.of("other")
     assert courses.of("rest") is not course

@@ -1,6 +1,7 @@
 """Each sample is taken once, though several declarations match it and come and go meanwhile."""
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.bridge import deduplication as deduplication_module
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.deduplication import Deduplication, of_query, of_sample
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
@@ -138,7 +140,7 @@ def test_every_sample_is_taken_once_whatever_comes_and_goes(changes, told_apart)
 
 def test_the_cache_is_bounded(monkeypatch):
     """More keys than it remembers cost time, not memory, and change no answer."""
-    monkeypatch.setattr(deduplication_module, "_CACHED", 4)
+    monkeypatch.setattr(deduplication_module, "BOUNDS", replace(BOUNDS, keys=4))
     overlap = Deduplication(of_sample)
     overlap.declare("k/*", print, lambda _: SimpleNamespace())
     for _ in range(2):

@@ -2,11 +2,13 @@
 
 import threading
 from contextlib import suppress
+from dataclasses import replace
 
 import pytest
 import zenoh
 
 from proxy.bridge import demand as demand_module
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.demand import Demand
 from tests.proxy.nodes import Heard, closing, free_endpoint, pass_fence, plain_session
 from tests.waiting import wait_until
@@ -120,7 +122,7 @@ def test_relayed_copies_are_one_more_than_the_robots(mesh):
 
 def test_keys_are_followed_once_and_up_to_a_bound(demand, monkeypatch, events, follow):
     """The same key again changes nothing; beyond the bound a key stays unknown."""
-    monkeypatch.setattr(demand_module, "MOST", 1)
+    monkeypatch.setattr(demand_module, "BOUNDS", replace(BOUNDS, demanded_keys=1))
     for key in ("a", "a", "b"):
         follow(key)
     assert [event.key for event in events] == ["a"] * 2
@@ -129,7 +131,7 @@ def test_keys_are_followed_once_and_up_to_a_bound(demand, monkeypatch, events, f
 
 def test_the_cache_is_bounded(demand, monkeypatch):
     """Many keys do not fill the memory."""
-    monkeypatch.setattr(demand_module, "_CACHED", 3)
+    monkeypatch.setattr(demand_module, "BOUNDS", replace(BOUNDS, keys=3))
     demand.note_robot("z1", ["k/*"])
     assert [demand.copies(f"k/{i}") for i in range(10)] == [1] * 10
     assert len(demand._counts) <= 3

@@ -2,6 +2,7 @@
 
 import itertools
 import threading
+from dataclasses import replace
 
 import pytest
 import zenoh
@@ -15,6 +16,7 @@ from proxy.bridge.room import rooms
 from proxy.bridge.sample import Held
 from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sessions import mesh_options, open_session
+from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import CopyHanded, SampleHanded, SampleRefused
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
@@ -224,12 +226,12 @@ def test_what_passes_is_sent_by_whoever_brings_it(bench):
 
 def test_whoever_brings_more_than_the_thread_can_send_lets_it_catch_up(bench, monkeypatch):
     """The wait is bounded where the thread does not come, and ends when little waits any more."""
-    monkeypatch.setattr(egress_module, "BEHIND", 1)
+    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, passing_backlog=1))
     large = bench.held(LARGE, congestion_control=zenoh.CongestionControl.BLOCK)
     for _ in range(2):
         bench.egress.pass_on("passed:no-spec", large)
     assert bench.egress.waiting["passing"] == 2
-    monkeypatch.setattr(egress_module, "CATCH_UP", 60.0)
+    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, passing_backlog=1, catch_up=60.0))
     bench.egress.start()
     bench.egress.pass_on("passed:no-spec", large)
     wait_until(lambda: len(bench.mine()) == 3, what="all three")
@@ -276,14 +278,14 @@ def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_
     bench = Bench(stack, most=2)
     control = zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
     held = bench.held("x", congestion_control=control)
-    monkeypatch.setattr(egress_module, "BEHIND", 1)
-    monkeypatch.setattr(egress_module, "MOVING", 1e9 if moving else -1.0)
+    tuning = replace(TUNING, passing_backlog=1, moving=1e9 if moving else -1.0)
+    monkeypatch.setattr(egress_module, "TUNING", tuning)
     waited = []
     monkeypatch.setattr(bench.egress._caught_up, "wait_for", lambda _, timeout: waited.append(timeout))
     bench.fill()
     for _ in range(3):
         bench.egress.pass_on("passed:no-spec", held)
-    assert waited == [egress_module.CATCH_UP] * (moving and waits)
+    assert waited == [TUNING.catch_up] * (moving and waits)
     assert bench.egress.waiting["passing"] == 2
 
 
@@ -291,8 +293,7 @@ def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(stack
     """Not only when nothing waits any more."""
     bench = Bench(stack, most=4)
     held = bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK)
-    for name, value in {"BEHIND": 2, "MOVING": 1e9, "CATCH_UP": 60.0}.items():
-        monkeypatch.setattr(egress_module, name, value)
+    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, passing_backlog=2, moving=1e9, catch_up=60.0))
     bench.fill()
     for _ in range(3):
         bench.egress.pass_on("passed:no-spec", held)

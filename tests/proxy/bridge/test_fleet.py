@@ -1,6 +1,7 @@
 """Orders for all robots, between real sessions."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -8,6 +9,7 @@ from proxy.bridge import fleet as fleet_module
 from proxy.bridge import keys
 from proxy.bridge.fleet import Fleet, Outcome, read_outcomes
 from proxy.bridge.serial_executor import SerialExecutor
+from proxy.bridge.tuning import TUNING
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -45,7 +47,8 @@ class Robot:
 @pytest.fixture
 def team(stack, monkeypatch):
     """Three robots; the third obeys nothing."""
-    monkeypatch.setattr(fleet_module, "PATIENCE", 30.0)  # a busy machine needs longer than operators wait
+    patient = replace(TUNING, order_wait=30.0)  # a busy machine needs longer than operators wait
+    monkeypatch.setattr(fleet_module, "TUNING", patient)
     first = Robot(stack, "r1", members=("r2", "r3"))
     second = Robot(stack, "r2", connect=(first.mesh_endpoint,))
     third = Robot(stack, "r3", allowed=(), connect=(first.mesh_endpoint,))

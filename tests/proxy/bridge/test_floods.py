@@ -4,7 +4,8 @@ import logging
 
 import pytest
 
-from proxy.bridge.floods import BURST, PACE, RATE, Floods
+from proxy.bridge.bounds import BOUNDS
+from proxy.bridge.floods import Floods
 
 
 @pytest.fixture
@@ -36,9 +37,9 @@ def test_a_flood_is_told_in_few_events_that_count_all_of_it(floods, told, caplog
     for kind, count in (("digest:old", 130_000), ("state:flood", 65_000)):
         events = [event.count for event in told if event.kind == kind]
         assert sum(events) == count
-        assert len(events) <= BURST + RATE * 130.0 + 1
+        assert len(events) <= BOUNDS.flood_at_once + BOUNDS.flood * 130.0 + 1
         lines = [record.getMessage() for record in caplog.records if kind in record.getMessage()]
-        assert len(lines) == 1 + 130.0 // PACE
+        assert len(lines) == 1 + 130.0 // BOUNDS.warnings_apart
     described = floods.describe(131.0)
     assert described["digest:old"]["messages"] == pytest.approx(130_000, rel=0.02)
     assert described["digest:old"]["age"] == pytest.approx(1.0, abs=0.01)
@@ -46,4 +47,4 @@ def test_a_flood_is_told_in_few_events_that_count_all_of_it(floods, told, caplog
         "messages too many so far (digest:old)",
         "messages too many so far (state:flood)",
     ]
-    assert floods.warnings(130.0 + PACE) == []
+    assert floods.warnings(130.0 + BOUNDS.warnings_apart) == []

@@ -2,8 +2,10 @@
 
 import pytest
 
-from proxy.bridge.hold_back import AT_ONCE, LONGEST, MOST, MOST_ROBOTS, PATIENCE, HoldBack
+from proxy.bridge.bounds import BOUNDS
+from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.sample import origin_of
+from proxy.bridge.tuning import TUNING
 from tests.proxy.nodes import closing, plain_session
 
 BACK, HERE = "back0000", "here0000"
@@ -116,12 +118,12 @@ def test_a_robot_that_says_nothing_is_not_waited_for(order, now, told):
     if told is not None:
         order.queue.note_backlog(BACK, 1, told)
     order.new(1)
-    now[0] += 0.9 * PATIENCE
+    now[0] += 0.9 * TUNING.hold_back
     order.copy("copy", order.stamper[HERE].new_timestamp())
-    now[0] += 0.9 * PATIENCE
+    now[0] += 0.9 * TUNING.hold_back
     order.queue.check(now[0])
     assert order.handed == ["copy"]
-    now[0] += 0.2 * PATIENCE
+    now[0] += 0.2 * TUNING.hold_back
     order.queue.check(now[0])
     order.new(2)
     assert order.handed == ["copy", 1, 2]
@@ -133,7 +135,7 @@ def test_nothing_is_held_back_for_long(order, now):
     order.new("first")
     for _ in range(9):
         assert order.handed.count("first") == 0
-        now[0] += LONGEST / 9
+        now[0] += TUNING.longest_hold_back / 9
         order.copy("copy", order.stamper[HERE].new_timestamp())
         order.queue.check(now[0] + 1e-6)
         order.new("later")
@@ -147,7 +149,7 @@ def test_who_vanishes_again_is_waited_for_a_moment(order, now):
     order.new(1)
     order.queue.lost(BACK)
     assert order.handed == []
-    now[0] += PATIENCE
+    now[0] += TUNING.hold_back
     order.queue.check(now[0])
     assert order.handed == [1]
     order.new(2)
@@ -177,17 +179,17 @@ def test_what_is_on_the_air_before_the_robot_is_linked_waits_too(order):
 def test_there_is_room_for_so_many(order):
     """Of a stream that has no room any more all is handed on, in order."""
     order.flap()
-    for number in range(MOST):
+    for number in range(BOUNDS.held_samples):
         order.new(number)
     assert order.handed == []
-    order.new(MOST)
-    assert order.handed == list(range(MOST + 1))
+    order.new(BOUNDS.held_samples)
+    assert order.handed == list(range(BOUNDS.held_samples + 1))
 
 
 def test_of_the_robots_that_left_so_many_are_remembered(order):
     """Who left first is not waited for."""
     order.queue.lost(BACK)
-    for number in range(MOST_ROBOTS):
+    for number in range(BOUNDS.held_robots):
         order.queue.lost(f"gone{number}")
     order.queue.found(BACK)
     order.new(1)
@@ -196,15 +198,15 @@ def test_of_the_robots_that_left_so_many_are_remembered(order):
 
 def test_tokens_that_come_and_go_hold_up_nobody(order):
     """A robot is waited for so many times."""
-    for number in range(int(AT_ONCE)):
+    for number in range(int(BOUNDS.returns_at_once)):
         order.flap()
         order.new(number)
         order.queue.note_backlog(BACK, number + 1, frozenset())
-    assert order.queue.held == AT_ONCE
+    assert order.queue.held == BOUNDS.returns_at_once
     order.flap()
     order.new("last")
     assert order.handed[-1] == "last"
-    assert order.queue.held == AT_ONCE
+    assert order.queue.held == BOUNDS.returns_at_once
 
 
 def test_what_is_held_back_is_handed_on_at_the_end(order):

@@ -1,5 +1,7 @@
 """What enters on the app side; who hears what is in test_bridge."""
 
+from dataclasses import replace
+
 import pytest
 import zenoh
 
@@ -234,7 +236,7 @@ def test_types_that_are_not_planned_go_at_once_and_are_counted(stack, tmp_path):
 
 def test_what_becomes_of_a_key_is_worked_out_anew_when_the_mode_changes(pair, wanted, monkeypatch):
     """And when more keys come in between than are remembered."""
-    monkeypatch.setattr(courses, "COURSES_KEPT", 1)
+    monkeypatch.setattr(courses, "BOUNDS", replace(courses.BOUNDS, keys=1))
     publisher = pair[0].node()
 
     def heard():

@@ -2,7 +2,8 @@
 
 import pytest
 
-from proxy.bridge.links import GRACE, Links, _resolved
+from proxy.bridge.links import Links, _resolved
+from proxy.bridge.tuning import TUNING
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -13,10 +14,10 @@ def test_an_unreachable_endpoint_is_said_once_and_again_when_linked(stack, caplo
     endpoint = free_endpoint()
     mesh = closing(stack, plain_session("peer", connect=()))
     links = Links(mesh, (endpoint,), 0.0)
-    links.check(GRACE / 2)
+    links.check(TUNING.link_grace / 2)
     assert not caplog.records
     for i in range(5):
-        links.check(GRACE + 1.0 + i)
+        links.check(TUNING.link_grace + 1.0 + i)
     assert [record.message for record in caplog.records] == [f"mesh.connect: no link to {endpoint} yet; still trying"]
     closing(stack, plain_session("peer", listen=(endpoint,)))
     linked = closing(stack, plain_session("peer", connect=(endpoint,)))

@@ -1,10 +1,12 @@
 """Applications that can be reached around the daemon are found, on real sessions."""
 
 import socket
+from dataclasses import replace
 
 import pytest
 
 from proxy.bridge.lookout import Lookout, around, guarded, on_this_host
+from proxy.bridge.tuning import TUNING
 from tests.proxy.nodes import closing, free_endpoint, free_group, outside, plain_session, scouting
 from tests.waiting import wait_until
 
@@ -39,7 +41,7 @@ def test_who_listens_on_this_host_only_is_no_concern(stack, group):
 
 def test_it_looks_again_and_again_and_an_interface_may_be_missing(monkeypatch, stack, group):
     """On its thread it finds who comes later; without the interface it finds nobody and does not fail."""
-    monkeypatch.setattr("proxy.bridge.lookout.PERIOD", 0.05)
+    monkeypatch.setattr("proxy.bridge.lookout.TUNING", replace(TUNING, lookout_interval=0.05))
     lookout, blind = Lookout("auto", [], group), Lookout("nowhere0", [], group)
     for each in (lookout, blind):
         stack.callback(each.close, 1.0)

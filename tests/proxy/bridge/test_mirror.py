@@ -1,8 +1,11 @@
 """One declaration for each wanted key expression, and none for any other."""
 
+from dataclasses import replace
+
 import zenoh
 
 from proxy.bridge import mirror as mirror_module
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.mirror import Mirror
 
 
@@ -66,7 +69,7 @@ def test_what_zenoh_refuses_is_said_once_and_tried_again_when_wanted_anew(caplog
 
 def test_the_number_of_declarations_is_bounded(monkeypatch, caplog):
     """Beyond the bound declarations are refused and said."""
-    monkeypatch.setattr(mirror_module, "MOST", 2)
+    monkeypatch.setattr(mirror_module, "BOUNDS", replace(BOUNDS, declarations=2))
     mirror = Mirror(Made())
     mirror.update(dict.fromkeys("abc", False))
     assert mirror.expressions == ("a", "b")

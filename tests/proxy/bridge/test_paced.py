@@ -3,8 +3,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.bridge.paced import SMALL, Paced
+from proxy.bridge.paced import Paced
 from proxy.bridge.sample import Held
+from proxy.bridge.tuning import TUNING
 
 RATE = 100_000.0
 
@@ -77,7 +78,7 @@ def test_nothing_is_lost_and_no_more_goes_than_the_pace_allows(published):
     for i, (begin, _) in enumerate(went):
         for j in range(i, len(went)):
             size = sum(published[number][0] for _, number in went[i : j + 1])
-            assert size <= RATE * (went[j][0] - begin) + 60_000 + 2 * SMALL * RATE + 1e-3
+            assert size <= RATE * (went[j][0] - begin) + 60_000 + 2 * TUNING.quick_sample * RATE + 1e-3
 
 
 def lane(*samples, rate=RATE):

@@ -9,8 +9,9 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.hold_back import HoldBack
-from proxy.bridge.presence import ANSWERS, DIGESTS, STATES, Presence, free_name
+from proxy.bridge.presence import Presence, free_name
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.gossip.tuning import TUNING as GOSSIP
 from proxy.core.interface.events import (
@@ -176,11 +177,11 @@ def test_too_many_questions_are_not_answered(two, monkeypatch):
     first.presence.send_state(first.state())
     key, now = keys.state("r1", tag(first.zid)), 1000.0
     monkeypatch.setattr("proxy.clock.monotonic", lambda: now)
-    asked = [len(list(second.mesh.get(key, timeout=5.0))) for _ in range(ANSWERS + 5)]
-    assert asked == [1] * ANSWERS + [0] * 5
+    asked = [len(list(second.mesh.get(key, timeout=5.0))) for _ in range(BOUNDS.answers + 5)]
+    assert asked == [1] * BOUNDS.answers + [0] * 5
     now += 1.0
     assert len(list(second.mesh.get(key, timeout=5.0))) == 1
-    wait_until(lambda: len(first.of(StateAsked)) == ANSWERS + 1, what="the word of each answer")
+    wait_until(lambda: len(first.of(StateAsked)) == BOUNDS.answers + 1, what="the word of each answer")
 
 
 def test_a_changed_state_is_published(two):
@@ -264,20 +265,20 @@ def test_what_one_robot_says_is_bounded_whoever_says_it(stack, two, monkeypatch)
     third = Voiced(stack, "r3", (first.endpoint,))
     third.presence.open()
     wait_until(lambda: len(first.of(PeerAppeared)) == 2, what="the third")
-    most = 2 * int(DIGESTS)
+    most = 2 * int(BOUNDS.digests)
     for sent in range(1, most + 1):
         second.insist(sent=float(sent))
     wait_until(lambda: len(first.of(DigestHeard)) + flooded(first) >= most, what="the flood's end")
-    assert 0 < len(first.of(DigestHeard)) <= DIGESTS
+    assert 0 < len(first.of(DigestHeard)) <= BOUNDS.digests
     third.presence.send_digest(third.digest())
     wait_until(lambda: first.of(DigestHeard)[-1].digest.robot == "r3", what="the other robot's")
-    for _ in range(2 * int(STATES)):
+    for _ in range(2 * int(BOUNDS.states)):
         payload, block = pack_state(second.state(number=1)), zenoh.CongestionControl.BLOCK
         second.mesh.put(keys.state("r2", tag(second.zid)), payload, congestion_control=block)
     third.presence.send_state(third.state(number=1))
     wait_until(lambda: [e for e in first.of(StateHeard) if e.state.robot == "r3"], what="the other robot's state")
     wait_until(lambda: first.of(MalformedHeard)[-1].kind == "state:flood", what="the surplus")
-    assert len(first.of(StateHeard)) <= STATES + 1
+    assert len(first.of(StateHeard)) <= BOUNDS.states + 1
 
 
 def flooded(robot):
@@ -289,7 +290,7 @@ def test_digests_that_were_heard_before_take_nothing_from_those_that_come(two):
     """A replay is told from news before anything counts against its robot."""
     first, second = two
     first.heard[tag(second.zid)] = 5.0
-    for sent in (3.0, 5.0) * int(DIGESTS):
+    for sent in (3.0, 5.0) * int(BOUNDS.digests):
         second.insist(sent=sent)
     second.insist(sent=6.0)
     wait_until(lambda: first.of(DigestHeard), what="the news")

@@ -1,11 +1,13 @@
 """Queries between apps of different robots."""
 
+from dataclasses import replace
 from functools import partial
 
 import pytest
 import zenoh
 
 from proxy.bridge import queries as queries_module
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declarations.source_info import enclosed, new_mark
 from proxy.bridge.fence import Fence
 from proxy.bridge.queries import Queries
@@ -283,7 +285,7 @@ def declared(stack, far, executor, fence):
 
 def test_too_many_queries_are_answered_with_an_error(stack, executor, monkeypatch):
     """Beyond its bound a query is refused with a reason instead of waiting for nobody."""
-    monkeypatch.setattr(queries_module, "MOST_PENDING", 0)
+    monkeypatch.setattr(queries_module, "BOUNDS", replace(BOUNDS, queries=0))
     _, asker = declared(stack, closing(stack, plain_session("peer")), executor, open_fence())
     assert list(answers(asker, "service/a")) == ["error: too many queries under way"]
 

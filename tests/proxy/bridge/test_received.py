@@ -1,8 +1,11 @@
 """Of what came already a copy is left out."""
 
+from dataclasses import replace
+
 import pytest
 
 from proxy.bridge import received
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.received import Received
 from tests.proxy.nodes import closing, plain_session
 
@@ -37,8 +40,7 @@ def test_samples_without_timestamps_cannot_be_told_apart():
 
 def test_what_is_remembered_is_bounded(stamp, monkeypatch):
     """Of each key, and in keys: the oldest is forgotten."""
-    monkeypatch.setattr(received, "MOST", 2)
-    monkeypatch.setattr(received, "MOST_EACH", 2)
+    monkeypatch.setattr(received, "BOUNDS", replace(BOUNDS, received_keys=2, received_samples=2))
     heard, stamps = Received(), [stamp() for _ in range(3)]
     for at in stamps:
         heard.takes("a", at, copy=False)

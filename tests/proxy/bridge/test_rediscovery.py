@@ -5,8 +5,9 @@ import struct
 
 import pytest
 
-from proxy.bridge.rediscovery import PATIENCE, PERIOD, Rediscovery, opened
+from proxy.bridge.rediscovery import Rediscovery, opened
 from proxy.bridge.sessions import mesh_options, open_session
+from proxy.bridge.tuning import TUNING
 from tests.ports import free_port
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
@@ -93,14 +94,14 @@ def test_who_is_missing_is_asked_for_until_all_are_back_or_given_up(stack, bench
     goes.close()
     bench.linked(1)
     assert bench.asked(10.0)
-    assert not bench.asked(10.0 + 1.9 * PERIOD)
-    assert bench.asked(10.0 + 2.0 * PERIOD)
+    assert not bench.asked(10.0 + 1.9 * TUNING.rediscovery_interval)
+    assert bench.asked(10.0 + 2.0 * TUNING.rediscovery_interval)
     stays.close()
     bench.linked(0)
     assert bench.asked(20.0)
-    assert bench.asked(20.0 + PERIOD)
-    assert bench.asked(19.0 + PATIENCE)
-    assert not bench.asked(20.0 + PATIENCE)
+    assert bench.asked(20.0 + TUNING.rediscovery_interval)
+    assert bench.asked(19.0 + TUNING.rediscovery_time)
+    assert not bench.asked(20.0 + TUNING.rediscovery_time)
 
 
 def test_where_nobody_is_looked_for_there_is_nothing_to_ask_with(stack):

@@ -1,12 +1,14 @@
 """Where samples wait: bounded in samples and bytes, with a place for a sample of any size."""
 
 import threading
+from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.bridge import room as room_module
 from proxy.bridge.room import Room, rooms
+from proxy.bridge.tuning import TUNING
 from tests.waiting import wait_until
 
 
@@ -37,7 +39,7 @@ def test_who_lingers_goes_on_when_others_have_left(monkeypatch):
         room.enter(1)
     room.linger(1)
     assert room.crowded
-    monkeypatch.setattr(room_module, "CATCH_UP", 60.0)
+    monkeypatch.setattr(room_module, "TUNING", replace(TUNING, catch_up=60.0))
     bringing = threading.Thread(target=room.linger, args=(1,))
     bringing.start()
     wait_until(lambda: room._waiting, what="somebody who lingers")

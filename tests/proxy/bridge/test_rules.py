@@ -4,7 +4,8 @@ import pytest
 import zenoh
 import zenoh.ext
 
-from proxy.bridge.rules import MOST, Companion, Direction, Expressions, Rules, Verdict, companion
+from proxy.bridge.bounds import BOUNDS
+from proxy.bridge.rules import Companion, Direction, Expressions, Rules, Verdict, companion
 from proxy.config import BridgeConfig
 from proxy.core.interface.events import InterestChanged, SamplesPassed
 from tests.proxy.bridge import robots
@@ -150,10 +151,10 @@ def test_of_too_many_declarations_those_that_have_crossed_stay(monkeypatch, capl
     rules = Rules(BridgeConfig.model_validate({"out": {"deny": ["secret/**"]}}))
     honest = {"secret/a": False, "zz/steady": False}
     assert set(rules.out.crossing("subscribers", honest)) == {"zz/steady"}
-    flood = {f"flood/{number}": False for number in range(MOST["subscribers"] + 10)} | honest
+    flood = {f"flood/{number}": False for number in range(BOUNDS.crossing["subscribers"] + 10)} | honest
     for number in range(3):
         crossing = rules.out.crossing("subscribers", flood | {f"more/{number}": False})
-        assert len(crossing) == MOST["subscribers"]
+        assert len(crossing) == BOUNDS.crossing["subscribers"]
         assert "zz/steady" in crossing
     (warning,) = rules.warnings()
     assert warning == "other nodes declared too many subscribers: 13 have no effect until others are gone"
@@ -163,7 +164,7 @@ def test_of_too_many_declarations_those_that_have_crossed_stay(monkeypatch, capl
     assert set(rules.out.crossing("subscribers", flood)) == flood.keys() - {"secret/a"}
     assert rules.warnings() == []
     now += 60.0
-    rules.into.crossing("queryables", dict.fromkeys(map(str, range(MOST["queryables"] + 1)), True))
+    rules.into.crossing("queryables", dict.fromkeys(map(str, range(BOUNDS.crossing["queryables"] + 1)), True))
     assert rules.warnings() == ["other nodes declared too many queryables: 1 have no effect until others are gone"]
 
 

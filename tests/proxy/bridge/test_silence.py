@@ -9,7 +9,8 @@ import pytest
 
 from proxy import clock
 from proxy.bridge.sessions import mesh_options, open_session
-from proxy.bridge.silence import SILENT, Answers, Silence, longest_silence, silent_since
+from proxy.bridge.silence import Answers, Silence, longest_silence, silent_since
+from proxy.bridge.tuning import TUNING
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -65,7 +66,7 @@ def test_a_robot_that_has_no_processor_is_not_silent(mesh):
         def waited():
             silence.check(clock.monotonic())
             assert [link.dst for link in session.info.links()] == before
-            return clock.monotonic() - began > 1.5 * SILENT
+            return clock.monotonic() - began > 1.5 * TUNING.silent_robot
 
         wait_until(waited, what="more than a robot may be silent")
     finally:

@@ -2,7 +2,8 @@
 
 import pytest
 
-from proxy.bridge.slow_links import LONGEST, REST, SlowLinks
+from proxy.bridge.slow_links import SlowLinks
+from proxy.bridge.tuning import TUNING
 
 
 class Links:
@@ -73,12 +74,12 @@ def test_it_stays_full_once_and_rests(monkeypatch):
     assert slow.calm
     assert slow.stays_full()
     assert not slow.calm
-    assert LONGEST <= now[0] - 100.0 < LONGEST + 0.01
+    assert TUNING.slow_link_wait <= now[0] - 100.0 < TUNING.slow_link_wait + 0.01
     before = now[0]
     assert slow.stays_full()
     assert now[0] == before
     assert slow.lost == 1
-    now[0] += REST
+    now[0] += TUNING.slow_link_rest
     assert slow.calm
     assert slow.stays_full()
     assert slow.lost == 2
@@ -125,7 +126,7 @@ def test_a_link_that_sends_nothing_is_waited_for_once(lost):
     links.written["keeps up"] += 500
     before = now[0]
     slow.await_previous(500, {"another", "keeps up"})
-    assert LONGEST <= now[0] - before < LONGEST + 0.01
+    assert TUNING.slow_link_wait <= now[0] - before < TUNING.slow_link_wait + 0.01
     before = now[0]
     for _ in range(5):
         links.written["keeps up"] += 500
@@ -146,7 +147,7 @@ def test_after_its_rest_nothing_is_looked_at(lost):
     """All links take what comes."""
     slow, links, _, now = lost
     slow.await_previous(500, {"another"})
-    now[0] += REST
+    now[0] += TUNING.slow_link_rest
     slow.await_previous(500, {"another"})
     slow.await_previous(500, {"another"})
     assert links.waits == 0

@@ -1,9 +1,12 @@
 """Presence tokens as they come and go."""
 
+from dataclasses import replace
+
 import pytest
 
 from proxy.bridge import keys, tokens
-from proxy.bridge.tokens import AT_ONCE, CHANGES, OWN_AT_ONCE, OWN_CHANGES, Tokens
+from proxy.bridge.bounds import BOUNDS
+from proxy.bridge.tokens import Tokens
 from proxy.core.interface.events import PeerAppeared, PeerGone
 
 
@@ -90,7 +93,7 @@ def test_tokens_of_no_robot_are_malformed(made, posted, refused, token):
 
 def test_a_flood_of_tokens_is_bounded(made, posted, monkeypatch):
     """More than a mesh has robots are not believed, until others vanish."""
-    monkeypatch.setattr(tokens, "MOST", 10)
+    monkeypatch.setattr(tokens, "BOUNDS", replace(BOUNDS, tokens=10))
     for number in range(30):
         made.note(keys.alive("r2", f"{number:x}b"), there=True)
     assert len(told(posted)) == 10
@@ -108,21 +111,21 @@ def test_a_robot_that_comes_and_goes_without_end_is_news_once_in_a_while(made, p
         now[0] += 0.05
     now[0] += 1.0
     news += told(posted)
-    assert len(news) <= OWN_AT_ONCE + 6.0 * OWN_CHANGES
+    assert len(news) <= BOUNDS.token_changes_at_once + 6.0 * BOUNDS.token_changes
     assert news[-1] == (PeerGone, "r2", "0b")
     assert set(refused) == {("r2", "token:flood")}
 
 
 def test_changes_of_all_robots_together_are_bounded(made, posted, now):
     """A flood of tokens is taken in by and by; whoever is there is told of in the end."""
-    robots = int(AT_ONCE) + 40
+    robots = int(BOUNDS.all_token_changes_at_once) + 40
     for number in range(robots):
         made.note(keys.alive("r2", f"{number:x}b"), there=True)
-    assert len(told(posted)) == AT_ONCE
+    assert len(told(posted)) == BOUNDS.all_token_changes_at_once
     found = 0
     for _ in range(200):
         now[0] += 0.1
         news = len(told(posted))
-        assert news <= CHANGES * 0.1 + 1
+        assert news <= BOUNDS.all_token_changes * 0.1 + 1
         found += news
     assert found == 40

@@ -1,6 +1,6 @@
 """The bridge benchmark measures what really goes through real processes."""
 
-from proxy.bridge.sessions import BATCH
+from proxy.bridge.tuning import TUNING
 from studies.benchmarks.bridge.arrangements import PIECE, QUICK
 
 
@@ -30,7 +30,7 @@ def test_where_a_spec_decides_newer_samples_supersede(measured):
 
 def test_a_router_beside_a_daemon_sends_in_pieces_of_the_same_size():
     """So that it tells what these cost."""
-    assert int(PIECE) == BATCH
+    assert int(PIECE) == TUNING.batch
 
 
 SIZES = ("64", "40,000")

@@ -9,7 +9,8 @@ from pathlib import Path
 import msgpack
 import pytest
 
-from proxy.bridge import keys, presence
+from proxy.bridge import keys
+from proxy.bridge.bounds import BOUNDS
 from proxy.core.gossip.tuning import TUNING as GOSSIP
 from proxy.core.protocol.backlog_codec import pack_backlog
 from proxy.core.protocol.bid import Segment
@@ -128,8 +129,8 @@ def test_versions_and_floods_are_those_in_force():
     """What stands in sentences."""
     assert f"It is the protocol of wire version {VERSION}." in PAGE
     assert f"none older than {OLDEST}." in PAGE
-    each = presence.DIGESTS, presence.STATES, presence.WORDS
-    every = presence.ALL_DIGESTS, presence.ALL_STATES, presence.ALL_WORDS
+    each = BOUNDS.digests, BOUNDS.states, BOUNDS.backlogs
+    every = BOUNDS.all_digests, BOUNDS.all_states, BOUNDS.all_backlogs
     (said,) = re.findall(r"up to (\d+) digests, (\d+) states and (\d+) backlogs", PAGE)
     assert tuple(map(float, said)) == each
     (said,) = re.findall(r"all together up to ([\d,]+), (\d+) and (\d+)\.", PAGE)

@@ -1,0 +1,139 @@
+"""The constants of the bridge, each with why it is what it is; how much is taken in of others stands in `bounds.py`."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeTuning:
+    """Sizes of buffers and pieces, how long is waited for what, and how often it is looked."""
+
+    # The mesh session
+    socket_buffer: int = 65536
+    """Socket buffers on the mesh [B]. Large ones hide seconds of queue from the daemon."""
+    batch: int = 8192
+    """Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than a robot may be silent."""
+    pieces_waiting: int = 8
+    """Pieces that wait in each of Zenoh's queues for samples on the mesh."""
+    full_link_wait: int = 1000
+    """A publication waits this long for a full link before its sample is dropped there [µs]."""
+    full_link_wait_pieces: int = 50_000
+    """The same for the next of many pieces of a sample, as long as routers wait [µs]."""
+    full_link_closes: int = 2_000_000
+    """A link that is full for this long is given up where a publication must not be dropped [µs]."""
+    threads_sending: int = 8
+    """Zenoh's threads that send, for both sides together."""
+    threads_receiving: int = 64
+    """Those that receive: a lost link keeps one for 10 s. With few, the apps' side would stop."""
+    threads_linking: int = 4
+    """Those that open and end links."""
+
+    # Links
+    lease: int = 10_000
+    """A link from which Zenoh reads nothing for this long is given up [ms]: a process hangs at its other end. Who
+    vanishes is missed sooner, by `silence`."""
+    keep_alive: int = 20
+    """So many times in a lease a link that is idle is used all the same: who vanishes leaves that unanswered."""
+    lease_unseen: int = 2000
+    """The lease where links may not be TCP, so that the kernel does not know who is silent [ms]."""
+    silent_robot: float = 2.0
+    """A robot whose kernel says nothing for this long, although it should, is gone [s]."""
+    redial_router: tuple[int, int] = (100, 200)
+    """A router that apps use is dialled again after the first of these times, in the end after the other one [ms]."""
+    redial_mesh: tuple[int, int] = (200, 1000)
+    """The same for what is dialled on the mesh [ms]."""
+    redial_slower: float = 1.5
+    """Each time takes so many times as long as the one before, until then."""
+    link_grace: float = 2.0
+    """A link may take this long before it is missed [s]."""
+    young_link: float = 1.0
+    """A link that ends sooner may be one of two that were dialled at once [s]."""
+    rediscovery_interval: float = 0.5
+    """Time between two questions of a robot without any link [s]; with each link that is left it is as much longer, for
+    all who hear a question answer it."""
+    rediscovery_time: float = 60.0
+    """A lost robot is looked for for so long [s]; after that Zenoh's own questions have to do."""
+    lookout_interval: float = 10.0
+    """Time between two looks for what others can reach beside the daemon [s]; one takes a millisecond of a core."""
+    lookout_listen: float = 0.3
+    """Answers are waited for for so long [s]; on this host they take milliseconds."""
+
+    # The group on which robots broadcast
+    join_interval: int = 1000
+    """A robot says this often that it is on the group [ms]: a newcomer is heard this late at most. Costs 135 B/s."""
+    group_check: float = 0.5
+    """Time between two looks at who is heard [s]."""
+    group_silent: float = 2.5
+    """The session is opened anew when nobody is heard for so long although there are others [s]; then after twice as
+    long, and so on."""
+    longest_group_silent: float = 60.0
+    """Nobody is waited for any longer than this before the session is opened anew [s]."""
+
+    # Following what is declared
+    mirroring_interval: float = 0.1
+    """Time between two reports of what passed, and looks at the links [s]."""
+    long_look: float = 0.01
+    """After a look at the links that took longer than this there is a rest [s]."""
+    rest_after_look: float = 3.0
+    """The rest takes so many times as long as the look."""
+    longest_rest: float = 0.25
+    """The rest takes no longer than this [s]."""
+    grace: float = 0.1
+    """What may be replaced by something new stays for so long: longer than a callback of Zenoh's waits to run [s]."""
+
+    # Samples on their way to the mesh
+    stamp_mismatch: float = 1.0
+    """A timestamp further than this from the arrival says nothing about when the sample was made [s]."""
+    passing_backlog: int = 32
+    """With more passing samples whoever brings one lets the thread catch up, where surely no link holds it up."""
+    catch_up: float = 0.001
+    """Whoever brings a sample lets others leave for this long at most, for each 64 kB of it [s]."""
+    push_back: float = 0.05
+    """Passing traffic delays a decided sample by no more than this [s]."""
+    moving: float = 0.05
+    """Full links move when a sample was sent so recently, for each 64 kB of the one in hand [s]: who publishes faster
+    is slowed down then, not dropped."""
+    idle_check: float = 0.005
+    """Time between two looks whether links are idle, while something waits for its pace [s]; Zenoh's thread has this
+    long to write the sample before."""
+    quick_sample: float = 0.01
+    """What takes no longer than this at the pace [s] goes before what takes longer. A frame of 26 kB at 1 Mbit/s holds
+    its successor up for 0.2 s; behind it odometry of 116 B came 172 ms late (nine of ten samples less than that)."""
+    slow_link_wait: float = 0.25
+    """The other links wait for a full one for this long at most [s]."""
+    slow_link_rest: float = 5.0
+    """Nothing waits again for links that let that time run out for so long [s]."""
+    full_link_check: float = 0.002
+    """Time between two looks at full links [s]."""
+    free_link_check: float = 0.0002
+    """Time between two looks at links that have room [s]: their threads have only to be scheduled."""
+
+    # Send buffers
+    usable_buffer: float = 0.5
+    """Part of a send buffer that is filled without asking again."""
+    little_room: int = 16384
+    """With less room than this a link counts as slow [B]."""
+    idle_buffer: int = 4096
+    """A link with no more than this in its socket is idle: something small may always be on its way [B]."""
+    sample_overhead: int = 2048
+    """What a small sample may take of a send buffer beside its bytes, in the worst case [B]."""
+    sent_lately: int = 300
+    """A link that sent nothing for so long says nothing of the channel [ms]; it says that it is alive every 500 ms."""
+    dense_segments: int = 4
+    """With fewer segments on their way a round trip is longer than the way: receivers wait before they acknowledge."""
+
+    # Samples that come from the mesh
+    hold_back: float = 2.0
+    """A robot is waited for so long after its return, its last word or its last copy [s]."""
+    longest_hold_back: float = 10.0
+    """No sample is held back for longer [s]."""
+
+    # The daemon
+    name_wait: float = 0.15
+    """A daemon that starts listens for this long for another one of its name [s]."""
+    order_wait: float = 5.0
+    """The other robots have this long to answer an order [s]."""
+    stop_wait: float = 0.15
+    """Closing waits this long for a thread that is inside a call of Zenoh [s]."""
+
+
+TUNING = BridgeTuning()
