@@ -5,16 +5,14 @@ from threading import Event
 
 from proxy import clock
 from proxy.bridge.serial_executor import SerialExecutor
-
-MOST = 8
-"""Jobs that may wait; each holds a sample."""
+from proxy.tuning import TUNING
 
 
 class Background(SerialExecutor):
     """Runs one job after the other, in order."""
 
     def __init__(self) -> None:
-        super().__init__("costly features", MOST)
+        super().__init__("costly features", TUNING.costly_jobs)
 
     def now(self) -> float:
         """Return the time on our clock [s]."""

@@ -6,15 +6,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from proxy.core.protocol.tuning import TUNING
+from proxy.core.protocol.tuning import TUNING as PROTOCOL
+from proxy.tuning import TUNING
 
-PACE = 1.0
-"""Time between two looks at what the wall clock shows [s]."""
-STEP = 1e-3
-"""Less than this is no step of the wall clock [s]."""
-CALM = 600.0
-"""A wall clock is known better than it was when it has been for so long [s]."""
-_READINGS = 5
 _UNSYNCHRONISED = 0x40
 """The kernel's flag of it (STA_UNSYNC)."""
 
@@ -29,7 +23,7 @@ def wall() -> float:
 
 def wall_offset() -> float:
     """What the wall clock shows more than the monotonic clock [s]; only a step alters it, for both are slewed alike."""
-    return min(_reading() for _ in range(_READINGS))[1]
+    return min(_reading() for _ in range(TUNING.wall_clock_readings))[1]
 
 
 def kernel_error() -> float:
@@ -58,16 +52,16 @@ class WallWatch:
         self._told = Wall(offset, 0.0)
         self._bound = bound
         self._kernel = kernel
-        self._due = monotonic() + PACE
+        self._due = monotonic() + TUNING.wall_clock_interval
         self._worse_at = -math.inf
 
     def look(self, now: float) -> Wall | None:
         """Return what is known of the wall clock now if that is news; cheap as a rule."""
         if now < self._due:
             return None
-        self._due = now + PACE
+        self._due = now + TUNING.wall_clock_interval
         offset, error = wall_offset(), self._error(now)
-        if abs(offset - self._told.offset) < STEP and error == self._told.error:
+        if abs(offset - self._told.offset) < TUNING.wall_clock_step and error == self._told.error:
             return None
         self._told = Wall(offset, error)
         return self._told
@@ -76,13 +70,13 @@ class WallWatch:
         """In steps of twice as much: what the kernel says grows until it is told anew, and each step is told."""
         if not self._bound:
             return 0.0
-        known = min(max(self._kernel(), self._bound), 2.0 * TUNING.clock_error)
+        known = min(max(self._kernel(), self._bound), 2.0 * PROTOCOL.clock_error)
         error = self._bound * 2.0 ** math.ceil(math.log2(known / self._bound))
-        error, told = error if error <= TUNING.clock_error else 0.0, self._told.error
+        error, told = error if error <= PROTOCOL.clock_error else 0.0, self._told.error
         if not told or not error or error >= told:
             self._worse_at = now
             return error
-        return error if now >= self._worse_at + CALM else told
+        return error if now >= self._worse_at + TUNING.wall_clock_calm else told
 
 
 def _reading() -> tuple[float, float]:

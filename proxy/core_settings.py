@@ -6,9 +6,7 @@ from proxy import clock
 from proxy.config import Config
 from proxy.core.model import transport
 from proxy.core.model.settings import CoreSettings
-
-AWAY = 600.0
-"""A robot that has vanished for longer is gone: nothing is kept for it any more [s]."""
+from proxy.tuning import TUNING
 
 
 def core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
@@ -32,5 +30,5 @@ def core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         digests_on_air=mesh.transport == "broadcast" and not mesh.secured,
         wall_offset=clock.wall_offset(),
         version=metadata.version("sendworthy"),
-        away=AWAY,
+        away=TUNING.away,
     )

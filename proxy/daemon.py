@@ -38,25 +38,10 @@ from proxy.orders import orders
 from proxy.planning import Planning
 from proxy.reloading import Loaded, Reloading
 from proxy.runtime import LiveRuntime, Runtime
+from proxy.tuning import TUNING
 from utility_specs import Specs
 
 log = logging.getLogger(__name__)
-
-_PATIENCE = 0.15
-"""How long a stop waits for each thread [s]."""
-
-
-_FAREWELL = 0.15
-"""How long the routers of the app side have to take note of each other's end [s]."""
-
-STOP = 0.7
-"""How long a stop may take [s]."""
-
-ORDERS = 16
-"""Orders that may wait, each of which may be of megabytes."""
-
-SWAP = 2.0
-"""How long whoever reloads waits until it is done [s]."""
 
 
 class Daemon:
@@ -86,12 +71,12 @@ class Daemon:
     def stop(self) -> bool:
         """Stop in order: what comes in first, the sessions last. Does nothing the second time.
 
-        Takes no longer than `STOP` even when the mesh stands still: Zenoh would wait 10 s for it. Returns whether all
-        is closed; if not, a thread goes on closing, and an interpreter that ends meanwhile aborts the process.
+        Takes no longer than `stop_time` even when the mesh stands still: Zenoh would wait 10 s for it. Returns whether
+        all is closed; if not, a thread goes on closing, and an interpreter that ends meanwhile aborts the process.
         """
         stopping = threading.Thread(target=self._close, name="stop", daemon=True)
         stopping.start()
-        stopping.join(STOP)
+        stopping.join(TUNING.stop_time)
         closed = not stopping.is_alive()
         if not closed:
             log.warning("the mesh stands still and takes no farewell; leaving without")
@@ -104,7 +89,7 @@ class Daemon:
 
     def swap_specs(self, specs: Specs) -> None:
         """Put another generation of specs in force; returns when it is. Raises TimeoutError."""
-        self._loop.ask(partial(self._swap, specs), SWAP)
+        self._loop.ask(partial(self._swap, specs), TUNING.core_wait)
 
     def watch(self, alive: Callable[[], None], every: float) -> None:
         """Call `alive` every so often [s], as long as the loop runs and decisions come to an end."""
@@ -129,7 +114,7 @@ class Daemon:
                     case ("log", "level"):
                         logging.getLogger().setLevel(loaded.config.log.level.upper())
 
-        self._loop.ask(apply, SWAP)
+        self._loop.ask(apply, TUNING.core_wait)
 
     def _swap(self, specs: Specs) -> None:
         """Put specs in force, on the loop's thread."""
@@ -159,7 +144,7 @@ class Daemon:
         """Build everything between the sessions, and start it from the core outwards."""
         config = self._config
         scouted = Scouted(config.mesh.interface) if config.mesh.scouts else None
-        sides = open_sides(config.app, config.mesh, opening, _FAREWELL)
+        sides = open_sides(config.app, config.mesh, opening, TUNING.farewell)
         self.robot = free_name(sides.mesh, config.robot)
         self._loop = self._make_loop(sides)
         self._planning = self._make_planning()
@@ -173,7 +158,7 @@ class Daemon:
         self._execution = Execution(bridge, presence, self._planning, extractor, self._loop)
         for thread in (self._planning, extractor, self._loop):
             thread.start()
-            opening.callback(thread.close, _PATIENCE)
+            opening.callback(thread.close, TUNING.stop_wait)
         for part in (bridge, presence):
             opening.callback(part.close)
             part.open()
@@ -214,7 +199,7 @@ class Daemon:
         """Look for what goes around the daemon, and say where no robots are looked for."""
         ours = str(sides.app.zid()), str(sides.mesh.zid())
         lookout = Lookout(self._config.mesh.interface, ours, _scouting_group(self._config))
-        opening.callback(lookout.close, _PATIENCE)
+        opening.callback(lookout.close, TUNING.stop_wait)
         lookout.start()
         for warning in scouted.warnings() if scouted else ():
             log.warning("%s", warning)
@@ -223,7 +208,7 @@ class Daemon:
     def _serve_operator(self, sides: Sides, status: DaemonStatus, opening: ExitStack) -> None:
         """Answer whoever operates this robot."""
         executor = SerialExecutor("control")  # of its own: what waits for the mesh must not keep the operator waiting
-        opening.callback(executor.close, _PATIENCE)
+        opening.callback(executor.close, TUNING.stop_wait)
         control = Control(
             app=sides.app,
             robot=self.robot,
@@ -237,8 +222,8 @@ class Daemon:
     def _serve_fleet(self, sides: Sides, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""
         loop, view = self._loop, self._loop.core.view
-        executor = SerialExecutor("fleet", ORDERS)
-        opening.callback(executor.close, _PATIENCE)
+        executor = SerialExecutor("fleet", TUNING.orders)
+        opening.callback(executor.close, TUNING.stop_wait)
         fleet = Fleet(
             app=sides.app,
             mesh=sides.mesh,
@@ -247,10 +232,10 @@ class Daemon:
             obeyed=orders(
                 self._config.fleet,
                 self.robot,
-                lambda mode: loop.ask(partial(self._ordered, mode), SWAP),
+                lambda mode: loop.ask(partial(self._ordered, mode), TUNING.core_wait),
                 self.reloading,
             ),
-            members=lambda: loop.ask(lambda: [peer.robot for peer in view.peers.values()], SWAP),
+            members=lambda: loop.ask(lambda: [peer.robot for peer in view.peers.values()], TUNING.core_wait),
         )
         opening.callback(fleet.close)
 

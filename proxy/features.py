@@ -16,11 +16,8 @@ import zenoh
 from proxy import clock
 from proxy.background import Background
 from proxy.core.interface.events import SamplePublished, SampleReread
+from proxy.tuning import TUNING
 from utility_specs import InformationType
-
-PACE = 0.002
-"""The core takes up samples of one Markovian stream at least this far apart [s]."""
-_REMEMBERED = 4096
 
 
 @dataclass(slots=True)
@@ -124,14 +121,14 @@ class Extractor:
             self._jobs.append(place)
             self._wake.notify()
         else:
-            self._post(place, PACE if replaceable else 0.0)
+            self._post(place, TUNING.uptake_interval if replaceable else 0.0)
 
     def _post(self, place: _Place, pause: float) -> None:
         """Let the loop take up the place when its time has come; the next one of its key `pause` [s] later."""
         key, now = place.key, place.event.now
         when = max(now, self._next.pop(key, now))
         self._next[key] = when + pause
-        if len(self._next) > _REMEMBERED:
+        if len(self._next) > TUNING.uptakes:
             del self._next[next(iter(self._next))]
         self._post_at(when, lambda: self._current(place, self._taken(place)))
 

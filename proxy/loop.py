@@ -13,11 +13,10 @@ from proxy import clock
 from proxy.core.core import Core
 from proxy.core.interface.commands import Command
 from proxy.core.interface.events import ClockChanged, Event, TimePassed
+from proxy.tuning import TUNING
 
 log = logging.getLogger(__name__)
 
-MOST = 8192
-"""Items that may wait; more are taken in only if they must not be lost."""
 
 T = TypeVar("T")
 Item = Event | Callable[[], Event | None]
@@ -63,7 +62,7 @@ class Loop:
 
     def offer(self, item: Item) -> bool:
         """Let the core know, if not too many items wait: for what others cause, and say again. From any thread."""
-        if self._items.qsize() >= MOST:
+        if self._items.qsize() >= TUNING.items:
             with self._refusing:
                 self.refused += 1
             return False

@@ -6,11 +6,10 @@ more before it runs, and a sample passes five threads.
 
 import os
 
-NICE = -10
-"""The niceness of the daemon where it may choose: ten times the weight of a usual process."""
+from proxy.tuning import TUNING
 
 
-def raise_priority(nice: int = NICE) -> bool:
+def raise_priority(nice: int = TUNING.niceness) -> bool:
     """Put this thread, and those that it starts from now on, before others; whether we may, or are there already."""
     if os.getpriority(os.PRIO_PROCESS, 0) <= nice:
         return True

@@ -10,13 +10,11 @@ from pathlib import Path
 import msgpack
 
 from proxy.errors import PushError
+from proxy.tuning import TUNING
 from utility_specs import SpecsError, load_specs
 from utility_specs.loader import spec_files
 
 VERSION = 1
-MOST_FILES = 64
-MOST_BYTES = 1024 * 1024
-"""Of all files together [B]."""
 _NAME = re.compile(r"[\w-][\w.-]{0,99}\.toml")
 
 
@@ -112,5 +110,6 @@ def _check(files: Mapping[str, bytes]) -> None:
     for name, content in files.items():
         if not isinstance(name, str) or not _NAME.fullmatch(name) or not isinstance(content, bytes):
             raise PushError(f"{name!r} is no name of a file of specs: letters, digits, ., _ and -, ending with .toml")
-    if len(files) > MOST_FILES or sum(map(len, files.values())) > MOST_BYTES:
-        raise PushError(f"at most {MOST_FILES} files of {MOST_BYTES // 1024} KiB together can be pushed")
+    if len(files) > TUNING.pushed_files or sum(map(len, files.values())) > TUNING.pushed_bytes:
+        most = f"{TUNING.pushed_files} files of {TUNING.pushed_bytes // 1024} KiB"
+        raise PushError(f"at most {most} together can be pushed")

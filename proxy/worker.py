@@ -10,13 +10,7 @@ from planner import SearchSettings, start
 from proxy import clock
 from proxy.core.interface.commands import Decide
 from proxy.core.interface.events import DecisionLate, DecisionReady
-
-CHUNK = 25
-"""Iterations between two looks at the clock, at most: in large windows they take long, so it begins with fewer."""
-SEARCHING = 0.8
-"""A search ends after this part of the deadline: the rest is for the plan, and for the way back to the core."""
-STUCK = 2.0
-"""A decision that takes this much longer than it may will never end [s]."""
+from proxy.tuning import TUNING
 
 
 def decide(command: Decide, settings: SearchSettings, deadline: float) -> DecisionReady:
@@ -24,13 +18,13 @@ def decide(command: Decide, settings: SearchSettings, deadline: float) -> Decisi
 
     It counts from when the decision was asked for. One iteration runs in any case: without it nothing is decided.
     """
-    until = command.asked + SEARCHING * deadline
+    until = command.asked + TUNING.search_part * deadline
     try:
         search = start(command.problem, settings, command.seed)
         search.run(min(1, command.iterations))
         began = now = clock.monotonic()
         while not search.done and search.iterations < command.iterations and now < until:
-            search.run(min(CHUNK, search.iterations, command.iterations - search.iterations))
+            search.run(min(TUNING.iterations, search.iterations, command.iterations - search.iterations))
             now = clock.monotonic()
         searched, plan, now = now - began, search.plan(), clock.monotonic()
         took = now - command.asked
@@ -75,7 +69,7 @@ class Worker:
 
     def stuck(self, now: float) -> bool:
         """Whether the decision in hand does not come to its end."""
-        return now > self._began + self._deadline + STUCK
+        return now > self._began + self._deadline + TUNING.stuck_after
 
     def _run(self) -> None:
         while (command := self._newest()) is not None:

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass, field
 
-from proxy.clock import PACE, STEP, Wall
+from proxy.clock import Wall
 from proxy.core.core import Core
 from proxy.core.protocol.messages import State
+from proxy.tuning import TUNING
 from studies.simulation.clocks import Clock
 from studies.simulation.records import Frame
 
@@ -28,9 +29,10 @@ class Member:
         """What is known of the wall clock, if that is news; looked at as often as daemons do."""
         if t < self.look:
             return None
-        self.look = t + PACE
+        self.look = t + TUNING.wall_clock_interval
         shown, view = Wall(self.clock.wall_time(t) - self.now(t), self.clock.error), self.core.view
-        return shown if abs(shown.offset - view.clocks.offset) >= STEP or shown.error != view.clocks.error else None
+        stepped = abs(shown.offset - view.clocks.offset) >= TUNING.wall_clock_step
+        return shown if stepped or shown.error != view.clocks.error else None
 
     def now(self, t: float) -> float:
         """What its monotonic clock shows at true time `t` [s]."""

@@ -10,11 +10,11 @@ from functools import partial
 from typing import TypeVar
 
 from planner import start
-from proxy.clock import PACE
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide, Drop, Forward, SendDigest
 from proxy.core.protocol.messages import Digest, tag
 from proxy.core.protocol.state_codec import pack_state
+from proxy.tuning import TUNING
 from studies.simulation.clocks import BOOT, EPOCH, Clock
 from studies.simulation.medium import RELIABLE, Medium
 from studies.simulation.member import Member
@@ -161,7 +161,7 @@ class _Retelling:
         yield from ((t, self._told(t, event)) for t, event in events)
         for robot, clock in self.clocks.items():
             for at, _ in clock.steps if robot != self.robot else ():
-                late = at + PACE + RELIABLE
+                late = at + TUNING.wall_clock_interval + RELIABLE
                 heard = [e.state for t, e in events if t < late and isinstance(e, ev.StateHeard)]
                 known = next((state for state in reversed(heard) if state.robot == robot), None)
                 if known is not None:

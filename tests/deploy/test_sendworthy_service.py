@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from proxy import exit_codes
-from proxy.priority import NICE
+from proxy.tuning import TUNING
 from tests.ports import free_port
 
 ROOT = Path(__file__).parents[2]
@@ -158,5 +158,5 @@ def test_what_is_wrong_from_the_start_is_not_tried_again(service):
 
 def test_the_daemon_comes_before_what_computes():
     """The unit gives it the place that it would take itself where it may, and its group the weight for it."""
-    assert settings()["Nice"] == [str(NICE)]
+    assert settings()["Nice"] == [str(TUNING.niceness)]
     assert int(settings()["CPUWeight"][0]) > 100

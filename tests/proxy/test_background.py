@@ -4,7 +4,8 @@ import threading
 
 import pytest
 
-from proxy.background import MOST, Background
+from proxy.background import Background
+from proxy.tuning import TUNING
 from tests.waiting import wait_until
 
 
@@ -29,9 +30,10 @@ def test_only_so_many_wait(background):
     gate, begun, done = threading.Event(), threading.Event(), []
     background.later(lambda: begun.set() or gate.wait(5.0))
     assert begun.wait(5.0)
-    assert [background.later(lambda: done.append(1)) for _ in range(MOST + 1)] == [True] * MOST + [False]
+    room = TUNING.costly_jobs
+    assert [background.later(lambda: done.append(1)) for _ in range(room + 1)] == [True] * room + [False]
     gate.set()
-    wait_until(lambda: len(done) == MOST, what="what waited")
+    wait_until(lambda: len(done) == room, what="what waited")
     assert background.later(lambda: done.append(2))
     wait_until(lambda: done[-1] == 2, what="one more")
 

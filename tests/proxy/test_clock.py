@@ -4,6 +4,7 @@ import math
 from datetime import UTC, datetime
 
 from proxy import clock
+from proxy.tuning import TUNING
 
 
 def test_the_wall_clock_is_seconds_since_1970():
@@ -71,7 +72,7 @@ def test_it_grows_while_the_kernel_hears_nothing():
 
 def test_it_shrinks_when_it_has_been_less_for_long():
     """What comes and goes with each poll of chrony is no news each time."""
-    looks = 2 + int(clock.CALM / 2.0)
+    looks = 2 + int(TUNING.wall_clock_calm / 2.0)
     told = errors(0.02, 0.06, 0.06, *[0.01] * looks)
     assert told[0] == 0.08
     assert [each for each in told[1:] if each is not None] == [0.02]

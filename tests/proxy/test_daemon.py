@@ -391,8 +391,9 @@ def test_the_process_ends_although_the_mesh_stands_still(stack):
 
 IMPATIENT = """
 import sys
+from dataclasses import replace
 from proxy import cli, daemon
-daemon.STOP = 0.0
+daemon.TUNING = replace(daemon.TUNING, stop_time=0.0)
 sys.exit(cli.main())
 """
 

@@ -2,14 +2,15 @@
 
 import threading
 from contextlib import ExitStack
+from dataclasses import replace
 
 import pytest
 import zenoh
 
 from proxy import features as features_module
-from proxy.background import MOST
 from proxy.core.interface.events import SamplePublished, SampleReread
-from proxy.features import PACE, Extractor
+from proxy.features import Extractor
+from proxy.tuning import TUNING
 from tests.waiting import wait_until
 
 
@@ -133,16 +134,16 @@ def test_what_takes_too_long_holds_up_no_stream(extractor, loop):
     """Not even its own: samples go on with the last value while the next one is computed."""
     costly, quick = Costly(), Type()
     costly.gate.clear()
-    for i in range(MOST + 4):
+    for i in range(TUNING.costly_jobs + 4):
         extractor.submit(sample(i, f"k{i}"), costly, payload(i))
     extractor.submit(sample(99, "quick"), quick, payload(99))
-    wait_until(lambda: len(loop.posted) == MOST + 5, what="all samples")
+    wait_until(lambda: len(loop.posted) == TUNING.costly_jobs + 5, what="all samples")
     found = [features["n"] for _, _, features in told(loop)]
-    assert found[:MOST] == [0.5] * MOST
+    assert found[: TUNING.costly_jobs] == [0.5] * TUNING.costly_jobs
     assert found[-2:] == [-0.5, 99.0]
     assert costly.extracted == []
     costly.gate.set()
-    wait_until(lambda: len(costly.extracted) >= MOST, what="what waited in the background")
+    wait_until(lambda: len(costly.extracted) >= TUNING.costly_jobs, what="what waited in the background")
 
 
 @pytest.mark.parametrize(("markovian", "each"), [(False, False), (True, True)], ids=["not markovian", "each asked for"])
@@ -191,7 +192,7 @@ def test_one_stream_is_taken_up_no_faster_than_the_pace(extractor, loop):
     loop.run()
     extractor.submit(sample(2, now=1.0001), covering, payload(2))
     extractor.submit(sample(3, "other", now=1.0002), covering, payload(3))
-    assert [when for when, _ in loop.due] == [1.0 + PACE, 1.0002]
+    assert [when for when, _ in loop.due] == [1.0 + TUNING.uptake_interval, 1.0002]
     assert extractor.submit(sample(4, now=1.001), covering, payload(4)) == 2
     loop.run()
     assert [(event.sample, event.superseded) for event in loop.posted] == [(1, 0), (4, 1), (3, 0)]
@@ -199,7 +200,7 @@ def test_one_stream_is_taken_up_no_faster_than_the_pace(extractor, loop):
 
 def test_remembered_keys_are_bounded(extractor, monkeypatch):
     """Many keys do not fill the memory."""
-    monkeypatch.setattr(features_module, "_REMEMBERED", 2)
+    monkeypatch.setattr(features_module, "TUNING", replace(TUNING, uptakes=2))
     for i in range(5):
         extractor.submit(sample(i, f"k{i}"), Type(needs_payload=False), payload(i))
     assert len(extractor._next) == 2

@@ -11,7 +11,8 @@ from proxy.core.core import Core
 from proxy.core.interface.commands import Notice, SendState
 from proxy.core.interface.events import PeerAppeared, TimePassed
 from proxy.core.model.settings import CoreSettings
-from proxy.loop import MOST, Loop
+from proxy.loop import Loop
+from proxy.tuning import TUNING
 from tests.waiting import wait_until
 from utility_specs import Specs
 
@@ -94,10 +95,10 @@ def test_what_cannot_be_handled_is_counted_and_the_loop_goes_on(loop, executed, 
 def test_what_may_be_left_out_is_when_the_loop_is_behind(executed):
     """Samples of apps always wait their turn; what others say, and say again, is refused and counted."""
     loop = Loop(Core(CoreSettings("r1", "z1"), Specs.empty(), 0.0), executed.append)
-    offered = [loop.offer(TimePassed(0.0)) for _ in range(MOST + 3)]
-    assert (sum(offered), loop.refused) == (MOST, 3)
+    offered = [loop.offer(TimePassed(0.0)) for _ in range(TUNING.items + 3)]
+    assert (sum(offered), loop.refused) == (TUNING.items, 3)
     loop.post(PeerAppeared(clock.monotonic(), "r2", "z2"))
-    assert loop.waiting == MOST + 1
+    assert loop.waiting == TUNING.items + 1
     loop.start()
     wait_until(lambda: texts(executed), what="the event that must not be lost")
     assert loop.offer(TimePassed(0.0))

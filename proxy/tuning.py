@@ -1,0 +1,61 @@
+"""The constants of the daemon's threads, each with why it is what it is."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class DaemonTuning:
+    """How much may wait, how long is waited, and how often it is looked; packages below have constants of their own."""
+
+    # Starting and stopping
+    niceness: int = -10
+    """The niceness of the daemon where it may choose: ten times the weight of a usual process."""
+    stop_time: float = 0.7
+    """A stop may take this long [s]."""
+    stop_wait: float = 0.15
+    """Of which each thread is waited for this long [s]."""
+    farewell: float = 0.15
+    """The routers of the app side have this long to take note of each other's end [s]."""
+
+    # Samples on their way to the core
+    items: int = 8192
+    """Items that may wait for the core; more are taken in only if they must not be lost."""
+    uptake_interval: float = 0.002
+    """The core takes up samples of one Markovian stream at least this far apart [s]."""
+    uptakes: int = 4096
+    """Keys of which it is remembered when the core took up a sample."""
+    costly_jobs: int = 8
+    """Samples whose costly features may wait to be extracted; each is held meanwhile."""
+
+    # Decisions
+    iterations: int = 25
+    """Iterations between two looks at the clock, at most: in large windows they take long, so it begins with fewer."""
+    search_part: float = 0.8
+    """A search ends after this part of the deadline: the rest is for the plan, and for the way back to the core."""
+    stuck_after: float = 2.0
+    """A decision that takes this much longer than it may will never end [s]."""
+
+    # Other robots, and operators
+    away: float = 600.0
+    """A robot that has vanished for longer is gone: nothing is kept for it any more [s]."""
+    orders: int = 16
+    """Orders that may wait, each of which may be of megabytes."""
+    core_wait: float = 2.0
+    """Whoever reloads, orders, or asks the core something from another thread waits for it for this long [s]."""
+    pushed_files: int = 64
+    """Spec files that may be pushed at once."""
+    pushed_bytes: int = 1024 * 1024
+    """Bytes of all these files together [B]."""
+
+    # The wall clock
+    wall_clock_interval: float = 1.0
+    """Time between two looks at what the wall clock shows [s]."""
+    wall_clock_step: float = 1e-3
+    """Less than this is no step of the wall clock [s]."""
+    wall_clock_calm: float = 600.0
+    """A wall clock is known better than it was when it has been for so long [s]."""
+    wall_clock_readings: int = 5
+    """It is read so many times at once; the reading that took the shortest time counts."""
+
+
+TUNING = DaemonTuning()
