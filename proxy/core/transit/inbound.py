@@ -37,15 +37,15 @@ class Incoming:
         return middle(self.waits) if self.waits else 0.0
 
     def count(self, sent: int) -> None:
-        """So many were sent, and what was received by now was sent by then."""
+        """The robot sent so many; what has been received by now is among them."""
         self.counted = sent, self.heard
 
     def restart(self) -> None:
-        """What was counted before is not about the same samples any more."""
+        """Forget the counts: from now on other samples are counted."""
         self.counted = None
 
     def judge(self, sent: float, wall_offset: float, period: float) -> None:
-        """See if its last timestamp was of the wall clock: its sample was sent at `sent` [s, its robot's clock]."""
+        """Find whether timestamps are of the robot's wall clock; its last sample was sent at `sent` [s, its clock]."""
         self.astray = abs(sent - (self.stamp - wall_offset)) > TUNING.timestamp_mismatch + period
 
 
@@ -77,7 +77,7 @@ class Inbound:
         self._digests = LatencyFit()
         self._losses = Loss()
         self._sent, self._came = 0, 0
-        """What was sent to us, and what came of that, of all streams."""
+        """Samples of all streams that were sent to us, and those of them that came."""
         self._last: tuple[float, int] = (0.0, 0)
         """When the last sample came [s], and its size [B]."""
         self._period = 0.0
@@ -92,7 +92,7 @@ class Inbound:
 
     @property
     def line(self) -> Latency | None:
-        """The same, else what digests take there and back."""
+        """What samples take to us; while that is unknown, half of what digests take there and back."""
         return self.latency or self._offset.line
 
     @property
@@ -129,7 +129,7 @@ class Inbound:
         return None if line is None else now - line.of(size) - wait
 
     def heard_news(self, key: str, news: StreamDigest, *, counts: bool) -> None:
-        """The robot tells of a stream; it `counts` where we get every sample, and have got what it says was sent."""
+        """The robot tells of a stream. The news `counts` if each sample is for us and those it tells of have come."""
         incoming = self._of(key)
         before, heard = incoming.counted, incoming.heard
         if not counts:
@@ -150,7 +150,10 @@ class Inbound:
             self._digests.observe(now, size, max(0.0, now - self._offset.ours(sent)))
 
     def forget_queue(self, now: float) -> None:
-        """Samples that seem to come too late to be worth anything are not sent, so nobody would learn better."""
+        """Forget what samples took in a queue when none came lately and digests are quicker.
+
+        A robot that believes in the queue sends no samples, as they would come too late: it would never learn better.
+        """
         at, size = self._last
         if not self._offset.known or now < at + max(TUNING.unconfirmed_for, TUNING.unconfirmed_gaps * self._period):
             return
@@ -170,7 +173,7 @@ class Inbound:
         self._read(now, before)
 
     def restart_losses(self) -> None:
-        """What is sent and what is counted there are not the same any more."""
+        """Forget the counts: from now on the other robot counts other samples than we do."""
         self._losses.restart()
         for incoming in self._streams.values():
             incoming.restart()
@@ -183,9 +186,9 @@ class Inbound:
         self._losses.read(self._sent, self._came)
 
     def _compare(self, incoming: Incoming, news: StreamDigest) -> None:
-        """All that was sent came: so news tells when the last one was sent, whatever an application stamped it with.
+        """All samples that were sent came, so the news tells when the last one was sent, whatever its timestamp.
 
-        What was learned from timestamps of another clock is forgotten.
+        What was learnt from timestamps of another clock is forgotten.
         """
         if incoming.stamp < 0.0 or self.wall_offset is None or not self._offset.known:
             return
@@ -195,9 +198,9 @@ class Inbound:
             self._samples = LatencyFit()
 
     def _read(self, until: float, *others: float) -> None:
-        """Read the timestamps of samples that came until then: had the wall clock been set, that was told by now.
+        """Read the timestamps of samples that came until then: that the wall clock was set would be known by now.
 
-        `others` are offsets that it may have had, too: the likeliest reading counts.
+        The wall clock may also have had the offsets `others`; the likeliest reading counts.
         """
         while self._unread and self._unread[0].at <= until:
             heard = self._unread.popleft()

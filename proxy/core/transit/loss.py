@@ -29,7 +29,7 @@ class Loss:
         self._stale = True
 
     def restart(self) -> None:
-        """The counts are not about the same samples any more."""
+        """Forget the counts: from now on other samples are counted."""
         self._read.clear()
         self._stale = True
 

@@ -1,10 +1,10 @@
 """The clock offset between two robots from four timestamps: a digest out, its echo back.
 
 No message arrives before it is sent. So each digest heard bounds the offset from above, each echo of one of ours from
-below, and a bound stays one as long as it widens by what clocks drift at most. The truth is between the best bounds
-there ever were; the middle is the estimate, and half the width what it may be wrong by, whatever waited where. That
-is half the best round trip, and the drift since. Where ways take long that is much: wall clocks of which both robots
-know that they are right bound the offset, too, unless digests prove them wrong.
+below. A bound goes on holding if it is widened by what clocks can have drifted since. The offset is between the best
+bounds there ever were. Their middle is the estimate, and half the width between them is what the estimate may be wrong
+by, however long messages waited: half the best round trip, and the drift since. Where ways take long that is much. So
+wall clocks that both robots know to be right bound the offset, too, unless digests prove them wrong.
 """
 
 import math
@@ -124,7 +124,7 @@ class ClockOffset:
         return most - self._presumed if math.isinf(least) else (most + least) / 2.0
 
     def _agree(self) -> None:
-        """Where the bounds contradict each other a clock has jumped: the last digest is right, what was before not."""
+        """Where the bounds contradict each other a clock has jumped: only the last digest still tells the offset."""
         least, most = self._by_digests()
         if most - least < -TUNING.resolution:
             self.jumps += 1
@@ -144,7 +144,7 @@ class ClockOffset:
         return least, most
 
     def _narrowed(self, least: float, most: float) -> tuple[float, float]:
-        """The same by wall clocks, too, unless they cannot be right [s]."""
+        """These bounds, narrowed by what wall clocks showed unless that cannot be right [s]."""
         if self._shown is None or self._last is None:
             return least, most
         bound, error = self._shown

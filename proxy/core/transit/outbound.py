@@ -10,7 +10,7 @@ from proxy.core.transit.tuning import TUNING
 
 
 class Outbound:
-    """What was sent to a robot, and what came there; `offset` is of its clock."""
+    """The samples that were sent to a robot, and those that came there; `offset` is of its clock."""
 
     def __init__(self, offset: ClockOffset) -> None:
         self._offset = offset
@@ -26,7 +26,7 @@ class Outbound:
 
     @property
     def line(self) -> Latency | None:
-        """What our samples take to the robot, else digests there and back; None while unknown."""
+        """What our samples take to the robot, else half of what digests take there and back; None while unknown."""
         return self.latency or self._offset.line
 
     @property
@@ -58,7 +58,7 @@ class Outbound:
             self._losses.read(sent, echo.samples)
 
     def restart_losses(self) -> None:
-        """What is sent and what is counted there are not the same any more."""
+        """Forget the counts: from now on the other robot counts other samples than we do."""
         self._losses.restart()
 
 

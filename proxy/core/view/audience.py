@@ -31,7 +31,7 @@ class Audience:
 
     @property
     def share(self) -> float:
-        """How many they are, as far as messages get to them."""
+        """How many receivers there are, each counted by the chance that a message gets there."""
         return sum([r.share for r in self.receivers])
 
     @property
@@ -78,7 +78,7 @@ class Audiences:
         return Audience(size, first, fan.mean.per_byte, receivers)
 
     def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> "_Looked":
-        """Look at the ways of a stream, or find what they were for another one lately."""
+        """Look at the ways of a stream, unless those of another stream that are the same were looked at lately."""
         size = stream.newest.size
         found = self._common.get((stream.robot, size, gaining))
         if found is None or now >= found.until:

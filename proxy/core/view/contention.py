@@ -1,7 +1,7 @@
 """Who competes for the channel: the streams of which more is worth anything to somebody, and is to be expected.
 
-A large team has far more streams than a window has places, and most of them are what they were at the last decision. So
-what is asked of a stream is kept in arrays, and worked out anew only where something was noted of it since.
+A large team has far more streams than a window has places, and most streams have not changed since the last decision.
+So what is asked of streams is kept in arrays, and worked out anew only for streams of which something was noted since.
 """
 
 from collections.abc import Container
@@ -71,7 +71,7 @@ class Contention:
         return np.flatnonzero((until[self._owner] - self._last < self._patience) & self._wanted)
 
     def _renew(self) -> None:
-        """Work out anew the rows of which something was noted, or all when it concerns all."""
+        """Work out anew the rows of streams of which something was noted, or all rows when a change concerns all."""
         if self._revision != self._table.revision:
             self._revision = self._table.revision
             self._set_rows(sorted(self._table, key=lambda stream: (stream.robot, stream.key)))
@@ -91,7 +91,7 @@ class Contention:
         self._cheapness, self._last, self._patience, self._next = np.zeros((4, count))
 
     def _look(self, row: int, stream: Stream) -> None:
-        """Take in what there is to know of a stream: `_cheapness` is what a byte of it is worth, less than nothing."""
+        """Take in what there is to know of a stream: `_cheapness` is what a byte of it is worth, negated."""
         self._seen[row] = stream.changes
         last = stream.last
         gaining = 0 if last is None else len(self._subscribers.gaining(stream))

@@ -17,7 +17,7 @@ class Echoes:
         self._peers = peers
 
     def due(self, now: float, *, quickest: bool = False) -> tuple[Echo, ...]:
-        """What we tell peers of their last digests, or of the `quickest` ones since they were echoed, and of samples.
+        """Echo the last digest of each peer, or the `quickest` one since its last echo, and tell what its samples take.
 
         In a large team, where an echo is rare, who has just been met is left out: while robots start all is slow.
         """
@@ -51,10 +51,10 @@ class Echoes:
                 other.heard_by[peer.tag] = line
 
     def presume_ways(self) -> None:
-        """Ways without an echo are taken to be as long as the shortest one that is known.
+        """Ways without an echo are taken to be as long as the shortest way that is known.
 
-        Where they counted as no time, ten robots with equal messages exceeded the limit in 4 to 16 % of the windows at
-        100 and 300 ms though each knew one way, and in 1 to 11 % do so now.
+        When such ways were taken to need no time, ten robots with equal messages exceeded the limit in 4 to 16 % of the
+        windows at 100 and 300 ms though each knew one way; now they do in 1 to 11 %.
         """
         known = [peer.offset.latency for peer in self._peers.values() if peer.offset.known]
         for peer in self._peers.values():
@@ -64,9 +64,9 @@ class Echoes:
         return len(self._peers) <= TUNING.peers_always_echoed or now >= peer.since + TUNING.unechoed_after_meeting
 
     def _order(self, entry: tuple[str, Peer]) -> tuple[bool, bool, str]:
-        """Who knows no way yet is echoed first; of several each robot begins with another one.
+        """A robot that knows no way yet is echoed first; of several such robots each of us begins with another one.
 
-        Where all began with the same one nine of ten robots did not know after 25 s that news took 300 ms.
+        When all began with the same one, nine of ten robots did not know after 25 s that news took 300 ms.
         """
         name, peer = entry
         return peer.echoed, name < self._own, name

@@ -1,6 +1,6 @@
 """Robots on the mesh with which nobody here can share: no team waits for them, and its operator is told.
 
-They have other limits, for they have other specs; or nothing is understood of what they say, if they say anything.
+Such robots have other limits, as they have other specs; or they say nothing that is understood here.
 """
 
 import math
@@ -14,7 +14,7 @@ from proxy.core.view.tuning import TUNING
 
 
 class MismatchedLimits:
-    """Who takes no part. Robots are named by their tags."""
+    """The robots that take no part, by their tags."""
 
     def __init__(self, peers: Mapping[str, Peer], streams: Streams) -> None:
         self._peers = peers

@@ -1,4 +1,4 @@
-"""Robots that have just come: others know little of them, and they little of others."""
+"""Robots that have just come: the others know little of them, and they know little of the others."""
 
 import math
 from collections.abc import Mapping
@@ -30,7 +30,7 @@ class Newcomers:
         return [peer for peer in self._peers.values() if now < max(peer.since, began) + time and not peer.plain]
 
     def greeted_by(self, now: float) -> float:
-        """Until when robots that have just been met may still say what they sent lately; −∞ where all have [s]."""
+        """Until when a robot that has just been met may still tell what it sent lately [s]; −∞ where all have told."""
         time = TUNING.greeting_time
         if now >= self._met_at + time:
             return -math.inf
@@ -38,7 +38,7 @@ class Newcomers:
         return max((peer.since + time for peer in new if peer.state is None or peer.told), default=-math.inf)
 
     def only_listens(self, peer: Peer) -> bool:
-        """Whether a robot has sent nothing although we have for a while: an operator only listens."""
+        """Whether a robot has sent nothing though we have sent for a while: an operator only listens."""
         if peer.counted is None:
             return False
         told_at, messages, _ = peer.counted

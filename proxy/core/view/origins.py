@@ -42,7 +42,7 @@ class Origins:
         return True
 
     def assign(self) -> None:
-        """Who claims an origin first has it, unless it is a robot's own id; no plain node has its streams any more."""
+        """Give each origin to the robot that claimed it first, or whose own id it is; streams of plain nodes follow."""
         peers = self._members.peers
         ids = {peer.zid: peer.robot for peer in peers.values()}
         claimed = {origin: peer.robot for peer in reversed(list(peers.values())) for origin in peer.origins}

@@ -1,6 +1,6 @@
 """The ways of messages from robot to robot, as far as this robot knows: how long they take, and how surely.
 
-Our own we measure or are told; those between two others are told by the one that receives.
+What our samples take we are told, what comes to us we measure; of a way between two others the receiver tells.
 """
 
 from collections.abc import Iterable
@@ -18,16 +18,16 @@ Known = dict[str, tuple[Latency | None, float | None]]
 
 
 class Fan:
-    """What is known of the ways of a robot's samples, in the order of the tags, and the mean time they take."""
+    """What is known of the ways of a robot's samples, in the order of the receivers' tags, and their mean time."""
 
     def __init__(self, known: Known) -> None:
         self.mean = _mean(line for line, _ in known.values() if line is not None)
         self._known = sorted(known.items())
 
     def ways(self, gaining: tuple[str, ...], size: float, lost: float) -> list[Way]:
-        """Return the ways of a sample of `size` [B] to those that gain by it; what is not known is as in the mean.
+        """Return the ways of a sample of `size` [B] to those that gain by it; where a time is not known the mean is.
 
-        Those of which nothing is known are one way, with the sum of their shares; `lost` is the mean loss.
+        Receivers of whose ways nothing is known make one way, with the sum of their shares; `lost` is the mean loss.
         """
         names, share, mean = set(gaining), 1.0 - lost, self.mean.of(size)
         found = [

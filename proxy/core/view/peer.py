@@ -116,7 +116,7 @@ class Peer:
         self.wire = version
 
     def take_part(self, *, plain: bool) -> None:
-        """It is, or is not any more, a `plain` node to us, which takes no part."""
+        """It is a `plain` node to us, which takes no part, or takes part again."""
         self.plain = plain
 
     def restart(self) -> None:
@@ -175,6 +175,6 @@ class Peer:
         self.inbound.forget_queue(now)
 
     def restart_losses(self) -> None:
-        """What is sent and what is counted there are not the same any more."""
+        """Forget the counts of samples, ours and the robot's: from now on other samples are counted."""
         self.outbound.restart_losses()
         self.inbound.restart_losses()

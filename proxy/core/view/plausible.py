@@ -1,8 +1,8 @@
-"""What a robot may say of itself: who speaks in another's name, or nonsense, is not listened to.
+"""What a robot may say of itself: messages in another robot's name, and nonsense, are refused.
 
-Without TLS a mesh cannot tell who speaks. So what one message may change stays within what an honest robot could have
-said, and what was said falsely gives way to what is said later: when no digest has fitted for a while, the next one
-counts as that of a robot that starts anew.
+Without TLS nobody on a mesh can tell who speaks. So a message changes no more than an honest robot's could, and what a
+forged one changed does not last: when no digest has followed from the last one for a while, the next digest counts as
+that of a robot that starts anew.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""How old news of other robots is when it comes, and up to when it tells of their streams."""
+"""How old news of other robots is when it comes, and until when it tells of their streams."""
 
 from collections import deque
 from collections.abc import Iterable, Mapping
@@ -45,5 +45,5 @@ class Staleness:
 
     @property
     def delay(self) -> float:
-        """What digests take beyond that, all but few [s]: they wait for others, and for processors."""
+        """What all but few digests take beyond their least [s]: they wait for other messages, and for processors."""
         return sorted(self._delays)[int(TUNING.digests_in_time * len(self._delays))] if self._delays else 0.0

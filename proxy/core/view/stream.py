@@ -134,7 +134,7 @@ class Stream:
         self.robot = robot
 
     def replace_last(self, last: Generated) -> None:
-        """A newer sample than the last one was overheard; its number only a digest will tell."""
+        """A newer sample than the last one was overheard; only a digest will tell its number."""
         self.last = last
 
     def renew(self, last: Generated) -> None:
@@ -144,7 +144,7 @@ class Stream:
         self._expected.clear()
 
     def revalue(self) -> None:
-        """What is known of samples is worth what the specs in force now make of their features."""
+        """Value the samples that are known by the specs in force now."""
         scale = self.information_type.scale
         if self.last is not None:
             self.renew(self.last._replace(scale=rounded(scale(self.last.features))))
@@ -179,9 +179,9 @@ class Stream:
         return noted
 
     def number(self, count: int, *, heard: bool) -> None:
-        """Its robot tells for the first time how many it sent of what we overheard, and whether we `heard` the last.
+        """Its robot tells for the first time how many samples it sent; the last one may have been `heard` from the air.
 
-        What was sent before we heard any counts for nothing.
+        Samples that were sent before we overheard any do not count.
         """
         self.overheard = False
         self.forwarded = max(self.forwarded, count if heard else count - 1)
@@ -200,7 +200,7 @@ class Stream:
         self._sent_to = ()
 
     def match(self, *, matching: bool) -> None:
-        """Whether anybody on the mesh wants the stream, as Zenoh says."""
+        """Zenoh tells whether anybody on the mesh wants the stream."""
         self.changes += 1
         self.matching = matching
 

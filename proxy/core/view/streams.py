@@ -1,6 +1,6 @@
-"""All streams in the view, by robot and key: which there are, who has them, who has to leave when there are too many.
+"""All streams in the view, by robot and key: which there are, whose they are, and which leave when there are too many.
 
-All plain nodes together are one owner, so that nobody can push out another robot's streams by posing as many.
+All plain nodes together count as one owner: so nobody can push out a robot's streams by posing as many nodes.
 """
 
 from collections.abc import Iterator
@@ -28,7 +28,7 @@ class Streams:
         self._most = settings.streams
         self._all: dict[Place, Stream] = {}
         self._owned: dict[str, dict[Place, Stream]] = {}
-        """The same by owner, the one not heard of for longest first."""
+        """The streams of each owner, the one not heard of for longest first."""
         self._matching: dict[str, None] = {}
         self._ids = 0
         self._swept = 0.0
@@ -76,7 +76,7 @@ class Streams:
         return found
 
     def match(self, key: str, *, matching: bool) -> None:
-        """Whether anybody on the mesh wants one of our keys; it holds for the stream whenever there is one."""
+        """Whether anybody on the mesh wants one of our keys; that is known before there is a stream, and after it."""
         self._matching.pop(key, None)
         if matching:
             self._matching[key] = None
@@ -143,7 +143,7 @@ class Streams:
             self.admit(stream)
 
     def hand_over(self, stream: Stream, robot: str) -> None:
-        """A plain node's stream is a robot's: what was overheard stays known; the robot counts by itself."""
+        """A plain node's stream turns out to be a robot's: what was overheard is kept, the robot's own counts hold."""
         self.forget(stream)
         if (robot, stream.key) in self._all:
             return

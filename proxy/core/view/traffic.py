@@ -25,7 +25,7 @@ class TrafficLog:
         self.sends: deque[Entry] = deque(maxlen=TUNING.sends)
         """When and how much other robots sent lately."""
         self.talk: deque[Entry] = deque(maxlen=TUNING.sends)
-        """The same of what robots told each other beyond what limits leave to that."""
+        """When and how much robots told each other beyond what the limits leave to that."""
         self.revision = 0
         """How often `sends` or `talk` changed."""
 

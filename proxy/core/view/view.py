@@ -144,11 +144,11 @@ class SharedView:
             peer.outbound.sent_digest(at)
 
     def announced(self) -> None:
-        """A digest of ours says what we sent until now."""
+        """A digest of ours tells what we sent until now."""
         self.largest = 0
 
     def restart_losses(self) -> None:
-        """From now on other samples are counted than before."""
+        """Forget the counts of all peers: from now on other samples are counted."""
         for peer in self.peers.values():
             peer.restart_losses()
 

@@ -1,6 +1,6 @@
 """Wall clocks of robots: ours, what it tells of the offsets to others, and which clocks disagree.
 
-Nothing depends on them but timestamps, which is what people look at, and what is known of clock offsets sooner.
+They matter for timestamps, which people look at, and for clock offsets, which they tell sooner than digests do.
 """
 
 from collections.abc import Iterable, Mapping
@@ -33,7 +33,7 @@ class WallClocks:
         self.offset, self.error = offset, error
 
     def bound(self, now: float, peer: Peer) -> None:
-        """What the state of a peer says of its wall clock holds now: a bound, where both are known to be right."""
+        """The state of a peer tells of its wall clock now: that bounds its clock offset where both clocks are right."""
         if self.error and peer.clock_error and peer.inbound.wall_offset is not None:
             error = self.error + peer.clock_error + TUNING.untold_clock_step
             peer.offset.shown(now, peer.inbound.wall_offset - self.offset, error)
