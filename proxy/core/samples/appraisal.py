@@ -46,7 +46,7 @@ class Appraisal:
         return self.view.subscribers.copies(stream) if stream is not None else 1
 
     def use(self, stream: Stream | None, sample: Waiting) -> Use:
-        """What a sample uses of the constraints as they are now: they may change while it is decided."""
+        """What a sample uses of the constraints in force now, which may be others than when its decision began."""
         return use_of(sample.size, self.copies(stream), self.budget.limits)
 
     def owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
@@ -58,7 +58,7 @@ class Appraisal:
         self._undersubscribed.note(now, stream)
 
     def look_for_room(self, now: float, stream: Stream, waiting: int) -> bool:
-        """Return whether there is room for all that may be sent: then nothing is gained by dropping anything."""
+        """Return whether the limits have room for all that may be sent: then nothing is gained by dropping a sample."""
         limits = self.budget.limits
         if not limits:
             return True
@@ -67,7 +67,7 @@ class Appraisal:
         return self._undersubscribed.fits([limit.limit for limit in self.budget.usable(now)], waiting)
 
     def weigh(self, now: float, stream: Stream, sample: Waiting) -> Standing:
-        """Weigh what competes if it is time to; return how a sample stands among it."""
+        """Weigh the streams that compete if it is time to; return how a sample stands among them."""
         self._advance(now, stream)
         return self.disputes.standing(now, stream, sample)
 
@@ -76,18 +76,18 @@ class Appraisal:
         return self.budget.lacking(now, self.disputes.besides(now, use))
 
     def weigh_copy(self, now: float, use: Use) -> tuple[str, ...]:
-        """Weigh what competes; name the limits that have no room for a copy beside what is booked.
+        """Weigh the streams that compete; name the limits that have no room for a copy beside what is booked for them.
 
-        Else the copies for who was away cost the others their alarms: 21 and 26 of 60, where copies took half of a
-        limit for 2 s.
+        Without that, the copies for a robot that was away cost the others alarms: 21 and 26 of 60, where copies took
+        half of a limit for 2 s.
         """
         self._advance(now)
         return self.lacking_beside_booked(now, use)
 
     def lacking_beside_rivals(self, now: float, stream: Stream | None, use: Use) -> tuple[tuple[str, ...], float]:
-        """Name the limits that have no room for a sample beside what others with a better claim may just have sent.
+        """Name the limits that have no room for a sample beside what robots with a better claim may just have sent.
 
-        And say until when at least, as far as nothing is heard of them [s].
+        Also say until when at least their room counts as taken if nothing is heard of them [s].
         """
         budget = self.budget
         if stream is None or budget.alone or not self.view.peers:

@@ -16,13 +16,13 @@ class Copy:
     to: str
     until: float
     most: int
-    """This many of its stream are kept for one robot."""
+    """As many copies of its stream are kept for one robot."""
     delete: bool
     ready_at: float = -math.inf
-    """When it is looked at again [s]."""
+    """The copy is not looked at before this time [s]."""
 
     def postpone(self, until: float) -> None:
-        """It is not looked at before that time [s]."""
+        """Do not look at the copy before that time [s]."""
         self.ready_at = until
 
     @property
@@ -56,10 +56,10 @@ class Away:
         self._copies: dict[str, list[Copy]] = {}
         """By key, the oldest first."""
         self._handing: dict[int, Copy] = {}
-        """Those on their way to the mesh session, by sample."""
+        """The copies on their way to the mesh session, by the numbers of their samples."""
 
     def vanish(self, now: float, robot: Leaving) -> None:
-        """It has vanished again; what it subscribes to it can only have changed if we were told so."""
+        """It has vanished again. As long as it did not tell its subscriptions anew, the earlier ones hold."""
         if self.known:
             self.robot, self.since = robot, now
         self.back = self.known = False
@@ -69,7 +69,7 @@ class Away:
         self.back = True
 
     def subscribe(self) -> None:
-        """What it subscribes to is known: new samples reach it."""
+        """It has told its subscriptions: new samples reach it by themselves."""
         self.known = True
 
     def wants(self, key: str) -> bool:
@@ -108,7 +108,7 @@ class Away:
         return self.robot.reached - self._copies.keys()
 
     def add(self, copy: Copy) -> Copy | None:
-        """Keep one more; return the one that is too many of its key: the least valuable, a deletion last."""
+        """Keep one more copy; where that is one too many of its key return the least valuable one."""
         copies = self._copies.setdefault(copy.waiting.key, [])
         copies.append(copy)
         return min(copies, key=_value) if len(copies) > copy.most else None
@@ -130,11 +130,11 @@ class Away:
         return self._handing.pop(sample, None)
 
     def turn_back(self, copy: Copy) -> None:
-        """A copy goes on waiting, before all others of its key."""
+        """A copy waits again, as the next one of its key."""
         self._copies.setdefault(copy.waiting.key, []).insert(0, copy)
 
     def offer_again(self) -> None:
-        """Whether those on their way to the mesh session arrive is not known: they wait again."""
+        """Let the copies on their way to the mesh session wait again: nobody knows whether they arrive."""
         for copy in self._handing.values():
             self._copies.setdefault(copy.waiting.key, []).append(copy)
         self._handing = {}
@@ -143,5 +143,5 @@ class Away:
 
 
 def _value(copy: Copy) -> tuple[bool, float, float, int]:
-    """Order those of one stream by what they are worth; a deletion stays."""
+    """Order the copies of one stream by what they are worth; a deletion is worth most."""
     return copy.delete, copy.waiting.scale, *copy.age_order

@@ -15,7 +15,7 @@ OVERFLOW, GONE, FORWARDED = "dropped:overflow", "dropped:gone", "forwarded"
 
 
 class Copies:
-    """The law: entered = waiting + on their way to the mesh session + the sum of `by_reason`."""
+    """All copies are accounted for: entered = waiting + on their way to the mesh session + the sum of `by_reason`."""
 
     def __init__(self) -> None:
         self.payloads = HeldPayloads()
@@ -46,7 +46,7 @@ class Copies:
         return self.waiting == sum(away.count for away in self)
 
     def lose(self, now: float, robot: Leaving) -> Away:
-        """A robot has vanished; of too many the one that left first is gone."""
+        """A robot has vanished. Where that is one robot too many, the one that vanished first is given up."""
         away = self._away.pop(robot.tag, None)
         if away is None:
             if len(self._away) >= TUNING.robots:
@@ -59,7 +59,7 @@ class Copies:
         return away
 
     def keep(self, away: Away, like: Copy) -> None:
-        """Keep a copy for a robot; of too many of a stream the least valuable leaves."""
+        """Keep a copy for a robot. Where that is one too many of its stream, the least valuable copy leaves."""
         copy = Copy(like.waiting, away.robot.tag, like.until, like.most, like.delete)
         self.entered += 1
         self.payloads.hold(copy.waiting)
@@ -118,13 +118,13 @@ class Copies:
         self._forget(away)
 
     def finish(self, away: Away) -> None:
-        """A robot that is back and has everything is one as any other."""
+        """A robot that is back has got all its copies: nothing is known of it here any more."""
         if away.known and not away.count and self.of(away.robot.tag) is away:
             self.announcements.update(away.robot.tag, frozenset())
             self._forget(away)
 
     def bound(self) -> None:
-        """Forget until there is room for the rest: first what was sent, then the copies that are worth least."""
+        """Make room: forget first what was sent lately, then the copies that are worth least."""
         while self.payloads.bytes > TUNING.payload_bytes and self.sent:
             self.sent.forget_oldest()
         while self.payloads.bytes > TUNING.payload_bytes or self.waiting > TUNING.copies:

@@ -1,4 +1,4 @@
-"""The gate for copies: each is sent to the one robot that it is for, or waits for as long as it is worth it."""
+"""The gate for copies: each is sent to the robot that it is for, or waits for as long as it is worth anything."""
 
 from dataclasses import replace
 
@@ -32,12 +32,12 @@ class CopyGate:
         self._copies = copies
 
     def foremost(self, now: float) -> Copy | None:
-        """Return the copy that is decided before all that waits in the inbox: of one priority it is the older one."""
+        """Return the next copy, if it comes before all that waits in the inbox, by priority and then by age."""
         copy = self._copies.foremost(now)
         return None if copy is None or any(w.priority < copy.waiting.priority for w in self._inbox) else copy
 
     def take_up(self, now: float, copy: Copy, ticket: int) -> list[Command]:
-        """Send a copy, or have it decided; while there is no room for it, it waits for as long as it is worth it."""
+        """Send a copy, or have it decided; while there is no room for it, it waits as long as it is worth anything."""
         stream = self._appraisal.stream_of(now, copy.waiting)
         if stream is None or stream.information_type.markovian:
             self._copies.give_up(copy, "dropped:no-spec")
@@ -56,7 +56,7 @@ class CopyGate:
         return [self._search.start(now, sample, self._inbox, ticket, copy)]
 
     def decided(self, now: float, pending: Pending, copy: Copy, plan: Plan) -> list[Command]:
-        """The answer for a copy: what is not sent now may be later, when there is more room."""
+        """Take the answer for a copy: one that is not sent now may be sent later, when there is more room."""
         if not self._copies.waits(copy):
             return []
         use = self._use(copy)

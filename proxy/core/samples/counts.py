@@ -1,4 +1,4 @@
-"""The law of conservation: samples in = forwarded + dropped (each with a reason) + queued, at every instant."""
+"""Conservation of samples: those that came in = forwarded + dropped (each with a reason) + queued, at any time."""
 
 from collections import Counter
 
@@ -12,7 +12,7 @@ class Counts:
         self.received = 0
         self.by_reason: Counter[str] = Counter()
         self.bytes: Counter[str] = Counter()
-        """What passed without a decision put on the air, by reason [B]."""
+        """What samples that passed without a decision took on the air, by reason [B]."""
         self._queued: dict[int, tuple[str, str]] = {}
         """The keys of samples, and why each was approved, if it was."""
 
@@ -60,5 +60,5 @@ class Counts:
 
     @property
     def conserved(self) -> bool:
-        """Whether the law holds."""
+        """Whether every sample is accounted for."""
         return self.received == self.forwarded + self.dropped + self.queued

@@ -1,4 +1,4 @@
-"""What the decisions came to: how many, how good they are known to be, what bound them, and why the last one."""
+"""Statistics of the decisions: how many there were, how good they are known to be, and what bound them."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -64,9 +64,9 @@ class Decisions:
     """Statistics of all decisions since the start.
 
     `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
-    ones, whose gap is known [utility·s]. `thinned` are the windows that were thinned to come in time: how many, the
-    messages to decide in them, and those there would be else. `binding` counts by constraint the dropped samples that
-    it was in the way of. `seconds` and `longest` are in seconds.
+    plans, whose gap is known [utility·s]. `thinned` tells of the windows that were thinned to come in time: how many
+    they are, how many messages they had to decide, and how many they would have had. `binding` counts by constraint the
+    dropped samples that it had no room for. `seconds` and `longest` are in seconds.
     """
 
     def __init__(self) -> None:

@@ -1,8 +1,8 @@
 """What decides when the planner fails: priority, and token buckets for all that is not urgent.
 
-The limits hold for all. A sample of lower priority takes at most the part of what they leave that the specs' rule says;
-and so that many small ones leave room for urgent ones, too, they all pass a bucket for each limit, which holds that
-part of what is ours in a window, and fills in that time.
+The limits hold for all samples. A sample that is not urgent takes at most a part of what they leave, which the specs
+say. So that many small samples leave room for urgent ones, too, each passes a bucket for every limit: the bucket holds
+that part of what is ours in a window, and fills within a window.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ class TokenBuckets:
         self._filled = 0.0
 
     def fill(self, now: float, limits: Sequence[Constraint], sizes: Sequence[float]) -> None:
-        """Let time pass: of each limit not urgent samples may now take so much in a window."""
+        """Let time pass: in a window, samples that are not urgent may now take so much of each limit."""
         elapsed, self._filled = max(0.0, now - self._filled), now
         before = self._buckets
         self._buckets = {

@@ -1,4 +1,4 @@
-"""Which payloads the driver keeps: it keeps one from `Keep` until `Forget`, while anything here may still need it."""
+"""Which payloads the driver keeps: each from `Keep` until `Forget`, as long as any part of the core may need it."""
 
 from collections import Counter
 

@@ -24,7 +24,7 @@ EXPIRED, UNWANTED = "dropped:expired", "dropped:unwanted"
 
 @dataclass(frozen=True, slots=True)
 class _Undecided:
-    """A sample that is not sent and not dropped yet, as a copy for nobody, and for whom copies are kept already."""
+    """A sample that is neither sent nor dropped yet, as a copy for nobody, and the robots that have copies already."""
 
     copy: Copy
     kept_for: set[str] = field(default_factory=set)
@@ -49,7 +49,7 @@ class Kept:
         return {expression for away in self.copies for expression in away.robot.subscriptions}
 
     def published(self, waiting: Waiting, lifetime: float, most: int, *, delete: bool) -> None:
-        """A sample came of which each counts, for `lifetime` [s]: it is kept for each that is away and wants it."""
+        """A sample came of a stream of which each counts: for `lifetime` [s] it is kept for those away that want it."""
         if not self.longest:
             return
         until = waiting.t_gen + min(lifetime, self.longest)
@@ -66,9 +66,9 @@ class Kept:
         return None if each is None else each.copy.waiting.key
 
     def decided(self, now: float, sample: int, names: Collection[str], *, sent: bool) -> None:
-        """A sample was sent to the robots with these tags, or there was no room for it; others do not get it.
+        """A sample was sent to the robots with these tags, or there was no room for it; other robots do not get it.
 
-        Who of them vanishes soon may not have got it. Where copies take the room, what they displace is one more.
+        A robot that vanishes soon may not have got it. Where copies take the room, what has none is kept as one more.
         """
         each = self._undecided.pop(sample)
         for away in self.copies if not sent else ():

@@ -22,7 +22,7 @@ class Outcomes:
         self._counts = counts
         self._decisions = decisions
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
-        """Samples of `once` on their way to the mesh session, and to whom each is the first of its stream."""
+        """Samples of `once` on their way to the mesh session, and the robots for which each is the first one."""
 
     def pass_on(self, sample: int, reason: str) -> Command:
         """Forward a sample that needs no decision."""
@@ -76,7 +76,7 @@ class Outcomes:
             self._view.handed(key)
 
     def refused(self, sample: int, reason: str) -> str:
-        """The mesh session did not take the sample: if it is the first one that counts, the next one is.
+        """The mesh session did not take the sample: if it was the first for some robots, the next one will be.
 
         Return its key.
         """

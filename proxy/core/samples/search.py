@@ -1,4 +1,4 @@
-"""The decision that is being searched for: one at a time, so that each sees what the one before did."""
+"""The decision that is being searched for: one at a time, so that each knows what the one before decided."""
 
 from dataclasses import dataclass
 
@@ -54,7 +54,7 @@ class Search:
         return Decide(ticket, problem, ticket, iterations, now)
 
     def answered(self, ticket: int, overhead: float) -> Pending | None:
-        """Return what waits for the answer with this ticket, and does so no longer.
+        """Return the sample that waited for the answer with this ticket, which is awaited no longer.
 
         All but the search took `overhead` [s]; infinite where the answer did not come in time.
         """
@@ -70,6 +70,6 @@ class Search:
         return [] if self.pending is None or self.pending.copy is not None else [self.pending.sample]
 
     def cancel(self) -> list[Waiting]:
-        """The answer counts no more; return the sample that was being decided."""
+        """Ignore the answer when it comes; return the sample that was being decided."""
         deciding, self.pending = self.deciding(), None
         return deciding

@@ -14,7 +14,7 @@ class SentLately:
     def __init__(self, payloads: HeldPayloads) -> None:
         self._payloads = payloads
         self._sent: dict[str, dict[int, tuple[Copy, Mapping[str, float]]]] = {}
-        """By key and sample: as a copy for anybody would be, and when it was sent to whom, by tag [s]."""
+        """By key and sample: a copy of it for anybody, and by tag when it was sent to which robots [s]."""
 
     def __bool__(self) -> bool:
         return bool(self._sent)
@@ -31,7 +31,7 @@ class SentLately:
             self.forget(waiting.key, next(iter(many)))
 
     def doubtful(self, now: float, robot: Leaving) -> list[Copy]:
-        """Return what a robot may not have got that vanishes now; nothing if it would not notice what it has."""
+        """Return what a robot that vanishes now may not have got; nothing if it would not notice what it has."""
         if not robot.alike:
             return []
         since, sent = now - TUNING.doubtful, (each for many in self._sent.values() for each in many.values())

@@ -1,7 +1,7 @@
 """The samples of ours that are undecided: those that wait, those that are read again, and the one being decided.
 
-Deletions of a key pass between its samples. Of a Markovian stream the newest sample wins: it takes the place of what
-waits of its key, a deletion does so too, and a sample that was read again gives way to one that came meanwhile.
+Deletions of a key pass between its samples. Of a Markovian stream the newest sample wins: it takes the place of the one
+that waits, as a deletion does, and a sample that is read again gives way to one that came meanwhile.
 """
 
 from collections.abc import Callable, Iterator
@@ -45,7 +45,7 @@ class Undecided:
             yield sample
 
     def unsettle(self) -> list[Command]:
-        """Take back all that is undecided: specs changed, and no decision may mix what two of them say."""
+        """Take back all that is undecided: specs changed, and no decision may mix old and new ones."""
         taken = [*self.inbox.clear(), *self._search.cancel()]
         self._unsettled |= {waiting.sample: waiting for waiting in taken}
         return [Reread(each.sample, each.key) for each in self._unsettled.values()]

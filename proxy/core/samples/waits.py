@@ -1,4 +1,4 @@
-"""Samples that are not taken up yet, for room opens soon, or news of what others sent comes soon."""
+"""Samples that are not taken up yet, as room opens soon or news of what others sent comes soon."""
 
 import math
 
@@ -18,7 +18,7 @@ class Waits:
 
     def __init__(self, appraisal: Appraisal, inbox: Inbox) -> None:
         self.wakes_at = math.inf
-        """When one of those that were looked at since the last `restart` can be taken up [s]."""
+        """When the first of the samples that were looked at since the last `restart` can be taken up [s]."""
         self._appraisal = appraisal
         self._inbox = inbox
         self._view, self._budget, self._disputes = appraisal.view, appraisal.budget, appraisal.disputes
@@ -37,9 +37,9 @@ class Waits:
         return bool(self._budget.limits) and (self._for_greetings(now, sample) or self._for_room(now, sample))
 
     def give_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
-        """Put a sample back into the inbox until it is known what others have sent, `until` then at most [s].
+        """Put a sample back into the inbox until it is known what others have sent, or this time has come [s].
 
-        Return whether it is: not where a newer one is there, or where it would be too old by then.
+        Return whether it waits: it does not where a newer one is there, or where it would be too old by then.
         """
         known_at = max(now + TUNING.shortest_wait, min(until, now + news_take(self._view)))
         newer = any(waiting.key == sample.key for waiting in self._inbox)
@@ -52,7 +52,7 @@ class Waits:
     def _for_greetings(self, now: float, sample: Waiting) -> bool:
         """Whether a large sample waits for what robots that have just been met sent lately.
 
-        Who joined or met others again sent its first frame beside two of theirs, and the window held 1.4 limits.
+        Without that a robot that joined sent its first frame beside two of theirs, and the window held 1.4 limits.
         """
         until = self._view.newcomers.greeted_by(now)
         if now >= until or self._budget.alone:
@@ -66,9 +66,9 @@ class Waits:
         return True
 
     def _for_room(self, now: float, sample: Waiting) -> bool:
-        """Whether a sample waits, as what we sent leaves room for it soon.
+        """Whether a sample waits, as something we sent soon leaves the window.
 
-        Under the same limits no room opens earlier than it seemed to.
+        Under the same limits room never opens earlier than it seemed to at first.
         """
         limits = self._budget.limits
         opens_at, known_for = self._opening.get(sample.sample, (-math.inf, limits))
@@ -82,7 +82,7 @@ class Waits:
         return True
 
     def _room_opens(self, now: float, sample: Waiting) -> float:
-        """Return when there is room for a sample that is worth waiting for it; −∞ where it is taken up now."""
+        """Return when room opens for which a sample is worth keeping; −∞ where the sample is taken up now."""
         appraisal = self._appraisal
         stream = appraisal.stream_of(now, sample)
         if (
