@@ -1,7 +1,7 @@
-"""What robots tell each other, booked twice: it is paid for from the allowance, and what is beyond that counts as sent.
+"""What robots tell each other, booked twice: against the allowance, and beyond that against the limits.
 
 The limits leave the allowance to digests. It may be spent ahead of time (`digest_budget.py`): then a window holds more
-digests than the limits leave out, and the rest counts against them like samples.
+digests than the limits leave room for, and the rest counts against the limits like samples.
 """
 
 import math
@@ -28,10 +28,10 @@ class Account:
         self._allowance = MODEL.least_allowance
         """What all robots may tell each other [B/s]."""
         self._uncounted = 0.0
-        """What was told beyond the allowance and does not count against the limits yet; less: ahead of time [B]."""
+        """What was told beyond the allowance and is not counted yet; negative: what was counted ahead [B]."""
 
     def set_rate(self, part: float, *, follows: bool) -> None:
-        """The team may be another one. This `part` of the allowance is left; limits follow the channel or not."""
+        """Set the rate for the team as it is. This `part` of the allowance is left; limits may follow the channel."""
         robots = len(self._view.peers) + 1
         self._allowance = allowance_of(self._view.specs, self._view.settings.allowance * part, robots)
         copies = 1 if self._view.settings.digests_on_air else robots
@@ -55,17 +55,17 @@ class Account:
         return len(self._view.peers) + (self._view.settings.relayed and bool(self._view.peers))
 
     def heard_digest(self, now: float, size: int) -> None:
-        """A digest of another robot, of so many bytes, came: for each one that comes others are lost."""
+        """A digest of another robot, of so many bytes, came; those that were lost are booked with it."""
         sent, copies = round(size / (1.0 - self._view.paths.mean_loss())), self.digest_copies
         self._budget.heard(now, sent, copies)
         self._count(now, sent, copies)
 
     def heard_state(self, now: float, state: State, size: int) -> None:
-        """A state of another robot, of so many bytes, came: an update is for all, a whole one mostly for us alone."""
+        """A state of another robot, of so many bytes, came: an update went to all, a whole state mostly to us alone."""
         self._count(now, size, self.copies if state.since else 1)
 
     def sent_digest(self, now: float, digest: Digest, *, announces: bool) -> None:
-        """A digest of ours goes out. Where one for all is on the air, its key has no number to stand for it."""
+        """A digest of ours goes out. Where it is broadcast it carries its whole key, else a number for the key."""
         on_air = self._view.settings.digests_on_air
         key = TUNING.on_air + len(self._view.settings.robot) if on_air else 0
         size, copies = len(pack_digest(digest)) + key, self.digest_copies
@@ -79,7 +79,7 @@ class Account:
         self._count(now, size, copies)
 
     def _count(self, now: float, size: int, copies: int) -> None:
-        """Count what is told against the limits, as far as it is more than they leave to that."""
+        """Count what is told against the limits, as far as it is more than they leave to digests."""
         if window := self.window:
             told = (size + TUNING.overhead) * max(1, copies)
             self._uncounted += self._excess.note(now, told, window, self._allowance * window)

@@ -25,7 +25,7 @@ class Announcements:
 
     @property
     def overheard(self) -> bool:
-        """Whether others hear what we send, as samples are broadcast."""
+        """Whether others hear our samples anyway, as these are broadcast."""
         return is_broadcast(self._view.settings.transport)
 
     @property
@@ -34,12 +34,12 @@ class Announcements:
         return self._coordination.team.must_announce and not self._coordination.team.splits
 
     def due_at(self, now: float) -> float:
-        """When what is sent now could be announced [s]."""
+        """When a sample that is sent now could be announced [s]."""
         waits = self._coordination.team.rivals and self.needed and not self.overheard
         return self._budget.due_ahead(now, TUNING.announcement_debt) if waits else now
 
     def changes_plans(self, size: int, copies: int = 1) -> bool:
-        """Whether others plan with so many bytes in so many copies."""
+        """Whether a message of so many bytes, in so many copies, changes what others plan."""
         return changes_plans(use_of(size, copies, self._limits.limits), self._limits.limits)
 
     def is_large(self, stream: Stream) -> bool:

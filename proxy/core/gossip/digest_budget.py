@@ -1,8 +1,9 @@
 """What robots may tell each other: one bucket of bytes for the whole team, and our part of what is for ordinary news.
 
-Each robot keeps its own picture of the bucket, fills it at the whole rate, and takes out what it tells and hears. So
-those who have most to announce announce most, if need be ahead of time. A part of the allowance is for all else, and of
-that each robot has an equal part: ordinary news, and, paid for later, states, questions and answers.
+Each robot keeps a bucket for the whole team: it fills at the whole rate, and the robot takes out what it tells and what
+it hears. So the robots with most to announce announce most, if need be ahead of time. A part of the allowance is for
+all else, and each robot has an equal share of it: for ordinary news, and for states, questions and answers, which are
+paid for later.
 """
 
 from collections import deque
@@ -13,13 +14,13 @@ from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.tuning import TUNING as MODEL
 
 GOLDEN = 0.618
-"""Turns that move on by this part of a round fall evenly, and those of robots seldom together."""
+"""Turns that move on by this part of a round are spread evenly, and two robots seldom have the same turn."""
 
 
 class DigestBudget:
     """Spends the allowance of this robot. Each robot begins with another `turn`, between 0 and 1.
 
-    What the allowance brings in `saved` [s] is there at first. `advance` takes in what it has brought by now.
+    At first there is what the allowance brings in `saved` [s]. `advance` takes in what it has brought by now.
     """
 
     def __init__(self, now: float, turn: float = 0.0, saved: float = 0.0) -> None:
@@ -34,14 +35,14 @@ class DigestBudget:
         self._common = 0.0
         """What is left of the allowance of all [B]."""
         self._own = MODEL.least_allowance
-        """What is left of our part of what is for ordinary news [B]."""
+        """What is left of our share for ordinary news [B]."""
         self._updated = now
         self._size, self._brief = 64.0, 48.0
         """What the last ordinary digest took, and the last other one [B]."""
         self._last = now - TUNING.slowest_digest
         """When the last ordinary digest went out [s]."""
         self._turn = turn
-        """Of a digest so much more has to be left of the allowance for an ordinary one: it moves on with each."""
+        """For an ordinary digest this part of a digest more has to be left of the allowance; it moves on with each."""
 
     def set_rate(self, rate: float, robots: int, copies: int, *, follows: bool = False) -> None:
         """The allowance of so many robots is now `rate` [B/s], all copies together; digests go in so many `copies`.
@@ -57,9 +58,9 @@ class DigestBudget:
     def follow(self, now: float, *, splits: bool, quiet: bool, begins: bool, window: float) -> None:
         """Each robot has its part or not, and the team `begins` or has done so; `window` is the shortest one [s].
 
-        Where each has its part nobody plans with ordinary news; a large, `quiet` team tells them in turn from then on:
-        of fifty robots five did within 15 ms, and some windows held 1.16 limits. Once a team has begun, what was saved
-        for the first agreement is not needed any more, and ordinary news go on, each robot in its turn.
+        Where each has its part nobody plans with ordinary news. A large, `quiet` team then tells them in turn: without
+        turns five of fifty robots told them within 15 ms, and some windows held 1.16 limits. Once a team has begun, it
+        does not need what was saved for the first agreement any more, and ordinary news go on, each robot in its turn.
         """
         if quiet and not self._quiet:
             self._own = min(self._own, -self._turn * self._size * self._copies)
@@ -104,10 +105,10 @@ class DigestBudget:
     def due(self, now: float, *, news: bool, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
-        It is as large as the last one, and we tell no more than an equal part. For what the others tell we wait a
-        second or two at most, and where windows are shorter than that for one window at least: of eight robots with
-        cameras each tells something every ten seconds, and where two did at one moment 1.1 % of the windows were over
-        the limit.
+        The digest is taken to be as large as the last one, and we tell no more than an equal part. We wait for room
+        beside what others tell for a second or two at most, and for one window at least where windows are shorter: each
+        of eight robots with cameras tells something every ten seconds, and where two did so at one moment 1.1 % of the
+        windows were over the limit.
         """
         cost, slowest = self._size * copies, TUNING.slowest_digest
         common, own = self._levels(now)
@@ -130,9 +131,10 @@ class DigestBudget:
     def due_in_turn(self, now: float, since: float, seconds: float, copies: int) -> float:
         """When a digest may go out that spends so much ahead of time, if all robots have one since then [s].
 
-        Not at one moment, and where all take more than the allowance of a window in the time in which it has room for
-        them: where ten robots answered a new bid at once up to 9 % of the windows were over the limit though each kept
-        its part, by up to 0.23; none is now.
+        Robots take turns, so that their digests do not come at one moment. Where all digests together take more than
+        the allowance of a window, they are spread over the time that it takes to pay for them: when ten robots answered
+        a new bid at once, up to 9 % of the windows were over the limit, by up to 0.23, though each robot kept its part;
+        now none is.
         """
         takes = self._robots * self._brief * copies / self.rate
         turn = since + self._turn * TUNING.answers * takes if takes > self._window else now
@@ -149,7 +151,7 @@ class DigestBudget:
     def _fits_at(self, now: float, cost: float) -> float:
         """When so much can be told that no window holds more than its allowance [s].
 
-        The limits leave no more than that to digests. Who waits for the same moment goes on a little apart.
+        The limits leave no more than that to digests. Robots that wait for the same moment speak a little apart.
         """
         if self._saved:
             return now
@@ -172,7 +174,7 @@ class DigestBudget:
         return common, min(self._most_own(rate), self._own + elapsed * rate)
 
     def _own_rate(self, common: float) -> float:
-        """Our part of what is for ordinary news [B/s]: of all, as long as announcements leave it."""
+        """Our share of what is for ordinary news [B/s]: that is all, as long as announcements leave it."""
         least = TUNING.ordinary_on_channel if self._follows else TUNING.ordinary
         return (least if common < 0.0 or self._splits else 1.0) * self.rate / self._robots
 

@@ -13,7 +13,7 @@ from proxy.core.view.view import SharedView
 
 
 class DigestComposer:
-    """Makes digests of what the parts of the core have to tell."""
+    """Makes digests out of what the parts of the core have to tell."""
 
     def __init__(
         self,
@@ -33,7 +33,7 @@ class DigestComposer:
         self._states = states
 
     def digest(self, now: float, copies: int, *, only_parts: bool) -> Digest:
-        """Return a digest that goes out now in so many copies; without news of streams and echoes: `only_parts`."""
+        """Return a digest that goes out now in so many copies; with `only_parts` without news of streams and echoes."""
         return Digest(
             robot=self._view.settings.robot,
             tag=tag(self._view.settings.zid),
@@ -49,7 +49,7 @@ class DigestComposer:
         )
 
     def announcement(self, now: float, streams: tuple[StreamDigest, ...]) -> Digest:
-        """Return the announcement of what streams sent: without features, and what is as usual."""
+        """Return the announcement of what streams sent, without features and without what is as usual."""
         sizes = {each.id: each.size for each in self._states.state.streams}
         own = {stream.id: stream for stream in self._view.streams.own()}
         return Digest(

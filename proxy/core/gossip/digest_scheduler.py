@@ -1,7 +1,7 @@
 """When digests go out.
 
-What was sent is announced at once where it takes much of a limit, and ahead of the allowance if need be: it leaves the
-others less. All other news wait until the allowance has room for them beside that.
+A sample that takes much of a limit is announced as soon as it is sent, ahead of the allowance if need be: it leaves
+less to the others. All other news wait until the allowance has room for them beside announcements.
 """
 
 import math
@@ -22,7 +22,7 @@ from proxy.core.view.view import SharedView
 
 
 class DigestScheduler:
-    """Sends digests, announcements, and these again, each when it is due."""
+    """Sends digests and announcements, and repeats announcements, each when it is due."""
 
     def __init__(
         self,
@@ -54,14 +54,14 @@ class DigestScheduler:
         self._sent_at = -math.inf
         """When the last digest went out [s]."""
         self._messages = 0
-        """Messages put on the air by us until then."""
+        """Messages that we had put on the air by then."""
 
     def valued(self, stream: Stream) -> None:
         """A sample of ours was valued: the others should hear of it soon if they want it and its value has changed."""
         self.urgent |= self._news.value_changed(stream) and self._view.subscribers.count(stream) > 0
 
     def advance(self, now: float, *, urgent: bool, parts_changed: bool) -> list[Command]:
-        """Send a digest if one is due. Whether the channel is `urgent` news, and what we ask for of the limits."""
+        """Send a digest if one is due; the channel may be `urgent` news, or what we ask for of the limits be new."""
         self.urgent |= urgent
         self._parts_changed |= parts_changed
         commands: list[Command] = []
@@ -83,7 +83,7 @@ class DigestScheduler:
         return max(self._sent_at + TUNING.digests_apart, self._retransmissions.due_at, ahead)
 
     def _wanted_at(self, now: float) -> float:
-        """When the allowance and what there is to tell have us tell something [s]."""
+        """When we tell something, by what there is to tell and what the allowance has room for [s]."""
         coordination = self._coordination
         self._news.look(self._view.streams.revision, list(self._view.streams.own()))
         news = self._news.waiting or not coordination.settled or self._sent_something or self._capacity.probe_due(now)
@@ -100,7 +100,7 @@ class DigestScheduler:
     def _parts_at(self, now: float) -> float:
         """When the allowance has room for news of parts [s].
 
-        Who changes over speaks among announcements, which are ahead of the allowance, and may be more so.
+        A robot that changes over to parts speaks while others still announce ahead of the allowance: it may go further.
         """
         if not self._coordination.formed:
             return self._budget.due_ahead(now, TUNING.first_parts_debt)
@@ -118,7 +118,7 @@ class DigestScheduler:
         return self._announcements.changes_plans(self._view.traffic.largest)
 
     def _send_news(self, now: float) -> Command:
-        """Send a digest, or, where no more than that is due, the announcement of what was sent."""
+        """Send a digest, or only the announcement of what was sent where nothing else is due."""
         copies, only_parts, sent_much = self._account.digest_copies, self._only_parts(now), self._sent_much()
         if sent_much and not self._more_is_due(now, copies):
             digest = self._announcement(now)
@@ -144,11 +144,11 @@ class DigestScheduler:
         return self._coordination.forming(now) or not self._all_is_due(now, self._account.digest_copies)
 
     def _all_is_due(self, now: float, copies: int) -> bool:
-        """Whether it is time to tell all that is new: announcements never take the place of that."""
+        """Whether it is time to tell all that is new, which announcements never replace."""
         return self._budget.due(now, news=self._capacity.probe_due(now), copies=copies) <= now
 
     def _more_is_due(self, now: float, copies: int) -> bool:
-        """Whether a whole digest has to go where an announcement would do for what was sent."""
+        """Whether a whole digest has to go although an announcement would do for what was sent."""
         if self.urgent or self._parts_changed or self._news.unknown or self._all_is_due(now, copies):
             return True
         return self._view.echoes.are_awaited(now) and self._budget.echoes.affords(copies) > 0
@@ -161,12 +161,12 @@ class DigestScheduler:
         return self._composer.announcement(now, self._news.take(now, own, keys))
 
     def _announced(self, digest: Digest) -> None:
-        """This goes out, or something that says as much: on the air it may have to be sent again."""
+        """This announcement goes out, or a digest that says as much: what is broadcast may have to be sent again."""
         if digest.streams and self._announcements.overheard:
             self._retransmissions.announced(digest, self._view.paths.mean_loss())
 
     def _send(self, now: float, digest: Digest, *, announces: bool) -> Command:
-        """Send a digest; `announces`: ordinary news have their turn all the same."""
+        """Send a digest; one that `announces` does not count as ordinary news."""
         self._sent_at = now
         self._view.sent_digest(now)
         self._account.sent_digest(now, digest, announces=announces)

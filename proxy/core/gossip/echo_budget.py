@@ -17,7 +17,7 @@ class EchoBudget:
         """When each robot was echoed last [s]."""
 
     def gain(self, size: float, most: float) -> None:
-        """So many bytes were for ordinary news; no more than `most` are kept."""
+        """The allowance brought so many bytes for ordinary news; echoes save their part of them, up to `most`."""
         self._left = min(max(most, TUNING.echoes_ahead), self._left + TUNING.echoes * size)
 
     def affords(self, copies: int) -> int:

@@ -1,4 +1,4 @@
-"""The state of this robot: what it is, what is news of it, and how much of it can be announced."""
+"""The state of this robot: what is in it, what of it is news, and how much of it can be announced."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -13,7 +13,7 @@ from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
 RHYTHMIC = {"", "periodic"}
-"""Of streams that generate so, digests tell the rhythm."""
+"""Kinds of streams whose rhythm digests tell."""
 
 
 def state_of(view: SharedView, mode: Mode) -> State:
@@ -50,7 +50,7 @@ def shortened(state: State) -> tuple[State, int]:
 
 
 def differs(announced: State, state: State) -> bool:
-    """Whether a state is news; not where only rhythms changed, of which digests tell."""
+    """Whether a state is news. It is not if only rhythms changed that digests tell."""
     stepped = abs(state.wall_offset - announced.wall_offset) > TUNING.wall_clock_step
     return (
         stepped

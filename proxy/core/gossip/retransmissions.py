@@ -1,6 +1,6 @@
-"""An announcement is sent again where many robots miss it: what nobody hears of again for long is planned without.
+"""Announcements are sent again where many robots miss them.
 
-Robots that missed a sample and its announcement took the room for free: where 30 % of all that is broadcast was lost,
+Robots that missed a sample and its announcement took its room for free: where 30 % of all that is broadcast was lost,
 5 to 8 % of the windows of four robots with cameras were over the limit.
 """
 
@@ -21,7 +21,7 @@ class Retransmissions:
         self._digest: Digest | None = None
 
     def announced(self, digest: Digest, lost: float) -> None:
-        """This announces a sample that went before it; such a part of each is lost."""
+        """This announces a sample that was sent before; such a part of samples, and of digests, is lost."""
         missed, after = TUNING.missed, TUNING.retransmit_after
         times = math.ceil(math.log(missed) / math.log(lost) - 1e-9) if lost > missed else 1
         self._left = min(TUNING.retransmissions, max(0, times - TUNING.sent_so_far))

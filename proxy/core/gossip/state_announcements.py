@@ -42,18 +42,18 @@ class StateAnnouncements:
         self._review_at = now
         """When to look whether our state is news."""
         self._large_is_new = False
-        """Whether that is of a stream that others plan with."""
+        """Whether a stream that others plan with is news."""
         self._push_at, self._pushed = math.inf, -math.inf
-        """When our state is sent to all who have come, and when it is, or was, for the last time [s]."""
+        """When our state is sent to all robots that have come, and when it was sent so last [s]."""
 
     def review(self, at: float) -> None:
         """Our state may be news; look then [s]."""
         self._review_at = min(self._review_at, at)
 
     def sample_came(self, now: float, size: int, *, new: bool) -> None:
-        """A stream of ours has a sample of so many bytes: its period may be another one, or it is `new`.
+        """A stream of ours, which may be `new`, has a sample of so many bytes, so its period may have changed.
 
-        Look at once where it is news that others plan with, else when it is time to.
+        Look at once where others plan with what is new, else when it is time to.
         """
         large = new and self._announcements.changes_plans(size)
         self._large_is_new |= large
@@ -61,13 +61,13 @@ class StateAnnouncements:
         self.review(now if large else max(now + TUNING.gather, self._reviewed_at + every))
 
     def clock_set(self, now: float, offset: float, error: float) -> None:
-        """Our wall clock is so much before the monotonic one, and wrong by `error` at most [s]."""
+        """Our wall clock is so much ahead of the monotonic one, and wrong by `error` at most [s]."""
         stepped = abs(offset - self.state.wall_offset) > TUNING.wall_clock_step
         if stepped or error != self._view.clocks.error:
             self.review(now)
 
     def met(self, now: float) -> None:
-        """Somebody came: of a large team, where it may ask only a few, it hears from us what our apps subscribe to."""
+        """A robot came. In a large team it may ask only a few for their states, so we tell it our subscriptions."""
         if self._coordination.team.large and self.state.subscriptions and math.isinf(self._push_at):
             self._push_at = self._pushed = max(now + TUNING.gather, self._pushed + TUNING.pushes_apart)
 
@@ -89,7 +89,7 @@ class StateAnnouncements:
         return commands
 
     def _allowed_at(self, now: float) -> float:
-        """When a state may follow the last one: once that is paid for, unless others plan with what is new [s]."""
+        """When a state may follow the last one: once that is paid for, or at once if others plan with the news [s]."""
         ahead = self._large_is_new and not self._coordination.team.large
         return max(self._announced_at + TUNING.states_apart, now if ahead else now + self._budget.paid_in)
 
@@ -116,7 +116,7 @@ class StateAnnouncements:
         return [*notices, SendState(state, update)]
 
     def _takes(self, update: State) -> float:
-        """Return how long news of our streams wait: nobody plans with them where a large team has equal parts [s]."""
+        """Return how long news of our streams waits [s]: where a large team has equal parts nobody plans with it."""
         if not self._coordination.team.quiet:
             return 0.0
         return self._budget.takes(len(pack_state(update)), self._account.copies)

@@ -9,7 +9,7 @@ class StateBudget:
     def __init__(self, rate: float) -> None:
         self._allowance, self._robots = rate, 1
         self._debt = -TUNING.state_savings * rate
-        """What is not paid for yet; less than nothing is saved [B]."""
+        """What is not paid for yet; negative: what is saved [B]."""
 
     def set_rate(self, allowance: float, robots: int) -> None:
         """The allowance of so many robots is now this [B/s]."""
@@ -25,7 +25,7 @@ class StateBudget:
 
     @property
     def paid_in(self) -> float:
-        """When all is paid for, from the last gain on [s]."""
+        """How long it takes from the last gain on until all is paid for [s]."""
         return max(0.0, self._debt) / self._rate
 
     def takes(self, size: int, copies: int) -> float:

@@ -1,4 +1,4 @@
-"""Whom to ask for a state: who is new, and who speaks of a state that we do not have."""
+"""Which robots to ask for their states: those that are new, and those whose digests name a state that we lack."""
 
 import math
 
@@ -7,7 +7,7 @@ from proxy.core.view.peer import Peer
 
 
 class StateRequests:
-    """The questions that are open, by tag; there are as many as robots at most."""
+    """The questions that are open, by tag; there is at most one for each robot."""
 
     def __init__(self, now: float) -> None:
         self.due_at = math.inf
@@ -25,14 +25,14 @@ class StateRequests:
         self._plan()
 
     def done(self, tag: str) -> None:
-        """We have it, or the robot is gone."""
+        """We have the state of a robot, or the robot is gone."""
         self._open.pop(tag, None)
         self._plan()
 
     def compare(self, now: float, tag: str, peer: Peer) -> None:
         """Ask a robot for its state if its last digest names another one than we have.
 
-        Of an older one only a digest tells that has just come: others are older than a state that has.
+        A digest that names an older state than ours counts only if it has just come: others are older than our state.
         """
         if peer.state is None:
             self.want(now, tag)

@@ -1,4 +1,4 @@
-"""What is news of our streams: what there is to tell of each, and what was announced of it last."""
+"""News of our streams: what there is to tell of each, and what was announced of it last."""
 
 from collections.abc import Container
 from operator import attrgetter
@@ -19,11 +19,11 @@ class StreamNews:
         self.waiting = False
         """Whether there was news when it was last looked for."""
         self.unknown = False
-        """Whether there was a stream then that was never announced."""
+        """Whether a stream was found then that was never announced."""
         self._revision = 0
         """How often what was announced changed."""
         self._looked_at = (0, 0, -1)
-        """Of which changes it is known whether they are news."""
+        """The changes of which it is known whether they are news."""
         self._ever: set[str] = set()
         """Keys of streams that were announced at all."""
         self._announced: dict[str, tuple[float, StreamDigest]] = {}
@@ -32,7 +32,7 @@ class StreamNews:
         """What there is to tell of each stream, since so many changes of it."""
 
     def look(self, revision: int, streams: list[Stream]) -> None:
-        """See whether there is news of our streams, where they changed: which there are, or what is known of one."""
+        """Look for news, if anything changed: which streams we have, or what is known of one of them."""
         changes = revision, sum(map(_CHANGES, streams)), self._revision
         if changes != self._looked_at:
             self._looked_at = changes
@@ -60,7 +60,7 @@ class StreamNews:
         return tuple(digest for _, digest in chosen)
 
     def forget(self) -> None:
-        """Somebody new is there: everything is news again."""
+        """A new robot is there: everything is news again."""
         self._revision += 1
         self._announced.clear()
 
