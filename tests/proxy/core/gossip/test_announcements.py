@@ -102,7 +102,7 @@ def test_what_is_broadcast_is_overheard(make_sender):
 
 
 def test_an_announcement_may_spend_the_allowance_ahead_of_time_but_not_for_ever(make_sender):
-    """After that it waits for it, where others send as well."""
+    """After that it waits for it where others send; who has only been met may be told at once."""
     sender, alone = make_sender(), make_sender(sending=("r1",))
     for each in (sender, alone):
         each.budget.sent(NOW, round(TUNING.announcement_debt * each.budget.rate / 2), 1, announces=True)
@@ -110,6 +110,10 @@ def test_an_announcement_may_spend_the_allowance_ahead_of_time_but_not_for_ever(
         each.budget.sent(NOW, round(TUNING.announcement_debt * each.budget.rate), 1, announces=True)
     assert sender.announcements.due_at(NOW) > NOW + 1.0
     assert alone.announcements.due_at(NOW) == NOW
+    alone.view.add_peer(NOW, "new", "z-new")
+    alone.look(NOW + 1.0)
+    assert alone.announcements.needed
+    assert alone.announcements.due_at(NOW + 1.0) == NOW + 1.0
 
 
 def test_what_announcing_takes_grows_with_how_often_large_samples_come(make_sender):
