@@ -67,7 +67,7 @@ class Budget:
 
     def usable(self, now: float) -> tuple[Limit, ...]:
         """The constraints as they bind us now."""
-        wholes = tuple(self.whole(now, k) for k in range(len(self.limits)))
+        wholes = tuple([self.whole(now, k) for k in range(len(self.limits))])
         known = self.limits, wholes
         if known != self._usable_for:
             self._usable_for = known

@@ -58,7 +58,7 @@ class Coordination:
     @property
     def split_in_force(self) -> Split | None:
         """The parts that the team agrees on."""
-        return self._split if self.team.splits and not self._overbooks else None
+        return self._split if self._split is not None and self.team.splits and not self._overbooks else None
 
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
@@ -66,11 +66,12 @@ class Coordination:
         Where a team changes over each robot takes an equal part, or what the table gives it that it announces, until it
         has had what all have agreed on for a window.
         """
-        if self._overbooks:
-            return self._overbooking.factor / self.team.robots
-        if (split := self.split_in_force) is None:
+        split = self._split
+        if split is None or not self.team.splits:
             margin = max(self._settings.margin, TUNING.varied_margin if self.team.varied else 0.0)
             return 1.0 - margin if self.team.rivals else 1.0
+        if self._overbooks:
+            return self._overbooking.factor / self.team.robots
         ours = split.own_part.of(now, k)
         if self._established:
             return ours
