@@ -112,8 +112,7 @@ class Core:
         parts_changed = coordination.advance(
             now, self.budget.limits, self.channel.staleness, announcements.share, self.budget.using
         )
-        if self.gate.waits:
-            self.budget.mute(announcements.due_at(now))
+        self.budget.mute(announcements.due_at(now))
         commands += self.gate.next(now)
         mode, relaxed = self.gate.appraisal.mode, self.gate.appraisal.all_fits
         return commands + gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
