@@ -54,10 +54,11 @@ class Core:
         if react is None:
             raise TypeError(f"{type(event).__name__} is no event of the core")
         commands, now = react(event), event.now
-        if type(event) not in NOTED or self.gate.waits or self.coordination.split_in_force or self._due_at(now) <= now:
+        self._wakes_at = min(self._wakes_at, self.gossip.requests.due_at)  # a digest may name a state that we lack
+        if type(event) not in NOTED or now >= self._wakes_at or self.gate.waits or self.coordination.split_in_force:
             commands = [*commands, *self._advance(now)]
             self._retention.follow(now, commands)
-        self._wakes_at = self._due_at(now)
+            self._wakes_at = self._due_at(now)
         return self.kept.around(commands)
 
     def wake_at(self, now: float) -> float:
