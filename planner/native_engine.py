@@ -2,8 +2,8 @@
 
 from planner import _native
 from planner.answers import Found, answer
-from planner.python_engine import best, tree
 from planner.native_tables import NativeTables
+from planner.python_engine import best, tree
 from planner.search import Plan, SearchSettings
 from planner.tables import Tables
 

@@ -1,7 +1,8 @@
 """Everything a search needs to know of a problem, as plain arrays that both engines share.
 
 Both engines read the same numbers from here and add them in the same order, so they round alike. Problems of standard
-kinds are tabulated in C++ (`native_tables.py`); `NumpyTables` say the same to read, and tabulate an operator's own models.
+kinds are tabulated in C++ (`native_tables.py`). `NumpyTables` say the same for who reads it, and tabulate an operator's
+own models.
 """
 
 from collections.abc import Sequence

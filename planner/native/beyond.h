@@ -208,10 +208,14 @@ class LookBeyond {
         const Integral integral(window_.utility[m.utility], begin);
         const double rent = beyond_.rent[m.stream];
         double most = integral.to(soonest) * scale_[at];
+        bool finite = true;  // the greatest of numbers may be finite where one of them is not
         for (const double interval : kInterval) {
             const double later = mean.interval * interval;
-            most = std::max(most, integral.to(soonest + later) * scale_[at] - rent * later);
+            const double earned = integral.to(soonest + later) * scale_[at] - rent * later;
+            finite = finite && std::isfinite(earned);
+            most = std::max(most, earned);
         }
+        if (!finite) return std::numeric_limits<double>::quiet_NaN();
         return most - integral.to(std::max(window_.t_end - m.t_gen, 0.0)) * scale_[at];
     }
 

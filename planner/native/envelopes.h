@@ -27,7 +27,7 @@ class Envelopes {
         if (fits_) integrate();
     }
 
-    // Whether the cells are not too many to look at.
+    // Whether the cells are not too many to look at, and finite.
     bool fits() const { return fits_; }
     // Whether no state stands for another one that there was no room for.
     bool exact() const { return exact_; }
@@ -77,12 +77,11 @@ class Envelopes {
         const double t_end = window_.t_end - receiver.delay;
         const double end = until - receiver.delay;
         std::vector<double> edges;
-        for (std::int32_t row = 0; row < count_; ++row) {
-            if (message(row).t_rcv < end) edges.push_back(message(row).t_rcv);
-        }
         even(edges, std::min(message(0).t_rcv, t_end), t_end, kCells);
         even(edges, t_end, end, kCellsBeyond);
-        std::sort(edges.begin(), edges.end());
+        const auto evenly = static_cast<std::ptrdiff_t>(edges.size());
+        for (std::int32_t row = 0; row < count_ && message(row).t_rcv < end; ++row) edges.push_back(message(row).t_rcv);
+        std::inplace_merge(edges.begin(), edges.begin() + evenly, edges.end());
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
         const std::size_t count = edges.size() - 1;
         fits_ = fits_ && static_cast<std::size_t>(count_) * count <= kMaxAreas;
@@ -92,7 +91,8 @@ class Envelopes {
         close_.insert(close_.end(), edges.begin() + 1, edges.end());
     }
 
-    static void even(std::vector<double>& edges, double begin, double end, int cells) {
+    void even(std::vector<double>& edges, double begin, double end, int cells) const {
+        edges.reserve(static_cast<std::size_t>(kCells + kCellsBeyond + 2 + count_));
         const double step = (end - begin) / cells;
         for (int at = 0; at < cells; ++at) {
             edges.push_back(begin + (step == 0.0 ? at / static_cast<double>(cells) * (end - begin) : at * step));
@@ -121,7 +121,10 @@ class Envelopes {
                 const double born = m.t_gen - part.receiver.delay;
                 const double factor = part.receiver.share * m.scale;
                 Integral integral(window_.utility[m.utility], std::max(begin_[at] - born, 0.0));
-                for (; at < part.end; ++at) area[at] = integral.step(close_[at] - born) * factor + 0.0;  // no -0
+                for (; at < part.end; ++at) {
+                    area[at] = integral.step(close_[at] - born) * factor + 0.0;  // no -0
+                    fits_ = fits_ && std::isfinite(area[at]);
+                }
             }
             for (std::size_t at = 0; at < cells(); ++at) {
                 all[at] = std::max(all[at], area[at]);
@@ -186,9 +189,10 @@ class Envelopes {
 
     // The state of the first envelope that is the same in the coming cells; `number` when it is the first.
     std::size_t& number_of(const double* envelope, std::size_t number) {
-        std::uint64_t hash = 0;
+        std::uint64_t hash = 0;  // of some of the cells: all are compared where it is the same
         for (std::size_t at = 0; at < parts_.size(); ++at) {
-            for (std::size_t cell = coming_[at]; cell < parts_[at].end; ++cell) {
+            const std::size_t apart = (parts_[at].end - coming_[at]) / kHashed + 1;
+            for (std::size_t cell = coming_[at]; cell < parts_[at].end; cell += apart) {
                 std::uint64_t bits;
                 std::memcpy(&bits, envelope + cell, sizeof bits);
                 hash = (hash ^ bits) * 0x9E3779B97F4A7C15u;
@@ -233,6 +237,7 @@ class Envelopes {
     }
 
     static constexpr std::size_t kSlots = 1024;  // twice what may be known: all states before, and all after
+    static constexpr std::size_t kHashed = 16;
     static constexpr std::int32_t kFree = -1;
 
     struct Known {

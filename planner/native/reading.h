@@ -182,7 +182,9 @@ class Reader {
     static bool read_parameters(nanobind::handle object, Utility& utility) {
         switch (utility.kind) {
             case UtilityKind::linear:
-                return number(object, "u0", utility.first) && number(object, "slope", utility.second);
+                if (!number(object, "u0", utility.first) || !number(object, "slope", utility.second)) return false;
+                utility.third = utility.first / utility.second;
+                return true;
             case UtilityKind::video:
                 if (!number(object, "a0", utility.first) || !number(object, "a1", utility.second)) return false;
                 utility.third = std::log(utility.second / utility.first);

@@ -48,6 +48,7 @@ class Clearing {
                 const bool last = j + 1 == kIntervals;
                 more_[i][j] = steady[i].rate[j] - (last ? 0.0 : steady[i].rate[j + 1]);
                 const double earned = (steady[i].value[j] - (last ? 0.0 : steady[i].value[j + 1])) / more_[i][j];
+                finite_ = finite_ && std::isfinite(earned);
                 marginal_[i][j] = j == 0 ? earned : std::max(marginal_[i][j - 1], earned);
             }
         }

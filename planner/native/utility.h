@@ -16,7 +16,7 @@ struct Utility {
     UtilityKind kind;
     double first = 0.0;   // u0, a0 of video, beta of power, `until` of custom
     double second = 0.0;  // slope, a1, tau, lifetime
-    double third = 0.0;   // k of polynomial, ln(a1 / a0) of video
+    double third = 0.0;   // u0 / slope of linear, ln(a1 / a0) of video, k of polynomial
     const double* points = nullptr;
     std::ptrdiff_t count = 0;
 
@@ -24,7 +24,7 @@ struct Utility {
     double area(double age) const {
         switch (kind) {
             case UtilityKind::linear: {
-                const double lived = std::min(age, first / second);
+                const double lived = std::min(age, third);
                 return lived * (first - 0.5 * second * lived);
             }
             case UtilityKind::video: {
@@ -36,7 +36,9 @@ struct Utility {
                 return std::min(age, second);
             case UtilityKind::polynomial: {
                 const double lived = std::min(age, second);
-                return first * lived * (1.0 - std::pow(lived / second, third) / (third + 1.0));
+                const double part = lived / second;
+                const double power = third == 2.0 ? part * part : std::pow(part, third);  // in the plane it is often 2
+                return first * lived * (1.0 - power / (third + 1.0));
             }
             case UtilityKind::power:
                 return std::pow(age, 1.0 - first);
