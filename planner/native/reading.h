@@ -4,7 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <unordered_map>
@@ -47,6 +47,7 @@ class Reader {
     }
 
   private:
+    static constexpr Py_ssize_t kFields = 8;      // of a message
     static constexpr Py_ssize_t kMost = 1 << 20;  // of anything: a window of more is a mistake
 
     template <class Read>
@@ -142,7 +143,7 @@ class Reader {
     }
 
     bool read_message(PyObject* object, Window& window) {
-        if (!is(object, message_)) return false;
+        if (!is(object, message_) || PyTuple_GET_SIZE(object) != kFields) return false;
         const auto field = [object](Py_ssize_t at) { return PyTuple_GET_ITEM(object, at); };
         Message read{};
         std::int64_t stream = 0;
@@ -155,7 +156,7 @@ class Reader {
     }
 
     bool read_traffic(PyObject* object, Window& window) const {
-        if (!is(object, traffic_)) return false;
+        if (!is(object, traffic_) || PyTuple_GET_SIZE(object) != 2) return false;
         double sent = 0.0;
         if (!number(PyTuple_GET_ITEM(object, 0), sent)) return false;
         window.traffic_sent.push_back(sent);
@@ -163,9 +164,9 @@ class Reader {
     }
 
     // Most messages share theirs.
-    bool read_utility(PyObject* object, std::int32_t& number, Window& window) {
+    bool read_utility(PyObject* object, std::int32_t& place, Window& window) {
         const auto [known, unseen] = seen_.try_emplace(object, static_cast<std::int32_t>(window.utility.size()));
-        number = known->second;
+        place = known->second;
         if (!unseen) return true;
         std::int8_t at = 0;
         for (const nanobind::handle kind : utilities_) {
@@ -173,46 +174,27 @@ class Reader {
             ++at;
         }
         if (static_cast<std::size_t>(at) == utilities_.size()) return false;
-        Utility utility{static_cast<UtilityKind>(at)};
-        if (!read_parameters(nanobind::handle(object), utility)) return false;
+        std::array<double, 3> parameters{};
+        for (std::size_t name = 0; name < parameters.size() && kParameters[at][name] != nullptr; ++name) {
+            if (!number(nanobind::handle(object), kParameters[at][name], parameters[name])) return false;
+        }
+        Utility utility(static_cast<UtilityKind>(at), parameters[0], parameters[1], parameters[2]);
+        if (utility.kind == UtilityKind::table || utility.kind == UtilityKind::custom) read_points(object, utility);
         window.utility.push_back(utility);
         return true;
     }
 
-    static bool read_parameters(nanobind::handle object, Utility& utility) {
-        switch (utility.kind) {
-            case UtilityKind::linear:
-                if (!number(object, "u0", utility.first) || !number(object, "slope", utility.second)) return false;
-                utility.third = utility.first / utility.second;
-                return true;
-            case UtilityKind::video:
-                if (!number(object, "a0", utility.first) || !number(object, "a1", utility.second)) return false;
-                utility.third = std::log(utility.second / utility.first);
-                return true;
-            case UtilityKind::exponential:
-                return number(object, "u0", utility.first) && number(object, "tau", utility.second);
-            case UtilityKind::step:
-                return number(object, "u0", utility.first) && number(object, "lifetime", utility.second);
-            case UtilityKind::polynomial:
-                return number(object, "u0", utility.first) && number(object, "a1", utility.second) &&
-                       number(object, "k", utility.third);
-            case UtilityKind::power:
-                return number(object, "beta", utility.first);
-            case UtilityKind::table:
-                return read_points(object, utility);
-            case UtilityKind::custom:
-                return number(object, "until", utility.first) && read_points(object, utility);
-        }
-        return false;
-    }
+    static constexpr const char* kParameters[][3] = {
+        {"u0", "slope", nullptr}, {"a0", "a1", nullptr},   {"u0", "tau", nullptr},    {"u0", "lifetime", nullptr},
+        {"u0", "a1", "k"},        {"beta", nullptr, nullptr}, {nullptr, nullptr, nullptr}, {"until", nullptr, nullptr},
+    };
 
     // The array belongs to the utility, which lives as long as the problem.
-    static bool read_points(nanobind::handle object, Utility& utility) {
+    static void read_points(nanobind::handle object, Utility& utility) {
         using Points = nanobind::ndarray<const double, nanobind::shape<4, -1>, nanobind::c_contig, nanobind::device::cpu>;
         const auto points = nanobind::cast<Points>(object.attr("curve").attr("points"));
         utility.points = points.data();
         utility.count = static_cast<std::ptrdiff_t>(points.shape(1));
-        return true;
     }
 
     PyObject* message_;

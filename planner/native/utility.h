@@ -20,6 +20,12 @@ struct Utility {
     const double* points = nullptr;
     std::ptrdiff_t count = 0;
 
+    Utility(UtilityKind kind, double first, double second, double third)
+        : kind(kind), first(first), second(second), third(third) {
+        if (kind == UtilityKind::linear) this->third = first / second;
+        if (kind == UtilityKind::video) this->third = std::log(second / first);
+    }
+
     // The antiderivative at an age, 0 at the age 0; of all kinds but exponential.
     double area(double age) const {
         switch (kind) {

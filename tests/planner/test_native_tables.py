@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import random
 from fractions import Fraction
 
 import numpy as np
@@ -33,7 +32,7 @@ from planner.native_tables import NativeTables
 from planner.tables import NumpyTables, tabulate, tabulate_with_numpy
 from tests.planner.models import Newest
 from tests.planner.utility.kinds import utilities
-from tests.planner.windows import window
+from tests.planner.windows import crowded, window
 
 CLOSE = 1e-12
 """By how much numbers may differ, as a part of the largest of their table."""
@@ -215,24 +214,6 @@ def test_more_envelopes_than_there_is_room_for():
         plan = search.plan()
         assert plan.gap is None
         assert plan.utility == utility(problem, plan.sends)
-
-
-def crowded(count):
-    """A stream of messages that begin and fade at random: which of them is the best changes again and again."""
-    draw = random.Random(1)
-    messages = tuple(
-        Message(
-            0,
-            0.1 * at,
-            0.1 * at,
-            0.1 * at,
-            Linear(1.0, draw.uniform(0.1, 1.1)),
-            draw.uniform(1.0, 2.0),
-            (),
-        )
-        for at in range(count)
-    )
-    return single(Aggregation.BEST, *messages, t_end=6.0)
 
 
 def test_own_models_are_tabulated_with_numpy():
