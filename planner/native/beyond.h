@@ -53,7 +53,7 @@ class LookBeyond {
         earn();
         Clearing clearing(steady_, use_, window_.constraint.size());
         beyond_.price = clearing.prices(window_.constraint);
-        for (std::int32_t at = 0; at < window_.streams(); ++at) replace(at, kInterval[kIntervals - 1] * mean_[at].interval);
+        for (std::int32_t at = 0; at < window_.streams(); ++at) replace(at, kLongest * mean_[at].interval);
         for (std::size_t i = 0; i < steady_.size(); ++i) settle(steady_[i], clearing.charge(beyond_.price, i));
         for (std::int32_t at = 0; at < window_.messages(); ++at) {
             beyond_.worth[at] = worth(at);
@@ -129,7 +129,8 @@ class LookBeyond {
     }
 
     double first_opened() const {
-        return std::find_if(window_.message.begin(), window_.message.end(), [](const Message& m) { return !m.sent; })->t_gen;
+        const auto opened = [](const Message& m) { return !m.sent; };
+        return std::find_if(window_.message.begin(), window_.message.end(), opened)->t_gen;
     }
 
     // Write what each stream that goes on earns, and uses.
@@ -145,7 +146,8 @@ class LookBeyond {
             const Message& m = window_.message[at];
             if (m.sent) continue;
             add_areas(at, steady_[number[m.stream]]);
-            for (std::size_t k = 0; k < constraints; ++k) use_[number[m.stream] * constraints + k] += window_.use_of(at)[k];
+            double* use = use_.data() + number[m.stream] * constraints;
+            for (std::size_t k = 0; k < constraints; ++k) use[k] += window_.use_of(at)[k];
         }
         for (std::size_t i = 0; i < steady_.size(); ++i) {
             const Mean& mean = mean_[steady_[i].stream];
@@ -165,7 +167,7 @@ class LookBeyond {
         const double age = t_rcv_[at] - m.t_gen;
         const double interval = mean_[m.stream].interval;
         const Integral integral(window_.utility[m.utility], age);
-        const double whole = integral.to(age + interval * kInterval[kIntervals - 1]);
+        const double whole = integral.to(age + interval * kLongest);
         for (std::size_t j = 0; j < kIntervals; ++j) {
             const bool lasts = aggregation(m.stream) == Aggregation::sum;
             steady.value[j] += (lasts ? whole : integral.to(age + interval * kInterval[j])) * scale_[at];
@@ -197,7 +199,7 @@ class LookBeyond {
             case Aggregation::sum:
             case Aggregation::once: {
                 const double begin = std::max(t_rcv_[at], window_.t_end) - m.t_gen;
-                return area(m, begin, begin + kInterval[kIntervals - 1] * mean.interval) * scale_[at];
+                return area(m, begin, begin + kLongest * mean.interval) * scale_[at];
             }
             case Aggregation::most_recent:
                 break;
@@ -228,7 +230,7 @@ class LookBeyond {
             const Message& m = window_.message[at];
             if (m.sent || m.stream != stream) continue;
             const double age = t_rcv_[at] - m.t_gen;
-            whole += area(m, age, age + kInterval[kIntervals - 1] * mean.interval) * scale_[at];
+            whole += area(m, age, age + kLongest * mean.interval) * scale_[at];
         }
         const double off = std::max(whole / mean.count - mean.charge, 0.0);
         for (std::int32_t at = 0; at < window_.messages(); ++at) {

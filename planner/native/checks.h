@@ -77,7 +77,9 @@ class TabulateChecks {
         std::vector<double> column;  // [level]
     };
 
-    double use(std::int32_t level, std::int32_t k) const { return use_[static_cast<std::size_t>(level) * constraints_ + k]; }
+    double use(std::int32_t level, std::int32_t k) const {
+        return use_[static_cast<std::size_t>(level) * constraints_ + k];
+    }
     double share(std::int32_t level, std::int32_t k) const {
         return share_[static_cast<std::size_t>(level) * constraints_ + k];
     }
@@ -164,7 +166,8 @@ class TabulateChecks {
 
     // Order the checks by level, those found first of a level first.
     void assemble() {
-        std::stable_sort(found_.begin(), found_.end(), [](const Found& one, const Found& other) { return one.level < other.level; });
+        const auto by_level = [](const Found& one, const Found& other) { return one.level < other.level; };
+        std::stable_sort(found_.begin(), found_.end(), by_level);
         checks_.held.resize(static_cast<std::size_t>(levels_) + 1);
         std::iota(checks_.held.begin(), checks_.held.end(), 0);
         checks_.never.assign(static_cast<std::size_t>(levels_), 0);
@@ -193,7 +196,9 @@ class TabulateChecks {
         });
         std::vector<double> total(static_cast<std::size_t>(levels_ + 1) * constraints_, 0.0);
         for (std::size_t at = 0; at < share_.size(); ++at) total[at + constraints_] = total[at] + share_[at];
-        const auto up_to = [&](std::int32_t level, std::int32_t k) { return total[static_cast<std::size_t>(level) * constraints_ + k]; };
+        const auto up_to = [&](std::int32_t level, std::int32_t k) {
+            return total[static_cast<std::size_t>(level) * constraints_ + k];
+        };
         std::size_t kept = 0;
         for (std::size_t at = 0; at < rows.size(); ++at) {
             const Row row = rows[at];
@@ -212,7 +217,8 @@ class TabulateChecks {
             if (!(use > constraint.limit && use <= kStretched * constraint.limit) || checks_.never[level]) continue;
             const double end = times_[level] + constraint.window;
             const std::int32_t first = first_since(times_[level] - stretched(constraint, use).first);
-            const auto last = static_cast<std::int32_t>(std::upper_bound(times_.begin(), times_.end(), end) - times_.begin()) - 1;
+            const auto after = std::upper_bound(times_.begin(), times_.end(), end) - times_.begin();
+            const auto last = static_cast<std::int32_t>(after) - 1;
             std::vector<double> column(levels_, 0.0);
             double sum = 0.0;
             for (std::int32_t at = first; at <= last; ++at) {

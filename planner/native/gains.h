@@ -42,7 +42,11 @@ class TabulateGains {
   public:
     // To maximise U, or what is left beyond the window, too.
     TabulateGains(const Window& window, const Beyond* beyond)
-        : window_(window), receipts_(window), beyond_(beyond), begin_(window.messages(), 0), states_(window.messages(), 0) {}
+        : window_(window),
+          receipts_(window),
+          beyond_(beyond),
+          begin_(window.messages(), 0),
+          states_(window.messages(), 0) {}
 
     // Tabulate all; false when there are too many.
     bool tabulate(Gains& gains) {
@@ -185,8 +189,9 @@ class TabulateGains {
         gains.facts += envelopes.facts();
         gains.aim_facts += envelopes.aim_facts();
         gains.everything += envelopes.everything();
-        envelopes.follow([this](std::int32_t at, std::int32_t states) { open(at, states); },
-                         [this](double gain, double aim, std::int32_t after) { entries_.push_back({gain, aim, after}); });
+        envelopes.follow(
+            [this](std::int32_t at, std::int32_t states) { open(at, states); },
+            [this](double gain, double aim, std::int32_t after) { entries_.push_back({gain, aim, after}); });
         gains.exact = gains.exact && envelopes.exact();
         return true;
     }

@@ -138,11 +138,11 @@ std::optional<nb::tuple> beyond_of(const Tabulated& tables) {
 // In the order of the fields of planner/constraints.py's Checks.
 nb::tuple checks_of(const Tabulated& tables) {
     const Checks& checks = tables.checks;
-    return nb::make_tuple(floats(checks.use), floats(checks.share), ints(checks.start), column(checks.check, &Check::of),
-                          column(checks.check, &Check::first), column(checks.check, &Check::room), ints(checks.held),
-                          flags(checks.never),
-                          nb::make_tuple(column(checks.row, &Row::of), column(checks.row, &Row::first),
-                                         column(checks.row, &Row::last), column(checks.row, &Row::capacity)),
+    const nb::tuple rows = nb::make_tuple(column(checks.row, &Row::of), column(checks.row, &Row::first),
+                                          column(checks.row, &Row::last), column(checks.row, &Row::capacity));
+    return nb::make_tuple(floats(checks.use), floats(checks.share), ints(checks.start),
+                          column(checks.check, &Check::of), column(checks.check, &Check::first),
+                          column(checks.check, &Check::room), ints(checks.held), flags(checks.never), rows,
                           ints(checks.constraint));
 }
 

@@ -48,6 +48,7 @@ class Reader {
 
   private:
     static constexpr Py_ssize_t kFields = 8;      // of a message
+    static constexpr std::int8_t kAggregations = 4;
     static constexpr Py_ssize_t kMost = 1 << 20;  // of anything: a window of more is a mistake
 
     template <class Read>
@@ -126,7 +127,7 @@ class Reader {
             if (known.ptr() == aggregation.ptr()) break;
             ++at;
         }
-        if (static_cast<std::size_t>(at) == aggregations_.size()) return false;
+        if (at >= kAggregations || static_cast<std::size_t>(at) == aggregations_.size()) return false;
         read.aggregation = static_cast<Aggregation>(at);
         window.stream.push_back(read);
         const nanobind::object receivers = stream.attr("receivers");
@@ -149,7 +150,8 @@ class Reader {
         std::int64_t stream = 0;
         if (!whole(field(0), stream) || stream < 0 || stream >= window.streams()) return false;
         read.stream = static_cast<std::int32_t>(stream);
-        if (!number(field(1), read.t_gen) || !number(field(2), read.t_sent) || !number(field(3), read.t_rcv)) return false;
+        if (!number(field(1), read.t_gen) || !number(field(2), read.t_sent)) return false;
+        if (!number(field(3), read.t_rcv)) return false;
         if (!read_utility(field(4), read.utility, window) || !number(field(5), read.scale)) return false;
         window.message.push_back(read);
         return numbers(field(6), window.constraint.size(), window.use) && flag(field(7), window.message.back().sent);
@@ -191,7 +193,8 @@ class Reader {
 
     // The array belongs to the utility, which lives as long as the problem.
     static void read_points(nanobind::handle object, Utility& utility) {
-        using Points = nanobind::ndarray<const double, nanobind::shape<4, -1>, nanobind::c_contig, nanobind::device::cpu>;
+        using Shape = nanobind::shape<4, -1>;
+        using Points = nanobind::ndarray<const double, Shape, nanobind::c_contig, nanobind::device::cpu>;
         const auto points = nanobind::cast<Points>(object.attr("curve").attr("points"));
         utility.points = points.data();
         utility.count = static_cast<std::ptrdiff_t>(points.shape(1));

@@ -15,12 +15,15 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 
 class Receipts {
   public:
-    explicit Receipts(const Window& window) : window_(window), start_(window.stream.size(), 0), message_(window.messages()) {
+    explicit Receipts(const Window& window)
+        : window_(window), start_(window.stream.size(), 0), message_(window.messages()) {
         for (const Message& m : window.message) start_[m.stream + 1] += 1;
         for (std::size_t at = 1; at < start_.size(); ++at) start_[at] += start_[at - 1];
         std::vector<std::int32_t> next(start_.begin(), start_.end());
         for (std::int32_t at = 0; at < window.messages(); ++at) message_[next[window.message[at].stream]++] = at;
-        for (std::size_t at = 0; at + 1 < start_.size(); ++at) in_order(message_.begin() + start_[at], message_.begin() + start_[at + 1]);
+        for (std::size_t at = 0; at + 1 < start_.size(); ++at) {
+            in_order(message_.begin() + start_[at], message_.begin() + start_[at + 1]);
+        }
     }
     Receipts(const Receipts&) = delete;
     Receipts& operator=(const Receipts&) = delete;

@@ -17,6 +17,7 @@ namespace sendworthy {
 
 constexpr std::size_t kIntervals = 16;
 constexpr std::array<double, kIntervals> kInterval{1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 50, 100, 300};
+constexpr double kLongest = kInterval.back();
 
 // What rounding may change of a sum, as a part of it.
 constexpr double kRounding = 1e-9;

@@ -36,7 +36,9 @@ struct Tabulated {
         for (std::int32_t level = 0; level < levels(); ++level) {
             std::int32_t& most = states[gains.stream[level]];
             most = std::max(most, gains.start[level + 1] - gains.start[level]);
-            for (auto at = gains.start[level]; at < gains.start[level + 1]; ++at) most = std::max(most, gains.after[at] + 1);
+            for (auto at = gains.start[level]; at < gains.start[level + 1]; ++at) {
+                most = std::max(most, gains.after[at] + 1);
+            }
         }
         return states;
     }
@@ -105,7 +107,8 @@ struct Tabulated {
         tables.state_start.push_back(0);
         for (const std::int32_t states : states()) tables.state_start.push_back(tables.state_start.back() + states);
         for (std::int32_t at = 0; at < levels(); ++at) {
-            tables.level.push_back({gains.stream[at], gains.start[at], checks.start[at], checks.held[at], checks.never[at] != 0});
+            const bool never = checks.never[at] != 0;
+            tables.level.push_back({gains.stream[at], gains.start[at], checks.start[at], checks.held[at], never});
         }
         tables.level.push_back({0, gains.start.back(), checks.start.back(), tables.levels, false});
         return tables;
@@ -126,12 +129,14 @@ inline std::optional<Tabulated> tabulate(const Window& window, bool beyond) {
     result.checks = TabulateChecks(window, result.gains.message).tabulate();
     result.constraints = window.constraints();
     const std::vector<std::int32_t>& opened = result.gains.message;
-    result.current = static_cast<std::int32_t>(std::lower_bound(opened.begin(), opened.end(), window.current) - opened.begin());
+    const auto current = std::lower_bound(opened.begin(), opened.end(), window.current);
+    result.current = static_cast<std::int32_t>(current - opened.begin());
     for (std::size_t depth = 0; depth <= opened.size(); ++depth) {
         const double next = depth < opened.size() ? window.message[opened[depth]].t_gen : window.t_end;
         const double progress = std::max(next - window.t_start, kShortestProgress) / (window.t_end - window.t_start);
         const double scale = progress * result.gains.everything;
-        result.scale.push_back(scale >= std::numeric_limits<double>::min() ? scale : std::numeric_limits<double>::infinity());
+        const bool enough = scale >= std::numeric_limits<double>::min();  // to divide by
+        result.scale.push_back(enough ? scale : std::numeric_limits<double>::infinity());
     }
     return result;
 }

@@ -66,10 +66,11 @@ struct Window {
         if (message.empty() || message.size() > kMaxMessages) return false;
         if (current < 0 || current >= messages() || message[static_cast<std::size_t>(current)].sent) return false;
         if (!(std::isfinite(t_start) && std::isfinite(t_end) && t_start < t_end)) return false;
-        const auto bad_limit = [](const Constraint& c) { return !(amount(c.window) && c.window > 0 && amount(c.limit)); };
-        const auto bad_receiver = [](const Receiver& r) { return !(amount(r.delay) && amount(r.share)); };
-        return std::none_of(constraint.begin(), constraint.end(), bad_limit) &&
-               std::none_of(receiver.begin(), receiver.end(), bad_receiver) && std::all_of(use.begin(), use.end(), amount) &&
+        const auto limits = [](const Constraint& c) { return amount(c.window) && c.window > 0 && amount(c.limit); };
+        const auto receives = [](const Receiver& r) { return amount(r.delay) && amount(r.share); };
+        return std::all_of(constraint.begin(), constraint.end(), limits) &&
+               std::all_of(receiver.begin(), receiver.end(), receives) &&
+               std::all_of(use.begin(), use.end(), amount) &&
                std::all_of(traffic_use.begin(), traffic_use.end(), amount) &&
                std::all_of(traffic_sent.begin(), traffic_sent.end(), [](double t) { return std::isfinite(t); }) &&
                messages_valid() && receipts_valid();
@@ -84,7 +85,8 @@ struct Window {
         for (std::size_t at = 0; at < message.size(); ++at) {
             const Message& m = message[at];
             if (m.stream < 0 || m.stream >= streams() || !amount(m.scale)) return false;
-            if (!(std::isfinite(m.t_gen) && std::isfinite(m.t_rcv) && m.t_gen <= m.t_sent && m.t_sent <= m.t_rcv)) return false;
+            if (!(std::isfinite(m.t_gen) && std::isfinite(m.t_rcv))) return false;
+            if (!(m.t_gen <= m.t_sent && m.t_sent <= m.t_rcv)) return false;
             if (at > 0 && before(m, message[at - 1])) return false;
         }
         return true;
