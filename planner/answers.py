@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from planner.constraints import overfilled
 from planner.definition import utility
 from planner.python_engine.path import Path
 from planner.search import Plan
@@ -31,16 +30,16 @@ class Found:
 
 def answer(tables: Tables, found: Found, iterations: int) -> Plan:
     """Return the plan, beside the best that decides the current message otherwise."""
-    send, constraints = tables.current in found.sends, len(tables.problem.constraints)
+    send, message = tables.current in found.sends, tables.message.tolist()
     aim, value = _worth(tables, found.sends)
     other = None if found.opposite is None else _worth(tables, found.opposite)
-    prices = [0.0] * constraints if tables.beyond is None else tables.beyond.charges[_current(tables)].tolist()
-    for k, asked in zip(tables.checks.constraint.tolist(), found.asked, strict=True):
+    prices = tables.charged()
+    for k, asked in zip(tables.constraint, found.asked, strict=True):
         prices[k] += asked
-    too_much = () if send else overfilled(tables.checks, [*found.sends, tables.current])
+    too_much = () if send else tables.overfilled([*found.sends, tables.current])
     return Plan(
         send=send,
-        sends=tuple(int(tables.message[level]) for level in found.sends),
+        sends=tuple(message[level] for level in found.sends),
         utility=value,
         opposite=None if other is None else other[1],
         iterations=iterations,
@@ -56,32 +55,18 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
 
 def _gap(tables: Tables, bound: float | None, aim: float) -> float | None:
     """Return by how much a plan may exceed the one that is worth `aim`; what rounding adds is nothing."""
-    if bound is None or math.isinf(bound) or not tables.gains.exact:
+    if bound is None or math.isinf(bound) or not tables.exact:
         return None
     gap = bound - aim
     return gap if gap > ROUNDING * abs(bound) else 0.0
 
 
-def _current(tables: Tables) -> int:
-    return int(tables.message[tables.current])
-
-
 def _worth(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
     """Return what the search maximises, and U, of the plan that sends these levels, in order [utility·s]."""
-    gains = tables.gains
-    if not gains.closed:
+    if not tables.closed:
         return _walked(tables, sends)
-    state = [0] * tables.streams
-    entries = []
-    stream, start, after = gains.stream.tolist(), gains.start.tolist(), gains.after.tolist()
-    for level in sends:
-        entry = start[level] + state[stream[level]]
-        state[stream[level]] = after[entry]
-        entries.append(entry)
-    aim = gains.aim_facts + float(gains.aim[entries].sum())
-    if not gains.exact:
-        return aim, utility(tables.problem, tables.message[list(sends)].tolist())
-    return aim, gains.facts + float(gains.gain[entries].sum())
+    aim, value = tables.worth(sends)
+    return aim, value if tables.exact else utility(tables.problem, tables.message[list(sends)].tolist())
 
 
 def _walked(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:

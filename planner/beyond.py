@@ -78,11 +78,12 @@ def look_beyond(problem: Problem) -> Beyond:
         steady = _steady(problem, columns, interval)
         after = _after(problem, columns, interval)
         price = clearing_prices(steady, np.array([c.limit / c.window for c in problem.constraints]))
-        net = steady.value - steady.rate * (steady.use @ price)[:, None]
+        charge = steady.charge(price)
+        net = steady.value - steady.rate * charge[:, None]
         rent = np.zeros(streams)
         rent[steady.stream] = np.maximum(net.max(axis=1), 0.0)
         worth = _worth(problem, columns, rent, interval, after)
-        _extend(problem, columns, worth, steady.use_of(streams) @ price, interval)
+        _extend(problem, columns, worth, dict(zip(steady.stream.tolist(), charge.tolist(), strict=True)), interval)
         charges = _charges(problem, columns, price)
         until = _until(problem, steady, net, interval, after)
     if not (np.isfinite(worth).all() and np.isfinite(charges).all() and np.isfinite(until).all()):
@@ -114,17 +115,17 @@ def _steady(problem: Problem, columns: Columns, interval: Floats) -> Steady:
         elif isinstance(aggregation, AggregationModel) and own.any():
             first = problem.messages[opened[own.argmax()]]
             area[own] = alone(problem, other, first, apart[other])
-    mean = _means(of, len(interval))
-    stream = np.flatnonzero(mean.any(axis=1))
+    stream, number = np.unique(of, return_inverse=True)
     apart = apart[stream]
-    return Steady(stream, (mean @ area)[stream] / apart, 1.0 / apart, (mean @ columns.use[opened])[stream])
+    return Steady(stream, _means(number, area) / apart, 1.0 / apart, _means(number, columns.use[opened]))
 
 
-def _means(of: Ints, streams: int) -> Floats:
-    """Return the matrix that takes the mean over the messages of each stream."""
-    members = (np.arange(streams)[:, None] == of).astype(np.float64)
-    count = np.maximum(members.sum(axis=1, keepdims=True), 1.0)
-    return np.asarray(members / count)
+def _means(of: Ints, rows: Floats) -> Floats:
+    """Return the means of the rows `of` each number, added up one after the other."""
+    count = np.bincount(of)
+    total = np.zeros((len(count), rows.shape[1]))
+    np.add.at(total, of, rows)
+    return np.asarray(total / count[:, None])
 
 
 def _intervals(problem: Problem, columns: Columns) -> Floats:
@@ -171,10 +172,10 @@ def _worth(problem: Problem, columns: Columns, rent: Floats, interval: Floats, a
     return np.where(t_rcv < problem.t_end, worth, 0.0)
 
 
-def _extend(problem: Problem, columns: Columns, worth: Floats, price: Floats, interval: Floats) -> None:
+def _extend(problem: Problem, columns: Columns, worth: Floats, charge: dict[int, float], interval: Floats) -> None:
     """Put in what messages are worth beyond the window where they do not count as the last of their stream.
 
-    `price[i]` is that of a message of stream i.
+    `charge[i]` is that for a message of stream i.
     """
     of, opened = columns.stream, ~columns.sent
     for stream, aggregation in _others(problem):
@@ -190,7 +191,7 @@ def _extend(problem: Problem, columns: Columns, worth: Floats, price: Floats, in
                 whole = (
                     _areas(problem, coming, age, age + INTERVALS[-1] * interval[stream])[:, 0] * columns.scale[coming]
                 )
-                worth[own] -= max(float(whole.mean() - price[stream]), 0.0)
+                worth[own] -= max(float(whole.mean() - charge[stream]), 0.0)
 
 
 def _until(problem: Problem, steady: Steady, net: Floats, interval: Floats, after: tuple[float, Floats]) -> Floats:
@@ -199,8 +200,8 @@ def _until(problem: Problem, steady: Steady, net: Floats, interval: Floats, afte
     In the middle of the interval at which sending pays best, but not before its next message.
     """
     pause = INTERVALS[-1] * interval
-    pays = net.max(axis=1) > 0
-    pause[steady.stream[pays]] = 1.0 / steady.rate[pays, net.argmax(axis=1)[pays]]
+    best, pays = steady.pays_best(net)
+    pause[steady.stream[pays]] = 1.0 / steady.rate[pays, best[pays]]
     t_c, coming = after
     return np.asarray(np.maximum(problem.t_end, np.maximum(coming, t_c + 0.5 * pause)))
 

@@ -129,7 +129,7 @@ def _exclusions(k: int, constraint: Constraint, times: Floats, use: Floats, neve
         column = np.zeros_like(use)
         column[first : last + 1] = np.minimum(use, constraint.limit)[first : last + 1]
         column[level] = 0.0
-        column[level] = column.sum()
+        column[level] = np.cumsum(column)[-1]  # adds up one after the other
         if column[level] > 0:
             found.append(_Exclusion(k, first, last, column))
     return found

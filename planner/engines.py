@@ -19,6 +19,6 @@ def start(problem: Problem, settings: SearchSettings, seed: int = 0) -> Search:
     del seed
     check_settings(settings)
     tables = tabulate(problem, beyond=settings.search == "best")
-    if settings.engine == "native" and tables.gains.closed:
+    if settings.engine == "native" and tables.closed:
         return NativeSearch(tables, settings)
     return PaperSearch(tables, settings) if settings.search == "paper" else BestSearch(tables, settings)

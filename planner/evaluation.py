@@ -128,8 +128,6 @@ class _Tabulation:
                 yield best.tabulate(received, until) if known is None else known(received, worth)
 
     def _received(self, streams: list[int]) -> Received | None:
-        if len(streams) == len(self._problem.streams):
-            return Received(self._problem, np.arange(len(self._stream)), np.arange(len(self._opened)))
         members = np.isin(self._stream, streams)
         if not members.any():
             return None

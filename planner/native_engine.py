@@ -2,6 +2,7 @@
 
 from planner import _native
 from planner.answers import Found, answer
+from planner.native_tables import NativeTables
 from planner.python_engine import best, tree
 from planner.search import Plan, SearchSettings
 from planner.tables import Tables
@@ -12,11 +13,12 @@ class NativeSearch:
 
     def __init__(self, tables: Tables, settings: SearchSettings) -> None:
         self._tables = tables
+        source = tables.tabulated if isinstance(tables, NativeTables) else tables
         self._kernel: _native.PaperSearch | _native.BestSearch
         if settings.search == "paper":
-            self._kernel = _native.PaperSearch(tables, settings.exploration, settings.reduction, settings.max_nodes)
+            self._kernel = _native.PaperSearch(source, settings.exploration, settings.reduction, settings.max_nodes)
         else:
-            self._kernel = _native.BestSearch(tables, settings.max_nodes)
+            self._kernel = _native.BestSearch(source, settings.max_nodes)
 
     @property
     def iterations(self) -> int:

@@ -9,13 +9,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.utility import Floats, Ints
+from planner.utility import Flags, Floats, Ints
 
 INTERVALS = np.array([1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 50, 100, 300], dtype=np.float64)
 """The intervals between sends that are tried for a stream, in its mean intervals between messages."""
 
 SWEEPS = 3
 """How often the prices of several constraints are fitted to each other."""
+
+
+ROUNDING = 1e-9
+"""What rounding may change of a sum, as a part of it: no choice depends on less."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +39,15 @@ class Steady:
         """The intervals [s]."""
         return 1.0 / self.rate
 
-    def use_of(self, streams: int) -> Floats:
-        """Return what a message uses, for all `streams`, those that do not go on included."""
-        use = np.zeros((streams, self.use.shape[1]))
-        use[self.stream] = self.use
-        return use
+    def charge(self, price: Floats) -> Floats:
+        """Return what a message of each stream is charged at the price of a unit of each constraint [utility·s]."""
+        return np.asarray((self.use * price).sum(axis=1))
+
+    def pays_best(self, net: Floats) -> tuple[Ints, Flags]:
+        """Return the shortest interval of the greatest `net[i, j]` for each stream, and whether it pays at all."""
+        rounding = ROUNDING * self.value.max(axis=1)
+        most = net.max(axis=1)
+        return (net >= (most - rounding)[:, None]).argmax(axis=1), most > rounding
 
     def marginal(self) -> tuple[Floats, Floats]:
         """Return what one more send earns on the way to each interval [utility·s], and how many more there are [1/s].
@@ -60,7 +68,7 @@ def clearing_prices(steady: Steady, offered: Floats) -> Floats:
         for k, amount in enumerate(offered):
             price[k] = 0.0  # so that the others alone are charged
             users = steady.use[:, k] > 0
-            paid = (marginal - (steady.use @ price)[:, None])[users] / steady.use[users, k, None]
+            paid = (marginal - steady.charge(price)[:, None])[users] / steady.use[users, k, None]
             wanted = (more * steady.use[:, k, None])[users]
             price[k] = _clearing(paid.ravel(), wanted.ravel(), float(amount))
     return price
@@ -70,5 +78,5 @@ def _clearing(paid: Floats, wanted: Floats, offered: float) -> float:
     """Return the price at which of what is wanted no more than what is offered is bought; 0 when all fits."""
     order = np.argsort(-paid, kind="stable")
     bought = np.cumsum(wanted[order])
-    last = int(np.searchsorted(bought, offered, side="right"))
+    last = int(np.searchsorted(bought, offered * (1.0 + ROUNDING), side="right"))
     return max(float(paid[order[last]]), 0.0) if last < len(order) else 0.0

@@ -1,26 +1,119 @@
 """Everything a search needs to know of a problem, as plain arrays that both engines share.
 
-Both engines read the same numbers from here and add them in the same order, so they round alike.
+Both engines read the same numbers from here and add them in the same order, so they round alike. Problems of standard
+kinds are tabulated in C++ (`native_tables.py`). `NumpyTables` say the same for who reads it, and tabulate an operator's
+own models.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
+from planner import _native
 from planner.beyond import Beyond, look_beyond
-from planner.constraints import Checks, tabulate_checks
+from planner.constraints import Checks, overfilled, tabulate_checks
 from planner.evaluation import Gains, tabulate_gains
-from planner.problem import Problem
-from planner.utility import Floats, Ints
+from planner.native_tables import NativeTables
+from planner.problem import Aggregation, Constraint, Message, Problem, Receiver, Stream, Traffic
+from planner.utility import (
+    Custom,
+    Exponential,
+    Floats,
+    Ints,
+    Linear,
+    Polynomial,
+    Power,
+    Step,
+    Table,
+    Video,
+)
 from planner.validation import check_problem
 
 SHORTEST_PROGRESS = 0.01
 """The least time that counts as progress of the mission in ψ [s] (Eq. 2)."""
 
+STANDARD = (
+    Message,
+    Traffic,
+    Stream,
+    Receiver,
+    Constraint,
+    tuple(Aggregation),
+    (Linear, Video, Exponential, Step, Polynomial, Power, Table, Custom),
+)
+"""The kinds that are tabulated in C++, in the order of its enumerations."""
+
+
+class Tables(Protocol):
+    """One problem, tabulated. Level i of the tree decides its message `message[i]`; `current` is a level."""
+
+    @property
+    def problem(self) -> Problem:
+        """What was tabulated."""
+
+    @property
+    def message(self) -> Ints:
+        """By level: which message of the problem it decides."""
+
+    @property
+    def current(self) -> int:
+        """The level of the message that the problem asks about."""
+
+    @property
+    def gains(self) -> Gains:
+        """What sending adds."""
+
+    @property
+    def beyond(self) -> Beyond | None:
+        """What a plan leaves behind, where the objective is maximised and not U."""
+
+    @property
+    def checks(self) -> Checks:
+        """What must hold for sending."""
+
+    @property
+    def scale(self) -> Floats:
+        """scale[d]: what turns the utility of a node of level d into its score, ψ·U(M) of Eq. 2 [utility·s]."""
+
+    @property
+    def levels(self) -> int:
+        """The number of open messages."""
+
+    @property
+    def streams(self) -> int:
+        """The number of streams that have open messages."""
+
+    @property
+    def states(self) -> Ints:
+        """How many states each stream may be in."""
+
+    @property
+    def constraint(self) -> Sequence[int]:
+        """By column of the checks: the constraint."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether the tables hold all there is to know."""
+
+    @property
+    def exact(self) -> bool:
+        """Whether they say what plans are worth; if not, they are close, and nothing is proven by them."""
+
+    def worth(self, sends: Sequence[int]) -> tuple[float, float]:
+        """Return what the search maximises, and U, of the plan that sends these levels, in order [utility·s]."""
+
+    def overfilled(self, sends: Sequence[int]) -> frozenset[int]:
+        """Return the constraints that sending these levels breaks."""
+
+    def charged(self) -> list[float]:
+        """Return what each constraint charges for the current message beyond the window [utility·s]."""
+
 
 @dataclass(frozen=True, slots=True)
-class Tables:
-    """One problem, tabulated. Level i of the tree decides its message `message[i]`; `current` is a level."""
+class NumpyTables:
+    """`Tables` made with NumPy."""
 
     problem: Problem
     message: Ints
@@ -29,7 +122,6 @@ class Tables:
     beyond: Beyond | None
     checks: Checks
     scale: Floats
-    """scale[d]: what turns the utility of a node of level d into its score, ψ·U(M) of Eq. 2 [utility·s]."""
 
     @property
     def levels(self) -> int:
@@ -50,14 +142,59 @@ class Tables:
         np.maximum.at(states, at, self.gains.after + 1)
         return states
 
+    @property
+    def constraint(self) -> Sequence[int]:
+        """By column of the checks: the constraint."""
+        constraint: list[int] = self.checks.constraint.tolist()
+        return constraint
+
+    @property
+    def closed(self) -> bool:
+        """Whether no stream has more states than the table holds."""
+        return self.gains.closed
+
+    @property
+    def exact(self) -> bool:
+        """Whether they say what plans are worth."""
+        return self.gains.exact
+
+    def worth(self, sends: Sequence[int]) -> tuple[float, float]:
+        """Return what the search maximises, and U, of the plan that sends these levels, in order [utility·s]."""
+        gains, state = self.gains, [0] * self.streams
+        entries = []
+        for level in sends:
+            entry = int(gains.start[level]) + state[gains.stream[level]]
+            state[gains.stream[level]] = int(gains.after[entry])
+            entries.append(entry)
+        return gains.aim_facts + float(gains.aim[entries].sum()), gains.facts + float(gains.gain[entries].sum())
+
+    def overfilled(self, sends: Sequence[int]) -> frozenset[int]:
+        """Return the constraints that sending these levels breaks."""
+        return overfilled(self.checks, sends)
+
+    def charged(self) -> list[float]:
+        """Return what each constraint charges for the current message beyond the window [utility·s]."""
+        if self.beyond is None:
+            return [0.0] * len(self.problem.constraints)
+        charges: list[float] = self.beyond.charges[self.message[self.current]].tolist()
+        return charges
+
 
 def tabulate(problem: Problem, *, beyond: bool = False) -> Tables:
     """Tabulate a problem, to maximise U or, with `beyond`, the objective; raise ProblemError without meaning."""
+    native = _native.tabulate(problem, STANDARD, beyond)
+    if native is not None:
+        return NativeTables(problem, native)
     check_problem(problem)
+    return tabulate_with_numpy(problem, beyond=beyond)
+
+
+def tabulate_with_numpy(problem: Problem, *, beyond: bool = False) -> NumpyTables:
+    """Tabulate a valid problem of any kinds; raise ProblemError when it is too large or not finite."""
     opened = problem.columns.opened
     left = look_beyond(problem) if beyond else None
     gains = tabulate_gains(problem, left)
-    return Tables(
+    return NumpyTables(
         problem=problem,
         message=opened,
         current=int(np.searchsorted(opened, problem.current)),

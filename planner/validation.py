@@ -1,13 +1,10 @@
 """Refuses problems and settings that have no meaning, naming what is wrong and where."""
 
-import numpy as np
-
 from planner.errors import ProblemError, SearchError
 from planner.finite import finite
 from planner.problem import Aggregation, AggregationModel, Message, Problem
 from planner.search import SearchSettings
 from planner.shape import check_shape
-from planner.utility import Floats
 
 MAX_MESSAGES = 16_384
 """More messages than any decision can weigh; a window beyond it is a mistake of the caller."""
@@ -34,7 +31,7 @@ def check_problem(problem: Problem) -> None:
     check_shape(problem)
     _check_window(problem)
     _check_constraints(problem)
-    _check_uses(problem)
+    _check_columns(problem)
     _check_streams(problem)
     _check_messages(problem)
     _check_traffic(problem)
@@ -62,24 +59,26 @@ def _check_constraints(problem: Problem) -> None:
             raise ProblemError(f'constraint "{constraint.name}": limit must be >= 0, not {constraint.limit}')
 
 
-def _check_streams(problem: Problem) -> None:
+def _check_columns(problem: Problem) -> None:
+    """Raise ProblemError unless all numbers fit into arrays."""
+    wanted, messages, traffic = len(problem.constraints), problem.messages, problem.traffic
+    for what, uses in (("message", [m.use for m in messages]), ("traffic", [t.use for t in traffic])):
+        for index, use in enumerate(uses):
+            if len(use) != wanted:
+                raise ProblemError(f"{what} {index}: use has {len(use)} entries for {wanted} constraints")
     try:
-        columns = problem.columns
+        _ = problem.columns
     except OverflowError as error:
         raise ProblemError(f"the window holds a number that is too large: {error}") from error
-    for kind, members in columns.kinds:
-        if not isinstance(kind, Aggregation | AggregationModel):
-            raise ProblemError(
-                f"stream {members[0]}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty,"
-                f" add and value, not {kind!r}"
-            )
-    delay, share = columns.delay, columns.share
-    if not (np.isfinite(delay) & (delay >= 0) & np.isfinite(share) & (share >= 0)).all():
-        _refuse_receiver(problem)
 
 
-def _refuse_receiver(problem: Problem) -> None:
+def _check_streams(problem: Problem) -> None:
     for index, stream in enumerate(problem.streams):
+        if not isinstance(stream.aggregation, Aggregation | AggregationModel):
+            raise ProblemError(
+                f"stream {index}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty,"
+                f" add and value, not {stream.aggregation!r}"
+            )
         for receiver in stream.receivers:
             if not (finite(receiver.delay) and receiver.delay >= 0):
                 raise ProblemError(f"stream {index}: a receiver's delay must be >= 0 s, not {receiver.delay}")
@@ -88,21 +87,9 @@ def _refuse_receiver(problem: Problem) -> None:
 
 
 def _check_messages(problem: Problem) -> None:
-    columns, count = problem.columns, len(problem.streams)
-    unknown = (columns.stream < 0) | (columns.stream >= count)
-    if unknown.any():
-        index = int(np.argmax(unknown))
-        raise ProblemError(f"message {index}: stream {columns.stream[index]} is unknown, there are {count}")
-    times, scale = columns.times, columns.scale
-    ordered = (times[:-1] <= times[1:]).all() and np.isfinite(times).all()
-    if not (ordered and np.isfinite(scale).all() and scale.min() >= 0):
-        _refuse_first(problem.messages)
-    _check_numbers(columns.use, "message")
-    _check_order(problem)
-
-
-def _refuse_first(messages: tuple[Message, ...]) -> None:
-    for index, m in enumerate(messages):
+    for index, m in enumerate(problem.messages):
+        if not 0 <= m.stream < len(problem.streams):
+            raise ProblemError(f"message {index}: stream {m.stream} is unknown, there are {len(problem.streams)}")
         if not all(finite(number) for number in (m.t_gen, m.t_sent, m.t_rcv)):
             raise ProblemError(f"message {index}: times must be finite, not {m.t_gen}, {m.t_sent}, {m.t_rcv}")
         if not m.t_gen <= m.t_sent <= m.t_rcv:
@@ -111,52 +98,35 @@ def _refuse_first(messages: tuple[Message, ...]) -> None:
             )
         if not (finite(m.scale) and m.scale >= 0):
             raise ProblemError(f"message {index}: scale must be a finite number >= 0, not {m.scale}")
-
-
-def _check_order(problem: Problem) -> None:
-    columns = problem.columns
-    robot = np.array([stream.robot for stream in problem.streams])[columns.stream]
-    order = np.lexsort((columns.stream, robot, columns.t_gen))
-    if (order[1:] < order[:-1]).any():
-        keys = list(zip(columns.t_gen, robot, columns.stream, strict=True))
-        index = next(at for at in range(1, len(keys)) if keys[at] < keys[at - 1])
-        raise ProblemError(f"message {index} belongs before {index - 1}: order by t_gen, then robot, then stream")
+        _check_use(f"message {index}", m.use)
+    keys = [(m.t_gen, problem.streams[m.stream].robot, m.stream) for m in problem.messages]
+    for index in range(1, len(keys)):
+        if keys[index] < keys[index - 1]:
+            raise ProblemError(f"message {index} belongs before {index - 1}: order by t_gen, then robot, then stream")
     _check_receipts(problem)
 
 
 def _check_receipts(problem: Problem) -> None:
-    columns = problem.columns
-    opened = columns.opened
-    earlier = np.diff(columns.t_sent[opened]) < 0
-    by_stream = opened[np.argsort(columns.stream[opened], kind="stable")]
-    overtakes = (np.diff(columns.t_rcv[by_stream]) < 0) & (np.diff(columns.stream[by_stream]) == 0)
-    if earlier.any():
-        index = int(opened[1:][np.argmax(earlier)])
-        raise ProblemError(f"message {index}: t_sent of the open messages must not decrease")
-    if overtakes.any():
-        index = int(by_stream[1:][np.argmax(overtakes)])
-        stream = columns.stream[index]
-        raise ProblemError(f"message {index}: open messages of stream {stream} are received out of order")
+    """Open messages are sent in order, and those of one stream received in order."""
+    last: Message | None = None
+    last_of: dict[int, Message] = {}
+    for index, m in enumerate(problem.messages):
+        if m.sent:
+            continue
+        if last is not None and m.t_sent < last.t_sent:
+            raise ProblemError(f"message {index}: t_sent of the open messages must not decrease")
+        if m.t_rcv < last_of.get(m.stream, m).t_rcv:
+            raise ProblemError(f"message {index}: open messages of stream {m.stream} are received out of order")
+        last = last_of[m.stream] = m
 
 
 def _check_traffic(problem: Problem) -> None:
-    lost = ~np.isfinite(problem.columns.traffic_sent)
-    if lost.any():
-        index = int(np.argmax(lost))
-        raise ProblemError(f"traffic {index}: t_sent must be finite, not {problem.traffic[index].t_sent}")
-    _check_numbers(problem.columns.traffic_use, "traffic")
+    for index, traffic in enumerate(problem.traffic):
+        if not finite(traffic.t_sent):
+            raise ProblemError(f"traffic {index}: t_sent must be finite, not {traffic.t_sent}")
+        _check_use(f"traffic {index}", traffic.use)
 
 
-def _check_uses(problem: Problem) -> None:
-    wanted = len(problem.constraints)
-    messages, traffic = [m.use for m in problem.messages], [t.use for t in problem.traffic]
-    for what, uses in (("message", messages), ("traffic", traffic)):
-        if set(map(len, uses)) - {wanted}:
-            index = next(at for at, use in enumerate(uses) if len(use) != wanted)
-            raise ProblemError(f"{what} {index}: use has {len(uses[index])} entries for {wanted} constraints")
-
-
-def _check_numbers(uses: Floats, what: str) -> None:
-    if not (np.isfinite(uses).all() and (uses >= 0).all()):
-        index = int(np.argmin((np.isfinite(uses) & (uses >= 0)).all(axis=1)))
-        raise ProblemError(f"{what} {index}: use must be finite and >= 0, not {tuple(uses[index].tolist())}")
+def _check_use(name: str, use: tuple[float, ...]) -> None:
+    if not all(finite(number) and number >= 0 for number in use):
+        raise ProblemError(f"{name}: use must be finite and >= 0, not {use}")

@@ -110,6 +110,7 @@ def _cut(received: Received, places: Ints, until: float) -> _Cells:
             received.utilities, received.utility[places[which]], start, np.maximum(close[cell] - born, start)
         )
         area *= share * received.scale[places[which]] * (begin[cell] >= t_rcv[which])
+        area += 0.0  # 0 and -0 are one value, but not one key
         parts.append((begin, area.reshape(len(places), -1), begin < t_end))
     begin, area, inside = (np.concatenate(column, axis=-1) for column in zip(*parts, strict=True))
     return _Cells(begin, area, inside)

@@ -1,18 +1,26 @@
-// planner._native: the search kernels for Python. Searches run without the GIL.
+// planner._native: tables and search kernels for Python. Both are computed without the GIL.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <array>
+#include <optional>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "best.h"
 #include "paper.h"
+#include "reading.h"
 #include "tables.h"
+#include "tabulate.h"
+#include "window.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -38,8 +46,9 @@ void add_rows(Tables& tables, nb::handle rows) {
     }
 }
 
-// The arrays of planner/tables.py's Tables; `gains` and `checks` are its parts. Their shapes are checked there.
+// The arrays of planner/tables.py's NumpyTables; `gains` and `checks` are its parts. Their shapes are checked there.
 Tables make_tables(nb::handle source) {
+    if (nb::isinstance<Tabulated>(source)) return nb::cast<const Tabulated&>(source).tables();
     const nb::object gains = source.attr("gains");
     const nb::object checks = source.attr("checks");
     const auto scale = nb::cast<Floats>(source.attr("scale"));
@@ -87,6 +96,63 @@ Tables make_tables(nb::handle source) {
     return tables;
 }
 
+// NumPy arrays of what was tabulated here, for the Python engine.
+template <class To, class From>
+auto array_of(const std::vector<From>& values) {
+    To* copy = new To[values.size()];
+    std::copy(values.begin(), values.end(), copy);
+    nb::capsule owner(copy, [](void* held) noexcept { delete[] static_cast<To*>(held); });
+    return nb::ndarray<nb::numpy, To, nb::ndim<1>>(copy, {values.size()}, owner);
+}
+
+auto ints(const std::vector<std::int32_t>& values) { return array_of<std::int64_t>(values); }
+auto floats(const std::vector<double>& values) { return array_of<double>(values); }
+auto flags(const std::vector<char>& values) { return array_of<bool>(values); }
+
+template <class Struct, class Field>
+auto column(const std::vector<Struct>& values, Field Struct::* field) {
+    std::vector<Field> result;
+    for (const Struct& value : values) result.push_back(value.*field);
+    if constexpr (std::is_same_v<Field, double>) {
+        return floats(result);
+    } else {
+        return ints(result);
+    }
+}
+
+// In the order of the fields of planner/evaluation.py's Gains.
+nb::tuple gains_of(const Tabulated& tables) {
+    const Gains& gains = tables.gains;
+    return nb::make_tuple(ints(gains.stream), ints(gains.start), ints(gains.after), floats(gains.gain), gains.facts,
+                          gains.everything, floats(gains.aim), gains.aim_facts, gains.exact, flags(gains.markovian));
+}
+
+// In the order of the fields of planner/beyond.py's Beyond.
+std::optional<nb::tuple> beyond_of(const Tabulated& tables) {
+    if (!tables.beyond) return std::nullopt;
+    const Beyond& beyond = *tables.beyond;
+    return nb::make_tuple(floats(beyond.worth), floats(beyond.charges), floats(beyond.price), floats(beyond.rent),
+                          floats(beyond.until));
+}
+
+// In the order of the fields of planner/constraints.py's Checks.
+nb::tuple checks_of(const Tabulated& tables) {
+    const Checks& checks = tables.checks;
+    const nb::tuple rows = nb::make_tuple(column(checks.row, &Row::of), column(checks.row, &Row::first),
+                                          column(checks.row, &Row::last), column(checks.row, &Row::capacity));
+    return nb::make_tuple(floats(checks.use), floats(checks.share), ints(checks.start),
+                          column(checks.check, &Check::of), column(checks.check, &Check::first),
+                          column(checks.check, &Check::room), ints(checks.held), flags(checks.never), rows,
+                          ints(checks.constraint));
+}
+
+std::optional<Tabulated> tabulated(nb::handle problem, const nb::tuple& kinds, bool beyond) {
+    Window window;
+    if (!Reader(kinds).read(problem, window)) return std::nullopt;
+    const nb::gil_scoped_release released;
+    return window.valid() ? tabulate(window, beyond) : std::nullopt;
+}
+
 ReductionKind reduction_of(const std::string& name) {
     if (name == "paper") return ReductionKind::paper;
     return name == "exact" ? ReductionKind::exact : ReductionKind::off;
@@ -121,7 +187,24 @@ Parts parts(const Found& found) { return {found.sends, found.opposite, found.bou
 }  // namespace
 
 NB_MODULE(_native, m) {
-    m.doc() = "The native search kernels.";
+    m.doc() = "The native tables and search kernels.";
+    nb::class_<Tabulated>(m, "Tabulated", "A problem as tables: see planner/native_tables.py.")
+        .def_ro("current", &Tabulated::current)
+        .def_prop_ro("levels", &Tabulated::levels)
+        .def_prop_ro("streams", &Tabulated::streams)
+        .def_prop_ro("exact", [](const Tabulated& self) { return self.gains.exact; })
+        .def_prop_ro("message", [](const Tabulated& self) { return self.gains.message; })
+        .def_prop_ro("constraint", [](const Tabulated& self) { return self.checks.constraint; })
+        .def("states", [](const Tabulated& self) { return ints(self.states()); })
+        .def("scale", [](const Tabulated& self) { return floats(self.scale); })
+        .def("gains", &gains_of)
+        .def("beyond", &beyond_of)
+        .def("checks", &checks_of)
+        .def("charged", &Tabulated::charged)
+        .def("worth", &Tabulated::worth, "sends"_a)
+        .def("overfilled", &Tabulated::overfilled, "sends"_a);
+    m.def("tabulate", &tabulated, "problem"_a, "kinds"_a, "beyond"_a,
+          "Tabulate a valid problem of standard kinds; None for any other.");
     nb::class_<PaperSearch>(m, "PaperSearch", "The paper's search: see planner/python_engine/paper.py.")
         .def("__init__",
              [](PaperSearch* self, nb::handle tables, double exploration, const std::string& reduction,

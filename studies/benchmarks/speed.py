@@ -11,6 +11,7 @@ import planner
 from planner import Constraint, Problem, SearchSettings
 from studies.benchmarks.charts import Chart, Series
 from studies.benchmarks.report import Table
+from studies.benchmarks.tables import measure_tables
 from studies.central import CentralDecider
 from studies.policies import whenever_it_fits
 from studies.workload import MOST_IMPORTANT, mission
@@ -64,7 +65,9 @@ def measure_speed(*, quick: bool) -> list[Table | Chart]:
         _search_alone(rates, teams),
         _rates_chart(rates, teams),
         _ratios(rates, teams),
-        _decisions(3.0 if quick else 60.0),
+        measure_tables(TEAMS[2].windows(5 if quick else 40), 3 if quick else 25),
+        _decisions(TEAMS[0], 3.0 if quick else 60.0, _ENGINES),
+        _decisions(TEAMS[2], 3.0 if quick else 60.0, ("native",)),
     ]
 
 
@@ -145,10 +148,9 @@ def _rate(windows: list[Problem], settings: SearchSettings, budget: int) -> Rate
     return Rate(iterations / spent, iterations / (3 * len(windows)))
 
 
-def _decisions(seconds: float) -> Table:
+def _decisions(team: Team, seconds: float, engines: tuple[Engine, ...]) -> Table:
     rows = []
-    for engine, mode in ((engine, mode) for engine in _ENGINES for mode in BUDGET):
-        team = TEAMS[0]
+    for engine, mode in ((engine, mode) for engine in engines for mode in BUDGET):
         flown = team.mission(seconds if engine == "native" else min(seconds, 3.0))
         parts = _fly_timed(flown, team.horizon, SearchSettings(search=mode, engine=engine), BUDGET[mode]) * 1e3
         whole = parts.sum(axis=1)
@@ -156,7 +158,7 @@ def _decisions(seconds: float) -> Table:
         rows.append((f"{mode}, {BUDGET[mode]:,}, {engine}", f"{len(whole)}", *(f"{cell:.3f}" for cell in shown)))
     head = ("search, iterations, engine", "decisions", "window", "start", "run", "plan", "p50", "p99", "max")
     note = "Median of each part; p50, p99 and max of the whole. The window is built from the mission's messages."
-    return Table(f"A decision from Python, {TEAMS[0].name()} [ms]", head, tuple(rows), note)
+    return Table(f"A decision from Python, {team.name()} [ms]", head, tuple(rows), note)
 
 
 def _fly_timed(flown: Problem, horizon: int, settings: SearchSettings, budget: int) -> np.ndarray[tuple[int, int]]:

@@ -88,6 +88,15 @@ def _stream(seed: int, robot: int, aggregations: Sequence[Aggregation | Aggregat
     return Stream(robot, aggregations[(seed + robot) % len(aggregations)], receivers)
 
 
+def crowded(count: int) -> Problem:
+    """A stream of `best` whose messages begin and fade at random: which of them is the best changes ever again."""
+    draw = random.Random(1)
+    messages = tuple(
+        _single(0, 0.1 * at, Linear(1.0, draw.uniform(0.1, 1.1)), scale=draw.uniform(1.0, 2.0)) for at in range(count)
+    )
+    return Problem((Stream(0, Aggregation.BEST),), messages, 0, (Constraint("c", 1.0, 100.0),), (), -1.0, 6.0)
+
+
 def stale_window(seed: int) -> Problem:
     """Draw a window whose first message pays only once a later one replaced it.
 

@@ -1,13 +1,16 @@
-// The native search kernels without Python, for the sanitizers: reads tabulated problems, prints plans.
+// The native tables and search kernels without Python, for the sanitizers: reads problems, prints plans.
 #include <cstdint>
 #include <cstdlib>
+#include <deque>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "best.h"
 #include "paper.h"
-#include "tables.h"
+#include "tabulate.h"
+#include "window.h"
 
 using namespace sendworthy;
 
@@ -30,45 +33,53 @@ std::int32_t number() { return next<std::int32_t>(); }
 
 double real() { return std::stod(next<std::string>()); }  // hexadecimal, infinity: what streams do not read
 
-Tables read_tables() {
-    Tables tables;
-    tables.levels = number();
-    tables.streams = number();
-    tables.constraints = number();
-    tables.current = number();
-    tables.facts = real();
-    fill(tables.level, [] {
-        Level level{};
-        level.stream = number();
-        level.gain_start = number();
-        level.check_start = number();
-        level.held = number();
-        level.never = number() != 0;
-        return level;
+// Points of utilities, which windows only refer to.
+std::deque<std::vector<double>> curves;
+
+Utility read_utility() {
+    const auto kind = static_cast<UtilityKind>(number());
+    const double first = real(), second = real(), third = real();
+    Utility utility(kind, first, second, third);
+    fill(curves.emplace_back(), real);
+    utility.points = curves.back().data();
+    utility.count = static_cast<std::ptrdiff_t>(curves.back().size() / 4);
+    return utility;
+}
+
+Window read_window() {
+    Window window;
+    window.current = number();
+    window.t_start = real();
+    window.t_end = real();
+    window.goes_on = number() != 0;
+    fill(window.stream, [] {
+        const auto robot = number(), aggregation = number(), receiver_start = number();
+        return Stream{robot, static_cast<Aggregation>(aggregation), receiver_start};
     });
-    fill(tables.gain, real);
-    fill(tables.after, number);
-    fill(tables.state_start, number);
-    fill(tables.markovian, [] { return static_cast<char>(number()); });
-    fill(tables.check, [] {
-        Check check{};
-        check.of = number();
-        check.first = number();
-        check.room = real();
-        return check;
+    fill(window.receiver, [] {
+        const double delay = real(), share = real();
+        return Receiver{delay, share};
     });
-    fill(tables.row, [] {
-        Row row{};
-        row.of = number();
-        row.first = number();
-        row.last = number();
-        row.capacity = real();
-        return row;
+    fill(window.utility, read_utility);
+    fill(window.message, [] {
+        Message message{};
+        message.stream = number();
+        message.utility = number();
+        message.t_gen = real();
+        message.t_sent = real();
+        message.t_rcv = real();
+        message.scale = real();
+        message.sent = number() != 0;
+        return message;
     });
-    fill(tables.use, real);
-    fill(tables.share, real);
-    fill(tables.scale, real);
-    return tables;
+    fill(window.constraint, [] {
+        const double length = real(), limit = real();
+        return Constraint{length, limit};
+    });
+    fill(window.use, real);
+    fill(window.traffic_sent, real);
+    fill(window.traffic_use, real);
+    return window;
 }
 
 void print(const std::vector<std::int32_t>& sends) {
@@ -81,13 +92,20 @@ void print(const std::vector<std::int32_t>& sends) {
 int main() {
     const auto problems = next<int>();
     for (int at = 0; at < problems; ++at) {
-        const Tables tables = read_tables();
+        const Window window = read_window();
         const auto iterations = number();
         const auto nodes = number();
-        if (next<std::string>() == "best") {
+        const bool is_best = next<std::string>() == "best";
+        const auto tabulated = window.valid() ? tabulate(window, is_best) : std::nullopt;
+        if (!tabulated) return 3;
+        const Tables tables = tabulated->tables();
+        if (is_best) {
             BestSearch best(tables, nodes);
             best.run(iterations);
-            print(best.found().sends);
+            const std::vector<std::int32_t> sends = best.found().sends;
+            tabulated->worth(sends);
+            tabulated->overfilled(sends);
+            print(sends);
             continue;
         }
         for (const auto reduction : {ReductionKind::off, ReductionKind::paper, ReductionKind::exact}) {

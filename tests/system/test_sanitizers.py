@@ -1,14 +1,29 @@
-"""The native kernels run clean under AddressSanitizer and UndefinedBehaviorSanitizer."""
+"""The native tables and kernels run clean under AddressSanitizer and UndefinedBehaviorSanitizer."""
 
 import subprocess
+from dataclasses import replace
+from itertools import accumulate, chain, cycle
 from pathlib import Path
 
 import pytest
 
-from planner import Aggregation, SearchSettings, start
+from planner import (
+    Aggregation,
+    Custom,
+    Exponential,
+    Linear,
+    Polynomial,
+    Power,
+    SearchSettings,
+    Step,
+    Table,
+    Video,
+    start,
+)
 from planner.tables import tabulate
 from studies.central import CentralDecider
 from studies.workload import SCENARIOS, mission
+from tests.planner.windows import crowded
 from tests.planner.windows import window as drawn
 
 pytestmark = pytest.mark.system
@@ -48,7 +63,25 @@ def windows():
         drawn(seed, robots=4, horizon=12, constraints=1 + seed % 3, aggregations=tuple(Aggregation))
         for seed in range(20)
     ]
-    return collected[::EVERY] + mixed
+    several = [replace(problem, messages=tuple(of_kinds(problem.messages))) for problem in mixed]
+    return [*collected[::EVERY], *mixed, *several, crowded(40)]
+
+
+def of_kinds(messages):
+    """The messages with utilities of all kinds."""
+    kinds = cycle(
+        (
+            Linear(1.0, 0.3),
+            Video(a1=3.0),
+            Exponential(1.0, 0.5),
+            Step(1.0, 0.7),
+            Polynomial(1.0, 2.0, 3.0),
+            Power(0.5),
+            Table(((0.0, 1.0), (1.0, 0.2))),
+            Custom(lambda age, _: 1.0 / (1.0 + age)),
+        )
+    )
+    return [m._replace(utility=utility) for m, utility in zip(messages, kinds, strict=False)]
 
 
 def test_plans_are_those_of_the_module_and_memory_is_clean(kernel, windows):
@@ -74,34 +107,50 @@ def sends(window, settings, iterations):
 
 
 def exported(window, iterations, nodes, mode):
-    """A tabulated problem as the executable reads it."""
-    tables = tabulate(window, beyond=mode == "best")
-    checks, gains = tables.checks, tables.gains
-    columns = (gains.stream, gains.start, checks.start, checks.held, checks.never)
-    end = (0, len(gains.aim), len(checks.room), tables.levels, 0)
-    levels = [*list(zip(*(column[: tables.levels] for column in columns), strict=True)), end]
-    rows = checks.rows
+    """A problem as the executable reads it."""
+    receivers = [receiver for stream in window.streams for receiver in stream.receivers]
+    starts = accumulate((len(stream.receivers) for stream in window.streams), initial=0)
+    streams = [*((stream.robot, list(Aggregation).index(stream.aggregation)) for stream in window.streams), (0, 0)]
+    utilities = list({id(m.utility): m.utility for m in window.messages}.values())
+    place = {id(utility): number for number, utility in enumerate(utilities)}
     lines = [
-        f"{tables.levels} {tables.streams} {checks.use.shape[1]} {tables.current} {float(gains.aim_facts).hex()}",
-        table((*(int(value) for value in level),) for level in levels),
-        reals(gains.aim),
-        table((int(state),) for state in gains.after),
-        table((int(state),) for state in (0, *tables.states.cumsum())),
-        table((int(flag),) for flag in gains.markovian),
+        f"{window.current} {window.t_start.hex()} {window.t_end.hex()} {int(window.goes_on)}",
+        table((*stream, start) for stream, start in zip(streams, starts, strict=True)),
+        table((receiver.delay.hex(), receiver.share.hex()) for receiver in receivers),
+        str(len(utilities)),
+        *map(function, utilities),
         table(
-            (int(of), int(first), float(room).hex())
-            for of, first, room in zip(checks.of, checks.first, checks.room, strict=True)
+            (m.stream, place[id(m.utility)], *(t.hex() for t in (m.t_gen, m.t_sent, m.t_rcv, m.scale)), int(m.sent))
+            for m in window.messages
         ),
-        table(
-            (int(of), int(first), int(last), float(capacity).hex())
-            for of, first, last, capacity in zip(rows.of, rows.first, rows.last, rows.capacity, strict=True)
-        ),
-        reals(checks.use.ravel()),
-        reals(checks.share.ravel()),
-        reals(tables.scale),
+        table((constraint.window.hex(), constraint.limit.hex()) for constraint in window.constraints),
+        reals(chain.from_iterable(m.use for m in window.messages)),
+        reals(t.t_sent for t in window.traffic),
+        reals(chain.from_iterable(t.use for t in window.traffic)),
         f"{iterations} {nodes} {mode}",
     ]
     return "\n".join(lines)
+
+
+PARAMETERS = {
+    Linear: ("u0", "slope"),
+    Video: ("a0", "a1"),
+    Exponential: ("u0", "tau"),
+    Step: ("u0", "lifetime"),
+    Polynomial: ("u0", "a1", "k"),
+    Power: ("beta",),
+    Table: (),
+    Custom: ("until",),
+}
+"""Of each kind of utility, in the order in which the executable numbers them."""
+
+
+def function(utility):
+    """Kind, three parameters and points."""
+    parameters = [getattr(utility, name) for name in PARAMETERS[type(utility)]]
+    numbers = " ".join(float(parameter).hex() for parameter in (*parameters, 0.0, 0.0, 0.0)[:3])
+    points = utility.curve.points.ravel() if hasattr(utility, "curve") else ()
+    return f"{list(PARAMETERS).index(type(utility))} {numbers}\n{reals(points)}"
 
 
 def table(entries):

@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
-from planner import Aggregation, Linear, Message, Problem, ProblemError, SearchSettings, Stream, start
+from planner import Aggregation, Linear, Message, Problem, ProblemError, SearchSettings, Stream
 from planner.aggregations import best
 from planner.definition import utility
 from planner.evaluation import tabulate_gains
+from planner.native_engine import NativeSearch
+from planner.python_engine.best import BestSearch
+from planner.tables import tabulate_with_numpy
 
 
 def stream(*messages, t_end=10.0):
@@ -61,8 +64,8 @@ def test_nothing_is_proven_by_states_that_stand_for_others(monkeypatch):
     messages = [message(0.1 * at, scale=1.0 + 0.9**at, slope=0.5 + 0.09 * at) for at in range(9)]
     problem = stream(*messages, t_end=6.0)
     monkeypatch.setattr(best, "MAX_STATES", 16)
-    for engine in ("native", "python"):
-        search = start(problem, SearchSettings(engine=engine))
+    tables = tabulate_with_numpy(problem, beyond=True)
+    for search in (NativeSearch(tables, SearchSettings()), BestSearch(tables, SearchSettings())):
         search.run(300)
         plan = search.plan()
         assert plan.gap is None
