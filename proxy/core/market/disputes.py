@@ -67,7 +67,7 @@ class Disputes:
         self._market, weighed = None, list[Weighed]()
         if rows:
             self._market, steady = Market.of(rows, limits)
-            weighed = self._market.weigh(rows, steady, [self._weighed.get(place, UNKNOWN) for place in places])
+            weighed = self._market.weigh(rows, steady)
         self._weighed = dict(zip(places, weighed, strict=True))
         self._book(now, list(zip(rows, weighed, strict=True)))
 

@@ -89,8 +89,8 @@ class Market:
         most = reserve(rows, [row.interval for row in rows], limits, TUNING.sure_deviations)
         return cls(limits, prices, all(a <= c.limit for a, c in zip(most, limits, strict=True))), steady
 
-    def weigh(self, rows: Sequence[Row], steady: Steady, before: Sequence[Weighed]) -> list[Weighed]:
-        """Weigh streams that earn so much; how each stood `before` is what it stays where it is close."""
+    def weigh(self, rows: Sequence[Row], steady: Steady) -> list[Weighed]:
+        """Weigh streams that earn so much."""
         cost = steady.use @ self.prices
         marginal, _ = steady.marginal()
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -99,19 +99,19 @@ class Market:
         apart = np.where(net.max(axis=1) > 0.0, steady.apart[np.arange(len(rows)), net.argmax(axis=1)], math.inf)
         return [
             Weighed(
-                self._standing(row, known.standing, float(last[at]), float(first[at])),
+                self._standing(row, float(last[at]), float(first[at])),
                 row.stream.newest.scale,
                 row.interval,
                 float(apart[at]),
             )
-            for at, (row, known) in enumerate(zip(rows, before, strict=True))
+            for at, row in enumerate(rows)
         ]
 
     def weigh_new(self, row: Row) -> Weighed:
         """Weigh a stream that was not among those that make the prices."""
-        return self.weigh([row], _steady([row]), [UNKNOWN])[0]
+        return self.weigh([row], _steady([row]))[0]
 
-    def _standing(self, row: Row, before: Standing, last: float, first: float) -> Standing:
+    def _standing(self, row: Row, last: float, first: float) -> Standing:
         """Return how a stream stands whose last and first sample a second earn so many times their price."""
         kind, new, small = (
             row.stream.information_type,
@@ -122,13 +122,11 @@ class Market:
             return Standing.UNDISPUTED
         if not isinstance(kind.aggregation, Aggregation):
             return Standing.CONTESTED
-        if small and last >= (
-            TUNING.new_price if new else 1.0 / TUNING.hysteresis if before is Standing.UNDISPUTED else 1.0
-        ):
+        if small and last >= (TUNING.new_price if new else 1.0):
             return Standing.UNDISPUTED
         if row.stream.generated < TUNING.rhythm_samples or kind.guarantee.rate > 0.0:
             return Standing.CONTESTED
-        if first <= TUNING.hopeless * (TUNING.hysteresis if before is Standing.HOPELESS else 1.0):
+        if first <= TUNING.hopeless:
             return Standing.HOPELESS
         return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
 

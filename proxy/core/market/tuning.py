@@ -22,8 +22,6 @@ class MarketTuning:
     their decisions took a sixth more time."""
     hopeless: float = 0.3
     """A stream is hopeless when its first sample earns no more than this part of the price."""
-    hysteresis: float = 1.25
-    """What a stream was it stays until it is beyond the bound by this factor."""
     reserve_deviations: float = 2.0
     """The reserve is so many standard deviations above the mean: with three, four robots with cameras sent 4 % fewer
     bytes; with one, 2 % more, and three times as many windows of eight robots were over the limit."""

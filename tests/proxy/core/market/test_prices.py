@@ -3,7 +3,7 @@
 import pytest
 
 from planner import Throughput
-from proxy.core.market.prices import UNKNOWN, Market, Row, Standing, Weighed, interval_of, reserve
+from proxy.core.market.prices import Market, Row, Standing, interval_of, reserve
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Generated, Stream
@@ -53,13 +53,13 @@ def make_row(make_specs):
     return make
 
 
-def weighed(*rows, before=None):
+def weighed(*rows):
     market, steady = Market.of(rows, (LIMIT,))
-    return market.weigh(rows, steady, before or [UNKNOWN] * len(rows))
+    return market.weigh(rows, steady)
 
 
-def standings(*rows, before=None):
-    return [each.standing for each in weighed(*rows, before=before)]
+def standings(*rows):
+    return [each.standing for each in weighed(*rows)]
 
 
 def test_small_samples_that_earn_their_price_are_undisputed_and_frames_contested(make_row):
@@ -97,18 +97,6 @@ def test_new_streams_are_contested_unless_they_earn_many_times_their_price(make_
     assert standings(*rows)[:2] == [Standing.UNDISPUTED, Standing.CONTESTED]
     few = make_row("camera", 2.0, 8_000, generated=TUNING.rate_samples - 1)
     assert standings(few) == [Standing.CONTESTED]
-
-
-def test_what_a_stream_was_it_stays_where_it_is_close(make_row):
-    """So it does not change its standing with every look."""
-    found = set()
-    for size in range(100, 3_000, 20):
-        rows = make_row("odometry", 20.0, size), *[make_row("camera", 10.0, 26_000) for _ in range(4)]
-        once = standings(*rows)
-        before = [Weighed(Standing.UNDISPUTED, 1.0, 0.05, 0.05), *[UNKNOWN] * 4]
-        found.add((once[0], standings(*rows, before=before)[0]))
-    assert (Standing.PRICED, Standing.UNDISPUTED) in found
-    assert (Standing.UNDISPUTED, Standing.PRICED) not in found
 
 
 def test_the_reserve_holds_what_streams_use_in_nearly_any_window(make_row):
