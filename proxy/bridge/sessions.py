@@ -33,8 +33,9 @@ QUEUES = {
 }
 """Zenoh's queues on the mesh: pieces that wait in each, and how long a publication waits for a full link before its
 sample is dropped there, one of many pieces as late as by routers, or the link given up [µs]."""
-THREADS = "(tx: (worker_threads: 8), rx: (worker_threads: 64), net: (worker_threads: 4))"
-"""Both sides share Zenoh's threads, and a lost link keeps one for 10 s: with few, it would stop the apps' side."""
+THREADS = "(tx: (worker_threads: 2), rx: (worker_threads: 12), net: (worker_threads: 2), acc: (handover: app))"
+"""Both sides share Zenoh's threads. Whoever publishes with BLOCK to an app that hangs keeps two of `rx` for as long as
+Zenoh puts up with that app: with so many, five robots that do leave some to the other apps."""
 os.environ.setdefault("ZENOH_RUNTIME", THREADS)  # read when the first session of the process opens
 
 PRIVATE = "sendworthy-private-"
