@@ -1,6 +1,7 @@
 """Mirrors what both sides declare, as soon as it changes, and looks only at what has."""
 
 import logging
+import math
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -27,7 +28,10 @@ from proxy.runtime import LiveRuntime
 log = logging.getLogger(__name__)
 
 INTERVAL = 0.1
-"""Time between two reports of what passed, and looks at the links [s]."""
+"""Time between two reports of what passed, as long as something does, and of what links have waiting, where a limit
+follows that [s]."""
+LINKS = 0.25
+"""Time between two looks at the links [s]. Ten times a second they took half of all that an idle daemon takes."""
 
 LONG, RESTS, MOST_REST = 0.01, 3.0, 0.25
 """After a look that took longer than this [s] it rests for so many times as long, and no longer than that [s]."""
@@ -111,23 +115,27 @@ class Mirroring:
         self._retained = dict.fromkeys(expressions, False)
         self._wake.set()
 
-    def flush(self) -> None:
-        """Report what passed without a decision since the last time."""
-        for event in self._passed.take(clock.monotonic()):
+    def flush(self) -> bool:
+        """Report what passed without a decision since the last time; whether anything did."""
+        passed = self._passed.take(clock.monotonic())
+        for event in passed:
             self._post(event)
+        return bool(passed)
 
     def _run(self) -> None:
-        again, complaint = False, ""
+        again, busy, complaint, links_at = False, False, "", -math.inf
         while not self._stop:
-            woken = self._wake.wait(INTERVAL)
+            woken = self._wake.wait(INTERVAL if again or busy else LINKS)
             if woken:  # else what came just after the wait would be forgotten
                 self._wake.clear()
             try:
-                self.flush()
-                for links in self._links:
-                    links.check(clock.monotonic())
                 self._buffers.refresh()
-                self._gauge()
+                if (now := clock.monotonic()) >= links_at:
+                    links_at = now + LINKS
+                    for links in self._links:
+                        links.check(now)
+                passed, gauged = self.flush(), self._gauge()
+                busy = passed or gauged
                 if woken or again:
                     began = clock.monotonic()
                     again = self._look()
@@ -146,10 +154,12 @@ class Mirroring:
         if took > LONG:
             time.sleep(min(MOST_REST, RESTS * took))
 
-    def _gauge(self) -> None:
-        """Tell the core how long what the links send is on its way, where a limit follows that."""
-        if self._live.runtime.adaptive and (waits := self._buffers.waits()):
+    def _gauge(self) -> bool:
+        """Tell the core how long what the links send is on its way; whether a limit follows that."""
+        adaptive = self._live.runtime.adaptive
+        if adaptive and (waits := self._buffers.waits()):
             self._post(LinksGauged(clock.monotonic(), waits))
+        return adaptive
 
     def _look(self) -> bool:
         """Mirror what has changed; return whether to look again although nothing changes."""
