@@ -33,8 +33,6 @@ from proxy.core.protocol.tuning import TUNING
 
 log = logging.getLogger(__name__)
 
-NAME_WAIT = 0.15
-"""How long a starting daemon listens for another one of its name [s]."""
 ECHOED = 64
 """Of so many of our digests an echo is understood."""
 DIGESTS, ALL_DIGESTS = 200.0, 1000.0
@@ -52,24 +50,6 @@ Job = Callable[[], Event | None]
 Post = Callable[[Event | Job], object]
 Offer = Callable[[Event | Job], bool]
 Old = Callable[[float, str, float], bool]
-
-
-def free_name(mesh: zenoh.Session, robot: str) -> str:
-    """Return `robot`, or `<robot>-<zid4>` when the mesh has a daemon of that name, which is said loudly."""
-    taken = threading.Event()
-
-    def take(_: zenoh.Sample) -> None:
-        taken.set()
-
-    handler = zenoh.handlers.Callback(take, indirect=False)
-    watch: Declaration = mesh.liveliness().declare_subscriber(keys.alive(robot, "*"), handler, history=True)
-    found = taken.wait(NAME_WAIT)
-    watch.undeclare()
-    if not found:
-        return robot
-    name = f"{robot}-{str(mesh.zid())[:4]}"
-    log.error("another daemon on the mesh is called %r; this one runs as %r: give it a name of its own", robot, name)
-    return name
 
 
 class Presence:
