@@ -29,6 +29,9 @@ BEHIND = 32
 MOVING = 0.05
 """Full links move when a sample was sent so recently [s], for each 64 kB of the one in hand: who publishes faster is
 slowed down then, not dropped."""
+SLOWED = 6
+"""So many publishers at a time are slowed down by as much as it takes. Each keeps one of Zenoh's threads meanwhile, and
+half of these are left to the apps (`sessions.THREADS`)."""
 LOOK = 0.005
 """Time between two looks whether links are idle, while something waits for its pace [s]; Zenoh's thread has this long
 to write the sample before."""
@@ -68,6 +71,8 @@ class Egress:
         self._sent_at = 0.0
         self._awaited = 0
         """So many passing samples may be left when those who wait for the thread go on."""
+        self._slowed = 0
+        """Publishers that wait for room."""
         self._busy = False
         """Whether the thread has a passing sample in hand..."""
         self._deciding = False
@@ -88,6 +93,7 @@ class Egress:
         with self._wake:
             self._open = False
             self._wake.notify()
+            self._caught_up.notify_all()
         if self._thread.is_alive():
             self._thread.join(timeout)
 
@@ -108,6 +114,8 @@ class Egress:
         room = self._rooms.passing
         if len(self._passing) > BEHIND or room.crowded:
             self._let_catch_up(held)
+            if room.crowded and held.waits:
+                self._slow_down()
         if not room.enter(held.size):
             self._passed.add(FULL, 0)
         elif not self._enqueue(lambda: self._passing.append((reason, held))):
@@ -135,8 +143,11 @@ class Egress:
     @property
     def stands(self) -> bool:
         """Whether the mesh takes nothing: nobody is held up for its sake then."""
-        moving = MOVING * (1 + self._in_hand // 65536)
-        return not self.buffers.clear and clock.monotonic() - self._sent_at > moving
+        return not self.buffers.clear and self._still_since(self._sent_at)
+
+    def _still_since(self, since: float) -> bool:
+        """Whether the sample in hand takes too long already, if it was begun then."""
+        return clock.monotonic() - since > MOVING * (1 + self._in_hand // 65536)
 
     def _let_catch_up(self, held: Held) -> None:
         """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still.
@@ -154,6 +165,17 @@ class Egress:
                 lambda: len(self._passing) <= most and not self._rooms.passing.crowded,
                 CATCH_UP * (1 + held.size // 65536),
             )
+
+    def _slow_down(self) -> None:
+        """Wait for room, as long as the mesh moves: whoever publishes rather waits than loses a sample."""
+        room, began = self._rooms.passing, clock.monotonic()
+        with self._wake:
+            if self._slowed >= SLOWED:
+                return
+            self._slowed += 1
+            while self._open and room.crowded and not (self.stands or self._still_since(max(began, self._sent_at))):
+                self._caught_up.wait(MOVING)
+            self._slowed -= 1
 
     def _enqueue(self, put: Callable[[], None]) -> bool:
         with self._wake:
@@ -189,7 +211,8 @@ class Egress:
             self._rooms.passing.leave(held.size)
             self._send_passing(reason, held, droppable=self._wait(held))
             self._sent_at = clock.monotonic()
-            if 0 < len(self._passing) <= self._awaited:
+            caught_up = 0 < len(self._passing) <= self._awaited
+            if caught_up or (self._slowed and not self._rooms.passing.crowded):
                 self._awaited = 0
                 with self._wake:
                     self._caught_up.notify_all()
