@@ -1,1 +1,5 @@
 """The daemon: sessions, shared view, gate, status, command line."""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when NumPy is imported; nothing here is large enough for more

@@ -18,10 +18,10 @@ from proxy.bridge.fleet import Fleet
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout
 from proxy.bridge.neighbours import Neighbours
-from proxy.bridge.presence import Presence, free_name
+from proxy.bridge.presence import Presence
 from proxy.bridge.radio import Scouted
 from proxy.bridge.serial_executor import SerialExecutor
-from proxy.bridge.sides import Sides, open_sides
+from proxy.bridge.sides import Sides
 from proxy.config import Config
 from proxy.config_changes import Change
 from proxy.core.core import Core
@@ -34,6 +34,7 @@ from proxy.daemon_status import DaemonStatus
 from proxy.execution import Execution
 from proxy.features import Extractor
 from proxy.loop import Loop
+from proxy.opening import Opening
 from proxy.orders import orders
 from proxy.planning import Planning
 from proxy.reloading import Loaded, Reloading
@@ -47,11 +48,17 @@ log = logging.getLogger(__name__)
 class Daemon:
     """Start it, stop it. `start` raises `ProxyError` when a session cannot be opened.
 
-    `read` reads the configuration anew, for `reloading`; `file` is what it is read from, if from any.
+    `read` reads the configuration anew, for `reloading`; `file` is what it is read from, if from any. `opening` has the
+    sessions if they are open already: they are closed with the daemon.
     """
 
     def __init__(
-        self, config: Config, specs: Specs, file: Path | None = None, read: Callable[[], Config] | None = None
+        self,
+        config: Config,
+        specs: Specs,
+        file: Path | None = None,
+        read: Callable[[], Config] | None = None,
+        opening: Opening | None = None,
     ) -> None:
         self._config = config
         self._live = LiveRuntime(Runtime(config.mode, specs))
@@ -59,6 +66,7 @@ class Daemon:
         """Puts other files in force while the daemon runs."""
         self.robot = config.robot
         """Our name on the mesh; another one than configured when that was taken."""
+        self._opening = opening
         self._stopped = threading.Event()
         self._closing = ExitStack()
 
@@ -143,9 +151,10 @@ class Daemon:
     def _open(self, opening: ExitStack) -> None:
         """Build everything between the sessions, and start it from the core outwards."""
         config = self._config
-        scouted = Scouted(config.mesh.interface) if config.mesh.scouts else None
-        sides = open_sides(config.app, config.mesh, opening, TUNING.farewell)
-        self.robot = free_name(sides.mesh, config.robot)
+        opened = self._opening or Opening(config)
+        opening.push(opened.closing)
+        sides, scouted = opened.sides, opened.scouted
+        self.robot = opened.naming.name()
         self._loop = self._make_loop(sides)
         self._planning = self._make_planning()
         extractor = Extractor(self._loop.post_at, self._live.match)
@@ -156,9 +165,10 @@ class Daemon:
         self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
         presence = self._make_presence(sides, hold_back)
         self._execution = Execution(bridge, presence, self._planning, extractor, self._loop)
-        for thread in (self._planning, extractor, self._loop):
+        for thread in (self._planning, self._loop):
             thread.start()
-            opening.callback(thread.close, TUNING.stop_wait)
+        for close in (self._planning.close, extractor.close, self._loop.close):
+            opening.callback(close, TUNING.stop_wait)
         for part in (bridge, presence):
             opening.callback(part.close)
             part.open()

@@ -63,17 +63,14 @@ class Extractor:
         self._background = Background()
         self.superseded = 0
 
-    def start(self) -> None:
-        """Start extracting."""
-        self._thread.start()
-
     def close(self, timeout: float) -> None:
         """Stop; wait at most `timeout` [s] for the extractions in hand."""
         with self._wake:
             self._open = False
             self._wake.notify()
         end = clock.monotonic() + timeout
-        self._thread.join(timeout)
+        if self._thread.ident is not None:
+            self._thread.join(timeout)
         self._background.close(max(0.0, end - clock.monotonic()))
 
     def submit(
@@ -119,6 +116,8 @@ class Extractor:
             self._places[place.key] = place
         if place.covering.needs_payload:
             self._jobs.append(place)
+            if self._thread.ident is None:  # most specs look into no payload
+                self._thread.start()
             self._wake.notify()
         else:
             self._post(place, TUNING.uptake_interval if replaceable else 0.0)

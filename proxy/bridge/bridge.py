@@ -15,6 +15,7 @@ from proxy.bridge.fence import Fence
 from proxy.bridge.half_open import HalfOpen
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.ingress import Ingress, Submit
+from proxy.bridge.linger import Linger
 from proxy.bridge.links import Links
 from proxy.bridge.mirroring import Checked, Mirroring
 from proxy.bridge.neighbours import Neighbours
@@ -81,6 +82,8 @@ class Bridge:
         links = (
             self._links,
             Links(sides.app, config.app.connect, clock.monotonic(), "app"),
+            Linger(sides.app),
+            Linger(sides.mesh),
             sides.rediscovery,
             Silence(sides.mesh, longest_silence(config.mesh.zenoh)),
             self._half_open,

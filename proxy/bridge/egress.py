@@ -58,6 +58,8 @@ class Egress:
         self._sent_at = 0.0
         self._awaited = 0
         """So many passing samples may be left when those who wait for the thread go on."""
+        self._slowed = 0
+        """Publishers that wait for room."""
         self._busy = False
         """Whether the thread has a passing sample in hand..."""
         self._deciding = False
@@ -78,6 +80,7 @@ class Egress:
         with self._wake:
             self._open = False
             self._wake.notify()
+            self._caught_up.notify_all()
         if self._thread.is_alive():
             self._thread.join(timeout)
 
@@ -98,6 +101,8 @@ class Egress:
         room = self._rooms.passing
         if len(self._passing) > TUNING.passing_backlog or room.crowded:
             self._let_catch_up(held)
+            if room.crowded and held.waits:
+                self._slow_down()
         if not room.enter(held.size):
             self._passed.add(FULL, 0)
         elif not self._enqueue(lambda: self._passing.append((reason, held))):
@@ -125,8 +130,11 @@ class Egress:
     @property
     def stands(self) -> bool:
         """Whether the mesh takes nothing: nobody is held up for its sake then."""
-        moving = TUNING.moving * (1 + self._in_hand // 65536)
-        return not self.buffers.clear and clock.monotonic() - self._sent_at > moving
+        return not self.buffers.clear and self._still_since(self._sent_at)
+
+    def _still_since(self, since: float) -> bool:
+        """Whether the sample in hand takes too long already, if it was begun then."""
+        return clock.monotonic() - since > TUNING.moving * (1 + self._in_hand // 65536)
 
     def _let_catch_up(self, held: Held) -> None:
         """Wait a moment for the thread, if that helps. Nobody waits for a mesh that stands still.
@@ -144,6 +152,17 @@ class Egress:
                 lambda: len(self._passing) <= most and not self._rooms.passing.crowded,
                 TUNING.catch_up * (1 + held.size // 65536),
             )
+
+    def _slow_down(self) -> None:
+        """Wait for room, as long as the mesh moves: whoever publishes rather waits than loses a sample."""
+        room, began = self._rooms.passing, clock.monotonic()
+        with self._wake:
+            if self._slowed >= TUNING.slowed:
+                return
+            self._slowed += 1
+            while self._open and room.crowded and not (self.stands or self._still_since(max(began, self._sent_at))):
+                self._caught_up.wait(TUNING.moving)
+            self._slowed -= 1
 
     def _enqueue(self, put: Callable[[], None]) -> bool:
         with self._wake:
@@ -179,7 +198,8 @@ class Egress:
             self._rooms.passing.leave(held.size)
             self._send_passing(reason, held, droppable=self._wait(held))
             self._sent_at = clock.monotonic()
-            if 0 < len(self._passing) <= self._awaited:
+            caught_up = 0 < len(self._passing) <= self._awaited
+            if caught_up or (self._slowed and not self._rooms.passing.crowded):
                 self._awaited = 0
                 with self._wake:
                     self._caught_up.notify_all()

@@ -1,6 +1,7 @@
 """Mirrors what both sides declare, as soon as it changes, and looks only at what has."""
 
 import logging
+import math
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -107,23 +108,27 @@ class Mirroring:
         self._retained = dict.fromkeys(expressions, False)
         self._wake.set()
 
-    def flush(self) -> None:
-        """Report what passed without a decision since the last time."""
-        for event in self._passed.take(clock.monotonic()):
+    def flush(self) -> bool:
+        """Report what passed without a decision since the last time; whether anything did."""
+        passed = self._passed.take(clock.monotonic())
+        for event in passed:
             self._post(event)
+        return bool(passed)
 
     def _run(self) -> None:
-        again, complaint = False, ""
+        again, busy, complaint, links_at = False, False, "", -math.inf
         while not self._stop:
-            woken = self._wake.wait(TUNING.mirroring_interval)
+            woken = self._wake.wait(TUNING.mirroring_interval if again or busy else TUNING.link_check)
             if woken:  # else what came just after the wait would be forgotten
                 self._wake.clear()
             try:
-                self.flush()
-                for links in self._links:
-                    links.check(clock.monotonic())
                 self._buffers.refresh()
-                self._gauge()
+                if (now := clock.monotonic()) >= links_at:
+                    links_at = now + TUNING.link_check
+                    for links in self._links:
+                        links.check(now)
+                passed, gauged = self.flush(), self._gauge()
+                busy = passed or gauged
                 if woken or again:
                     began = clock.monotonic()
                     again = self._look()
@@ -142,10 +147,12 @@ class Mirroring:
         if took > TUNING.long_look:
             time.sleep(min(TUNING.longest_rest, TUNING.rest_after_look * took))
 
-    def _gauge(self) -> None:
-        """Tell the core how long what the links send is on its way, where a limit follows that."""
-        if self._live.runtime.adaptive and (waits := self._buffers.waits()):
+    def _gauge(self) -> bool:
+        """Tell the core how long what the links send is on its way; whether a limit follows that."""
+        adaptive = self._live.runtime.adaptive
+        if adaptive and (waits := self._buffers.waits()):
             self._post(LinksGauged(clock.monotonic(), waits))
+        return adaptive
 
     def _look(self) -> bool:
         """Mirror what has changed; return whether to look again although nothing changes."""

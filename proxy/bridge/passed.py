@@ -32,6 +32,8 @@ class Passed:
 
     def take(self, now: float) -> list[SamplesPassed]:
         """Return what was counted, and start again from nothing."""
+        if not self._sums:
+            return []
         with self._lock:
             sums, self._sums = self._sums, {}
         return [SamplesPassed(now, reason, count, size) for reason, (count, size) in sums.items()]

@@ -23,7 +23,6 @@ from proxy.bridge.floods import Floods
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tokens import Later, Tokens
-from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
 from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.digest_codec import digest_head, pack_digest, unpack_digest
@@ -40,24 +39,6 @@ Job = Callable[[], Event | None]
 Post = Callable[[Event | Job], object]
 Offer = Callable[[Event | Job], bool]
 Old = Callable[[float, str, float], bool]
-
-
-def free_name(mesh: zenoh.Session, robot: str) -> str:
-    """Return `robot`, or `<robot>-<zid4>` when the mesh has a daemon of that name, which is said loudly."""
-    taken = threading.Event()
-
-    def take(_: zenoh.Sample) -> None:
-        taken.set()
-
-    handler = zenoh.handlers.Callback(take, indirect=False)
-    watch: Declaration = mesh.liveliness().declare_subscriber(keys.alive(robot, "*"), handler, history=True)
-    found = taken.wait(TUNING.name_wait)
-    watch.undeclare()
-    if not found:
-        return robot
-    name = f"{robot}-{str(mesh.zid())[:4]}"
-    log.error("another daemon on the mesh is called %r; this one runs as %r: give it a name of its own", robot, name)
-    return name
 
 
 class Presence:

@@ -13,7 +13,10 @@ log = logging.getLogger(__name__)
 
 
 class SerialExecutor:
-    """Runs jobs in order. `offer` refuses when `most` wait; `insist`, for what must be done, does not."""
+    """Runs jobs in order. `offer` refuses when `most` wait; `insist`, for what must be done, does not.
+
+    The thread starts with the first job: most daemons have executors that never get one.
+    """
 
     def __init__(self, name: str, most: int = BOUNDS.jobs) -> None:
         self._most = most
@@ -21,8 +24,8 @@ class SerialExecutor:
         self._wake = threading.Condition()
         self._open = True
         self.refused = 0
-        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
-        self._thread.start()
+        self._name = name
+        self._thread: threading.Thread | None = None
 
     def offer(self, job: Callable[[], object]) -> bool:
         """Do `job` when its turn comes; whether there was room."""
@@ -36,6 +39,9 @@ class SerialExecutor:
         """Do `job` when its turn comes, however many wait."""
         with self._wake:
             self._jobs.append(job)
+            if self._thread is None and self._open:
+                self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
+                self._thread.start()
             self._wake.notify()
 
     def close(self, timeout: float) -> None:
@@ -43,7 +49,8 @@ class SerialExecutor:
         with self._wake:
             self._open = False
             self._wake.notify()
-        self._thread.join(timeout)
+        if self._thread is not None:
+            self._thread.join(timeout)
 
     def _run(self) -> None:
         while True:
@@ -56,7 +63,7 @@ class SerialExecutor:
             try:
                 job()
             except zenoh.ZError as error:
-                log.warning("%s: %s", self._thread.name, error)
+                log.warning("%s: %s", self._name, error)
             except Exception:
-                log.exception("%s: a job failed", self._thread.name)
+                log.exception("%s: a job failed", self._name)
             del job  # or it would keep what it holds until the next one comes

@@ -27,9 +27,9 @@ QUEUES = {
 """Zenoh's queues on the mesh."""
 THREADS = (
     f"(tx: (worker_threads: {TUNING.threads_sending}), rx: (worker_threads: {TUNING.threads_receiving}), "
-    f"net: (worker_threads: {TUNING.threads_linking}))"
+    f"net: (worker_threads: {TUNING.threads_linking}), acc: (handover: app))"
 )
-"""Zenoh's threads."""
+"""Zenoh's threads, which both sides share."""
 os.environ.setdefault("ZENOH_RUNTIME", THREADS)  # read when the first session of the process opens
 
 PRIVATE = "sendworthy-private-"

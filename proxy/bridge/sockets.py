@@ -2,27 +2,42 @@
 
 import ctypes
 import ipaddress
+import math
 import socket
 from contextlib import suppress
 from pathlib import Path
 
 import zenoh
 
-from proxy.bridge.broadcast import DataSession
+from proxy import clock
+from proxy.bridge.broadcast import Broadcast, DataSession
 
 libc = ctypes.PyDLL(None)
 """What is asked here answers at once: other threads need not be let in meanwhile, and out again."""
 _TCP_INFO = 168
 """So much of `tcp_info` of <linux/tcp.h> is needed [B]."""
 
+RECHECK = 1.0
+"""Links are listed this often although nobody told of news [s]."""
+
 Address = tuple[str, int]
 
 
 class Sockets:
-    """The TCP sockets of all links of `session`, but those of our own mirror session."""
+    """The TCP sockets of all links of `session`, but those of our own mirror session.
+
+    Zenoh tells of links that come and go; of a broadcast session, which is opened anew now and then, it is asked.
+    """
 
     def __init__(self, session: DataSession) -> None:
         self._session = session
+        self._told = False
+        """Whether links came or went since they were listed."""
+        self._next = -math.inf
+        """When they are listed in any case [s]."""
+        if not isinstance(session, Broadcast):
+            handler = zenoh.handlers.Callback(self._note, indirect=False)
+            self._listener = session.info.declare_link_events_listener(handler)
         self._links: tuple[str, ...] = ()
         self.ends: tuple[tuple[str, int], ...] = ()
         """The session at the other end of each link, and its socket."""
@@ -32,6 +47,10 @@ class Sockets:
 
     def refresh(self) -> bool:
         """Take note of links that came and went; whether there may be news."""
+        now = clock.monotonic()
+        if not (self._told or self.unknown or now >= self._next or isinstance(self._session, Broadcast)):
+            return False
+        self._told, self._next = False, now + RECHECK
         ends = {f"{link.src} {link.dst}": str(link.zid) for link in links_of(self._session)}
         links = tuple(sorted(ends))
         if links == self._links and not self.unknown:
@@ -51,6 +70,9 @@ class Sockets:
         if owns:
             libc.shutdown(number, socket.SHUT_RDWR)
         return owns
+
+    def _note(self, _: zenoh.LinkEvent) -> None:
+        self._told = True
 
 
 def tcp_info(number: int) -> ctypes.Array[ctypes.c_char] | None:

@@ -20,11 +20,12 @@ class BridgeTuning:
     """The same for the next of many pieces of a sample, as long as routers wait [µs]."""
     full_link_closes: int = 2_000_000
     """A link that is full for this long is given up where a publication must not be dropped [µs]."""
-    threads_sending: int = 8
+    threads_sending: int = 2
     """Zenoh's threads that send, for both sides together."""
-    threads_receiving: int = 64
-    """Those that receive: a lost link keeps one for 10 s. With few, the apps' side would stop."""
-    threads_linking: int = 4
+    threads_receiving: int = 12
+    """Those that receive. Whoever publishes with BLOCK to an app that hangs keeps two of them for as long as Zenoh puts
+    up with that app: with so many, five robots that do leave some to the other apps."""
+    threads_linking: int = 2
     """Those that open and end links."""
 
     # Links
@@ -70,7 +71,10 @@ class BridgeTuning:
 
     # Following what is declared
     mirroring_interval: float = 0.1
-    """Time between two reports of what passed, and looks at the links [s]."""
+    """Time between two reports of what passed, as long as something does, and of what links have waiting, where a limit
+    follows that [s]."""
+    link_check: float = 0.25
+    """Time between two looks at the links [s]. Ten times a second they took half of all that an idle daemon takes."""
     long_look: float = 0.01
     """After a look at the links that took longer than this there is a rest [s]."""
     rest_after_look: float = 3.0
@@ -92,6 +96,9 @@ class BridgeTuning:
     moving: float = 0.05
     """Full links move when a sample was sent so recently, for each 64 kB of the one in hand [s]: who publishes faster
     is slowed down then, not dropped."""
+    slowed: int = 6
+    """So many publishers at a time are slowed down by as much as it takes. Each keeps one of Zenoh's threads meanwhile,
+    and half of these are left to the apps."""
     idle_check: float = 0.005
     """Time between two looks whether links are idle, while something waits for its pace [s]; Zenoh's thread has this
     long to write the sample before."""

@@ -127,9 +127,15 @@ def requests() -> SimpleQueue[str]:
 
 def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | None, read: Callable[[], Config]) -> bool:
     """Run the daemon until it is `asked` to stop; whether all is closed then. Raises ProxyError at start."""
-    from proxy.daemon import Daemon  # noqa: PLC0415 - Zenoh only when the configuration is right
+    from proxy.opening import Opening  # noqa: PLC0415 - Zenoh only when the configuration is right
 
-    daemon, service = Daemon(config, specs, file, read), Service(os.environ)
+    gc.disable()  # nothing of all that is made now is garbage
+    opening = Opening(config)
+    with opening.closing as closing:
+        from proxy.daemon import Daemon  # noqa: PLC0415 - while others of our name are listened for
+
+        daemon, service = Daemon(config, specs, file, read, opening), Service(os.environ)
+        opening.closing = closing.pop_all()
     daemon.start()
     settle()
     log.info("%s", started(config, specs, daemon.robot))
@@ -153,9 +159,9 @@ def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | No
 
 
 def settle() -> None:
-    """Have what is there by now never looked through for garbage again: that would stop all threads for 30 ms."""
-    gc.collect()
+    """Have what is there by now never looked through for garbage: that would stop all threads for 30 ms."""
     gc.freeze()
+    gc.enable()
 
 
 def next_of(asked: SimpleQueue[str]) -> str:

@@ -16,7 +16,7 @@ import pytest
 import zenoh
 
 from proxy import clock
-from proxy.bridge import keys, presence
+from proxy.bridge import keys, naming
 from proxy.bridge.broadcast import PREFIX, broadcast_options
 from proxy.bridge.sessions import zenoh_session
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
@@ -291,7 +291,7 @@ def test_an_unreachable_peer_is_one_line_and_no_obstacle(stack, specs, caplog):
 def test_a_second_daemon_of_one_name_runs_under_another(stack, specs, caplog, monkeypatch):
     """It says so, and answers under the name it runs as."""
     first = Robot(stack, "r1", specs)
-    monkeypatch.setattr(presence, "TUNING", replace(presence.TUNING, name_wait=60.0))
+    monkeypatch.setattr(naming, "TUNING", replace(naming.TUNING, name_wait=60.0))
     endpoint = free_endpoint()
     mesh = MeshConfig(listen=(free_endpoint(),), connect=(first.mesh,), scouting=False)
     second = Daemon(Config(robot="r1", app=AppConfig(listen=(endpoint,)), mesh=mesh), specs)

@@ -76,7 +76,6 @@ def loop():
 def extractor(loop):
     with ExitStack() as stack:
         made = Extractor(loop.post_at, lambda _: loop.covering)
-        made.start()
         stack.callback(made.close, 1.0)
         yield made
 

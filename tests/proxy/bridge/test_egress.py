@@ -11,7 +11,7 @@ from proxy.bridge import egress as egress_module
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.keys import kept
-from proxy.bridge.passed import Passed
+from proxy.bridge.passed import FULL, Passed
 from proxy.bridge.room import rooms
 from proxy.bridge.sample import Held
 from proxy.bridge.send_buffers import SendBuffers
@@ -274,11 +274,11 @@ class FullLinks:
 
 @pytest.mark.parametrize(("moving", "waits"), [(True, True), (True, False), (False, True)])
 def test_full_links_slow_down_only_what_must_not_be_dropped_and_only_while_they_move(stack, monkeypatch, moving, waits):
-    """Otherwise whoever brings a sample goes on at once, and what finds no room is dropped."""
+    """For a moment, where many are; else whoever brings a sample goes on at once. What finds no room is dropped."""
     bench = Bench(stack, most=2)
     control = zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
     held = bench.held("x", congestion_control=control)
-    tuning = replace(TUNING, passing_backlog=1, moving=1e9 if moving else -1.0)
+    tuning = replace(TUNING, slowed=0, passing_backlog=1, moving=1e9 if moving else -1.0)
     monkeypatch.setattr(egress_module, "TUNING", tuning)
     waited = []
     monkeypatch.setattr(bench.egress._caught_up, "wait_for", lambda _, timeout: waited.append(timeout))
@@ -304,6 +304,41 @@ def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(stack
     bringing.join(10.0)
     assert not bringing.is_alive()
     wait_until(lambda: len(bench.mine()) == 4, what="all of them")
+
+
+@pytest.mark.parametrize(("slowed", "dropped"), [(1, 0), (0, 9)], ids=["one", "too many"])
+def test_whoever_would_rather_wait_loses_nothing_while_the_mesh_moves(stack, monkeypatch, slowed, dropped):
+    """It waits for as long as it takes, if not too many do: they keep threads that the apps need, too."""
+    bench = Bench(stack, most=4)
+    held = bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK)
+    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, slowed=slowed, catch_up=0.0, moving=1e6))
+    bench.fill()
+    monkeypatch.setattr(Egress, "stands", False)
+    bringing = threading.Thread(target=lambda: [bench.egress.pass_on("passed:no-spec", held) for _ in range(13)])
+    bringing.start()
+    wait_until(lambda: bench.egress._slowed or not bringing.is_alive(), what="the one that waits, or is not let")
+    bench.egress.start()
+    bringing.join(60.0)
+    wait_until(lambda: len(bench.mine()) == 13 - dropped, what="all others")
+    assert sum(report.count for report in bench.passed.take(0.0) if report.reason == FULL) == dropped
+
+
+def test_whoever_waits_for_a_mesh_goes_on_when_it_stands_or_the_daemon_ends(stack, monkeypatch):
+    """What finds no place then is dropped."""
+    bench = Bench(stack, most=1)
+    held = bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK)
+    bench.fill()
+    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, moving=0.0, catch_up=0.0))
+    for _ in range(2):
+        bench.egress.pass_on("passed:no-spec", held)
+    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, moving=60.0, catch_up=0.0))
+    monkeypatch.setattr(Egress, "stands", False)
+    bringing = threading.Thread(target=bench.egress.pass_on, args=("passed:no-spec", held))
+    bringing.start()
+    wait_until(lambda: bench.egress._slowed, what="the one that waits")
+    bench.egress.close(1.0)
+    bringing.join(30.0)
+    assert [(report.reason, report.count) for report in bench.passed.take(0.0)] == [(FULL, 2)]
 
 
 def test_where_patience_runs_out_a_sample_may_be_dropped(bench, monkeypatch, caplog):

@@ -11,7 +11,7 @@ from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.hold_back import HoldBack
-from proxy.bridge.presence import Presence, free_name
+from proxy.bridge.presence import Presence
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.gossip.tuning import TUNING as GOSSIP
 from proxy.core.interface.events import (
@@ -313,19 +313,6 @@ def test_the_core_is_told_which_version_a_robot_speaks(two):
     assert len(first.of(DigestHeard)) == 2
     kinds = Counter(event.kind for event in first.of(MalformedHeard))
     assert kinds == {"digest:other version": 2, "state:other version": 1}
-
-
-def test_a_name_that_is_taken_is_said_loudly_by_the_newcomer(stack, caplog):
-    """It runs under another name."""
-    first = Voiced(stack, "r1")
-    first.presence.open()
-    second = Voiced(stack, "r1", (first.endpoint,))
-    wait_until(second.mesh.info.peers_zid, what="the link")
-    name = []
-    wait_until(lambda: name.append(free_name(second.mesh, "r1")) or name[-1] != "r1", what="the other to be seen")
-    assert name[-1] == f"r1-{second.zid[:4]}"
-    assert f"runs as '{name[-1]}'" in caplog.text
-    assert free_name(second.mesh, "r7") == "r7"
 
 
 def test_robots_of_one_name_hear_each_other(stack):

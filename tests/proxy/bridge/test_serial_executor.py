@@ -25,6 +25,26 @@ def test_jobs_run_in_order(executor):
     assert done == list(range(100))
 
 
+def test_an_executor_without_jobs_has_no_thread(stack):
+    """It comes with the first job, and is the only one."""
+    before = threading.active_count()
+    executor, done = SerialExecutor("test"), threading.Event()
+    stack.callback(executor.close, 1.0)
+    assert threading.active_count() == before
+    executor.offer(lambda: None)
+    executor.offer(done.set)
+    assert done.wait(60.0)
+    assert threading.active_count() == before + 1
+
+
+def test_a_closed_executor_takes_no_thread(executor):
+    """What is offered afterwards is not done."""
+    executor.close(1.0)
+    before = threading.active_count()
+    executor.offer(lambda: None)
+    assert threading.active_count() == before
+
+
 def test_a_job_that_zenoh_refuses_does_not_stop_the_executor(executor, caplog):
     """The refusal is logged, the next job is done."""
 

@@ -5,6 +5,7 @@ import json
 import signal
 import socket
 import threading
+from pathlib import Path
 from queue import SimpleQueue
 
 import pytest
@@ -16,6 +17,9 @@ from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig
 from tests.daemons import specs_file
 from tests.ports import free_port
 from utility_specs import Specs
+
+THREADS = 30
+"""A daemon without links has no more than so many."""
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
@@ -34,6 +38,14 @@ def test_the_start_is_one_line_with_everything(start, tmp_path):
     line = daemon.wait_for("sendworthy ")
     assert f"robot r7, mode shadow, apps on {daemon.endpoint}, mesh on nothing, specs " in line
     assert line.endswith(f" (1 information type from {specs})\n")
+
+
+def test_a_daemon_has_few_threads(start, tmp_path):
+    """Zenoh's are given by number, and of ours there are only those that have something to do."""
+    daemon = start("--robot", "r1", "--specs.path", str(specs_file(tmp_path)))
+    daemon.wait_for("sendworthy ")
+    threads = Path(f"/proc/{daemon.process.pid}/task").iterdir()
+    assert len(list(threads)) <= THREADS
 
 
 def test_without_specs_everything_passes():
