@@ -115,17 +115,17 @@ def _steady(problem: Problem, columns: Columns, interval: Floats) -> Steady:
         elif isinstance(aggregation, AggregationModel) and own.any():
             first = problem.messages[opened[own.argmax()]]
             area[own] = alone(problem, other, first, apart[other])
-    stream, number = np.unique(of, return_inverse=True)
+    mean = _means(of, len(interval))
+    stream = np.flatnonzero(mean.any(axis=1))
     apart = apart[stream]
-    return Steady(stream, _means(number, area) / apart, 1.0 / apart, _means(number, columns.use[opened]))
+    return Steady(stream, (mean @ area)[stream] / apart, 1.0 / apart, (mean @ columns.use[opened])[stream])
 
 
-def _means(of: Ints, rows: Floats) -> Floats:
-    """Return the means of the rows `of` each number, added up one after the other."""
-    count = np.bincount(of)
-    total = np.zeros((len(count), rows.shape[1]))
-    np.add.at(total, of, rows)
-    return np.asarray(total / count[:, None])
+def _means(of: Ints, streams: int) -> Floats:
+    """Return the matrix that takes the mean over the messages of each stream."""
+    members = (np.arange(streams)[:, None] == of).astype(np.float64)
+    count = np.maximum(members.sum(axis=1, keepdims=True), 1.0)
+    return np.asarray(members / count)
 
 
 def _intervals(problem: Problem, columns: Columns) -> Floats:

@@ -133,7 +133,8 @@ class LookBeyond {
         return std::find_if(window_.message.begin(), window_.message.end(), opened)->t_gen;
     }
 
-    // Write what each stream that goes on earns, and uses.
+    // Write what each stream that goes on earns, and uses: means as a matrix product takes them, rounded once a message,
+    // on any processor.
     void earn() {
         const std::size_t constraints = window_.constraint.size();
         std::vector<std::int32_t> number(window_.streams(), 0);
@@ -145,23 +146,23 @@ class LookBeyond {
         for (std::int32_t at = 0; at < window_.messages(); ++at) {
             const Message& m = window_.message[at];
             if (m.sent) continue;
-            add_areas(at, steady_[number[m.stream]]);
+            const double part = 1.0 / mean_[m.stream].count;
+            add_areas(at, part, steady_[number[m.stream]]);
             double* use = use_.data() + number[m.stream] * constraints;
-            for (std::size_t k = 0; k < constraints; ++k) use[k] += window_.use_of(at)[k];
+            for (std::size_t k = 0; k < constraints; ++k) use[k] = std::fma(part, window_.use_of(at)[k], use[k]);
         }
         for (std::size_t i = 0; i < steady_.size(); ++i) {
             const Mean& mean = mean_[steady_[i].stream];
             for (std::size_t j = 0; j < kIntervals; ++j) {
                 const double apart = mean.interval * kInterval[j];
-                steady_[i].value[j] = steady_[i].value[j] / mean.count / apart;
+                steady_[i].value[j] /= apart;
                 steady_[i].rate[j] = 1.0 / apart;
             }
-            for (std::size_t k = 0; k < constraints; ++k) use_[i * constraints + k] /= mean.count;
         }
     }
 
-    // Add what a message is worth when it lasts for each interval.
-    void add_areas(std::int32_t at, Steady& steady) const {
+    // Add what a message is worth when it lasts for each interval, its `part` in the mean.
+    void add_areas(std::int32_t at, double part, Steady& steady) const {
         const Message& m = window_.message[at];
         if (aggregation(m.stream) == Aggregation::once) return;
         const double age = t_rcv_[at] - m.t_gen;
@@ -170,7 +171,8 @@ class LookBeyond {
         const double whole = integral.to(age + interval * kLongest);
         for (std::size_t j = 0; j < kIntervals; ++j) {
             const bool lasts = aggregation(m.stream) == Aggregation::sum;
-            steady.value[j] += (lasts ? whole : integral.to(age + interval * kInterval[j])) * scale_[at];
+            const double area = (lasts ? whole : integral.to(age + interval * kInterval[j])) * scale_[at];
+            steady.value[j] = std::fma(part, area, steady.value[j]);
         }
     }
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+from collections import defaultdict
 from fractions import Fraction
 
 import numpy as np
@@ -125,13 +126,27 @@ def assert_alike(problem, *, beyond):
     assert_close(native.scale, numpy.scale, "scale")
     assert (native.beyond is None) == (numpy.beyond is None)
     if numpy.beyond is not None:
-        for name in ("worth", "charges", "price", "rent", "until"):
+        for name in ("worth", "charges", "price", "until"):
             assert_close(getattr(native.beyond, name), getattr(numpy.beyond, name), name)
+        assert_close(native.beyond.rent, numpy.beyond.rent, "rent", most_charged(problem, numpy.beyond.price))
     every = range(native.levels)
     for sends in ([], list(every), list(every)[::2]):
         assert_close(native.worth(sends), numpy.worth(sends), "worth", native.levels * largest)
         assert native.overfilled(sends) == numpy.overfilled(sends)
     assert_close(native.charged(), numpy.charged(), "charged")
+
+
+def most_charged(problem, price):
+    """What a stream that sends all it has is charged a second, at most: its rent is what is left of as much."""
+    streams = defaultdict(list)
+    for m in problem.messages:
+        if not m.sent:
+            streams[m.stream].append(m)
+    most = 0.0
+    for messages in streams.values():
+        apart = (messages[-1].t_gen - messages[0].t_gen) / len(messages) or problem.t_end - messages[0].t_gen
+        most = max(most, max(np.dot(m.use, price) for m in messages) / max(apart, 1e-6))
+    return most
 
 
 def assert_close(one, other, name, largest=0.0):
