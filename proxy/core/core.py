@@ -55,7 +55,8 @@ class Core:
             raise TypeError(f"{type(event).__name__} is no event of the core")
         commands, now = react(event), event.now
         self._wakes_at = min(self._wakes_at, self.gossip.requests.due_at)  # a digest may name a state that we lack
-        if type(event) not in NOTED or now >= self._wakes_at or self.gate.waits or self.coordination.split_in_force:
+        due = now >= self._wakes_at or now >= self.channel.due_at
+        if due or type(event) not in NOTED or self.gate.waits or self.coordination.split_in_force:
             commands = [*commands, *self._advance(now)]
             self._retention.follow(now, commands)
             self._wakes_at = self._due_at(now)
