@@ -116,7 +116,7 @@ class Core:
         )
         self.budget.mute(announcements.due_at(now))
         commands += self.gate.next(now)
-        mode, relaxed = self.gate.appraisal.mode, self.gate.appraisal.all_fits
+        mode, relaxed = self.gate.appraisal.mode, self.gate.appraisal.all_fits and not self.channel.capacity.factors
         return commands + gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
 
     def _tidy(self, now: float) -> list[Command]:
