@@ -165,8 +165,8 @@ class Daemon:
         self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
         presence = self._make_presence(sides, hold_back)
         self._execution = Execution(bridge, presence, self._planning, extractor, self._loop)
-        for thread in (self._planning, self._loop):
-            thread.start()
+        self._planning.start()
+        self._loop.start()
         for close in (self._planning.close, extractor.close, self._loop.close):
             opening.callback(close, TUNING.stop_wait)
         for part in (bridge, presence):

@@ -29,12 +29,8 @@ class Outlet:
 
     def suits(self, sample: zenoh.Sample) -> bool:
         """Whether what it publishes is like `sample`."""
-        return (
-            sample.kind == _PUT
-            and sample.priority == self.priority
-            and sample.congestion_control == self.congestion_control
-            and sample.express == self.express
-        )
+        quality = sample.priority, sample.congestion_control, sample.express, sample.kind
+        return quality == (self.priority, self.congestion_control, self.express, _PUT)
 
 
 class Demand:

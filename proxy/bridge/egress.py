@@ -65,7 +65,7 @@ class Egress:
         self._deciding = False
         """... or a decided one."""
         self._running = False
-        lock = threading.RLock()
+        self._lock = lock = threading.RLock()  # taken itself for every sample: a condition's methods are Python
         self._wake, self._caught_up = threading.Condition(lock), threading.Condition(lock)
         self._thread = threading.Thread(target=self._run, name="egress", daemon=True)
 
@@ -94,20 +94,28 @@ class Egress:
 
     def pass_on(self, reason: str, held: Held) -> None:
         """Send a sample at once, counted under `reason`."""
-        # Read in this order: a sample leaves the queue only when the thread is busy with it. So none is overtaken.
-        if self._open and not self._passing and not self._busy and self.buffers.takes(held.size):
+        if self._passes_at_once(held):
             self._send_passing(reason, held)
             return
         room = self._rooms.passing
-        if len(self._passing) > TUNING.passing_backlog or room.crowded:
+        behind = len(self._passing)
+        if room.crowded or (behind and behind % (TUNING.passing_backlog + 1) == 0):
             self._let_catch_up(held)
             if room.crowded and held.waits:
                 self._slow_down()
+            if self._passes_at_once(held):
+                self._send_passing(reason, held)
+                return
         if not room.enter(held.size):
             self._passed.add(FULL, 0)
         elif not self._enqueue(lambda: self._passing.append((reason, held))):
             room.leave(held.size)
             self._passed.add(EGRESS, 0)
+
+    def _passes_at_once(self, held: Held) -> bool:
+        """Whether a passing sample need wait neither for others nor for a link."""
+        # Read in this order: a sample leaves the queue only when the thread is busy with it. So none is overtaken.
+        return self._open and not self._passing and not self._busy and self.buffers.takes(held.size)
 
     def _goes_at_once(self, held: Held) -> bool:
         """Whether a decided sample need wait for nothing: neither for its pace, nor for others, nor for a link."""
@@ -144,7 +152,7 @@ class Egress:
         most = 0 if len(self._passing) > TUNING.passing_backlog else TUNING.passing_backlog
         if not self.buffers.clear:
             most = self._rooms.passing.most // 2
-            if not held.waits or self.stands:
+            if not held.waits or self._still_since(self._sent_at):
                 return
         with self._wake:
             self._awaited = most
@@ -165,7 +173,7 @@ class Egress:
             self._slowed -= 1
 
     def _enqueue(self, put: Callable[[], None]) -> bool:
-        with self._wake:
+        with self._lock:
             if not self._open:
                 return False
             put()

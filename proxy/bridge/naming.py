@@ -21,9 +21,8 @@ class Naming:
         self._robot = robot
         self._until = clock.monotonic() + TUNING.name_wait
         self._taken = threading.Event()
-        self._watch: Declaration = mesh.liveliness().declare_subscriber(
-            keys.alive(robot, "*"), zenoh.handlers.Callback(self._take, indirect=False), history=True
-        )
+        handler = zenoh.handlers.Callback(self._take, indirect=False)
+        self._watch: Declaration = mesh.liveliness().declare_subscriber(keys.alive(robot, "*"), handler, history=True)
 
     def name(self) -> str:
         """Return our name, or `<name>-<zid4>` when the mesh has a daemon of that name, which is said loudly. Once."""

@@ -18,7 +18,8 @@ class Room:
         self.samples = self.bytes = 0
         """What waits."""
         self._counted = 0
-        self._left = threading.Condition()
+        self._lock = threading.Lock()  # taken itself for every sample: a condition's methods are Python
+        self._left = threading.Condition(self._lock)
         self._waiting = 0
 
     @property
@@ -29,7 +30,7 @@ class Room:
     def enter(self, size: int) -> bool:
         """Take a place for a sample of `size` bytes, if there is one."""
         counted = min(size, self.most_bytes // 2)
-        with self._left:
+        with self._lock:
             if self.samples >= self.most or self._counted + counted > self.most_bytes:
                 return False
             self.samples += 1
@@ -39,7 +40,7 @@ class Room:
 
     def leave(self, size: int) -> None:
         """Give back the place of a sample of `size` bytes."""
-        with self._left:
+        with self._lock:
             self.samples -= 1
             self.bytes -= size
             self._counted -= min(size, self.most_bytes // 2)

@@ -11,14 +11,12 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge.broadcast import Broadcast, DataSession
+from proxy.bridge.tuning import TUNING
 
 libc = ctypes.PyDLL(None)
 """What is asked here answers at once: other threads need not be let in meanwhile, and out again."""
 _TCP_INFO = 168
 """So much of `tcp_info` of <linux/tcp.h> is needed [B]."""
-
-RECHECK = 1.0
-"""Links are listed this often although nobody told of news [s]."""
 
 Address = tuple[str, int]
 
@@ -50,7 +48,7 @@ class Sockets:
         now = clock.monotonic()
         if not (self._told or self.unknown or now >= self._next or isinstance(self._session, Broadcast)):
             return False
-        self._told, self._next = False, now + RECHECK
+        self._told, self._next = False, now + TUNING.links_listed
         ends = {f"{link.src} {link.dst}": str(link.zid) for link in links_of(self._session)}
         links = tuple(sorted(ends))
         if links == self._links and not self.unknown:

@@ -75,6 +75,8 @@ class BridgeTuning:
     follows that [s]."""
     link_check: float = 0.25
     """Time between two looks at the links [s]. Ten times a second they took half of all that an idle daemon takes."""
+    links_listed: float = 5.0
+    """Links are listed this often although nobody told of news [s]."""
     long_look: float = 0.01
     """After a look at the links that took longer than this there is a rest [s]."""
     rest_after_look: float = 3.0
@@ -88,7 +90,8 @@ class BridgeTuning:
     stamp_mismatch: float = 1.0
     """A timestamp further than this from the arrival says nothing about when the sample was made [s]."""
     passing_backlog: int = 32
-    """With more passing samples whoever brings one lets the thread catch up, where surely no link holds it up."""
+    """With more passing samples, and as many more again, whoever brings one lets the thread catch up, where surely no
+    link holds it up."""
     catch_up: float = 0.001
     """Whoever brings a sample lets others leave for this long at most, for each 64 kB of it [s]."""
     push_back: float = 0.05

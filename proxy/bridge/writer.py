@@ -2,6 +2,7 @@
 
 import logging
 import math
+from typing import Any
 
 import zenoh
 
@@ -62,13 +63,11 @@ class Writer:
             return True
         try:
             if outlet is not None and not droppable and outlet.suits(sample):
-                outlet.publisher.put(
-                    sample.payload,
-                    encoding=sample.encoding,
-                    attachment=sample.attachment,
-                    timestamp=held.stamp,
-                    source_info=held.source,
-                )
+                # Most samples have neither, and Zenoh looks at whatever it is given.
+                rest: dict[str, Any] = {} if held.source is None else {"source_info": held.source}
+                if (attachment := sample.attachment) is not None:
+                    rest["attachment"] = attachment
+                outlet.publisher.put(sample.payload, encoding=sample.encoding, timestamp=held.stamp, **rest)
             else:
                 key = keys.kept(held.to, held.key) if held.to else None
                 publish(self._session, sample, held.stamp, key, source=held.source, droppable=droppable)

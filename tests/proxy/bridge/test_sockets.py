@@ -1,7 +1,8 @@
 """Links are known when they come and go, without being listed all the time."""
 
 from proxy.bridge.sessions import mesh_options, open_session
-from proxy.bridge.sockets import RECHECK, Sockets
+from proxy.bridge.sockets import Sockets
+from proxy.bridge.tuning import TUNING
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -28,6 +29,6 @@ def test_links_are_listed_now_and_then_in_any_case(stack, now):
     sockets = Sockets(session)
     closing(stack, plain_session("peer", connect=(endpoint,)))
     wait_until(lambda: (sockets.refresh(), sockets.ends)[1], what="the link")
-    now[0] += RECHECK
+    now[0] += TUNING.links_listed
     assert not sockets.refresh()
     assert len(sockets.ends) == 1
