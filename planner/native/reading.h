@@ -54,10 +54,10 @@ class Reader {
     template <class Read>
     static bool all(PyObject* values, Read read) {
         if (!PyTuple_Check(values) && !PyList_Check(values)) return false;
-        const Py_ssize_t count = PySequence_Fast_GET_SIZE(values);
-        if (count > kMost) return false;
-        for (Py_ssize_t at = 0; at < count; ++at) {
-            if (!read(PySequence_Fast_GET_ITEM(values, at))) return false;
+        if (PySequence_Fast_GET_SIZE(values) > kMost) return false;
+        for (Py_ssize_t at = 0; at < PySequence_Fast_GET_SIZE(values); ++at) {  // a property of theirs might change it
+            const nanobind::object each = nanobind::borrow(PySequence_Fast_GET_ITEM(values, at));
+            if (!read(each.ptr())) return false;
         }
         return true;
     }
@@ -94,7 +94,9 @@ class Reader {
         return true;
     }
 
-    static bool is(PyObject* object, PyObject* kind) { return reinterpret_cast<PyObject*>(Py_TYPE(object)) == kind; }
+    static bool is(PyObject* object, PyObject* kind) {
+        return PyObject_TypeCheck(object, reinterpret_cast<PyTypeObject*>(kind)) != 0;
+    }
 
     static bool numbers(PyObject* values, std::size_t count, std::vector<double>& result) {
         const auto read = [&](PyObject* each) {
@@ -173,7 +175,7 @@ class Reader {
         if (!unseen) return true;
         std::int8_t at = 0;
         for (const nanobind::handle kind : utilities_) {
-            if (is(object, kind.ptr())) break;
+            if (reinterpret_cast<PyObject*>(Py_TYPE(object)) == kind.ptr()) break;  // another class may differ
             ++at;
         }
         if (static_cast<std::size_t>(at) == utilities_.size()) return false;

@@ -254,7 +254,6 @@ ODD = {
     "a fraction": lambda m: m._replace(scale=Fraction(3, 2)),
     "a number of NumPy's": lambda m: m._replace(stream=np.int64(m.stream)),
     "a flag of NumPy's": lambda m: m._replace(sent=np.bool_(m.sent)),
-    "a message of another class": lambda m: type("Sample", (Message,), {})(*m),
     "a function of another class": lambda m: m._replace(utility=type("Other", (Linear,), {})(1.0, 0.5)),
 }
 
@@ -282,6 +281,21 @@ def test_whole_numbers_and_lists_are_read():
     huge = dataclasses.replace(problem, messages=(problem.messages[0]._replace(t_rcv=10**400),))
     with pytest.raises(ProblemError):
         tabulate(huge)
+
+
+def test_what_is_more_than_a_constraint_is_read_as_one():
+    """The daemon's limits know more than the planner asks for, and so may all parts of a problem."""
+
+    class Limit(Constraint):
+        pass
+
+    class Sample(Message):
+        pass
+
+    good = window(3, robots=2, horizon=5)
+    limits = tuple(Limit(c.name, c.window, c.limit) for c in good.constraints)
+    more = dataclasses.replace(good, constraints=limits, messages=tuple(Sample(*m) for m in good.messages))
+    assert_alike(more, beyond=True)
 
 
 def test_tables_of_numpy_answer_in_either_engine():

@@ -39,3 +39,20 @@ def test_what_a_stream_earns_by_one_more_send_falls_with_how_often_it_sends():
     marginal, more = steady(1.0, 3.0).marginal()
     assert (np.diff(marginal, axis=1) >= 0.0).all()
     assert more.sum(axis=1) == pytest.approx([1.0, 1.0])
+
+
+def test_last_digits_choose_nothing():
+    """Of intervals that pay alike the shortest is taken, and what is left by rounding is no gain."""
+    streams = steady(1.0, 2.0)
+    net = np.zeros_like(streams.value)
+    net[0, 3:] = 1e-17
+    net[1] = 1.0
+    net[1, 5] += 1e-15
+    interval, pays = streams.pays_best(net)
+    assert interval.tolist() == [0, 0]
+    assert pays.tolist() == [False, True]
+
+
+def test_what_fits_but_for_rounding_is_free():
+    """Three streams of a message a second each, where three fit but for the last digits."""
+    assert clearing_prices(steady(1.0, 2.0, 4.0), np.array([3.0 * (1.0 - 1e-15)])) == pytest.approx([0.0])
