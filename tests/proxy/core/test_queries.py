@@ -28,7 +28,14 @@ KEPT = {
     *("Stream._expected", "Stream._reach", "Interest._wanting"),
     *("Contention._" + kept for kept in ("revision", "streams", "row", "seen", "robots", "owner", "wanted")),
     *("Contention._" + kept for kept in ("cheapness", "last", "patience", "next")),
-    *("Budget._others_known", "Budget._others_sent", "Budget._usable", "Budget._usable_for", "Budget._others", "ClockOffset._offset"),
+    *(
+        "Budget._others_known",
+        "Budget._others_sent",
+        "Budget._usable",
+        "Budget._usable_for",
+        "Budget._others",
+        "ClockOffset._offset",
+    ),
     *("Loss._stale", "Loss._share", "LatencyFit._stale", "LatencyFit._line", "LatencyFit._classes"),
 }
 """What is worked out once and kept until something else is noted, so that nobody can tell when it was."""
