@@ -23,7 +23,7 @@ setup: .venv/ready
 	@find $(PACKAGES) -name '*.py' | sort > $@.new
 	@if cmp -s $@ $@.new; then rm $@.new; else mv $@.new $@; fi
 
-.venv/ready: .venv/locked .venv/modules pyproject.toml CMakeLists.txt $(wildcard planner/native/*)
+.venv/ready: .venv/locked .venv/modules pyproject.toml CMakeLists.txt $(wildcard planner/native/* proxy/profiling/native/*)
 	$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps -e .
 	touch $@
 

@@ -24,7 +24,7 @@ Command = Callable[[Subparsers], None]
 GROUP = "sendworthy.commands"
 WITHOUT_COMMAND = ("-h", "--help", "--version")
 """Flags that stand in place of a command; all others follow one."""
-BUILT_IN = ("run", "learn", "check", "schema", "explain", "status", "mode", "push")
+BUILT_IN = ("run", "learn", "check", "schema", "explain", "status", "mode", "profile", "push")
 
 EXAMPLES = """\
 examples:
@@ -34,6 +34,7 @@ examples:
   sendworthy run --robot r1 --mode shadow          the same without a file
   sendworthy status                                what the daemon here does
   sendworthy mode enforce                          switch it live
+  sendworthy profile --flame flame.svg             where its processor time goes
   sendworthy push specs.d                          put these specs in force on all robots
   sendworthy explain robot/r1/camera image.jpg     why is this sample worth what it is?
 

@@ -37,6 +37,8 @@ from proxy.loop import Loop
 from proxy.opening import Opening
 from proxy.orders import orders
 from proxy.planning import Planning
+from proxy.profiling.profile import Samples
+from proxy.profiling.profiler import Profiler
 from proxy.reloading import Loaded, Reloading
 from proxy.runtime import LiveRuntime, Runtime
 from proxy.tuning import TUNING
@@ -173,8 +175,10 @@ class Daemon:
             opening.callback(part.close)
             part.open()
         self._lookout = self._look_out(sides, scouted, opening)
+        profiler = Profiler(self.robot, self._loop.post, bridge.flush, self._samples)
+        opening.callback(profiler.close, _PATIENCE)
         parts = (sides, self._loop, bridge, presence, extractor, neighbours, self._lookout, scouted, self.reloading)
-        self._serve_operator(sides, DaemonStatus(config, *parts), opening)
+        self._serve_operator(sides, DaemonStatus(config, *parts, profiler), profiler, opening)
         self._serve_fleet(sides, opening)
 
     def _make_loop(self, sides: Sides) -> Loop:
@@ -215,7 +219,14 @@ class Daemon:
             log.warning("%s", warning)
         return lookout
 
-    def _serve_operator(self, sides: Sides, status: DaemonStatus, opening: ExitStack) -> None:
+    def _samples(self) -> Samples:
+        """What crossed up to now."""
+        counts = self._loop.core.counts
+        passed = sum(count for reason, count in counts.by_reason.items() if reason.startswith("passed:"))
+        decided = counts.by_reason.total() - passed
+        return Samples(decided, passed, self._bridge.describe()["delivered"])
+
+    def _serve_operator(self, sides: Sides, status: DaemonStatus, profiler: Profiler, opening: ExitStack) -> None:
         """Answer whoever operates this robot."""
         executor = SerialExecutor("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(executor.close, TUNING.stop_wait)
@@ -226,6 +237,7 @@ class Daemon:
             on_loop=self._loop.post,
             status=status.read,
             switch=self._ordered,
+            profile=profiler.start,
         )
         opening.callback(control.close)
 

@@ -15,6 +15,7 @@ from proxy.bridge.sides import Sides
 from proxy.config import Config
 from proxy.features import Extractor
 from proxy.loop import Loop
+from proxy.profiling.profiler import Profiler
 from proxy.reloading import Reloading
 
 
@@ -32,6 +33,7 @@ class DaemonStatus:
     lookout: Lookout
     scouted: Scouted | None
     reloading: Reloading
+    profiler: Profiler
 
     def read(self) -> dict[str, Any]:
         """Return the whole status as plain JSON data."""
@@ -55,6 +57,7 @@ class DaemonStatus:
             "reloads": self.reloading.describe(),
             "specs": os.path.realpath(self.reloading.loaded.config.specs.path),
             **self.bridge.describe(),
+            **({"profile": self.profiler.last.brief()} if self.profiler.last else {}),
             **({"broadcast": sides.data.describe()} if isinstance(sides.data, Broadcast) else {}),
         }
 

@@ -11,12 +11,15 @@ from proxy.bridge import keys
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
+from proxy.errors import ProxyError
+from proxy.profiling.profile import Profile
+from proxy.profiling.request import Request, read
 
 
 class Control:
-    """Answers `@sendworthy/<robot>/status` with JSON and takes a mode on `@sendworthy/<robot>/mode`.
+    """Answers `@sendworthy/<robot>/status` with JSON, takes a mode on `…/mode`, is profiled on `…/profile`.
 
-    `on_loop` runs a function on the loop's thread, where `status` and `switch` are called.
+    `on_loop` runs a function on the loop's thread, where `status`, `switch` and `profile` are called.
     """
 
     def __init__(
@@ -28,14 +31,17 @@ class Control:
         on_loop: Callable[[Callable[[], None]], None],
         status: Callable[[], dict[str, Any]],
         switch: Callable[[Mode], None],
+        profile: Callable[[Request, Callable[[Profile], None]], None],
     ) -> None:
         self._executor = executor
         self._on_loop = on_loop
         self._status = status
         self._switch = switch
+        self._profile = profile
         self._queryables: list[Declaration] = [
             self._declare(app, keys.status(robot), self._answer_status),
             self._declare(app, keys.mode(robot), self._answer_mode),
+            self._declare(app, keys.profile(robot), self._answer_profile),
         ]
 
     def close(self) -> None:
@@ -60,6 +66,18 @@ class Control:
             return
         self._switch(mode)
         self._reply(key, query, mode.value, zenoh.Encoding.TEXT_PLAIN)
+
+    def _answer_profile(self, key: str, query: zenoh.Query) -> None:
+        """Answer when the profile has been taken, with JSON."""
+
+        def tell(profile: Profile) -> None:
+            _tell(query, key, json.dumps(profile.write()), zenoh.Encoding.APPLICATION_JSON)
+
+        try:
+            request = read(bytes(query.payload or b""))
+            self._profile(request, lambda profile: self._executor.insist(partial(tell, profile)))
+        except ProxyError as error:
+            self._executor.insist(partial(_refuse, query, str(error)))
 
     def _reply(self, key: str, query: zenoh.Query, payload: str, encoding: zenoh.Encoding) -> None:
         # Not on the loop's thread: an asker that does not read must not hold up decisions.

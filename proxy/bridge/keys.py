@@ -80,6 +80,11 @@ def mode(robot: str) -> str:
     return f"{PREFIX}/{robot}/mode"
 
 
+def profile(robot: str) -> str:
+    """Where the daemon is asked for a profile (app side only)."""
+    return f"{PREFIX}/{robot}/profile"
+
+
 def fleet(robot: str, order: str) -> str:
     """Where the `robot` takes an order that is meant for all robots (mesh side)."""
     return f"{PREFIX}/{robot}/fleet/{order}"

@@ -15,6 +15,8 @@ from proxy.bridge.fleet import Outcome, read_outcomes
 from proxy.bridge.tuning import TUNING
 from proxy.config_values import endpoint, robot_name
 from proxy.errors import ProxyError
+from proxy.profiling.profile import Profile, read
+from proxy.profiling.request import Request
 
 DAEMON = "tcp/127.0.0.1:7447"
 TIMEOUT = 2.0
@@ -76,6 +78,14 @@ class Client:
     def switch(self, robot: str, mode: str) -> str:
         """Switch `robot` to `mode`; return the daemon's answer. Raises NoAnswerError."""
         return self._ask(keys.mode(robot), mode)[0]
+
+    def profile(self, robot: str, request: Request) -> Profile:
+        """Have the daemon of `robot` profiled; return the profile. Raises NoAnswerError."""
+        (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds + TIMEOUT)
+        try:
+            return read(json.loads(answer))
+        except (ValueError, TypeError, KeyError):
+            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
 
     def order(self, robot: str, order: str, payload: bytes) -> list[Outcome]:
         """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""

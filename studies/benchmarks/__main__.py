@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from studies.benchmarks.bridge import measure_bridge
-from studies.benchmarks.charts import Chart
+from studies.benchmarks.budget import measure_budget
 from studies.benchmarks.designs import measure_designs
 from studies.benchmarks.grid import measure_grid
 from studies.benchmarks.iterations import measure_iterations
@@ -16,7 +16,7 @@ from studies.benchmarks.memory import measure_memory
 from studies.benchmarks.mixed import measure_mixed
 from studies.benchmarks.quality import measure_quality
 from studies.benchmarks.receding import measure_receding
-from studies.benchmarks.report import Table, machine, write_page
+from studies.benchmarks.report import Result, Table, machine, write_page
 from studies.benchmarks.speed import measure_speed
 from studies.benchmarks.traffic import measure_traffic
 from studies.benchmarks.view import measure_view
@@ -24,7 +24,7 @@ from studies.oracle import OracleUnavailable
 
 RESULTS = Path(__file__).parent.parent / "results"
 
-Benchmark = Callable[[bool], Sequence[Table | Chart]]
+Benchmark = Callable[[bool], Sequence[Result]]
 
 BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "speed": ("Speed of the planner", lambda quick: measure_speed(quick=quick)),
@@ -37,6 +37,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "receding": ("Beside the exact receding-horizon optimiser", lambda quick: measure_receding(quick=quick)),
     "view": ("How right the shared view is, and what a team reaches with it", lambda quick: measure_view(quick=quick)),
     "bridge": ("What the bridge costs", lambda quick: measure_bridge(quick=quick)),
+    "budget": ("What a daemon costs", lambda quick: measure_budget(quick=quick)),
     "traffic": ("Real daemons, real traffic", lambda quick: measure_traffic(quick=quick)),
     "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }

@@ -41,6 +41,17 @@ class Table:
         return lines
 
 
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture that is there already, as the text of an SVG; a page has one."""
+
+    title: str
+    svg: str
+
+
+Result = Table | Chart | Picture
+
+
 def machine() -> str:
     """Describe the machine in one line."""
     model = platform.machine()
@@ -55,7 +66,7 @@ def machine() -> str:
 def write_page(
     path: Path,
     title: str,
-    results: Sequence[Table | Chart],
+    results: Sequence[Result],
     now: datetime,
     command: str = "python -m studies.benchmarks",
 ) -> None:
@@ -69,6 +80,10 @@ def write_page(
     for result in results:
         if isinstance(result, Table):
             sections.append(result.markdown())
+        elif isinstance(result, Picture):
+            picture = path.with_suffix(".svg")
+            picture.write_text(result.svg, encoding="utf-8")
+            sections.append(f"![{result.title}]({picture.name})")
         else:
             picture = path.with_name(f"{path.stem}-{result.file_name()}")
             result.draw(picture, origin)

@@ -4,21 +4,28 @@ import json
 import os
 import time
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from proxy.commands.client import connected
+from proxy.profiling.profile import Profile
+from proxy.profiling.request import SECONDS, Request
 from studies.benchmarks.traffic.agenda import Agenda
 from studies.demo.layout import OPERATOR, Node, lay_out, pairs
-from studies.demo.nodes import start_daemons
+from studies.demo.nodes import start_daemons, start_routers
 from studies.demo.processes import Process, Troupe
 
 PATIENCE = 30.0
 """How long a process may take to get ready [s]."""
+_CPU_CLOCK = 2
+"""The kind of clock in the lowest bits of its number: of a process, what the scheduler counts."""
 LEAD = 0.5
 """The applications are told the start time this long ahead [s]."""
+ROUTER = "router"
+"""The mode of a flight with plain Zenoh routers in place of the daemons."""
 LINGER = 1.0
 """What was published last has so long to arrive [s]."""
 
@@ -42,8 +49,8 @@ class Flight:
 
     `crossed` are the batches on all links, in order: time, source, sink, bytes, bytes of what daemons tell each other,
     and the samples that begin there (robot, stream, number, size). `processor` is what each daemon took of the
-    processor from the start to the end [s], `statuses` what each says at the end. `load` is the machine's mean load of
-    the last minute, before and after.
+    processor from the start to the end [s], `statuses` what each says at the end, `profile` where the time of the first
+    robot's went (None of a router). `load` is the machine's mean load of the last minute, before and after.
     """
 
     seconds: float
@@ -52,27 +59,34 @@ class Flight:
     crossed: Sequence[Crossing]
     processor: Mapping[str, float]
     statuses: Mapping[str, Any]
+    profile: Profile | None
     load: tuple[float, float]
 
 
 def fly(agenda: Agenda, spec: str, *, mode: str = "enforce", flags: Sequence[str] = ()) -> Flight:
-    """Let daemons of this mode, with these further `flags`, carry what applications publish."""
+    """Let daemons of this mode, with these further `flags`, carry what applications publish; or plain routers."""
     nodes = lay_out(len(agenda.robots))
     with TemporaryDirectory(prefix="sendworthy-traffic-") as name:
         folder, load = Path(name), os.getloadavg()[0]
         with Troupe(folder) as troupe:
             dials = _start_links(troupe, nodes, folder)
-            daemons = start_daemons(troupe, nodes, dials, spec, folder, mode=mode, flags=flags)
+            if mode == ROUTER:
+                daemons = start_routers(troupe, nodes, dials)
+            else:
+                daemons = start_daemons(troupe, nodes, dials, spec, folder, mode=mode, flags=flags)
             applications = _start_applications(troupe, nodes, agenda, folder)
             start = time.monotonic() + LEAD
             for application in applications[1:]:
                 application.tell(start)
-            processor = _processor(troupe, nodes, daemons, start, agenda.seconds)
+            with ThreadPoolExecutor(1) as beside:
+                profile = None if mode == ROUTER else beside.submit(_profile, nodes[1], start, agenda.seconds)
+                processor = _processor(troupe, nodes, daemons, start, agenda.seconds)
             time.sleep(LINGER)
-            statuses = {node.name: _status(node) for node in nodes}
+            statuses = {} if mode == ROUTER else {node.name: _status(node) for node in nodes}
         crossed, published, received = _read(folder, agenda, start)
         loads = (load, os.getloadavg()[0])
-        return Flight(agenda.seconds, published, received, crossed, processor, statuses, loads)
+        found = profile.result() if profile else None
+        return Flight(agenda.seconds, published, received, crossed, processor, statuses, found, loads)
 
 
 def _start_links(troupe: Troupe, nodes: tuple[Node, ...], folder: Path) -> dict[str, list[str]]:
@@ -112,17 +126,24 @@ def _processor(
 ) -> dict[str, float]:
     """Wait until the flight is over; return what each daemon took of the processor meanwhile [s]."""
     time.sleep(max(0.0, start - time.monotonic()))
-    before = [_taken(daemon.pid) for daemon in daemons]
+    before = [processor_time(daemon.pid) for daemon in daemons]
     while (left := start + seconds - time.monotonic()) > 0:
         time.sleep(min(left, 1.0))
         troupe.check()
-    after = [_taken(daemon.pid) for daemon in daemons]
+    after = [processor_time(daemon.pid) for daemon in daemons]
     return {node.name: last - first for node, first, last in zip(nodes, before, after, strict=True)}
 
 
-def _taken(pid: int) -> float:
-    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+def _profile(node: Node, start: float, seconds: float) -> Profile:
+    """Return the profile of a flight, or of its beginning."""
+    time.sleep(max(0.0, start - time.monotonic()))
+    with connected(node.app_endpoint) as client:
+        return client.profile(node.name, Request(min(seconds, SECONDS[1])))
+
+
+def processor_time(pid: int) -> float:
+    """Return what a process has taken of the processor up to now [s]."""
+    return time.clock_gettime(~pid << 3 | _CPU_CLOCK)
 
 
 def _status(node: Node) -> dict[str, Any]:

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from proxy.profiling.profile import Profile
+from proxy.profiling.stages import STAGES
 from studies.benchmarks.report import Table
 from studies.benchmarks.traffic.agenda import draw
 from studies.benchmarks.traffic.figures import Ages, Best, Figures, Worth, best, figures, reached
@@ -56,6 +58,7 @@ class Result:
     alone: Ages
     worth: Worth
     best: Best
+    profile: Profile | None
     load: tuple[float, float]
 
 
@@ -81,6 +84,7 @@ def results(
             figures(alone, workload).small,
             reached(flight, workload),
             best(flight, workload, time_limit),
+            flight.profile,
             flight.load,
         )
         print(line(found), file=sys.stderr, flush=True)
@@ -96,7 +100,7 @@ def line(found: Result) -> str:
 
 
 def tables(found: Sequence[Result], seconds: float) -> list[Table]:
-    """Return what was reached and what it cost."""
+    """Return what was reached, what it cost, and where that was spent."""
     reached_note = (
         f"Traffic *mixed*: camera, odometry, telemetry, log and alarms of each robot; flights of {seconds:g} s. Of the"
         " best: the plan of whole messages with most utility that sends all small samples, known offline; `gap`: what"
@@ -112,6 +116,7 @@ def tables(found: Sequence[Result], seconds: float) -> list[Table]:
     return [
         Table("What the operator got", COLUMNS, tuple(map(_row, found)), reached_note),
         Table("What it took", COSTS, tuple(map(_cost, found)), cost_note),
+        Table("Where a robot's daemon spends it [ms/sample]", STAGED, tuple(map(_staged, found)), STAGED_NOTE),
     ]
 
 
@@ -139,6 +144,8 @@ COSTS = (
     "late p99 [ms]",
     "load",
 )
+STAGED = ("robots, limit, frames", *STAGES, "all")
+STAGED_NOTE = "Of the first robot, as `sendworthy profile` tells it, for samples that its applications publish."
 
 
 def _row(found: Result) -> tuple[str, ...]:
@@ -172,3 +179,10 @@ def _cost(found: Result) -> tuple[str, ...]:
         f"{1e3 * of.late:.1f}",
         f"{found.load[0]:.1f}, {found.load[1]:.1f}",
     )
+
+
+def _staged(found: Result) -> tuple[str, ...]:
+    profile = found.profile
+    each = list(profile.stages.values()) if profile else []
+    samples = max(profile.samples.total, 1) if profile else 1
+    return (found.case.name, *(f"{1e3 * spent / samples:.2f}" for spent in (*each, sum(each))))

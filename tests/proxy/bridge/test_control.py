@@ -8,7 +8,10 @@ from proxy.bridge import keys
 from proxy.bridge.control import Control
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
+from proxy.profiling.profile import read
+from proxy.profiling.request import ProfileError, Request
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
+from tests.proxy.profiling.profiles import profile
 
 
 @pytest.fixture
@@ -17,10 +20,23 @@ def switched():
 
 
 @pytest.fixture
-def operator(stack, switched):
+def asked():
+    """What profiles were asked for."""
+    return []
+
+
+@pytest.fixture
+def operator(stack, switched, asked):
     endpoint = free_endpoint()
     app = closing(stack, plain_session("router", listen=(endpoint,)))
     executor = SerialExecutor("test")
+
+    def take(request, told):
+        if asked:
+            raise ProfileError("a profile is being taken; it ends in 9.0 s")
+        asked.append(request)
+        told(profile())
+
     stack.callback(executor.close, 1.0)
     control = Control(
         app=app,
@@ -29,6 +45,7 @@ def operator(stack, switched):
         on_loop=lambda job: job(),
         status=lambda: {"robot": "r1", "counts": {"in": 3}},
         switch=switched.append,
+        profile=take,
     )
     stack.callback(control.close)
     return closing(stack, plain_session("client", connect=(endpoint,)))
@@ -53,3 +70,19 @@ def test_anything_else_is_refused_with_what_would_be_right(operator, switched, p
     (answer,) = answers(operator, keys.mode("r1"), payload=payload)
     assert answer == "error: a mode is one of pass, shadow, enforce"
     assert not switched
+
+
+def test_a_profile_is_told_when_it_has_been_taken(operator, asked):
+    """As JSON with its stacks; while one is being taken the next one is refused."""
+    (answer,) = answers(operator, keys.profile("r1"), payload=Request(2.0, 50.0).write())
+    assert read(json.loads(answer)) == profile()
+    assert asked == [Request(2.0, 50.0)]
+    (answer,) = answers(operator, keys.profile("r1"))
+    assert answer == "error: a profile is being taken; it ends in 9.0 s"
+
+
+def test_a_profile_that_is_too_long_is_refused(operator, asked):
+    """Before anything begins."""
+    (answer,) = answers(operator, keys.profile("r1"), payload='{"seconds": 600}')
+    assert answer == "error: seconds must be from 0.1 to 60, not 600"
+    assert not asked

@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime
 
-from studies.benchmarks.report import Table, machine, write_page
+from studies.benchmarks.report import Picture, Table, machine, write_page
 
 TABLE = Table("Speed", ("search", "rate"), (("paper", "1,500"), ("b", "2")), "A note.")
 
@@ -25,6 +25,13 @@ def test_markdown_is_a_table():
         "A note.",
     ]
     assert TABLE.markdown().splitlines() == expected
+
+
+def test_a_picture_that_is_there_already_goes_beside_its_page(tmp_path):
+    """And the page shows it."""
+    write_page(tmp_path / "budget.md", "Budget", [TABLE, Picture("Flames", "<svg/>")], datetime(2026, 5, 4, tzinfo=UTC))
+    assert "![Flames](budget.svg)" in (tmp_path / "budget.md").read_text()
+    assert (tmp_path / "budget.svg").read_text() == "<svg/>"
 
 
 def test_pages_name_machine_and_date(tmp_path):

@@ -25,7 +25,7 @@ CAMERA = [kind.name for kind in Case().workload.kinds].index("camera")
 
 def test_real_daemons_carry_real_traffic(measured):
     """Of one robot and of two all is counted; of one nearly all small samples arrive, and each alarm."""
-    got, took = measured("traffic")
+    got, took, where = measured("traffic")
     assert [row[0] for row in got.rows] == [row[0] for row in took.rows] == [case.name for case in CASES[:2]]
     for _, utility, others, _, filled, small, *_, alarms, _, _, fullest in got.rows:
         assert 30.0 < float(utility.rstrip("%")) <= 101.0
@@ -43,6 +43,9 @@ def test_real_daemons_carry_real_traffic(measured):
         assert int(framing) > 0
         assert float(robot) > 0.0
         assert float(operator) > 0.0
+    assert [row[0] for row in where.rows] == [case.name for case in CASES[:2]]
+    for *_, whole in where.rows:
+        assert float(whole) > 0.0
 
 
 def test_with_one_seed_the_same_is_published():
@@ -176,7 +179,7 @@ def flight():
     ]
     crossed.append((4.015, "r1", "operator", 40, 40, []))
     ordered = sorted(crossed, key=lambda crossing: crossing[0])
-    return Flight(10.0, published, received, ordered, {"r1": 0.7, "operator": 0.5}, {}, os.getloadavg()[:2])
+    return Flight(10.0, published, received, ordered, {"r1": 0.7, "operator": 0.5}, {}, None, os.getloadavg()[:2])
 
 
 def batch(kind, body):

@@ -1,0 +1,84 @@
+"""Takes profiles of this daemon, one at a time. Where none is asked for there is no thread and nothing to pay."""
+
+import math
+import threading
+from collections.abc import Callable
+from functools import partial
+
+from proxy import clock
+from proxy.profiling.layout import find_layout
+from proxy.profiling.profile import Branch, Profile, Samples, branches
+from proxy.profiling.request import ProfileError, Request
+from proxy.profiling.sampler import Sampler
+
+Told = Callable[[Profile], None]
+
+
+class Profiler:
+    """Profiles the daemon of a `robot`. Called on the loop's thread, to which `post` brings a job.
+
+    `flush` has everything counted that crossed up to now, as soon as what it posts is done; `samples` are the counts.
+    """
+
+    def __init__(
+        self,
+        robot: str,
+        post: Callable[[Callable[[], None]], None],
+        flush: Callable[[], None],
+        samples: Callable[[], Samples],
+    ) -> None:
+        self._robot = robot
+        self._post = post
+        self._flush = flush
+        self._samples = samples
+        self._ends = -math.inf
+        self._sampler: Sampler | None = None
+        self._thread: threading.Thread | None = None
+        self.last: Profile | None = None
+        """The one that was taken last."""
+
+    def start(self, request: Request, told: Told) -> None:
+        """Take a profile, which `told` gets. Raises ProfileError while another one is being taken, or LayoutError."""
+        now = clock.monotonic()
+        if self._sampler is not None:
+            raise ProfileError(f"a profile is being taken; it ends in {max(self._ends - now, 0.0):.1f} s")
+        self._sampler = sampler = Sampler(find_layout(), request.seconds, request.rate)
+        self._ends = now + request.seconds
+
+        def begin() -> None:
+            work = partial(self._run, sampler, self._samples(), told)
+            thread = threading.Thread(target=work, name="profiler", daemon=True)
+            thread.start()
+            self._thread = thread
+
+        self._counted(begin)
+
+    def close(self, timeout: float) -> None:
+        """End a profile that is being taken; wait for it at most `timeout` [s]. From any thread."""
+        sampler, thread = self._sampler, self._thread
+        if sampler is not None:
+            sampler.stop()
+        if thread is not None:
+            thread.join(timeout)
+
+    def _run(self, sampler: Sampler, before: Samples, told: Told) -> None:
+        spent = sampler.run()
+        found = branches(spent, sampler.whole)
+        self._post(lambda: self._counted(lambda: self._end(sampler, found, before, told)))
+
+    def _counted(self, then: Callable[[], None]) -> None:
+        """Go on when everything is counted that crossed up to now."""
+        self._flush()
+        self._post(then)
+
+    def _end(self, sampler: Sampler, found: tuple[Branch, ...], before: Samples, told: Told) -> None:
+        self.last = Profile(
+            robot=self._robot,
+            seconds=sampler.seconds,
+            looks=sampler.looks,
+            own=sampler.own,
+            samples=self._samples().since(before),
+            branches=found,
+        )
+        self._sampler = self._thread = None
+        told(self.last)
