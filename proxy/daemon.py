@@ -176,7 +176,7 @@ class Daemon:
             part.open()
         self._lookout = self._look_out(sides, scouted, opening)
         profiler = Profiler(self.robot, self._loop.post, bridge.flush, self._samples)
-        opening.callback(profiler.close, _PATIENCE)
+        opening.callback(profiler.close, TUNING.stop_wait)
         parts = (sides, self._loop, bridge, presence, extractor, neighbours, self._lookout, scouted, self.reloading)
         self._serve_operator(sides, DaemonStatus(config, *parts, profiler), profiler, opening)
         self._serve_fleet(sides, opening)

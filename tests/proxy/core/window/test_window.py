@@ -3,6 +3,8 @@
 from dataclasses import replace
 
 from planner import SearchSettings, start
+from planner.native_tables import NativeTables
+from planner.tables import tabulate
 from proxy.core.model.limits import Limits
 from proxy.core.window.window import WindowBuilder
 from tests.proxy.core.window.views import (
@@ -23,6 +25,12 @@ def test_the_window_holds_the_current_message_and_everyones_forecasts(crowd):
     assert {m.stream for m in problem.messages} == {0, 1, 2}
     assert problem.t_end > problem.messages[-1].t_gen
     start(problem, SearchSettings()).run(10)
+
+
+def test_a_window_is_tabulated_in_c(crowd):
+    """Whatever it knows of its limits besides: with NumPy it would take ten times as long, and nobody would notice."""
+    problem = WindowBuilder(crowd, 0.0).build(10.0, sample(10.0), (), union())[0]
+    assert isinstance(tabulate(problem, beyond=True), NativeTables)
 
 
 def test_where_each_robot_has_a_part_only_our_own_streams_are_decided(crowd):
