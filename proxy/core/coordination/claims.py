@@ -28,7 +28,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.prices import Standing
-from proxy.core.model.limits import Limit, changes_plans, shortest_window, use_of
+from proxy.core.model.limits import Limit, changes_plans, use_of
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import integral
@@ -60,14 +60,12 @@ def rivals(
     stream: Stream,
     limits: tuple[Limit, ...],
     *,
-    own: tuple[float, ...],
     grew: float,
 ) -> tuple[tuple[float, ...], float]:
     """Return what samples of others with a better claim than ours of a stream use that may be sent about now.
 
-    And until when at least, as far as they are not heard of [s]. `own` is what our sample uses. The best of them may
-    have waited until the room `grew` last; each may have given way to who sent last, and to those before it, until it
-    was known what became of them.
+    And until when at least, as far as they are not heard of [s]. The best of them may have waited until the room `grew`
+    last; each may have given way to who sent last, and to those before it, until it was known what became of them.
     """
     ours, news = claim(now, stream), news_take(view)
     claims = _claims(now, view, disputes, stream, limits)
@@ -75,8 +73,6 @@ def rivals(
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
     last = max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
     decided = min(last, now) + news
-    nothing = (0.0,) * len(own)
-    let_off = own if _may_collide(stream, news, own, limits) else nothing
     for rank, (_, each) in enumerate(better):
         if _waits(each):
             since = _due(now, each, news)
@@ -93,17 +89,8 @@ def rivals(
             part = float((-math.expm1(-back / each.schedule.period)) ** TUNING.caution)
         if part > 0.0:
             use = use_of(round(size), view.subscribers.copies(each), limits, own=False)
-            more = [max(0.0, part * amount - less) for amount, less in zip(use, let_off, strict=True)]
-            taken, until, let_off = both(taken, more), min(until, ends), nothing
+            taken, until = both(taken, [part * amount for amount in use]), min(until, ends)
     return taken, until
-
-
-def _may_collide(stream: Stream, news: float, own: tuple[float, ...], limits: tuple[Limit, ...]) -> bool:
-    """Whether one message that may just have been sent matters less than waiting for news of it."""
-    window = shortest_window(limits)
-    seldom = _waits(stream) and stream.schedule.period >= max(TUNING.collision_period * window, news)
-    small = all(amount <= TUNING.collision_size * limit.limit for amount, limit in zip(own, limits, strict=True))
-    return news >= TUNING.collision_news * window and seldom and small
 
 
 def _due(now: float, stream: Stream, news: float) -> float:

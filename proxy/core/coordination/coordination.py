@@ -6,8 +6,9 @@ while the digests fit into their allowance.
 
 `split`: each robot has a part of every limit (`proxy.core.split`), and needs no news of the others. It is what an
 operator configures who needs the limit kept at any latency, and what a team changes over to where news take too long or
-announcements cost too much (`team.py`). In between, who still plans for all counts only what it knows the others to
-have sent, not their parts.
+announcements cost too much, or where large samples of all come seldom (`team.py`). As changing over takes what is left
+of the allowance, a team begins so until each robot knows how often its own come. In between, who still plans for all
+counts only what it knows the others to have sent, not their parts.
 
 A large team would take a minute to agree on parts. There each robot has an equal one, which nobody has to announce, and
 may use more of it than it is (`overbooking.py`); where an operator asked for `split`, an equal part and no more. Fifty
@@ -36,7 +37,7 @@ class Coordination:
 
     def __init__(self, now: float, settings: CoreSettings, view: SharedView) -> None:
         self._settings, self._view = settings, view
-        self.team = Team(view)
+        self.team = Team(view, now)
         self._settled_at, self._due = now + settings.settle, now
         self._kind: tuple[tuple[float, ...], int] = (), 0
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
@@ -151,11 +152,13 @@ class Coordination:
                 self._overbooking.advance(now, using(now), self.team.robots)
         split = self.split_in_force
         if split is not None and not self._did_split:
-            split.exchange.begin(now)
+            split.exchange.begin()
             due, self._forms_until = True, now + TUNING.forming_time
         self._did_split = split is not None
         if split is None:
             return self._announced is not None
+        if not self.team.rhythms_known:
+            return False
         if due:
             split.bid(now, bid(self._view, now, limits))
         split.advance(now, self.team.news_take(waiting))
@@ -164,9 +167,10 @@ class Coordination:
         return split.exchange.has_news(now)
 
     def announcement(self, now: float) -> SplitReport | None:
-        """Return what a digest says of parts; None where all plan for all."""
-        split = self.split_in_force
-        return None if split is None or split.agreement.silent else split.exchange.announcement(now)
+        """Return what a digest says of parts; None where all plan for all, or we cannot tell yet what we need."""
+        if (split := self.split_in_force) is None or split.agreement.silent or not self.team.rhythms_known:
+            return None
+        return split.announcement(now)
 
     def announced(self, digest: Digest) -> None:
         """A digest of ours goes out that is no announcement of samples."""
@@ -186,11 +190,11 @@ class Coordination:
 
     def begins(self, now: float) -> bool:
         """Whether a team that splits from the beginning has just begun."""
-        return self.team.strict and now < self._forms_until
+        return self.team.begins_split and now < self._forms_until
 
     def forming(self, now: float) -> bool:
         """Whether the team begins so, or agrees on parts for the first time: all other announcements have time."""
-        return self.split_in_force is not None and (self.team.strict or not self.formed) and now < self._forms_until
+        return self.split_in_force is not None and (self.begins(now) or not self.formed) and now < self._forms_until
 
     @property
     def settled(self) -> bool:

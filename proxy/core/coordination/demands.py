@@ -35,7 +35,8 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: fl
         interval = interval_of(now, stream, window, TUNING.new_stream)
         mean = sum(parts) / len(parts)
         variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.sizes.mean, 1.0))
-        yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share), variance)
+        period = stream.schedule.period if stream.schedule.kind == "periodic" else 0.0
+        yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share), variance, period)
 
 
 def _late(view: SharedView, stream: Stream, audience: Audience) -> bool:

@@ -2,9 +2,10 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 
 from proxy.core.coordination.tuning import TUNING
+from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, changes_plans, shortest_window, use_of
 from proxy.core.protocol.messages import Digest
 from proxy.core.view.view import SharedView
@@ -13,8 +14,8 @@ from proxy.core.view.view import SharedView
 class Team:
     """Each robot votes, in its digests, for a split when it finds that one is due; one vote is enough."""
 
-    def __init__(self, view: SharedView) -> None:
-        self._view = view
+    def __init__(self, view: SharedView, now: float = 0.0) -> None:
+        self._view, self._began = view, now
         self.strict = view.settings.coordination == "split"
         """Whether an operator wants the team to split whatever it votes for."""
         self.members: frozenset[str] = frozenset()
@@ -27,6 +28,12 @@ class Team:
         """Since when announcements cost too much [s]."""
         self.votes_to_split = self.strict
         """Whether we find that the team has to split."""
+        self.rhythms_known = False
+        """Whether it is known how often large samples of ours come, if we have any."""
+        self.undecided = False
+        """Whether it is not, and they may come seldom: until then the team splits."""
+        self.seldom = False
+        """Whether large samples of all come seldom, and there is no room for all of them."""
         self.rivals = False
         """Whether several robots have something to send."""
         self.must_announce = False
@@ -37,7 +44,14 @@ class Team:
     @property
     def splits(self) -> bool:
         """Whether each robot has a part of every limit."""
-        return self.strict or (self.rivals and (self.votes_to_split or bool(self._votes)))
+        if self.strict or (self.undecided and self.members):
+            return True
+        return self.rivals and (self.votes_to_split or bool(self._votes))
+
+    @property
+    def begins_split(self) -> bool:
+        """Whether the team is one that splits from the beginning, as far as is known."""
+        return self.strict or self.seldom or not self.rhythms_known
 
     @property
     def robots(self) -> int:
@@ -90,6 +104,7 @@ class Team:
         self.rivals = asked or len(sending) > 1 or len(view.peers) > TUNING.few_robots
         large = [s for s in competing if changes_plans(use_of(round(s.sizes.mean), 1, limits), limits)]
         self.varied = bool(large) and all(s.sizes.deviation > TUNING.varied_sizes * s.sizes.mean for s in large)
+        self._look_at_rhythms(now, limits)
         # Who has just been met may send before it can say so.
         self.must_announce = self.rivals or bool(view.newcomers.met_lately(now))
         if not self.rivals or math.isinf(window):
@@ -104,10 +119,41 @@ class Team:
         dear = announcing(now) > still * TUNING.affordable
         self._dear_since = min(self._dear_since, now) if dear else math.inf
         lasting = 0.0 if len(view.peers) > TUNING.few_robots else TUNING.dear_time
-        self.votes_to_split = self.strict or late or many or now >= self._dear_since + lasting
+        self.votes_to_split = self.strict or self.seldom or late or many or now >= self._dear_since + lasting
+
+    def _look_at_rhythms(self, now: float, limits: tuple[Limit, ...]) -> None:
+        """See how often large samples come: ours, and those of which the others' states tell."""
+        sizes = ((stream, use_of(round(stream.sizes.mean), 1, limits)) for stream in self._view.streams.own())
+        uses = [(stream, use) for stream, use in sizes if changes_plans(use, limits)]
+        own = [stream for stream, _ in uses]
+        known = all(stream.schedule.period for stream in own)
+        late = now >= max((stream.began for stream in own), default=self._began) + TUNING.rhythm_time
+        self.rhythms_known |= late or (known and any(self._view.streams.own()))
+        fixed = all(limit.least >= 1.0 for limit in limits)
+        self.undecided = fixed and not self.rhythms_known and all(_is_small(use, limits) for _, use in uses)
+        if not (own and known and fixed):
+            self.seldom = False
+            return
+        period = max(stream.schedule.period for stream in own)
+        rhythms = [(s.schedule.kind, s.schedule.period, use) for s, use in uses]
+        told = [each for peer in self._view.peers.values() for each in peer.told.values()]
+        rhythms += [(each.schedule, each.period or period, use_of(each.size, 1, limits)) for each in told]
+        large = [each for each in rhythms if changes_plans(each[2], limits)]
+        asked = [sum(use[k] * c.window / period for _, period, use in large) / c.limit for k, c in enumerate(limits)]
+        least = TUNING.seldom_period * shortest_window(limits)
+        self.seldom = max(asked, default=0.0) > 1.0 and all(
+            kind != MEMORYLESS and period >= least and _is_small(use, limits) for kind, period, use in large
+        )
 
     def _unheard(self) -> set[str]:
         """Return the robots that have streams, as their states say, of which no digest has said anything yet."""
         known = {stream.robot for stream in self._view.streams}
         new = (peer for peer in self._view.peers.values() if peer.robot not in known and not peer.plain)
         return {peer.robot for peer in new if any(self._view.specs.planned(key) for key in peer.told)}
+
+
+def _is_small(use: Sequence[float], limits: tuple[Limit, ...]) -> bool:
+    """Whether a message is so small a part of each limit that robots share that several fit."""
+    return all(
+        amount <= TUNING.seldom_size * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared
+    )

@@ -28,7 +28,7 @@ class Gossip:
         self._view = view
         self._coordination = coordination
         # Before parts are agreed on nobody sends: the first agreement may use what samples leave.
-        saved = TUNING.first_parts_savings if view.settings.coordination == "split" else 0.0
+        saved = TUNING.first_parts_savings
         self.budget = DigestBudget(now, zlib.crc32(view.settings.zid.encode()) / 2**32, saved)
         self.account = Account(view, limits, self.budget)
         self.announcements = Announcements(view, coordination, limits, self.account, self.budget)

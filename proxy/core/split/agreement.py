@@ -1,8 +1,10 @@
 """What a robot and the others agree on: who takes part, what each asks for, and which tables of that count."""
 
+import math
 from collections.abc import Collection, Mapping
 
 from proxy.core.protocol.bid import UNIT, Bid
+from proxy.core.protocol.split_report import SplitReport
 from proxy.core.split.table import Entry, Table
 from proxy.core.split.table_log import TableLog
 from proxy.core.split.tuning import TUNING
@@ -24,7 +26,11 @@ class Agreement:
         self._bids: dict[str, Entry] = {own: (version, ())}
         self._held: dict[str, tuple[int, int]] = {}
         """By tag, the names of the newest table of another robot and of that it agreed on."""
-        self._known_by: set[str] = set()
+        self._within: dict[str, tuple[int, float]] = {}
+        """By tag, of which table it said that what it sent fits what that gives it, and since when [s]."""
+        self._lost_at = -math.inf
+        """When a robot was lost sight of last [s]."""
+        self.known_by: set[str] = set()
         """Who has our bid."""
         self.newcomer = True
         """Whether we have agreed on nothing yet."""
@@ -40,11 +46,6 @@ class Agreement:
     def bid(self) -> Entry:
         """Our bid and its version."""
         return self._bids[self.own]
-
-    @property
-    def known(self) -> bool:
-        """Whether all others know our bid."""
-        return self._known_by >= self.others
 
     @property
     def pending(self) -> bool:
@@ -101,7 +102,7 @@ class Agreement:
     def ask(self, now: float, bid: Bid) -> None:
         """This is our bid from now on."""
         self._bids[self.own] = self.bid[0] + 1, bid
-        self._known_by = set()
+        self.known_by = set()
         self._form(now)
 
     def set_quiet(self, now: float, *, quiet: bool) -> bool:
@@ -114,7 +115,7 @@ class Agreement:
             self._kept = min(self.entitled, self.equal)
             self.newcomer, self.formed, self._seen, self._settled_at = True, False, False, now + self._settle_time
             self._bids = {self.own: (self.bid[0] + 1, ())}
-            self._known_by, self._held = set(), {}
+            self.known_by, self._held = set(), {}
             self.log = TableLog(now, self._table(self._bids))
         return begins
 
@@ -123,17 +124,22 @@ class Agreement:
         before, self.members, self.others = self.members, {*tags, self.own}, {*tags} - {self.own}
         if before == self.members:
             return
-        self._known_by &= self.members
+        self.known_by &= self.members
         self._held = {tag: names for tag, names in self._held.items() if tag in self.members}
+        self._within = {tag: entry for tag, entry in self._within.items() if tag in self.members}
         agreed = self.log.agreed.entries
         if (self.members - before) and (unknown := self.members - agreed.keys()):
             self.log.reserve(self._table(agreed | dict.fromkeys(unknown), counts=True))
         if before - self.members:
+            self._lost_at = now
             self.ask(now, self.bid[1])
         self._form(now)
 
-    def heard(self, now: float, peer: str, version: int, bid: Bid | None, names: tuple[int, int]) -> None:
+    def heard(self, now: float, peer: str, announcement: SplitReport) -> None:
         """A robot announced its bid, if that is news, and the names of its newest table and of that it agreed on."""
+        version, bid = announcement.version, announcement.bid
+        if self._within.get(peer, (0, 0.0))[0] != announcement.table:
+            self._within[peer] = announcement.table, now - announcement.unused
         if bid is not None and version > self._bids.get(peer, (-1, ()))[0]:
             self._bids.pop(peer, None)
             self._bids[peer] = version, bid
@@ -141,20 +147,29 @@ class Agreement:
             for tag in gone[: max(0, len(self._bids) - TUNING.bids_kept)]:
                 del self._bids[tag]
             self._form(now)
-        self._held[peer] = names
+        self._held[peer] = announcement.table, announcement.agreed
 
     def settle(self, now: float) -> None:
         """See what has been agreed on."""
         self._seen |= now >= self._settled_at and len(self.members) > 1
         self.log.confirm(self._held)
         having = (table.confirmed_by for table in self.log if table.entries[self.own] == self.bid)
-        self._known_by |= set().union(*having) & self.members
+        self.known_by |= set().union(*having) & self.members
         agreed = [index for index, table in enumerate(self.log) if table.agreed and self._may_agree(now, table)]
         if agreed and (agreed[-1] > 0 or self.newcomer):
             self.log.agree(now, agreed[-1])
             self.newcomer = False
             self.formed |= self.log.agreed.complete and len(self.members) > 1
         self.log.compact()
+
+    def unused(self, now: float) -> float:
+        """For how long nobody has used more than the table gives it that we agreed on as a newcomer [s]."""
+        table = self.log.agreed
+        if not (table.complete and table.bidders):
+            return 0.0
+        within = [self._within.get(tag, (0, now)) for tag in table.bidders]
+        since = max(since if name == table.name else now for name, since in within)
+        return max(0.0, now - max(since, self._lost_at, table.announced_at))
 
     def _may_agree(self, now: float, table: Table) -> bool:
         """Whether it may be agreed on: by a newcomer, with all bids, or a part for everybody once all see it."""

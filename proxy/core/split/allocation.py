@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
+from operator import itemgetter
 
 from proxy.core.protocol.bid import QUARTERS, UNIT, Bid, Segment, density_of
 from proxy.core.split.tuning import TUNING
 
-RULES = 2
+RULES = 3
 """Counts how parts are made of bids: robots that do it another way never agree with us."""
 
 Bids = Mapping[str, Bid | None]
@@ -152,7 +153,7 @@ class _Filling:
         self._left -= amount
 
     def serve(self, segments: list[tuple[str, Segment]]) -> None:
-        """Serve segments of one level: divisible ones evenly, then messages, a piece each and again."""
+        """Serve segments of one level: divisible ones evenly, then messages."""
         wanted = Counter[str]()
         for tag, segment in segments:
             if not segment.quarters:
@@ -162,10 +163,21 @@ class _Filling:
         # The smallest first, each at most an even part of what is left.
         for place, tag in enumerate(sorted(wanted, key=lambda tag: (wanted[tag], tag))):
             self._give(tag, min(wanted[tag], self._left // (len(wanted) - place)))
-        messages = [(tag, segment) for tag, segment in segments if segment.quarters]
+        self._serve_messages([(tag, segment) for tag, segment in segments if segment.quarters])
+
+    def _serve_messages(self, messages: list[tuple[str, Segment]]) -> None:
+        """Serve messages of one level: who asks for a whole slot has one, then the others a piece each and again."""
+        asked = Counter[str]()
+        for tag, segment in messages:
+            asked[tag] += segment.quarters
+        # Nothing is gained by turns where the last message is worth as much as the first.
+        for tag, segment in sorted(messages, key=itemgetter(0)):
+            if asked[tag] >= QUARTERS:
+                for _ in range(segment.quarters * TUNING.slot_pieces // QUARTERS):
+                    self._place(tag, segment.amount)
         for piece in range(TUNING.slot_pieces):
             for tag, segment in messages:
-                if segment.quarters * TUNING.slot_pieces > piece * QUARTERS:
+                if asked[tag] < QUARTERS and segment.quarters * TUNING.slot_pieces > piece * QUARTERS:
                     self._place(tag, segment.amount)
 
     def _place(self, tag: str, amount: int) -> None:

@@ -25,6 +25,8 @@ class Demand:
     """Utility per second when so many messages per second are sent; concave."""
     variance: float = 0.0
     """Of what it uses of the limit in a window."""
+    period: float = 0.0
+    """Of its rhythm [s]; 0.0: it has none that is known."""
 
 
 def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
@@ -98,6 +100,9 @@ def _rate(demand: Demand, part: float, window: float, share: float = 1.0) -> flo
         return min(demand.rate, share * part / min(demand.sizes) / window)
     alike = math.floor(part / max(fitting) + 1e-9)
     together = max(alike, TUNING.packing * part * len(fitting) / sum(fitting))
+    if demand.period > 0.0 and len(fitting) == len(demand.sizes):
+        # Of a rhythm so many fit as lie between one and the first that is out of its window.
+        window = demand.period * max(together, math.floor(window / demand.period + 1.0))
     return min(demand.rate * len(fitting) / len(demand.sizes), share * together / window)
 
 

@@ -1,7 +1,7 @@
 """What one robot announces of the split, and what it requests again of what it missed.
 
-A bid is announced once, the name of a table once it holds the bids of all. What is lost is requested by who misses it,
-after a while and for all who miss the same; who is asked announces it again.
+A bid is announced until all others have it, the name of a table once it holds the bids of all. What is lost is
+requested by who misses it, after a while and for all who miss the same; who is asked announces it again.
 """
 
 import math
@@ -24,10 +24,8 @@ class Exchange:
         """How long news take to others [s]."""
         self._last: SplitReport | None = None
         """What we announced last; None where the team has just begun to split."""
-        self.last_at, self._met = now, math.inf
-        """When that was, and when we saw the first other robot [s]."""
-        self._bid_sent = -1, now
-        """The version of our bid that was announced last, and when [s]."""
+        self.last_at = now
+        """When that was [s]."""
         self._heard_at, self._requests = now, 0
         """When we last heard what is news, or requested it [s], and how often we did since."""
         self._again = False
@@ -43,24 +41,24 @@ class Exchange:
     @property
     def requests_at(self) -> float:
         """When we request what we miss [s]; never where we miss nothing."""
-        if self._agreement.quiet or not self._agreement.unconfirmed:
+        missed = len(self._agreement.unconfirmed)
+        if self._last is None or self._agreement.quiet or not missed:
             return math.inf
-        if self._last is None:
-            return self._met + TUNING.silence
-        return max(self._heard_at, self.last_at) + self.patience * (1.0 + self._phase) * 2.0**self._requests
+        # What most have not said is not lost but late: how long news take is not known at first.
+        late = 2.0 if 2 * missed > len(self._agreement.others) else 1.0
+        return max(self._heard_at, self.last_at) + late * self.patience * (1.0 + self._phase) * 2.0**self._requests
 
-    def announcement(self, now: float) -> SplitReport:
-        """Return what our next digest announces."""
+    def announcement(self, now: float, within: float = math.inf) -> SplitReport:
+        """Return what our next digest announces; for so long we kept `within` what our newest table gives us [s]."""
         agreement, (version, bid) = self._agreement, self._agreement.bid
-        recent = self._bid_sent[0] == version and now < self._bid_sent[1] + self.patience
         passed = [now - turn.used for turn in agreement.turns if turn.giver == agreement.own]
         return SplitReport(
             version,
-            None if agreement.known or (recent and not self._again) else bid,
+            None if agreement.known_by >= agreement.others else bid,
             agreement.log.newest.name,
             0 if agreement.newcomer else agreement.log.agreed.name,
             tuple(turn.number for turn in agreement.turns),
-            min([self._window, *passed]),
+            min([self._window, within, *passed]),
             self._mask(agreement.unconfirmed) if now >= self.requests_at else 0,
         )
 
@@ -75,28 +73,22 @@ class Exchange:
         if self._again or now >= self.requests_at:
             return True
         if last is None:
-            return bool(agreement.bid[1]) or (newest.complete and len(agreement.members) > 1)
+            return len(agreement.members) > 1
         return last.version != agreement.bid[0] or (newest.complete and last.table != newest.name)
 
-    def begin(self, now: float) -> None:
+    def begin(self) -> None:
         """From now on digests announce parts; what was announced while the team split before was long ago."""
-        self._met, self._last = now, None
+        self._last = None
 
     def restart(self) -> None:
         """All give up what they agreed on."""
         self._last, self._again = None, False
-
-    def met(self, now: float) -> None:
-        """There is another robot."""
-        self._met = min(self._met, now)
 
     def announced(self, now: float, announcement: SplitReport) -> None:
         """This goes out in a digest."""
         if announcement.missing:
             self._heard_at, self._requests = now, min(self._requests + 1, TUNING.request_doublings)
         self._last, self.last_at, self._again, self.passes_on = announcement, now, False, False
-        if announcement.bid is not None:
-            self._bid_sent = announcement.version, now
 
     def heard(self, now: float, announcement: SplitReport, sent: float, unconfirmed: set[str]) -> None:
         """An announcement of another robot came, sent at `sent` [s]; before it these were `unconfirmed`."""

@@ -27,7 +27,7 @@ class Ledger:
     """
 
     def __init__(self, windows: Sequence[float]) -> None:
-        self._windows = tuple(windows)
+        self.windows = tuple(windows)
         self._kept: list[_Send] = []
         self._struck: list[_Send] = []
         self.last_struck = -math.inf
@@ -35,7 +35,7 @@ class Ledger:
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """We sent something that uses so much of each limit [units]."""
-        longest = now - max(self._windows)
+        longest = now - max(self.windows)
         self._kept = [send for send in self._kept if send.time > longest]
         self._struck = [send for send in self._struck if send.time > longest]
         self._kept.append(_Send(now, list(uses)))
@@ -55,7 +55,7 @@ class Ledger:
 
     def next_expiry(self, now: float) -> float:
         """Return when something that was struck off leaves a window [s]; infinite where nothing does."""
-        ends = (send.time + window for send in self._struck for window in self._windows)
+        ends = (send.time + window for send in self._struck for window in self.windows)
         return min((end for end in ends if end > now), default=float("inf"))
 
     def strike(self, now: float, left: float, given_up: float) -> None:
@@ -67,19 +67,19 @@ class Ledger:
 
     def _excess(self, now: float, left: float, room: float) -> list[tuple[_Send, float]]:
         """What does not fit in what is left, and which part of each: large ones first, so that few are."""
-        limits = range(len(self._windows))
+        limits = range(len(self.windows))
         rooms, kept = [room] * len(limits), [self.kept(now, limit) for limit in limits]
         excess = []
         for send in sorted(self._kept, key=lambda send: (-max(send.uses), send.time)):
             part = min([1.0, *(free / use for free, use in zip(rooms, send.uses, strict=True) if use > 0.0)])
             if all(amount <= left for amount in kept):
                 break
-            if part > 0.0 and send.time > now - max(self._windows):
+            if part > 0.0 and send.time > now - max(self.windows):
                 rooms = [free - part * use for free, use in zip(rooms, send.uses, strict=True)]
                 kept = [amount - part * use for amount, use in zip(kept, send.uses, strict=True)]
                 excess.append((send, part))
         return excess
 
     def _within(self, sends: list[_Send], now: float, limit: int) -> float:
-        since = now - self._windows[limit]
+        since = now - self.windows[limit]
         return sum(send.uses[limit] for send in sends if send.time > since)

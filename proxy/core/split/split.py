@@ -55,8 +55,6 @@ class Split:
 
     def set_members(self, now: float, tags: Collection[str]) -> None:
         """These robots take part, as far as we see."""
-        if tags:
-            self.exchange.met(now)
         self.agreement.set_members(now, tags)
         self._settle(now)
 
@@ -72,21 +70,25 @@ class Split:
         self._settle(now)
         return True
 
+    def announcement(self, now: float) -> SplitReport:
+        """Return what our next digest announces."""
+        return self.exchange.announcement(now, self.own_part.within(now, self.agreement.log.newest.total))
+
     def announced(self, now: float, announcement: SplitReport) -> None:
         """This goes out in a digest."""
         self.exchange.announced(now, announcement)
-        self.agreement.log.announced(announcement.table)
+        self.agreement.log.announced(now, announcement.table)
         self._entitle(now)
 
     def heard(self, now: float, peer: str, announcement: SplitReport, sent: float = -math.inf) -> None:
         """An announcement of another robot came, newer than all before, which was sent at `sent` [s]."""
         agreement, unconfirmed = self.agreement, self.agreement.unconfirmed
-        agreement.heard(now, peer, announcement.version, announcement.bid, (announcement.table, announcement.agreed))
+        agreement.heard(now, peer, announcement)
         for table in agreement.log:
             numbers = announcement.turns if table.name == announcement.agreed else ()
             for turn, number in zip(table.turns, numbers, strict=False):
                 if turn.heard(now, peer, number, announcement.unused):
-                    self._entitle(now, now - turn.used)
+                    self._entitle(now, min(now - turn.used, now - agreement.log.agreed_at))
         self._settle(now)
         self.exchange.heard(now, announcement, sent, unconfirmed)
 
@@ -122,12 +124,14 @@ class Split:
         return first or (not agreement.pending and now >= max(self._bid_at + interval, rested))
 
     def _settle(self, now: float) -> None:
+        before = self.agreement.log.agreed
         self.agreement.settle(now)
-        self._entitle(now)
+        agrees = self.agreement.log.agreed is not before
+        self._entitle(now, min(self.agreement.unused(now), self.own_part.within(now, UNIT)) if agrees else 0.0)
 
     def _entitle(self, now: float, unused: float = 0.0) -> None:
         """What we are entitled to may have changed; what it rises by has been unused for so long [s]."""
-        self.own_part.entitle(now, self.agreement.entitled, min(unused, now - self.agreement.log.agreed_at))
+        self.own_part.entitle(now, self.agreement.entitled, unused)
 
     def _turn_ends(self, turn: Turn) -> float:
         """A turn lasts as long as a message that has several windows for itself."""

@@ -16,11 +16,16 @@ class Steady:
 
     def set(self, now: float, value: int, unused: float = 0.0) -> None:
         """It is this from now on; what it rises by has been unused for so long [s]."""
-        changed, before = self._values[-1]
-        if value == before:
+        before = self._values[-1][1]
+        rise = value - before
+        if not rise:
             return
-        since = min(now, max(changed, now - unused)) if value > before else now
-        self._values.append((since, value))
+        since = now - unused if rise > 0 else now
+        earlier = [entry for entry in self._values if entry[0] <= since]
+        later = self._values[len(earlier) :]
+        then = (earlier or later[:1])[-1][1]
+        least = min(then, *(had for _, had in later), before)
+        self._values = [*earlier, (since, least), (since, then + rise), *((at, had + rise) for at, had in later)]
         first = next(i for i, (_, end) in enumerate(self._spans()) if end > since - self.window)
         self._values = self._values[first:]
 

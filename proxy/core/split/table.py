@@ -1,6 +1,7 @@
 """A table: the bids of all robots that one robot knows, what they give it, and who has the same table."""
 
 import hashlib
+import math
 from collections.abc import Mapping
 
 from proxy.core.protocol.bid import Bid, packed
@@ -37,6 +38,8 @@ class Table:
         self.confirmed_by: set[str] = set()
         self.counts = counts
         """Whether what it gives us is the most that we may use: we agreed on it, or others may have."""
+        self.announced_at = math.inf
+        """When others were first told that we have it [s]."""
 
     @property
     def agreed(self) -> bool:
@@ -62,9 +65,9 @@ class Table:
         """By tag, these are the names of tables that robots have."""
         self.confirmed_by |= {tag for tag, held in names.items() if self.name in held}
 
-    def announced(self) -> None:
+    def announced(self, now: float) -> None:
         """Others hear that we have it, and may agree on it."""
-        self.counts = True
+        self.counts, self.announced_at = True, min(self.announced_at, now)
 
     def begin(self, now: float) -> None:
         """It is agreed on: its turns begin."""

@@ -58,11 +58,11 @@ class TableLog:
         """Robots came: until all agree on a table with them, what this one leaves them is theirs."""
         self._tables.append(table)
 
-    def announced(self, name: int) -> None:
+    def announced(self, now: float, name: int) -> None:
         """A digest of ours names this as the table that we have: from now on others may agree on it."""
         for table in self._tables:
             if table.name == name:
-                table.announced()
+                table.announced(now)
 
     def confirm(self, names: Mapping[str, tuple[int, int]]) -> None:
         """By tag, these are the names of tables that robots have."""

@@ -58,8 +58,6 @@ class SplitTuning:
     """A bid changes no sooner after it changed last [s]; sooner in the first seconds, when streams become known."""
     agreement_rest: float = 2.0
     """Nor does it sooner after all agreed than so many times what agreeing took: a third of the time is for that."""
-    silence: float = 1.5
-    """Who has nothing to ask for says so after so long, or when the bids of all others are known [s]."""
     request_delay: float = 1.0
     """Who misses something requests it after so long [s]..."""
     request_news: float = 2.0

@@ -1,7 +1,6 @@
 """Two robots that would send in the same moment: the one with the better claim does."""
 
 import math
-from dataclasses import replace
 
 import pytest
 
@@ -37,11 +36,11 @@ def taken(view, now, *, grew=-math.inf):
     return judged(view, now, grew=grew)[0]
 
 
-def judged(view, now, *, own=(0.0,), grew=-math.inf):
+def judged(view, now, *, grew=-math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(now, limits, alone=False)
     stream = view.streams.known("r1", "robot/r1/camera")
-    return rivals(now, view, disputes, stream, limits, own=own, grew=grew)
+    return rivals(now, view, disputes, stream, limits, grew=grew)
 
 
 def sent(view, robot, t):
@@ -259,21 +258,3 @@ def test_news_take_as_long_as_most_of_the_last_digests_did(view):
         late = 0.03 if count % 2 else 0.0
         view.heard_digest(11.0 + count + late, Digest("r2", tag("z2"), 11.0 + count))
     assert news_take(view) == pytest.approx(before + 0.03, abs=1e-3)
-
-
-@pytest.mark.parametrize("seldom", [True, False])
-@pytest.mark.parametrize("size", [100, SIZE])
-@pytest.mark.parametrize("late", [True, False])
-def test_a_small_message_of_a_slow_stream_does_not_wait_for_late_news_of_one_other(view, seldom, size, late):
-    """One that may collide with it matters less than the time."""
-    window = news_take(view) / TUNING.collision_news * (0.9 if late else 1.1)
-    limits = tuple(replace(limit, window=window) for limit in limits_of(view.specs, 0.02, 2))
-    disputes, ours = Disputes(view), view.streams.known("r1", "robot/r1/camera")
-    disputes.advance(10.0, limits, alone=False)
-    ours.schedule.observe(
-        101, 9.9, Rhythm((2.0 if seldom else 0.5) * TUNING.collision_period * window, 9.9, 101, 0.0, 16)
-    )
-    sent(view, "r1", 9.9)
-    sent(view, "r2", 9.0)
-    found, _ = rivals(10.0, view, disputes, ours, limits, own=(float(size),), grew=-math.inf)
-    assert found == (SIZE - size if seldom and late and size == 100 else SIZE,)

@@ -85,7 +85,9 @@ def test_a_team_that_splits_from_the_beginning_begins_by_agreeing(make_team):
     assert team.coordination.begins(0.0)
     assert team.coordination.forming(0.0)
     assert not team.coordination.begins(TUNING.forming_time)
-    assert not make_team().coordination.begins(0.0)
+    team = make_team()
+    team.look()
+    assert not team.coordination.begins(team.now)
 
 
 def test_a_large_team_agrees_on_nothing_and_uses_more_than_equal_parts(make_team):

@@ -4,7 +4,7 @@ import pytest
 
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.protocol.bid import Segment
-from proxy.core.protocol.messages import Digest
+from proxy.core.protocol.messages import Digest, State, StreamState
 from proxy.core.protocol.split_report import SplitReport
 from proxy.core.view.stream import Generated
 from tests.proxy.core.coordination.conftest import WINDOW, names
@@ -140,3 +140,49 @@ def test_very_many_that_send_at_once_split_though_each_hears_all(make_team):
     team.look()
     assert team.coordination.team.splits
     assert team.coordination.team.large
+
+
+def rhythms(team, *, period=1.0, size=300, others=300, theirs=1.0):
+    """Our camera, and what the others' states tell of theirs."""
+    for count in range(9):
+        stream = team.view.streams.get(0.0, "r1", "robot/r1/camera")
+        stream.matching = True
+        stream.note_generated(count + 1, Generated((count - 9) * period, size, 1.0))
+    for peer in team.view.peers.values():
+        told = StreamState(1, f"robot/{peer.robot}/camera", "camera", theirs, size=others)
+        peer.take_state(0.0, State(peer.robot, peer.zid, "enforce", "", streams=(told,), number=1))
+
+
+@pytest.mark.parametrize(
+    ("known", "splits"),
+    [
+        ({}, True),
+        ({"theirs": 0.0}, True),
+        ({"period": 0.1}, False),
+        ({"theirs": 0.1}, False),
+        ({"others": 90_000}, False),
+        ({"period": 600.0, "theirs": 600.0}, False),
+    ],
+    ids=["seldom", "untold", "ours often", "theirs often", "theirs large", "room for all"],
+)
+def test_where_large_samples_come_seldom_a_team_splits(make_team, known, splits):
+    """None takes more than a fifth of a limit, and there is no room for all; what is not told is taken for ours."""
+    team = make_team(names(9), send=0)
+    fifth = round(0.15 * team.limits[0].limit)
+    rhythms(team, **({"size": fifth, "others": fifth} | known))
+    team.look()
+    assert team.coordination.team.seldom is splits
+
+
+def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come(make_team):
+    """For a second or two at most; meanwhile it asks for nothing, and tells nothing of parts."""
+    team = make_team(send=0)
+    team.look()
+    assert team.coordination.team.splits
+    assert team.coordination.announcement(team.now) is None
+    while team.now < TUNING.rhythm_time:
+        team.look()
+    assert not team.coordination.team.splits
+    known = make_team()
+    known.look()
+    assert known.coordination.team.rhythms_known

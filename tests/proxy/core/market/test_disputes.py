@@ -182,6 +182,7 @@ def test_streams_of_which_nothing_pays_are_dropped_without_a_search(make_talk, m
     spec = SPEC.replace('keys = ["robot/*/odometry"]', 'keys = ["robot/*/odometry"]\nweight = 1e-5')
     talk = make_talk(make_specs(text=spec))
     talk.want(-10.0, keys=("robot/**",))
+    talk.tell(ev.TimePassed(-8.0))
     for step in range(80):
         now = 0.01 + 0.05 * step
         settle(talk, now, talk.publish(now, "robot/r1/odometry", size=6_000)[1], send=True)

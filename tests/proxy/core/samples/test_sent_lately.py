@@ -28,13 +28,13 @@ def test_a_robot_that_has_other_specs_is_sent_nothing_that_it_may_have(make):
 def test_what_there_was_no_room_for_shortly_before_the_loss_was_noticed_is_kept(make):
     """Room is lent by one robot, perhaps by the one that has vanished; what a plan was against is not kept."""
     talk = make(limit=LIMIT, horizon=10)
-    talk.tell(ev.SampleHeard(0.9, "camera/x", 9000, "zz-unknown", None, {}))
+    talk.tell(ev.SampleHeard(10.9, "camera/x", 9000, "zz-unknown", None, {}))
     for number in range(12):
-        talk.alarm(1.0 + 0.01 * number, size=1000)
-        talk.settle(1.0 + 0.01 * number, send=number != 3)
+        talk.alarm(11.0 + 0.01 * number, size=1000)
+        talk.settle(11.0 + 0.01 * number, send=number != 3)
     outcomes = talk.core.counts.by_reason
     assert outcomes["dropped:constraint"] > 0
-    talk.vanish(2.0)
+    talk.vanish(12.0)
     assert talk.kept["in"] == 12 - outcomes["dropped:planner"]
 
 

@@ -1,6 +1,7 @@
 """Robots that agree, without digests between them."""
 
 from proxy.core.protocol.bid import Segment
+from proxy.core.protocol.split_report import SplitReport
 from proxy.core.split.agreement import Agreement
 
 BID = (Segment(4000, 120),)
@@ -17,7 +18,7 @@ def tell(now, sender, *receivers):
     names = sender.log.newest.name, 0 if sender.newcomer else sender.log.agreed.name
     version, bid = sender.bid
     for receiver in receivers:
-        receiver.heard(now, sender.own, version, bid, names)
+        receiver.heard(now, sender.own, SplitReport(version, bid, *names))
         receiver.settle(now)
 
 

@@ -86,9 +86,8 @@ class Flight:
         self.spoken[name] = self.now
         if self.splits[name].agreement.silent:
             return
-        told, self.number = self.splits[name].exchange.announcement(self.clock(name)), self.number + 1
+        told, self.number = self.splits[name].announcement(self.clock(name)), self.number + 1
         self.splits[name].announced(self.clock(name), told)
-        self.splits[name].exchange._bid_sent = -1, self.now  # each digest tells the bid again: nobody has to ask
         for to in self.splits:
             for _ in range(self.rng.choice([1, 1, 2])):
                 if to != name and name not in self.mute and self.rng.random() >= self.loss:

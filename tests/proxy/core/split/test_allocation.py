@@ -131,7 +131,7 @@ def test_a_part_or_slot_carries_a_message_that_fits():
     assert not allocation.carries("d", bids["b"])
 
 
-LOW, HIGH = (Segment(6000, 100, 4),), (Segment(6000, 116, 4),)
+LOW, HIGH = (Segment(6000, 100, 2),), (Segment(6000, 116, 2),)
 
 
 def test_slots_are_worth_what_their_robots_gain_by_them():
@@ -139,8 +139,17 @@ def test_slots_are_worth_what_their_robots_gain_by_them():
     allocation = allocate({"a": LOW, "b": LOW}, 2, 100)
     assert [dict(slot.ring) for slot in allocation.slots] == [{"a": 1, "b": 1}]
     unit = density_of(100)
-    # Each has half of the slot and what nobody asks for.
-    assert allocation.worth({"a": LOW, "b": ()}) == pytest.approx((3000 + 1950) * unit)
-    assert allocation.worth({"a": LOW, "b": HIGH}) == pytest.approx((3000 + 1950) * 17 * unit)
+    # Each has half of the slot, which is what it asks for, and what nobody does.
+    assert allocation.worth({"a": LOW, "b": ()}) == pytest.approx(3000 * unit)
+    assert allocation.worth({"a": LOW, "b": HIGH}) == pytest.approx(3000 * 17 * unit)
+    assert allocation.worth({"a": (Segment(6000, 100, 4),)}) == pytest.approx((3000 + 1950) * unit)
     assert allocation.worth({"a": (Segment(9000, 100, 4),), "c": HIGH}) == 0.0
     assert allocation.worth({"a": (Segment(400, 120),)}) == 0.0
+
+
+def test_where_the_last_message_is_worth_as_much_as_the_first_there_are_no_turns():
+    """As many robots have slots of their own as there is room for, whatever the others would do with turns."""
+    bid = (Segment(1900, 80, 1), Segment(1900, 80, 1), Segment(1900, 80, 2))
+    allocation = allocate({f"r{i}": bid for i in range(8)}, 8, 100)
+    assert not allocation.slots
+    assert sorted(part // 1900 for part in allocation.parts.values()) == [0, 0, 0, 1, 1, 1, 1, 1]

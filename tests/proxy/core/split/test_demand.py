@@ -93,3 +93,12 @@ def test_many_streams_make_few_segments():
     assert len(bid) <= TUNING.segments
     room = sum(0.001 * d.rate * 0.5 for d in demands)
     assert sum(s.amount for s in bid) == pytest.approx(10_000 * room, abs=len(bid))
+
+
+def test_of_a_rhythm_so_many_messages_fit_as_lie_before_the_first_that_is_out_of_the_window():
+    """With a period of 1.2 s one in 2.5 s is every third; with one of 0.85 s that is more of them."""
+    slow, fast = (
+        bid_for([Demand((0.19,), 1.0 / period, lambda rate: rate, period=period)], 2.5, 10) for period in (1.2, 0.85)
+    )
+    unknown = bid_for([Demand((0.19,), 1.0 / 1.2, lambda rate: rate)], 2.5, 10)
+    assert slow[0].level < fast[0].level <= unknown[0].level

@@ -39,7 +39,7 @@ def test_a_larger_message_is_asked_for_though_all_together_gain_little():
     for each in robots:
         each.ask(0.2, (Segment(2000, 100, 4),))
     agree(0.3, *robots)
-    assert indifferent(first, (Segment(2000, 97, 4),))
+    assert indifferent(first, (Segment(2000, 98, 4),))
     second.ask(0.4, (Segment(900, 100),))
     agree(0.5, *robots)
-    assert not indifferent(first, (Segment(2000, 97, 4),))
+    assert not indifferent(first, (Segment(2000, 98, 4),))

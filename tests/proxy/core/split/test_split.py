@@ -201,7 +201,7 @@ def test_small_messages_go_on_beside_a_large_one_whose_slot_was_passed_on():
 
 def test_a_slot_of_a_robot_that_is_gone_goes_to_the_others():
     """They agree on a table without it, in which turns begin anew."""
-    flight = fleet(2, (*SMALL, Segment(6000, 100, 4)))
+    flight = fleet(2, (*SMALL, Segment(6000, 100, 2)))
     (holder,) = [name for name, split in flight.splits.items() if not waits_for_turn(split)]
     flight.leave(holder)
     settle(flight, 5.0)
@@ -244,12 +244,12 @@ def test_the_first_bids_of_a_robot_follow_soon():
 def test_a_bid_is_told_until_all_have_it():
     """Then digests name the table alone."""
     flight = fleet(3)
-    told = flight.splits["r0"].exchange.announcement(flight.clock("r0"))
+    told = flight.splits["r0"].announcement(flight.clock("r0"))
     assert told.bid is None
     assert told.table == told.agreed
     flight.join("n")
     flight.notice_all()
-    assert flight.splits["r0"].exchange.announcement(flight.clock("r0")).bid == SMALL
+    assert flight.splits["r0"].announcement(flight.clock("r0")).bid == SMALL
     assert len(packed(FRAMES)) == 12
 
 
@@ -309,3 +309,23 @@ def test_a_team_that_gets_large_has_equal_parts_soon_and_no_window_over_the_limi
 def quieten(flight):
     for name, split in flight.splits.items():
         split.set_quiet(flight.clock(name), quiet=True)
+
+
+def test_the_guard_time_of_a_first_table_begins_when_it_was_announced():
+    """Where nobody had sent more than it gives: however long it takes until all know that they agree."""
+    splits = {tag: Split(tag, 0.0, (WINDOW,), floor=FLOOR, settled_at=1.0) for tag in "ab"}
+    for tag, bid in (("a", (Segment(9000, 150),)), ("b", SMALL)):
+        splits[tag].set_members(0.0, {"a", "b"} - {tag})
+        splits[tag].advance(1.0, 0.0)
+        splits[tag].bid(1.0, bid)
+    for now in (3.0, 3.0, 3.9):
+        told = {tag: split.announcement(now) for tag, split in splits.items()}
+        for tag, split in splits.items():
+            split.announced(now, told[tag])
+        for tag, split in splits.items():
+            (other,) = told.keys() - {tag}
+            split.heard(now, other, told[other])
+    part = splits["a"].own_part
+    assert splits["a"].agreement.formed
+    assert part.of(4.0 - 0.05) < 0.6
+    assert part.of(4.0 + 0.05) > 0.8

@@ -55,7 +55,7 @@ def test_a_table_is_agreed_on_once_all_whose_bids_it_holds_told_it():
 
 def test_a_slot_counts_for_the_one_whose_turn_it_is():
     """Beside what is its own."""
-    bid = (Segment(300, 150), Segment(8000, 120, 4))
+    bid = (Segment(300, 150), Segment(8000, 120, 2))
     held = table({"a": (1, bid), "b": (1, bid)})
     (turn,) = held.turns
     own = held.allocation.parts["a"]

@@ -26,5 +26,5 @@ def test_a_table_counts_once_we_have_announced_that_we_have_it():
     tell(0.2, b, a)
     assert a.log.newest.total < before
     assert a.entitled == before
-    a.log.announced(a.log.newest.name)
+    a.log.announced(0.0, a.log.newest.name)
     assert a.entitled == a.log.newest.total
