@@ -29,7 +29,7 @@ LONGEST_SLEEP = 1.0
 TIDIED_EVERY = 0.1
 """What is too old is forgotten this often at most [s]."""
 NOTED = frozenset({ev.SampleHanded, ev.SampleHeard, ev.DigestHeard, ev.MalformedHeard, ev.VersionHeard})
-"""Events that bring about nothing by themselves, unless a sample waits or the team agrees on parts."""
+"""Events that bring about nothing by themselves, unless a sample waits, or the team has or had parts."""
 
 
 class Core:
@@ -56,7 +56,8 @@ class Core:
         commands, now = react(event), event.now
         self._wakes_at = min(self._wakes_at, self.gossip.requests.due_at)  # a digest may name a state that we lack
         due = now >= self._wakes_at or now >= self.channel.due_at
-        if due or type(event) not in NOTED or self.gate.waits or self.coordination.split_in_force:
+        parts = self.coordination.split_in_force or self.coordination.told
+        if due or type(event) not in NOTED or self.gate.waits or parts:
             commands = [*commands, *self._advance(now)]
             self._retention.follow(now, commands)
             self._wakes_at = self._due_at(now)

@@ -43,7 +43,7 @@ class Coordination:
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
         self._overbooking = Overbooking()
-        self._announced: SplitReport | None = None
+        self.told: SplitReport | None = None
         """What our last digest said of parts."""
         self._forms_until, self._did_split = now + TUNING.forming_time, self.team.strict
         self._formed_at = math.inf
@@ -143,7 +143,7 @@ class Coordination:
         News of others are `waiting` so long on a channel that is full [s]; `announcing` says what part of the
         allowance announcements take, `using` what part we use of what we may.
         """
-        due = now >= self._due
+        due = now >= self._due or self.team.undecided
         if due:
             self._due = now + TUNING.interval
             asked = self.split_in_force is not None and self.split_in_force.agreement.rivals
@@ -156,7 +156,7 @@ class Coordination:
             due, self._forms_until = True, now + TUNING.forming_time
         self._did_split = split is not None
         if split is None:
-            return self._announced is not None
+            return self.told is not None
         if not self.team.rhythms_known:
             return False
         if due:
@@ -174,7 +174,7 @@ class Coordination:
 
     def announced(self, digest: Digest) -> None:
         """A digest of ours goes out that is no announcement of samples."""
-        self._announced = digest.split
+        self.told = digest.split
         if digest.split is not None and self._split is not None:
             self._split.announced(digest.sent, digest.split)
 

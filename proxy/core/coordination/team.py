@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, changes_plans, shortest_window, use_of
+from proxy.core.model.transport import is_broadcast
 from proxy.core.protocol.messages import Digest
 from proxy.core.view.view import SharedView
 
@@ -129,8 +130,9 @@ class Team:
         known = all(stream.schedule.period for stream in own)
         late = now >= max((stream.began for stream in own), default=self._began) + TUNING.rhythm_time
         self.rhythms_known |= late or (known and any(self._view.streams.own()))
-        fixed = all(limit.least >= 1.0 for limit in limits)
-        self.undecided = fixed and not self.rhythms_known and all(_is_small(use, limits) for _, use in uses)
+        fixed = all(limit.least >= 1.0 for limit in limits) and not is_broadcast(self._view.settings.transport)
+        begins = fixed and not self.rhythms_known and not self._others_plan_for_all()
+        self.undecided = begins and all(_is_small(use, limits) for _, use in uses)
         if not (own and known and fixed):
             self.seldom = False
             return
@@ -144,6 +146,11 @@ class Team:
         self.seldom = max(asked, default=0.0) > 1.0 and all(
             kind != MEMORYLESS and period >= least and _is_small(use, limits) for kind, period, use in large
         )
+
+    def _others_plan_for_all(self) -> bool:
+        """Whether a robot that knows its rhythms finds no split due: who joins it does as it does."""
+        told = ((name, each) for name, peer in self._view.peers.items() for each in peer.told.values())
+        return any(each.period > 0.0 and name not in self._votes for name, each in told)
 
     def _unheard(self) -> set[str]:
         """Return the robots that have streams, as their states say, of which no digest has said anything yet."""

@@ -172,7 +172,7 @@ def test_nobody_is_woken_again_and_again_while_it_may_not_speak():
             member.core.handle(TimePassed(now))
             now = max(member.core.wake_at(now), now + 1e-4)
             woken += 1
-        assert 1 < woken < 100
+        assert 1 <= woken < 100
 
 
 def test_robots_split_constraints_of_all_kinds_at_once(tmp_path):
