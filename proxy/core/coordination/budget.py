@@ -44,11 +44,6 @@ class Budget:
         """Whether what may be used is our part, so that only our own streams compete for it."""
         return self._coordination.team.splits
 
-    @property
-    def undecided(self) -> bool:
-        """Whether that is so only until it is known whether the team has to split."""
-        return self._coordination.team.undecided
-
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
         """Put these constraints in force; what we sent still counts against those of the same name and kind."""
         if limits == self.limits:

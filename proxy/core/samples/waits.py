@@ -55,7 +55,7 @@ class Waits:
         Without that a robot that joined sent its first frame beside two of theirs, and the window held 1.4 limits.
         """
         until = self._view.newcomers.greeted_by(now)
-        if now >= until or (self._budget.alone and not self._budget.undecided):
+        if now >= until:
             return False
         stream = self._appraisal.stream_of(now, sample)
         if self._appraisal.mode_of(stream) is not Mode.ENFORCE:

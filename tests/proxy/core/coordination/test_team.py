@@ -145,7 +145,7 @@ def test_very_many_that_send_at_once_split_though_each_hears_all(make_team):
 def rhythms(team, *, period=1.0, size=300, others=300, theirs=1.0):
     """Our camera, and what the others' states tell of theirs."""
     for count in range(9):
-        stream = team.view.streams.get(0.0, "r1", "robot/r1/camera")
+        stream = team.view.streams.touch(0.0, "r1", "robot/r1/camera")
         stream.matching = True
         stream.note_generated(count + 1, Generated((count - 9) * period, size, 1.0))
     for peer in team.view.peers.values():
