@@ -66,8 +66,9 @@ class DigestBudget:
         self._splits, self._quiet, self._window = splits, quiet, window
         self.advance(now)
         if self._saved and not begins:
-            self._saved, self._common = 0.0, min(self._common, 0.0)
-            self._own = -self._turn * self._size * self._copies
+            self._saved, self._common = 0.0, min(self._common, 0.0 if splits else self._most)
+            if splits:
+                self._own = -self._turn * self._size * self._copies
 
     def advance(self, now: float) -> None:
         """Take in what the allowance has brought since the last time."""
@@ -161,10 +162,14 @@ class DigestBudget:
         elapsed = now - self._updated
         if elapsed <= 0.0:
             return self._common, self._own
-        full = max(TUNING.spare * self.rate, 2.0 * self._size * self._copies)
-        common = max(self._common, min(self._common + elapsed * self.rate, full))
+        common = max(self._common, min(self._common + elapsed * self.rate, self._most))
         rate = self._own_rate(common)
         return common, min(self._most_own(rate), self._own + elapsed * rate)
+
+    @property
+    def _most(self) -> float:
+        """So much may be saved of the allowance of all [B]."""
+        return max(TUNING.spare * self.rate, 2.0 * self._size * self._copies)
 
     def _own_rate(self, common: float) -> float:
         """Our share of what is for ordinary news [B/s]: that is all, as long as announcements leave it."""
