@@ -1,9 +1,14 @@
-"""What all tests have in common: how long property tests search, and that no test is left out."""
+"""What all tests have in common: threads for Zenoh, how long property tests search, and that no test is left out."""
 
+import os
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+# Dozens of sessions of one process are opened here, and links of theirs cut: of plain ones each keeps a thread for 10 s
+# then. The daemon's own number is for two sessions that do not.
+os.environ.setdefault("ZENOH_RUNTIME", "(tx: (worker_threads: 8), rx: (worker_threads: 64), net: (worker_threads: 4))")
 
 # The same examples each time: a failure is what the last change did. New ones are tried by `make qualify`.
 settings.register_profile("default", deadline=None, max_examples=30, derandomize=True)

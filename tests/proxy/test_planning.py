@@ -21,7 +21,7 @@ from utility_specs import load_specs
 SPEC = """
 [[constraint]]
 kind = "throughput"
-limit = "80 kbit/s"
+limit = "120 kbit/s"
 window = 1
 [[information_type]]
 name = "camera"
