@@ -4,17 +4,32 @@ import os
 from pathlib import Path
 
 import pytest
+import zenoh
 from hypothesis import settings
-
-# Dozens of sessions of one process are opened here, and links of theirs cut: of plain ones each keeps a thread for 10 s
-# then. The daemon's own number is for two sessions that do not.
-os.environ.setdefault("ZENOH_RUNTIME", "(tx: (worker_threads: 8), rx: (worker_threads: 64), net: (worker_threads: 4))")
 
 # The same examples each time: a failure is what the last change did. New ones are tried by `make qualify`.
 settings.register_profile("default", deadline=None, max_examples=30, derandomize=True)
 settings.register_profile("full", deadline=None, max_examples=100, derandomize=True)
 settings.register_profile("qualify", deadline=None, max_examples=3000)
 settings.load_profile("default")
+
+
+def give_threads():
+    """Have Zenoh use many threads in this process, but not in those that it starts.
+
+    Dozens of sessions are open here at a time, and links of theirs are cut, of which each keeps a thread for 10 s where
+    the session is a plain one. A daemon has two sessions, and these keep none. Zenoh counts its threads when the first
+    session of a process opens.
+    """
+    os.environ["ZENOH_RUNTIME"] = "(tx: (worker_threads: 8), rx: (worker_threads: 64), net: (worker_threads: 4))"
+    config = zenoh.Config()
+    config.insert_json5("scouting/multicast/enabled", "false")
+    config.insert_json5("listen/endpoints", "[]")
+    zenoh.open(config).close()
+    del os.environ["ZENOH_RUNTIME"]
+
+
+give_threads()
 
 TESTS = Path(__file__).parent
 SYSTEM = {"system", "transparency"}
