@@ -7,9 +7,9 @@ while the digests fit into their allowance.
 `split`: each robot has a part of every limit (`proxy.core.split`), and needs no news of the others. It is what an
 operator configures who needs the limit kept at any latency, and what a team changes over to where news take too long or
 announcements cost too much, or, in unicast, where large samples of all come seldom (`team.py`). As changing over takes
-what is left of the allowance, a team begins so until each robot knows how often its own come; who joins robots that plan
-for all does so at once. In between, who still plans for all
-counts only what it knows the others to have sent, not their parts.
+what is left of the allowance, a team begins so until each robot knows how often its own come; who joins robots that
+plan for all does so at once. In between, who still plans for all counts only what it knows the others to have sent, not
+their parts.
 
 A large team would take a minute to agree on parts. There each robot has an equal one, which nobody has to announce, and
 may use more of it than it is (`overbooking.py`); where an operator asked for `split`, an equal part and no more. Fifty
