@@ -37,7 +37,8 @@ def main() -> None:
     stop = cue.stop_on_signal()
     with open_client(options.connect) as session:
         happened = listen(session, stop) if options.role == "listen" else _publish(session, options.agenda, stop)
-    options.log.write_text(json.dumps(happened))
+        # A session may take long to close whose daemon ends at the same time: longer than this process is waited for.
+        options.log.write_text(json.dumps(happened))
 
 
 def listen(session: zenoh.Session, stop: threading.Event) -> list[Any]:

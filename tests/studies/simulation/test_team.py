@@ -91,13 +91,20 @@ def test_the_union_of_all_robots_keeps_the_limit(specs, coordination, loss):
 
 
 @pytest.mark.full
-def test_who_sees_red_sends_at_least_twice_as_often(specs):
-    """The share follows the value within a second of its change, whoever's frames come when."""
-    flights = [team(specs).run(scene(red=0.6, apart=apart), 14.0) for apart in (0.013, 0.017, 0.023)]
+@pytest.mark.parametrize(("carried", "times"), [(2.0, 2.0), (1.0, 1.5)], ids=["early news", "late news"])
+def test_who_sees_red_sends_more_often(specs, carried, times):
+    """The share follows the value within a second of its change, whoever's frames come when.
+
+    On a channel that is as slow as the limit news wait behind frames: then the team has parts, which follow in slots.
+    """
+    flights = [
+        team(specs, medium=Medium(carried * RATE)).run(scene(red=0.6, apart=apart), 14.0)
+        for apart in (0.013, 0.017, 0.023)
+    ]
     during = [d.frame for deliveries in flights for d in deliveries if 5.0 <= d.frame.t_gen < 8.0]
     red = sum(frame.robot == "r1" for frame in during)
     others = sum(frame.robot != "r1" for frame in during) / 3
-    assert red >= 2 * others > 0
+    assert red >= times * others > 0
 
 
 @pytest.mark.parametrize("coordination", ["announce", "split"])
