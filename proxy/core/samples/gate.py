@@ -80,9 +80,14 @@ class Gate:
         use = appraisal.use(stream, sample)
         if not appraisal.look_for_room(now, stream, 0) or self._budget.lacking(now, use):
             return None
-        if self._budget.limits:
-            must = appraisal.owed(now, stream, sample)
-            self.decisions.count(Shortcut.OWED if must else Shortcut.UNNEEDED)
+        return self._send_unweighed(now, stream, sample, use, must=appraisal.owed(now, stream, sample))
+
+    def _send_unweighed(self, now: float, stream: Stream, sample: Waiting, use: Use, *, must: bool) -> Command:
+        """Send a sample that nothing speaks against: it `must` be sent, or there is room for all."""
+        if must:
+            self.decisions.count(Shortcut.OWED)
+        elif self._budget.limits:
+            self.decisions.count(Shortcut.UNNEEDED)
         return self.outcomes.send(now, stream, sample, use, "forwarded")
 
     def set_mode(self, now: float, mode: Mode) -> list[Command]:
@@ -166,22 +171,17 @@ class Gate:
             return self.outcomes.pass_on(sample.sample, "passed:no-spec")
         if self._view.subscribers.count(stream) == 0:
             return self._pass_unwanted(now, sample)
-        use, limits = self.appraisal.use(stream, sample), self._budget.limits
-        if limits and not self._view.subscribers.gaining(stream):
+        use = self.appraisal.use(stream, sample)
+        if self._budget.limits and not self._view.subscribers.gaining(stream):
             return self.outcomes.refuse(now, stream, sample, "dropped:once")
         must = self.appraisal.owed(now, stream, sample)
         if lacking := self._budget.lacking(now, use):
             if must:
                 self.decisions.count(Shortcut.UNKEPT)
             return self.outcomes.refuse(now, stream, sample, CONSTRAINT, lacking)
-        if must:
-            self.decisions.count(Shortcut.OWED)
-        elif not searching or self.appraisal.look_for_room(now, stream, len(self._inbox)):
-            if limits:
-                self.decisions.count(Shortcut.UNNEEDED)
-        else:
-            return self._weigh(now, stream, sample, use)
-        return self.outcomes.send(now, stream, sample, use, "forwarded")
+        if must or not searching or self.appraisal.look_for_room(now, stream, len(self._inbox)):
+            return self._send_unweighed(now, stream, sample, use, must=must)
+        return self._weigh(now, stream, sample, use)
 
     def _pass_unwanted(self, now: float, sample: Waiting) -> Command:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not say so yet."""

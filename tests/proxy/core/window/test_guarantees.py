@@ -100,6 +100,16 @@ def test_without_a_guarantee_the_poor_get_nothing(make_talk, specs_of):
     assert talk.core.status(20.0)["decisions"]["owed"] == 0
 
 
+def test_what_is_owed_is_counted_where_nothing_limits_it(make_talk, make_specs):
+    """Each sample of a stream that generates fewer than are guaranteed, though there is room for all."""
+    text = SPEC[SPEC.index("[[information_type]]") :].format(guarantee='min_rate = "8 Hz"')
+    talk = make_talk(make_specs(text=text))
+    talk.tell(ev.MatchingChanged(0.0, "robot/r1/poor", matching=True))
+    sent = published(talk, 10.0, ("poor",))
+    assert len(sent["poor"]) == 40
+    assert talk.core.status(10.0)["decisions"]["owed"] >= 30
+
+
 def test_what_the_limits_leave_no_room_for_is_counted(make_talk, specs_of):
     """A guarantee of more than the limit allows is kept as far as it goes."""
     talk = make_talk(specs_of('min_rate = "4 Hz"', limit=2.2))
