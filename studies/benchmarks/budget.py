@@ -22,8 +22,9 @@ from proxy.profiling.profile import Profile
 from proxy.profiling.request import Request
 from proxy.profiling.stages import STAGES
 from studies.benchmarks.report import Picture, Result, Table
+from studies.benchmarks.resources import private_memory, processor_time, resident_memory, threads
 from studies.benchmarks.traffic.agenda import draw
-from studies.benchmarks.traffic.flight import ROUTER, Flight, fly, processor_time
+from studies.benchmarks.traffic.flight import ROUTER, Flight, fly
 from studies.demo.layout import OPERATOR, Node, free_ports, lay_out, pairs
 from studies.demo.nodes import start_daemons, start_routers
 from studies.demo.processes import Process, Troupe
@@ -161,10 +162,8 @@ def _measured(process: Process, node: Node | None, seconds: float) -> Idle:
         with connected(node.app_endpoint) as client:
             profile = client.profile(OPERATOR, Request(seconds))
     spent = processor_time(process.pid) - before - (profile.own if profile else 0.0)
-    status = Path(f"/proc/{process.pid}/status").read_text().splitlines()
-    fields = {name: value for name, _, value in (line.partition(":") for line in status)}
-    resident, private = (1024 * int(fields[name].split()[0]) for name in ("VmRSS", "RssAnon"))
-    return Idle(spent / (time.monotonic() - began), int(fields["Threads"]), resident, private, profile)
+    core = spent / (time.monotonic() - began)
+    return Idle(core, threads(process.pid), resident_memory(process.pid), private_memory(process.pid), profile)
 
 
 def _samples(flights: dict[tuple[str, str], Flight], seconds: float) -> Table:

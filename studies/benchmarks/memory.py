@@ -1,13 +1,14 @@
 """Memory: what one search holds at most, and whether decisions leave anything behind."""
 
 import gc
+import os
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from pathlib import Path
 
 import planner
 from planner import Problem, Search, SearchSettings
 from studies.benchmarks.report import Table
+from studies.benchmarks.resources import private_memory
 from studies.benchmarks.speed import Team
 
 ITERATIONS = 10_000
@@ -34,8 +35,7 @@ def measure_memory(*, quick: bool) -> list[Table]:
 def resident() -> int:
     """Return the memory of this process that is in use [B]; raise OSError where the system does not tell."""
     gc.collect()
-    status = Path("/proc/self/status").read_text()
-    return next(int(line.split()[1]) for line in status.splitlines() if line.startswith("RssAnon")) * 1024
+    return private_memory(os.getpid())
 
 
 def _searches() -> Table:

@@ -1,7 +1,6 @@
 """What may stand between a publisher and a subscriber on one machine."""
 
 import json
-import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from studies.benchmarks.resources import private_memory, processor_time
 from studies.demo.layout import free_ports
 from studies.demo.processes import Process, Troupe
 
@@ -59,17 +59,11 @@ class Line:
 
     def processor_time(self) -> float:
         """Return the processor time that what is between has used so far [s]."""
-        if self.between is None:
-            return 0.0
-        fields = Path(f"/proc/{self.between.pid}/stat").read_text().rsplit(")", 1)[1].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        return 0.0 if self.between is None else processor_time(self.between.pid)
 
     def private_memory(self) -> float:
         """Return the memory that nobody shares with what is between [B]."""
-        if self.between is None:
-            return 0.0
-        lines = Path(f"/proc/{self.between.pid}/status").read_text().splitlines()
-        return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith("RssAnon"))
+        return 0.0 if self.between is None else float(private_memory(self.between.pid))
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from typing import Any
 from proxy.commands.client import connected
 from proxy.profiling.profile import Profile
 from proxy.profiling.request import SECONDS, Request
+from studies.benchmarks.resources import processor_time
 from studies.benchmarks.traffic.agenda import Agenda
 from studies.demo.layout import OPERATOR, Node, lay_out, pairs
 from studies.demo.nodes import start_daemons, start_routers
@@ -20,8 +21,6 @@ from studies.demo.processes import Process, Troupe
 
 PATIENCE = 30.0
 """How long a process may take to get ready [s]."""
-_CPU_CLOCK = 2
-"""The kind of clock in the lowest bits of its number: of a process, what the scheduler counts."""
 LEAD = 0.5
 """The applications are told the start time this long ahead [s]."""
 ROUTER = "router"
@@ -139,11 +138,6 @@ def _profile(node: Node, start: float, seconds: float) -> Profile:
     time.sleep(max(0.0, start - time.monotonic()))
     with connected(node.app_endpoint) as client:
         return client.profile(node.name, Request(min(seconds, SECONDS[1])))
-
-
-def processor_time(pid: int) -> float:
-    """Return what a process has taken of the processor up to now [s]."""
-    return time.clock_gettime(~pid << 3 | _CPU_CLOCK)
 
 
 def _status(node: Node) -> dict[str, Any]:
