@@ -13,7 +13,7 @@ class DaemonTuning:
     stop_time: float = 0.7
     """A stop may take this long [s]."""
     stop_wait: float = 0.15
-    """Of which each thread is waited for this long [s]."""
+    """Of which each thread is waited for this long, as it may be inside a call of Zenoh [s]."""
     farewell: float = 0.15
     """The routers of the app side have this long to take note of each other's end [s]."""
 

@@ -27,10 +27,10 @@ from proxy.bridge.rules import Rules
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.sides import Sides
 from proxy.bridge.silence import Silence, longest_silence
-from proxy.bridge.tuning import TUNING
 from proxy.config import Config
 from proxy.core.interface.events import CopyRefused, Event, SampleRefused
 from proxy.runtime import LiveRuntime
+from proxy.tuning import TUNING
 
 
 @dataclass(frozen=True, slots=True)

@@ -142,8 +142,6 @@ class BridgeTuning:
     """A daemon that starts listens for this long for another one of its name [s]."""
     order_wait: float = 5.0
     """The other robots have this long to answer an order [s]."""
-    stop_wait: float = 0.15
-    """Closing waits this long for a thread that is inside a call of Zenoh [s]."""
 
 
 TUNING = BridgeTuning()

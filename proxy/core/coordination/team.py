@@ -2,11 +2,11 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
-from proxy.core.model.limits import Limit, changes_plans, shortest_window, use_of
+from proxy.core.model.limits import Limit, changes_plans, exceeds, shortest_window, use_of
 from proxy.core.model.transport import is_broadcast
 from proxy.core.protocol.messages import Digest
 from proxy.core.view.view import SharedView
@@ -15,7 +15,7 @@ from proxy.core.view.view import SharedView
 class Team:
     """Each robot votes, in its digests, for a split when it finds that one is due; one vote is enough."""
 
-    def __init__(self, view: SharedView, now: float = 0.0) -> None:
+    def __init__(self, view: SharedView, now: float) -> None:
         self._view, self._began = view, now
         self.strict = view.settings.coordination == "split"
         """Whether an operator wants the team to split whatever it votes for."""
@@ -134,7 +134,7 @@ class Team:
         # would reach 0 to 5 % less at 20 ms, and 16 to 24 % less where 30 % of all that is broadcast is lost.
         apt = all(limit.least >= 1.0 for limit in limits) and not is_broadcast(self._view.settings.transport)
         begins = apt and not self.rhythms_known and not self._others_plan_for_all()
-        self.undecided = begins and all(_is_small(use, limits) for _, use in uses)
+        self.undecided = begins and not any(exceeds(TUNING.seldom_size, use, limits) for _, use in uses)
         if not (own and known and apt):
             self.seldom = False
             return
@@ -146,7 +146,8 @@ class Team:
         asked = [sum(use[k] * c.window / period for _, period, use in large) / c.limit for k, c in enumerate(limits)]
         least = TUNING.seldom_period * shortest_window(limits)
         self.seldom = max(asked, default=0.0) > 1.0 and all(
-            kind != MEMORYLESS and period >= least and _is_small(use, limits) for kind, period, use in large
+            kind != MEMORYLESS and period >= least and not exceeds(TUNING.seldom_size, use, limits)
+            for kind, period, use in large
         )
 
     def _others_plan_for_all(self) -> bool:
@@ -159,10 +160,3 @@ class Team:
         known = {stream.robot for stream in self._view.streams}
         new = (peer for peer in self._view.peers.values() if peer.robot not in known and not peer.plain)
         return {peer.robot for peer in new if any(self._view.specs.planned(key) for key in peer.told)}
-
-
-def _is_small(use: Sequence[float], limits: tuple[Limit, ...]) -> bool:
-    """Whether a message is so small a part of each limit that robots share that several fit."""
-    return all(
-        amount <= TUNING.seldom_size * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared
-    )

@@ -22,8 +22,8 @@ class CoordinationTuning:
     seldom_size: float = 0.2
     """... and are no larger a part of a limit: a team splits then, whatever news take. Each planning for all, ten
     robots with equal messages of 1 Hz reached 92 to 97 % of a central decider at 20 to 300 ms (unicast, 0 to 9 % of
-    windows over), and 50 to 81 at 1 s, where they changed over (15 to 21 % over); now 95 to 99 and 87 to 92 (0 to 1.4 %
-    over)."""
+    windows over), and 50 to 81 at 1 s, where they changed over (15 to 21 % over); now 95 to 100 (0 to 1.4 % over) and
+    85 to 92 (1.4 to 5.3)."""
     rhythm_time: float = 1.5
     """Who begins splits until it knows how often its large samples come: so long at most [s]."""
     dear_time: float = 2.0

@@ -28,8 +28,8 @@ class Gossip:
         self._view = view
         self._coordination = coordination
         # Before parts are agreed on nobody sends: the first agreement may use what samples leave.
-        saved = TUNING.first_parts_savings
-        self.budget = DigestBudget(now, zlib.crc32(view.settings.zid.encode()) / 2**32, saved)
+        turn = zlib.crc32(view.settings.zid.encode()) / 2**32
+        self.budget = DigestBudget(now, turn, TUNING.first_parts_savings)
         self.account = Account(view, limits, self.budget)
         self.announcements = Announcements(view, coordination, limits, self.account, self.budget)
         self.states = StateAnnouncements(

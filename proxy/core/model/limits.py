@@ -79,7 +79,12 @@ def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = Tru
 
 def changes_plans(use: Sequence[float], limits: Iterable[Limit]) -> bool:
     """Whether so much of the limits is used that all others have to hear of it at once."""
-    return any(amount > TUNING.large * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared)
+    return exceeds(TUNING.large, use, limits)
+
+
+def exceeds(part: float, use: Sequence[float], limits: Iterable[Limit]) -> bool:
+    """Whether more than this part is used of a limit that robots share."""
+    return any(amount > part * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared)
 
 
 def longest_window(limits: Iterable[Constraint]) -> float:
