@@ -16,8 +16,12 @@ def others() -> list[int]:
 
 
 def names(natives: list[int]) -> dict[int, str]:
-    """Return the names of threads that are there: what Python calls its own, what the kernel calls others."""
-    ours = {thread.native_id: thread.name for thread in threading.enumerate()}
+    """Return the names of threads that are there: what Python calls those it started, what the kernel calls others.
+
+    A thread of Zenoh that asked Python in a callback which thread it is, as logging does, is a dummy there for good.
+    """
+    known = threading.enumerate()
+    ours = {each.native_id: each.name for each in known if not isinstance(each, threading._DummyThread)}  # noqa: SLF001
     found = {}
     for native in natives:
         try:
