@@ -74,7 +74,7 @@ qualify: setup
 # Locks the dependencies of all platforms with their hashes; needs uv on the PATH.
 lock:
 	uv pip compile --quiet --universal --generate-hashes --python-version 3.11 --no-emit-index-url --no-header \
-	    --no-annotate --no-strip-extras --extra study --extra ros2 --group dev --output-file requirements.lock pyproject.toml
+	    --no-annotate --no-strip-extras --all-extras --group dev --output-file requirements.lock pyproject.toml
 
 clean:
 	rm -rf .venv build dist
