@@ -25,6 +25,10 @@ class Counts:
         """The sample was approved for `reason`; it stays queued until it is handed over."""
         self._queued[sample] = self._queued[sample][0], reason
 
+    def approved(self, sample: int) -> str:
+        """Return why a sample that is queued was approved; nothing if it is not."""
+        return self._queued[sample][1]
+
     def hand(self, sample: int) -> str:
         """The mesh session took the sample; return its key."""
         key, reason = self._queued.pop(sample)

@@ -1,0 +1,1 @@
+"""What Sendworthy does, or would have done, with recorded traffic: `sendworthy replay`."""

@@ -1,0 +1,93 @@
+"""Policies that do not plan as the daemon does, flown over recorded traffic for comparison."""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+from planner import Message, Problem, Receiver, Step, Stream
+from studies.central import CentralDecider, Policy
+from studies.policies import FixedRate, by_rank, filling_interval, send_all, whenever_it_fits
+from studies.replay.mission import Mission, features_of
+from studies.replay.outcomes import Columns, Outcomes
+from studies.replay.samples import Fate, Sample, Told
+
+PLANNER = "planner"
+"""The daemon's own: the policy that is no other."""
+AHEAD = 60
+"""So many samples are known to a policy that looks ahead."""
+WORTHLESS = Step(1.0, 1.0)
+"""The utility of what no spec covers; it counts for nobody."""
+
+
+class Offered(NamedTuple):
+    """A policy to compare: `fresh` makes it for a mission, and it knows so many samples, with the one to decide."""
+
+    help: str
+    fresh: Callable[[Problem], Policy]
+    known: int = 1
+
+
+POLICIES = {
+    "fits": Offered("whatever fits when it comes", lambda _: whenever_it_fits),
+    "fixed-rate": Offered(
+        "each stream at most so often that all fits on average", lambda m: FixedRate(filling_interval(m))
+    ),
+    "rank": Offered(f"what is worth most by the byte of the next {AHEAD} samples, which it knows", lambda _: by_rank, AHEAD),
+    "all": Offered("everything, whatever the limits are", lambda _: send_all),
+}
+"""By name."""
+
+
+def enter_all(mission: Mission, told: Iterator[Told], origin: float) -> Outcomes:
+    """Take in all samples, of which nothing is decided yet; times count from `origin` [s]."""
+    outcomes, numbers, last = Outcomes(mission), dict[tuple[str, int], int](), 0.0
+    for each in told:
+        if isinstance(each, Fate):
+            number = numbers.pop((each.robot, each.number), None)
+            if number is not None:
+                outcomes.note_recorded(number, each.reason)
+        elif isinstance(each, Sample):
+            last = max(last, each.t - origin)
+            stream = outcomes.stream(each.robot, each.key)
+            covering = outcomes.streams[stream].covering
+            features = {} if covering is None else features_of(covering, each)
+            age = max(0.0, each.t - each.t_gen)
+            placed = Sample(each.robot, each.key, last, last - age, each.size)
+            numbers[each.robot, each.number] = outcomes.enter(placed, stream, features)
+    return outcomes
+
+
+def fly(outcomes: Outcomes, name: str, end: float, progress: Callable[[float], object]) -> None:
+    """Let a policy decide everything that was taken in, by `end` [s]; it sends at once."""
+    columns, offered = outcomes.columns(), POLICIES[name]
+    problem = _problem(outcomes, columns, end)
+    policy, decider = offered.fresh(problem), CentralDecider(problem, offered.known)
+    for index in range(len(columns.t)):
+        stream, t = outcomes.streams[int(columns.stream[index])], float(columns.t[index])
+        if stream.planned and not policy(decider.window(index)):
+            outcomes.settle(index, f"dropped:{name}")
+        else:
+            decider.send(index)
+            arrival = t + outcomes.mission.latency + float(columns.size[index]) / outcomes.mission.rate
+            outcomes.send(index, t, arrival, "forwarded" if stream.planned else "passed")
+        progress(t)
+
+
+def _problem(outcomes: Outcomes, columns: Columns, end: float) -> Problem:
+    mission, streams = outcomes.mission, outcomes.streams
+    messages = []
+    for index in range(len(columns.t)):
+        number, t = int(columns.stream[index]), float(columns.t[index])
+        stream = streams[number]
+        worth = WORTHLESS if stream.covering is None else outcomes.utility(int(columns.worth[index]))
+        use = mission.use(int(columns.size[index]), stream.robot)
+        t_gen = float(columns.t_gen[index])
+        messages.append(Message(number, t_gen, t, t + mission.latency, worth, float(columns.scale[index]), use))
+    return Problem(
+        tuple(Stream(s.robot, s.aggregation, () if s.covering is None else (Receiver(),)) for s in streams),
+        tuple(messages),
+        0,
+        tuple(limit.constraint for limit in mission.limits),
+        (),
+        t_start=0.0,
+        t_end=end,
+    )
