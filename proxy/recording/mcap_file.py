@@ -137,11 +137,13 @@ class McapFile:
         self._chunks.append((record, {channel: len(found) // 2 for channel, found in places.items()}, fresh))
 
     def take_back(self) -> bool:
-        """Forget the chunk that was written last, so that there is room where it stands; whether there is one.
+        """Forget the chunk that was written last, so that there is room where it stands; whether that can be.
+
+        The first one stays.
 
         What is lost then is the caller's to note.
         """
-        if not self._chunks:
+        if len(self._chunks) < 2:
             return False
         record, _, schemas = self._chunks.pop()
         self._fresh[:0] = schemas

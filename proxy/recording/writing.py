@@ -38,7 +38,7 @@ _EXTRA: dict[str, dict[str, Any]] = {
 class RecordingWriter:
     """Writes a recording that begins with `start`; raises FileExistsError, or OSError, as all that it does may.
 
-    What is written comes to the file chunk by chunk, at the latest with `flush` and `close`.
+    What is written comes to the file with `flush`, which makes a chunk of it, and `close`; traffic chunk by chunk.
     """
 
     def __init__(self, path: Path, start: Start) -> None:
@@ -54,15 +54,20 @@ class RecordingWriter:
         """Bytes of the file so far, those in hand included."""
         return self._file.size
 
+    @property
+    def pending(self) -> int:
+        """Bytes in hand, not compressed."""
+        return self._file.pending
+
     def specs(self, specs: SpecsText, now: float = 0.0) -> None:
         """Write specs, before the first event under them."""
         self._entry(SPECS, specs, now)
 
-    def happened(self, event: Event, commands: tuple[dict[str, Any], ...] = (), fault: str = "") -> None:
-        """Write the next event, the commands that followed (as `described`), or the fault that it made."""
+    def happened(self, event: Event, commands: tuple[Command | dict[str, Any], ...] = (), fault: str = "") -> None:
+        """Write the next event, the commands that followed (or what `described` says of them), or the fault that it made."""
         data = plain(event)
         if commands:
-            data["commands"] = commands
+            data["commands"] = [each if isinstance(each, dict) else described(each) for each in commands]
         if fault:
             data["fault"] = fault
         name = type(event).__name__
@@ -74,6 +79,8 @@ class RecordingWriter:
     def traffic(self, traffic: Traffic) -> None:
         """Write a sample of a recording of mere traffic."""
         self._entry(TRAFFIC, traffic, traffic.t_gen)
+        if self.pending >= TUNING.chunk:
+            self.flush()
 
     def payload(self, payload: Payload, encoding: str, now: float) -> None:
         """Write a payload as it was, on a channel of its key; `encoding` is what Zenoh says of it."""
@@ -88,13 +95,17 @@ class RecordingWriter:
         self._file.add(channel, payload.sample, at, at, payload.data)
 
     def gap(self, gap: Gap, now: float) -> None:
-        """Say what is missing; the next event is the one after it."""
+        """Say what is missing; the next event is the one after it. Before the first one it says so in `first`."""
         self._entry(GAP, gap, now)
         self.number = gap.first + gap.events
 
     def flush(self) -> None:
         """Bring to the file what is in hand."""
         self._file.flush()
+
+    def take_back(self) -> bool:
+        """Give up the chunk that was written last, so that there is room for a word; whether there was one."""
+        return self._file.take_back()
 
     def close(self, reason: str, now: float = 0.0) -> None:
         """Write what is in hand, that the file ends here, and its summary."""
@@ -125,8 +136,6 @@ class RecordingWriter:
     def _add(self, channel: int, now: float, data: bytes) -> None:
         at = self._nanoseconds(now)
         self._file.add(channel, self.number, at, at, data)
-        if self._file.pending >= TUNING.chunk:
-            self._file.flush()
 
     def _nanoseconds(self, now: float) -> int:
         """Return the wall time of a time in the recording [ns]."""

@@ -1,1 +1,1 @@
-"""What Sendworthy does, or would have done, with recorded traffic: `sendworthy replay`."""
+"""Recordings driven through the core once more: as they were, and as they would have been."""

@@ -1,0 +1,203 @@
+"""Writes what a daemon records, into one file after the other. Where nothing can be written it counts what is missing.
+
+Only the recorder's thread is in here. Needs the extra `record`.
+"""
+
+import logging
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+from proxy import clock
+from proxy.bridge.payloads import Content
+from proxy.core.interface.events import Event, SamplePublished, SpecsChanged
+from proxy.recording.entries import Payload, SpecFile, SpecsText, Start
+from proxy.recording.folder import RecordingFolder
+from proxy.recording.missing import Missing
+from proxy.recording.tuning import TUNING
+from proxy.recording.writing import RecordingWriter
+from utility_specs import Specs
+
+log = logging.getLogger(__name__)
+
+
+class Taken(NamedTuple):
+    """An event that the core took in, and what came of it."""
+
+    number: int
+    event: Event
+    commands: tuple[Any, ...]
+    fault: str
+    payload: Content | None = None
+
+
+@dataclass(slots=True)
+class Written:
+    """What was recorded so far."""
+
+    file: str = ""
+    files: int = 0
+    bytes: int = 0
+    """Of all files."""
+    missing: int = 0
+    problem: str = ""
+    """Why nothing is recorded at the moment."""
+
+
+class Output:
+    """Writes items in their order. `start` is what a file begins with, but for its first number."""
+
+    def __init__(self, start: Start, specs: Specs, folder: RecordingFolder, file_bytes: int) -> None:
+        self._start = start
+        self._specs = specs
+        self._folder = folder
+        self._file_bytes = file_bytes
+        self._writer: RecordingWriter | None = None
+        self._number = start.number
+        self._now = start.now
+        self._in_hand = Missing()
+        """What is in the writer, but in no file yet: missing, should it not come there."""
+        self._last = Missing()
+        """What is in the chunk that was written last."""
+        self._missing = Missing()
+        self._retry_at = 0.0
+        self._closed_bytes = 0
+        self.written = Written()
+
+    def open(self) -> None:
+        """Open the first file."""
+        self._try(self._begin)
+
+    def add(self, item: Taken | Missing) -> None:
+        """Take in what comes next."""
+        if isinstance(item, Missing):
+            self._lacks(item)
+            return
+        self._number, self._now = item.number + 1, item.event.now
+        if isinstance(item.event, SpecsChanged):
+            self._specs = item.event.specs
+        if self._missing or self._writer is None:
+            _count(self._missing, item)
+            self.written.missing += 1
+            return
+        _count(self._in_hand, item)
+        writer = self._writer
+        if self._try(lambda: self._write(writer, item)) and writer.pending >= TUNING.chunk:
+            self.flush()
+
+    def flush(self) -> None:
+        """Bring to the file what is in hand, and say there what is missing; begin another file where it is time."""
+        if self._missing or self._writer is None:
+            self._recover()
+        elif self._try(self._writer.flush):
+            self._settle()
+        if self._writer is None:
+            return
+        self.written.bytes = self._closed_bytes + self._writer.size
+        if self._writer.size >= self._file_bytes and not self._missing:
+            self._end("rotated")
+            self._try(self._begin)
+
+    def close(self, reason: str) -> None:
+        """Write all that is in hand, and close the file. On a full disk the last chunk makes room to say so."""
+        self._retry_at = 0.0
+        self.flush()
+        if self._writer is not None:
+            if self._missing and self._writer.take_back():
+                self._last.follow(self._missing)
+                self._last.reason = self._missing.reason
+                self._writer.gap(self._last.gap(self._number), self._now)
+            self._end(reason)
+
+    def _end(self, reason: str) -> None:
+        """Close the file; where there is no room for its end it does without."""
+        if self._writer is not None:
+            with suppress(OSError):
+                self._writer.close(reason, self._now)
+            self._closed_bytes += self._writer.size
+            self.written.bytes = self._closed_bytes
+            self._writer = None
+
+    def _begin(self) -> None:
+        """Open the next file. Raises OSError."""
+        whole = self._number == self._start.number and self._start.whole
+        start = replace(self._start, number=self._number, whole=whole, generation=self._specs.generation)
+        start = start if whole else replace(start, now=self._now)
+        path = self._folder.next(self._file_bytes)
+        self._writer = RecordingWriter(path, start)
+        self._writer.specs(text_of(self._specs), self._now)
+        self.written.file = str(path)
+        self.written.files += 1
+
+    def _write(self, writer: RecordingWriter, item: Taken) -> None:
+        if isinstance(item.event, SpecsChanged):
+            writer.specs(text_of(item.event.specs), self._now)
+        if item.payload is not None and isinstance(item.event, SamplePublished):
+            data, encoding = item.payload.read()
+            writer.payload(Payload(item.event.sample, item.event.key, data), encoding, self._now)
+        writer.happened(item.event, item.commands, item.fault)
+
+    def _lacks(self, other: Missing) -> None:
+        """Note that what comes next is missing."""
+        self._number += other.events
+        self.written.missing += other.events
+        if self._missing or self._writer is None:
+            self._missing.follow(other)
+            return
+        self._in_hand.follow(other)
+        self._writer.gap(other.gap(self._number), self._now)
+
+    def _try(self, write: Callable[[], object]) -> bool:
+        """Write; whether that went well. If not, all that was in hand is missing."""
+        try:
+            write()
+        except OSError as error:
+            self._fail(error)
+            return False
+        return True
+
+    def _fail(self, error: OSError) -> None:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        if self.written.problem != reason:
+            log.error("recording: %s; the record says what is missing", reason)
+        self.written.problem = reason
+        self.written.missing += self._in_hand.events
+        self._missing.follow(self._in_hand)
+        self._missing.reason = reason
+        self._in_hand = Missing()
+        self._retry_at = clock.monotonic() + TUNING.retry
+
+    def _recover(self) -> None:
+        """Try again to write, first of all what is missing."""
+        if clock.monotonic() < self._retry_at or not self._try(self._go_on):
+            return
+        if self.written.problem:
+            log.warning("recording goes on; %d events are missing", self._missing.events)
+        self.written.problem = ""
+        self._last, self._missing = self._missing, Missing()
+
+    def _go_on(self) -> None:
+        if self._writer is None:
+            self._begin()
+        if self._writer is not None:
+            if self._missing:
+                self._writer.gap(self._missing.gap(self._number), self._now)
+            self._writer.flush()
+
+    def _settle(self) -> None:
+        """What was in hand is in the file."""
+        if self._in_hand:
+            self._last, self._in_hand = self._in_hand, Missing()
+
+
+def _count(missing: Missing, item: Taken) -> None:
+    missing.event(item.number, item.event)
+    if item.payload is not None:
+        missing.payload()
+
+
+def text_of(specs: Specs) -> SpecsText:
+    """Return specs as they were written."""
+    return SpecsText(specs.generation, tuple(SpecFile(name, text) for name, text in specs.texts))
