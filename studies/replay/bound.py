@@ -86,8 +86,8 @@ def bound(outcomes: Outcomes, columns: Columns, borders: Floats, progress: Progr
 def relaxed(limit: Limit, wait: float, largest: float) -> Constraint:
     """Return what holds of samples by when they are published, where each is sent within `wait` [s] from then on.
 
-    `largest` is the most that a sample uses of the limit. What is published within W − wait is sent within W; of several
-    windows as one the first may hold a sample that exceeds the limit.
+    `largest` is the most that a sample uses of the limit. What is published within W − wait is sent within W. Of
+    several windows as one the first may hold a sample that exceeds the limit.
     """
     window, most = limit.measure.window, limit.measure.limit
     windows = 1 if wait <= SHORT * window else math.ceil(wait / (SHORT * window))
@@ -156,7 +156,9 @@ class _Pieces:
         planned = np.array([stream.planned for stream in self._outcomes.streams], dtype=np.bool_)
         sent = columns.sent & planned[columns.stream]
         wait = float((columns.t_sent - columns.t)[sent].max(initial=0.0))
-        sizes = {(int(s), self._outcomes.streams[int(k)].robot) for s, k in zip(columns.size, columns.stream, strict=True)}
+        sizes = {
+            (int(s), self._outcomes.streams[int(k)].robot) for s, k in zip(columns.size, columns.stream, strict=True)
+        }
         largest = np.max([mission.use(*each) for each in sizes], axis=0) if sizes else np.zeros(len(mission.limits))
         return tuple(relaxed(limit, wait, float(most)) for limit, most in zip(mission.limits, largest, strict=True))
 
@@ -195,7 +197,7 @@ class _Pieces:
         return Message(number, t, t, t_rcv, worth, float(columns.scale[index]), use, sent)
 
     def _added(self, index: int, use: tuple[float, ...], end: float) -> Message:
-        """Return a sample that adds to others as one that is worth in its piece what it is worth up to the end of all."""
+        """Return a sample that adds to others: it is worth within its piece what it is worth up to the end of all."""
         t, number = float(self._columns.t[index]), int(self._columns.stream[index])
         last = float(self._borders[-1])
         arrival = min(t + self._mission.latency, last)
@@ -213,6 +215,4 @@ class _Pieces:
                 continue
             known = np.concatenate((self._carried.get(number, here[:0]), here[by_stream == number]))
             there = columns.t[known] + self._mission.latency <= end
-            self._carried[number] = np.concatenate(
-                (undominated(self._outcomes, columns, known[there]), known[~there])
-            )
+            self._carried[number] = np.concatenate((undominated(self._outcomes, columns, known[there]), known[~there]))

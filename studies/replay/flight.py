@@ -11,7 +11,7 @@ from planner.utility import Floats
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide, Drop, Forward
 from proxy.core.model.settings import CoreSettings
-from studies.replay.mission import Mission, features_of
+from studies.replay.mission import Mission
 from studies.replay.outcomes import Outcomes
 from studies.replay.samples import Fate, Passed, Sample, Told
 from studies.simulation.medium import Medium
@@ -47,7 +47,6 @@ class Flight(Team):
         """When the last sample was published [s since the first]."""
         self._told = told
         self._shift = LEAD - origin
-        self._recorded: dict[tuple[str, int], int] = {}
         self._beside: list[tuple[float, int]] = []
         self._over = False
 
@@ -71,9 +70,7 @@ class Flight(Team):
         """Put the next sample down for its time."""
         for told in self._told:
             if isinstance(told, Fate):
-                number = self._recorded.pop((told.robot, told.number), None)
-                if number is not None:
-                    self.outcomes.note_recorded(number, told.reason)
+                self.outcomes.note(told)
                 continue
             at = max(t, told.t + self._shift)
             self.end = at - LEAD
@@ -98,15 +95,10 @@ class Flight(Team):
         self._feed(member, t, ev.SamplesPassed(member.now(t), "passed:no-spec", passed.count, passed.size))
 
     def _sample(self, sample: Sample, t: float) -> None:
-        member, outcomes = self.members[sample.robot], self.outcomes
-        age = max(0.0, sample.t - sample.t_gen)
-        placed = Sample(sample.robot, sample.key, t - LEAD, t - LEAD - age, sample.size)
-        stream = outcomes.stream(sample.robot, sample.key)
-        covering = outcomes.streams[stream].covering
-        features = {} if covering is None else features_of(covering, sample)
-        number = outcomes.enter(placed, stream, features)
-        self._recorded[sample.robot, sample.number] = number
-        frame = Frame(sample.robot, sample.key, t, sample.size, features)
+        member = self.members[sample.robot]
+        number, features = self.outcomes.enter(sample, t - LEAD)
+        covering = self.outcomes.of(number).covering
+        frame = Frame(sample.robot, sample.key, t, sample.size, dict(features))
         now = member.now(t)
         if covering is None or not covering.planned:
             reason = "passed:no-spec" if covering is None else "passed:bypass" if covering.bypass else "passed:mode"
@@ -114,6 +106,7 @@ class Flight(Team):
             self._feed(member, t, ev.SamplesPassed(now, reason, 1, sample.size))
             return
         member.frames[number] = frame
+        age = max(0.0, sample.t - sample.t_gen)
         published = ev.SamplePublished(now, number, sample.key, sample.size, now - age, None, 5, features)
         self._feed(member, t, published)
 

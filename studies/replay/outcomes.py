@@ -1,16 +1,18 @@
 """What became of every sample, column by column: some fifty bytes for each, however large its payload was."""
 
 from array import array
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from planner import Aggregation, AggregationModel, MessageUtility
 from planner.utility import Flags, Floats, Ints
-from studies.replay.mission import UNCOVERED, Mission, utility_of, worth_key
-from studies.replay.samples import Sample
+from studies.replay.mission import UNCOVERED, Mission, features_of, lacking, utility_of, worth_key
+from studies.replay.samples import Fate, Sample
 from utility_specs import InformationType
 
 NOT = float("nan")
@@ -76,6 +78,10 @@ class Outcomes:
         self.reasons: list[str] = [UNDECIDED]
         self.seconds: dict[str, list[float]] = {}
         """By type what the searches for its samples took together [s], and how many there were."""
+        self.lacking: Counter[str] = Counter()
+        """Of how many samples a feature, by type and name, was not recorded."""
+        self._numbers: dict[tuple[str, int], int] = {}
+        """Samples whose fate is not told yet, by robot and their number there."""
         self._robots = {robot: number for number, robot in enumerate(mission.robots)}
         self._places: dict[tuple[str, str], int] = {}
         self._worths: dict[tuple[int, tuple[tuple[str, float], ...]], int] = {}
@@ -94,19 +100,28 @@ class Outcomes:
             self.streams.append(StreamOf(self._robots[robot], key, self.mission.specs.match(key)))
         return place
 
-    def enter(self, sample: Sample, stream: int, features: Mapping[str, float]) -> int:
-        """Take in a sample of a stream with its features; return its number."""
+    def enter(self, sample: Sample, t: float) -> tuple[int, Mapping[str, float]]:
+        """Take in a sample that is published at `t` [s since the first]; return its number and its features."""
+        stream = self.stream(sample.robot, sample.key)
         covering = self.streams[stream].covering
-        scale, key = 0.0, ()
+        features: Mapping[str, float] = {}
+        scale, key = 0.0, tuple[tuple[str, float], ...]()
         if covering is not None:
+            features = features_of(covering, sample)
             scale, key = covering.scale(features), worth_key(covering, features)
+            self.lacking.update(f"{covering.name}.{name}" for name in lacking(covering, sample))
         worth = self._worths.setdefault((stream, key), len(self._worths))
-        numbers = {"t": sample.t, "t_gen": min(sample.t_gen, sample.t), "t_sent": NOT, "t_rcv": NOT, "scale": scale}
-        for name, number in numbers.items():
+        t_gen = t - max(0.0, sample.t - sample.t_gen)
+        for name, number in {"t": t, "t_gen": t_gen, "t_sent": NOT, "t_rcv": NOT, "scale": scale}.items():
             self._floats[name].append(number)
         for name, whole in {"size": sample.size, "stream": stream, "worth": worth, "fate": 0, "recorded": 0}.items():
             self._ints[name].append(whole)
-        return len(self) - 1
+        self._numbers[sample.robot, sample.number] = len(self) - 1
+        return len(self) - 1, features
+
+    def of(self, number: int) -> StreamOf:
+        """Return the stream of a sample."""
+        return self.streams[self._ints["stream"][number]]
 
     def send(self, number: int, t: float, arrival: float, reason: str) -> None:
         """The sample was sent at `t` [s], and arrives."""
@@ -117,13 +132,16 @@ class Outcomes:
         """Note what became of a sample."""
         self._ints["fate"][number] = self._reason(reason)
 
-    def note_recorded(self, number: int, reason: str) -> None:
-        """Note what became of a sample when it was recorded."""
-        self._ints["recorded"][number] = self._reason(reason)
+    def note(self, fate: Fate) -> int | None:
+        """Note what became of a sample when it was recorded; return its number if it is known."""
+        number = self._numbers.pop((fate.robot, fate.number), None)
+        if number is not None:
+            self._ints["recorded"][number] = self._reason(fate.reason)
+        return number
 
     def searched(self, number: int, seconds: float) -> None:
         """A search for the sample took so long."""
-        took = self.seconds.setdefault(self.streams[self._ints["stream"][number]].type_name, [0.0, 0])
+        took = self.seconds.setdefault(self.of(number).type_name, [0.0, 0])
         took[0] += seconds
         took[1] += 1
 
@@ -139,9 +157,8 @@ class Outcomes:
 
     def columns(self) -> Columns:
         """Return everything taken in so far."""
-        floats = {name: np.array(values, dtype=np.float64) for name, values in self._floats.items()}
-        ints = {name: np.array(values, dtype=np.int64) for name, values in self._ints.items()}
-        return Columns(**floats, **ints)
+        arrays: dict[str, Any] = {name: np.array(values) for name, values in (self._floats | self._ints).items()}
+        return Columns(**arrays)
 
     def _reason(self, reason: str) -> int:
         if reason not in self.reasons:

@@ -6,6 +6,7 @@ up, it is what those are worth that were generated in it, up to the end of all.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -120,7 +121,7 @@ class Gains:
 
     def _by_piece(self, times: Floats, worth: Floats) -> Floats:
         place = np.clip(np.searchsorted(self.borders, times, side="right") - 1, 0, len(self.borders) - 2)
-        return np.bincount(place, worth, minlength=len(self.borders) - 1)
+        return np.bincount(place, worth, minlength=len(self.borders) - 1).astype(np.float64)
 
 
 def undominated(outcomes: Outcomes, columns: Columns, samples: Ints) -> Ints:
@@ -148,7 +149,7 @@ def falls(outcomes: Outcomes, worth: int) -> bool:
     ages = getattr(found, "points", None)
     if ages is not None:
         values = [value for _, value in ages]
-        return all(later <= earlier for earlier, later in zip(values, values[1:], strict=False))
+        return all(later <= earlier for earlier, later in pairwise(values))
     return type(found).__name__ != "Custom"
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from planner import Message, Problem, Receiver, Step, Stream
 from studies.central import CentralDecider, Policy
 from studies.policies import FixedRate, by_rank, filling_interval, send_all, whenever_it_fits
-from studies.replay.mission import Mission, features_of
+from studies.replay.mission import Mission
 from studies.replay.outcomes import Columns, Outcomes
 from studies.replay.samples import Fate, Sample, Told
 
@@ -31,7 +31,9 @@ POLICIES = {
     "fixed-rate": Offered(
         "each stream at most so often that all fits on average", lambda m: FixedRate(filling_interval(m))
     ),
-    "rank": Offered(f"what is worth most by the byte of the next {AHEAD} samples, which it knows", lambda _: by_rank, AHEAD),
+    "rank": Offered(
+        f"what is worth most by the byte of the next {AHEAD} samples, which it knows", lambda _: by_rank, AHEAD
+    ),
     "all": Offered("everything, whatever the limits are", lambda _: send_all),
 }
 """By name."""
@@ -39,20 +41,13 @@ POLICIES = {
 
 def enter_all(mission: Mission, told: Iterator[Told], origin: float) -> Outcomes:
     """Take in all samples, of which nothing is decided yet; times count from `origin` [s]."""
-    outcomes, numbers, last = Outcomes(mission), dict[tuple[str, int], int](), 0.0
+    outcomes, last = Outcomes(mission), 0.0
     for each in told:
         if isinstance(each, Fate):
-            number = numbers.pop((each.robot, each.number), None)
-            if number is not None:
-                outcomes.note_recorded(number, each.reason)
+            outcomes.note(each)
         elif isinstance(each, Sample):
             last = max(last, each.t - origin)
-            stream = outcomes.stream(each.robot, each.key)
-            covering = outcomes.streams[stream].covering
-            features = {} if covering is None else features_of(covering, each)
-            age = max(0.0, each.t - each.t_gen)
-            placed = Sample(each.robot, each.key, last, last - age, each.size)
-            numbers[each.robot, each.number] = outcomes.enter(placed, stream, features)
+            outcomes.enter(each, last)
     return outcomes
 
 

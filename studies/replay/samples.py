@@ -26,11 +26,16 @@ class Sample:
 
 @dataclass(frozen=True, slots=True)
 class Fate:
-    """What became of the sample with this number of a robot when it was recorded: `SENT`, or why it was dropped."""
+    """What became at `t` [s] of the sample with this number of a robot: `SENT`, or why it was dropped.
+
+    `seconds` is what the search for it took; None: there was none.
+    """
 
     robot: str
     number: int
     reason: str
+    t: float
+    seconds: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

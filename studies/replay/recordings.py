@@ -1,0 +1,107 @@
+"""What recordings hold, as samples in the order of their times; files are read entry by entry, never whole."""
+
+import heapq
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from proxy.core.interface.events import DecisionReady, SamplePublished, SamplesPassed
+from proxy.recording.entries import Entry, Happened, Payload, SpecsText, Start, Traffic
+from proxy.recording.errors import RecordingError
+from proxy.recording.reading import RecordingReader
+from studies.replay.errors import ReplayError
+from studies.replay.samples import SENT, Fate, Passed, Sample, Told
+
+
+@dataclass(slots=True)
+class Survey:
+    """What a first look found: samples of each robot, the time of the first and of the last one [s], and `problems`."""
+
+    samples: Counter[str] = field(default_factory=Counter)
+    first: float = float("inf")
+    last: float = -float("inf")
+    superseded: int = 0
+    """Samples that gave way before the core was told of them."""
+    specs: SpecsText | None = None
+    """Those in force at the beginning."""
+    problems: list[str] = field(default_factory=list)
+
+    @property
+    def seconds(self) -> float:
+        """From the first sample to the last [s]."""
+        return max(0.0, self.last - self.first)
+
+
+class Recordings:
+    """Some files, read as one recording. Raises ReplayError where one cannot be read at all."""
+
+    def __init__(self, paths: Sequence[Path]) -> None:
+        self.paths = tuple(paths)
+        try:
+            self.starts: tuple[Start, ...] = tuple(RecordingReader(path).start for path in paths)
+        except RecordingError as error:
+            raise ReplayError(str(error)) from None
+
+    def survey(self) -> Survey:
+        """Look at everything once. Raises ReplayError where nothing was published."""
+        found = Survey()
+        for path in self.paths:
+            reader = RecordingReader(path)
+            self._look(found, reader)
+            found.problems += reader.problems
+        if not found.samples:
+            raise ReplayError(f"{', '.join(map(str, self.paths))}: no sample was published in it")
+        return found
+
+    def told(self, robots: Collection[str]) -> Iterator[Told]:
+        """Yield what is told of some robots, in the order of the times of all files [s, wall time]."""
+        readers = (self._timed(path, robots) for path in self.paths)
+        return (told for _, told in heapq.merge(*readers, key=lambda each: each[0]))
+
+    def _look(self, found: Survey, reader: RecordingReader) -> None:
+        for entry in reader:
+            if isinstance(entry, SpecsText) and found.specs is None:
+                found.specs = entry
+            if isinstance(entry, Happened) and isinstance(entry.event, SamplePublished):
+                found.superseded += entry.event.superseded
+            for told in _told(reader.start, entry, None):
+                if isinstance(told, Sample):
+                    found.samples[told.robot] += 1
+                    found.first, found.last = min(found.first, told.t), max(found.last, told.t)
+
+    def _timed(self, path: Path, robots: Collection[str]) -> Iterator[tuple[float, Told]]:
+        """Yield what a file tells, each with a time that never goes back."""
+        reader, last, payload = RecordingReader(path), -float("inf"), None
+        for entry in reader:
+            if isinstance(entry, Payload):
+                payload = entry
+                continue
+            for told in _told(reader.start, entry, payload):
+                if told.robot in robots:
+                    last = max(last, told.t)
+                    yield last, told
+            payload = None
+
+
+def _told(start: Start, entry: Entry, payload: Payload | None) -> Iterator[Told]:
+    """Yield what an entry tells; `payload` is the one before it."""
+    offset = start.wall_offset
+    if isinstance(entry, Traffic):
+        t, data = entry.t_gen + offset, None if payload is None else payload.data
+        yield Sample(entry.robot, entry.key, t, t, entry.size, entry.features, payload=data)
+    if not isinstance(entry, Happened):
+        return
+    event = entry.event
+    if isinstance(event, SamplePublished) and not event.delete:
+        data = payload.data if payload is not None and payload.sample == event.sample else None
+        now, t_gen = event.now + offset, event.t_gen + offset
+        yield Sample(start.robot, event.key, now, t_gen, event.size, event.features, event.sample, data)
+    if isinstance(event, SamplesPassed) and not event.reason.startswith("dropped:"):
+        yield Passed(start.robot, event.now + offset, event.count, event.size)
+    plan = event.plan if isinstance(event, DecisionReady) else None
+    for command in entry.commands:
+        if command.get("command") in ("Forward", "Drop"):
+            reason, seconds = str(command.get("reason", SENT)), None if plan is None else plan.seconds
+            yield Fate(start.robot, int(command["sample"]), reason, event.now + offset, seconds)
+            plan = None  # what follows was decided without it

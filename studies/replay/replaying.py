@@ -1,0 +1,228 @@
+"""Runs a replay that was asked for on the command line, and writes its report."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from proxy import exit_codes
+from proxy.recording.errors import RecordingError
+from proxy.recording.reading import RecordingReader
+from studies.oracle import OracleError
+from studies.replay import policies
+from studies.replay.bound import Bound, bound
+from studies.replay.errors import ReplayError
+from studies.replay.flight import TAIL, Flight
+from studies.replay.mission import LATENCY, Mission, with_limit
+from studies.replay.outcomes import Outcomes
+from studies.replay.pieces import borders_of
+from studies.replay.progress import Progress
+from studies.replay.recordings import Recordings, Survey
+from studies.replay.report import Flown, Report, report
+from studies.replay.same import Sameness, replayed
+from studies.replay.samples import SENT, Fate, Sample, Told
+from studies.replay.specs import specs_of
+from studies.replay.table import table
+from utility_specs import Specs
+from utility_specs.loader import load_set
+
+ITERATIONS = 300
+"""Of a search, unless somebody says otherwise."""
+NAMED = 5
+"""So many keys are named in an error."""
+
+
+def replay(arguments: argparse.Namespace) -> int:
+    """Replay, print the table, write what was asked for; return the exit code.
+
+    Raises ReplayError, SpecsError or OSError.
+    """
+    recordings = Recordings(arguments.files)
+    survey = recordings.survey()
+    for problem in survey.problems:
+        _say(f"sendworthy replay: {problem}")
+    what_if = any(
+        getattr(arguments, name) is not None
+        for name in ("specs", "limit", "robots", "policy", "iterations", "latency", "seed")
+    )
+    same: Sameness | None = None
+    if not what_if and all(start.kind == "robot" for start in recordings.starts):
+        same = _same(recordings)
+    robots = _robots(arguments.robots, survey)
+    latency = LATENCY if arguments.latency is None else arguments.latency
+    mission = Mission(_specs(arguments, survey), robots, latency)
+    told = recordings.told(frozenset(robots))
+    if same is not None:
+        outcomes, on_air = _as_it_was(mission, told, survey), 0.0
+    else:
+        outcomes, on_air = _fly(arguments, mission, told, survey)
+    return _report(arguments, outcomes, survey, on_air, same)
+
+
+def _same(recordings: Recordings) -> Sameness:
+    """Replay as it was. Raises ReplayError where that cannot begin."""
+    entries = chain.from_iterable(RecordingReader(path) for path in recordings.paths)
+    try:
+        return replayed(recordings.starts[0], entries)
+    except RecordingError as error:
+        raise ReplayError(f"{recordings.paths[0]}: {error}; --limit or --specs fly its traffic anew") from None
+
+
+def _robots(wanted: Sequence[str] | None, survey: Survey) -> tuple[str, ...]:
+    """Return the robots asked for, or all. Raises ReplayError for one that published nothing."""
+    known = sorted(survey.samples)
+    chosen = [name for each in wanted or () for name in each.split(",") if name]
+    for name in chosen:
+        if name not in survey.samples:
+            raise ReplayError(f'no robot "{name}" published anything; there are {", ".join(known[:20])}')
+    return tuple(dict.fromkeys(chosen)) or tuple(known)
+
+
+def _specs(arguments: argparse.Namespace, survey: Survey) -> Specs:
+    """Return the specs to fly by. Raises ReplayError or SpecsError."""
+    if arguments.specs is not None:
+        specs = load_set(arguments.specs).specs
+    elif survey.specs is not None:
+        try:
+            specs = specs_of(survey.specs)
+        except RecordingError as error:
+            raise ReplayError(f"{error}; --specs names others") from None
+    else:
+        raise ReplayError("what its samples are worth is not in the recording: name utility specs with --specs")
+    return specs if arguments.limit is None else with_limit(specs, arguments.limit)
+
+
+def _fly(
+    arguments: argparse.Namespace, mission: Mission, told: Iterator[Told], survey: Survey
+) -> tuple[Outcomes, float]:
+    """Fly the traffic anew; return what became of it, and the bytes that robots told each other."""
+    progress = Progress(lambda done: f"replayed {done:,.0f} s of {survey.seconds:,.0f} s")
+    if arguments.policy in (None, policies.PLANNER):
+        iterations = ITERATIONS if arguments.iterations is None else arguments.iterations
+        flight = Flight(mission, told, iterations=iterations, seed=arguments.seed or 0, origin=survey.first)
+        outcomes = flight.fly(progress)
+        on_air = float(flight.told_on_air()[1].sum())
+    else:
+        outcomes = policies.enter_all(mission, told, survey.first)
+        policies.fly(outcomes, arguments.policy, survey.seconds + TAIL, progress)
+        on_air = 0.0
+    progress.end()
+    return outcomes, on_air
+
+
+def _as_it_was(mission: Mission, told: Iterator[Told], survey: Survey) -> Outcomes:
+    """Return what became of the samples when they were recorded."""
+    outcomes = Outcomes(mission)
+    for each in told:
+        t = each.t - survey.first
+        if isinstance(each, Sample):
+            outcomes.enter(each, t)
+        elif isinstance(each, Fate):
+            number = outcomes.note(each)
+            if number is None:
+                continue
+            if each.seconds is not None:
+                outcomes.searched(number, each.seconds)
+            if each.reason == SENT:
+                outcomes.send(number, t, t + mission.latency, each.reason)
+            else:
+                outcomes.settle(number, each.reason)
+    return outcomes
+
+
+def _report(
+    arguments: argparse.Namespace, outcomes: Outcomes, survey: Survey, on_air: float, same: Sameness | None
+) -> int:
+    """Score what was flown, and write it where it was asked for; return the exit code."""
+    if not any(stream.covering is not None for stream in outcomes.streams):
+        keys = ", ".join(sorted(stream.key for stream in outcomes.streams)[:NAMED])
+        raise ReplayError(f"the specs cover no key of this traffic; it has {keys}")
+    columns = outcomes.columns()
+    borders = borders_of(columns.t, float(columns.t[-1]) + TAIL)
+    flown = Flown(outcomes, columns, borders)
+    notes = _notes(arguments, outcomes, survey)
+    bounded = None if arguments.no_bound else _bounded(flown, notes)
+    found = _headed(arguments, outcomes, same) | report(flown, bounded, on_air) | {"notes": notes}
+    to_output = arguments.json is not None and str(arguments.json) == "-"
+    if arguments.json is not None:
+        text = json.dumps(found, indent=2, allow_nan=False) + "\n"
+        print(text, end="") if to_output else arguments.json.write_text(text, encoding="utf-8")
+    if not to_output:
+        print("\n".join([found["about"], "", table(found), *(f"note: {note}" for note in notes)]))
+    if arguments.html is not None:
+        from studies.replay.page import page  # noqa: PLC0415 - matplotlib takes a second
+
+        arguments.html.write_text(page(found), encoding="utf-8")
+        _say(f"{arguments.html}: written")
+    return exit_codes.OK if same is None or same.equal else exit_codes.FAILED
+
+
+def _bounded(flown: Flown, notes: list[str]) -> Bound | None:
+    """Return the bound; where there is none a note says why."""
+    count = len(flown.borders) - 1
+    progress = Progress(lambda done: f"bounded {done:.0f} pieces of {count}")
+    try:
+        return bound(flown.outcomes, flown.columns, flown.borders, lambda done, _: progress(done))
+    except (ReplayError, OracleError) as error:
+        notes.append(str(error))
+        return None
+    finally:
+        progress.end()
+
+
+def _headed(arguments: argparse.Namespace, outcomes: Outcomes, same: Sameness | None) -> Report:
+    """Return what was replayed, and how."""
+    mission = outcomes.mission
+    head: Report = {
+        "files": [Path(file).name for file in arguments.files],
+        "robots": list(mission.robots),
+        "policy": arguments.policy or policies.PLANNER,
+        "latency": mission.latency,
+        "exact": None,
+    }
+    names = ", ".join(mission.robots[:NAMED]) + (", …" if len(mission.robots) > NAMED else "")
+    if same is None:
+        head["iterations"] = arguments.iterations or ITERATIONS
+        head["seed"] = arguments.seed or 0
+        head["about"] = (
+            f"Traffic of {names}, flown anew by the policy {head['policy']} to one operator"
+            f" {1000 * mission.latency:g} ms away."
+        )
+        return head
+    head["exact"] = {"equal": same.equal, "events": same.events, "decisions": same.decisions}
+    head["exact"] |= {"difference": same.difference, "ended": same.ended}
+    head["about"] = _exactly(names, same)
+    return head
+
+
+def _exactly(names: str, same: Sameness) -> str:
+    """Word what an exact replay found."""
+    if same.difference:
+        return f"NOT the same decisions: {same.difference}."
+    how_far = f"{same.events:,} events of {names}, with {same.decisions:,} searches"
+    ended = f" The replay ends before the recording: {same.ended}." if same.ended else ""
+    return f"The same decisions to the last: {how_far}, replayed as they were.{ended}"
+
+
+def _notes(arguments: argparse.Namespace, outcomes: Outcomes, survey: Survey) -> list[str]:
+    notes = list(survey.problems)
+    for feature, count in outcomes.lacking.most_common():
+        notes.append(f"the feature {feature} of {count:,} samples was not recorded, and has its default")
+    if survey.superseded:
+        notes.append(
+            f"{survey.superseded:,} samples gave way to newer ones before anybody looked at them, and are left out"
+        )
+    if arguments.policy == "rank":
+        notes.append(f"the policy rank knows the next {policies.AHEAD} samples beforehand, as no robot does")
+    undecided = int(np.sum(outcomes.columns().fate == 0))
+    if undecided:
+        notes.append(f"{undecided:,} samples still waited at the end")
+    return notes
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
