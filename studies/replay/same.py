@@ -6,8 +6,9 @@ on the core is another one.
 """
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 from planner import Plan, SearchSettings, start
@@ -17,6 +18,7 @@ from proxy.core.interface.events import DecisionReady, Event, SpecsChanged
 from proxy.recording.entries import Entry, Gap, Happened, SpecsText, Start
 from proxy.recording.errors import RecordingError
 from proxy.recording.json_data import plain, text
+from proxy.recording.reading import RecordingReader
 from proxy.recording.writing import described
 from studies.replay.specs import specs_of
 
@@ -61,6 +63,8 @@ class SameReplay:
     def take(self, entry: Entry) -> bool:
         """Take in what comes next; whether it can go on."""
         match entry:
+            case Start():
+                self._go_on(entry)
             case SpecsText():
                 self._specs[entry.generation] = entry
             case Gap() if entry.events:
@@ -70,6 +74,12 @@ class SameReplay:
             case _:
                 pass
         return not (self.found.difference or self.found.ended)
+
+    def _go_on(self, other: Start) -> None:
+        """Another file begins, that of the same life which comes next if all is well."""
+        due = self._begin.number + self.found.events
+        if other.number != due:
+            self.found.ended = f"the next file begins with event {other.number:,}, not with {due:,}"
 
     def _happen(self, recorded: Happened) -> None:
         core = self._core
@@ -133,13 +143,21 @@ class SameReplay:
         self.found.difference = f"{event} has another {what}: {_differing(then, now)}"
 
 
-def replayed(begin: Start, entries: Iterable[Entry]) -> Sameness:
-    """Replay a recording; return what was found. Raises RecordingError where that cannot begin."""
-    replay = SameReplay(begin)
-    for entry in entries:
+def replayed(files: Sequence[RecordingReader]) -> Sameness:
+    """Replay the files of a life in their order; return what was found. Raises RecordingError without their beginning."""
+    replay = SameReplay(files[0].start)
+    for entry in chain.from_iterable(files):
         if not replay.take(entry):
             break
     return replay.found
+
+
+def lives(files: Iterable[RecordingReader]) -> list[list[RecordingReader]]:
+    """Return the files of each robot's life, in their order."""
+    found: dict[tuple[str, str], list[RecordingReader]] = {}
+    for file in files:
+        found.setdefault((file.start.robot, file.start.zid), []).append(file)
+    return [sorted(each, key=lambda file: file.start.number) for each in found.values()]
 
 
 def _plan(event: Event) -> Mapping[str, Any] | None:
