@@ -12,8 +12,8 @@ from proxy.commands.client import Client, NoAnswerError, add_client_flags, conne
 
 DESCRIPTION = """\
 Has a running daemon record every event that its core sees, with the features of samples, and every decision, into MCAP
-files in its folder `record.folder`, until Ctrl-C or for --seconds. `sendworthy replay` drives the core through them once
-more; Foxglove shows them. With `record.on` in the configuration a daemon records from its start on.
+files in its folder `record.folder`, until Ctrl-C or for --seconds. `sendworthy replay` drives the core through them
+once more; Foxglove shows them. With `record.on` in the configuration a daemon records from its start on.
 """
 EXAMPLES = """\
 examples:

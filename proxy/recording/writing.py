@@ -64,7 +64,7 @@ class RecordingWriter:
         self._entry(SPECS, specs, now)
 
     def happened(self, event: Event, commands: tuple[Command | dict[str, Any], ...] = (), fault: str = "") -> None:
-        """Write the next event, and the commands that followed, as such or as `described`, or the fault that it made."""
+        """Write the next event, and the commands that followed, as such or `described`, or the fault that it made."""
         data = plain(event)
         if commands:
             data["commands"] = [each if isinstance(each, dict) else described(each) for each in commands]

@@ -144,7 +144,7 @@ class SameReplay:
 
 
 def replayed(files: Sequence[RecordingReader]) -> Sameness:
-    """Replay the files of a life in their order; return what was found. Raises RecordingError without their beginning."""
+    """Replay the files of a life in their order; return what was found. Raises RecordingError without a begin."""
     replay = SameReplay(files[0].start)
     for entry in chain.from_iterable(files):
         if not replay.take(entry):
