@@ -75,17 +75,26 @@ class Output:
         if isinstance(item, Missing):
             self._lacks(item)
             return
-        self._number, self._now = item.number + 1, item.event.now
+        event, writer = item.event, self._writer
+        self._number, self._now = item.number + 1, event.now
+        if writer is None or self._missing:
+            self._skip(item)
+            return
+        self._in_hand.event(item.number, event)
+        if item.payload is not None or type(event) is SpecsChanged:
+            self._precede(writer, item)
+        writer.happened(event, item.commands, item.fault)
+        if writer.pending >= TUNING.chunk:
+            self.flush()
+
+    def _skip(self, item: Taken) -> None:
+        """Count an event that cannot be written now."""
         if isinstance(item.event, SpecsChanged):
             self._specs = item.event.specs
-        if self._missing or self._writer is None:
-            _count(self._missing, item)
-            self.written.missing += 1
-            return
-        _count(self._in_hand, item)
-        writer = self._writer
-        if self._try(lambda: self._write(writer, item)) and writer.pending >= TUNING.chunk:
-            self.flush()
+        self._missing.event(item.number, item.event)
+        if item.payload is not None:
+            self._missing.payload()
+        self.written.missing += 1
 
     def flush(self) -> None:
         """Bring to the file what is in hand, and say there what is missing; begin another file where it is time."""
@@ -131,13 +140,16 @@ class Output:
         self.written.file = str(path)
         self.written.files += 1
 
-    def _write(self, writer: RecordingWriter, item: Taken) -> None:
-        if isinstance(item.event, SpecsChanged):
-            writer.specs(text_of(item.event.specs), self._now)
-        if item.payload is not None and isinstance(item.event, SamplePublished):
+    def _precede(self, writer: RecordingWriter, item: Taken) -> None:
+        """Write what stands before an event: its specs, its payload."""
+        event = item.event
+        if isinstance(event, SpecsChanged):
+            self._specs = event.specs
+            writer.specs(text_of(event.specs), self._now)
+        if item.payload is not None and isinstance(event, SamplePublished):
+            self._in_hand.payload()
             data, encoding = item.payload.read()
-            writer.payload(Payload(item.event.sample, item.event.key, data), encoding, self._now)
-        writer.happened(item.event, item.commands, item.fault)
+            writer.payload(Payload(event.sample, event.key, data), encoding, self._now)
 
     def _lacks(self, other: Missing) -> None:
         """Note that what comes next is missing."""
@@ -190,12 +202,6 @@ class Output:
         """What was in hand is in the file."""
         if self._in_hand:
             self._last, self._in_hand = self._in_hand, Missing()
-
-
-def _count(missing: Missing, item: Taken) -> None:
-    missing.event(item.number, item.event)
-    if item.payload is not None:
-        missing.payload()
 
 
 def text_of(specs: Specs) -> SpecsText:
