@@ -5,10 +5,10 @@ Only the recorder's thread is in here. Needs the extra `record`.
 
 import logging
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 from proxy import clock
 from proxy.bridge.payloads import Content
@@ -23,14 +23,8 @@ from utility_specs import Specs
 log = logging.getLogger(__name__)
 
 
-class Taken(NamedTuple):
-    """An event that the core took in, and what came of it."""
-
-    number: int
-    event: Event
-    commands: tuple[Any, ...]
-    fault: str
-    payload: Content | None = None
+Taken = tuple[int, Event, Sequence[Any], str, Content | None]
+"""An event that the core took in: its number, itself, the commands that followed, the fault, the payload."""
 
 
 @dataclass(slots=True)
@@ -75,24 +69,26 @@ class Output:
         if isinstance(item, Missing):
             self._lacks(item)
             return
-        event, writer = item.event, self._writer
-        self._number, self._now = item.number + 1, event.now
+        number, event, commands, fault, payload = item
+        writer = self._writer
+        self._number, self._now = number + 1, event.now
         if writer is None or self._missing:
             self._skip(item)
             return
-        self._in_hand.event(item.number, event)
-        if item.payload is not None or type(event) is SpecsChanged:
-            self._precede(writer, item)
-        writer.happened(event, item.commands, item.fault)
+        self._in_hand.event(number, event)
+        if payload is not None or type(event) is SpecsChanged:
+            self._precede(writer, event, payload)
+        writer.happened(event, commands, fault)
         if writer.pending >= TUNING.chunk:
             self.flush()
 
     def _skip(self, item: Taken) -> None:
         """Count an event that cannot be written now."""
-        if isinstance(item.event, SpecsChanged):
-            self._specs = item.event.specs
-        self._missing.event(item.number, item.event)
-        if item.payload is not None:
+        number, event, _, _, payload = item
+        if isinstance(event, SpecsChanged):
+            self._specs = event.specs
+        self._missing.event(number, event)
+        if payload is not None:
             self._missing.payload()
         self.written.missing += 1
 
@@ -140,15 +136,14 @@ class Output:
         self.written.file = str(path)
         self.written.files += 1
 
-    def _precede(self, writer: RecordingWriter, item: Taken) -> None:
+    def _precede(self, writer: RecordingWriter, event: Event, payload: Content | None) -> None:
         """Write what stands before an event: its specs, its payload."""
-        event = item.event
         if isinstance(event, SpecsChanged):
             self._specs = event.specs
             writer.specs(text_of(event.specs), self._now)
-        if item.payload is not None and isinstance(event, SamplePublished):
+        if payload is not None and isinstance(event, SamplePublished):
             self._in_hand.payload()
-            data, encoding = item.payload.read()
+            data, encoding = payload.read()
             writer.payload(Payload(event.sample, event.key, data), encoding, self._now)
 
     def _lacks(self, other: Missing) -> None:
