@@ -131,8 +131,15 @@ class Output:
         start = replace(self._start, number=self._number, whole=whole, generation=self._specs.generation)
         start = start if whole else replace(start, now=self._now)
         path = self._folder.next(self._file_bytes)
-        self._writer = RecordingWriter(path, start)
-        self._writer.specs(text_of(self._specs), self._now)
+        writer = RecordingWriter(path, start)
+        try:
+            writer.specs(text_of(self._specs), self._now)
+            writer.flush()
+        except OSError:
+            writer.abandon()
+            path.unlink(missing_ok=True)  # nothing is in there
+            raise
+        self._writer = writer
         self.written.file = str(path)
         self.written.files += 1
 

@@ -59,6 +59,11 @@ class Recorder:
         self._thread.join(timeout)
         return not self._thread.is_alive()
 
+    @property
+    def waiting(self) -> int:
+        """Events that wait to be written."""
+        return len(self._items)
+
     def describe(self) -> dict[str, object]:
         """Return what the status says of it."""
         written = self._output.written

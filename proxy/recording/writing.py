@@ -109,6 +109,10 @@ class RecordingWriter:
         self._entry(END, End(self.number, reason), now)
         self._file.close()
 
+    def abandon(self) -> None:
+        """Close the file as it is."""
+        self._file.abandon()
+
     def __enter__(self) -> Self:
         return self
 
@@ -116,7 +120,7 @@ class RecordingWriter:
         if kind is None:
             self.close("done")
         else:
-            self._file.abandon()
+            self.abandon()
 
     def _entry(self, topic: str, entry: Any, now: float) -> None:
         channel = self._channels.get(topic)
