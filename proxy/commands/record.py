@@ -1,9 +1,12 @@
 """`sendworthy record`: has the daemon write down all that it sees and decides."""
 
 import argparse
+import math
 import signal
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
@@ -59,38 +62,43 @@ def run(arguments: argparse.Namespace) -> int:
 def _run(daemon: Client, robot: str, arguments: argparse.Namespace) -> int:
     if arguments.off:
         return _ended(daemon.record(robot, {"record": "stop"}))
-    told = daemon.record(robot, {"record": "start", "payloads": arguments.payloads})
-    if told["problem"]:
-        daemon.record(robot, {"record": "stop"})
-        print(f"sendworthy record: the daemon cannot record: {told['problem']}", file=sys.stderr)
-        return exit_codes.FAILED
-    print(f"robot {robot} records to {told['file']}", flush=True)
-    if arguments.on:
-        return exit_codes.OK
-    _wait(daemon, robot, arguments.seconds)
-    return _ended(daemon.record(robot, {"record": "stop"}))
+    with _asked_to_end() as asked:  # from here on it is ended in order
+        told = daemon.record(robot, {"record": "start", "payloads": arguments.payloads})
+        if told["problem"]:
+            daemon.record(robot, {"record": "stop"})
+            print(f"sendworthy record: the daemon cannot record: {told['problem']}", file=sys.stderr)
+            return exit_codes.FAILED
+        print(f"robot {robot} records to {told['file']}", flush=True)
+        if arguments.on:
+            return exit_codes.OK
+        _wait(daemon, robot, arguments.seconds, asked)
+        return _ended(daemon.record(robot, {"record": "stop"}))
 
 
-def _wait(daemon: Client, robot: str, seconds: float | None) -> None:
-    """Wait until Ctrl-C, SIGTERM, or for so long [s], and show how it goes meanwhile."""
+@contextmanager
+def _asked_to_end() -> Iterator[threading.Event]:
+    """Give an event that Ctrl-C and SIGTERM set."""
     asked = threading.Event()
 
     def handle(_signal: int, _frame: FrameType | None) -> None:
         asked.set()
 
     before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    end = None if seconds is None else clock.monotonic() + seconds
     try:
-        while not asked.wait(LOOK if end is None else max(0.0, min(LOOK, end - clock.monotonic()))):
-            if end is not None and clock.monotonic() >= end:
-                return
-            if sys.stdout.isatty():
-                print(f"\r  {_so_far(daemon.record(robot, {}))}  ", end="", flush=True)
+        yield asked
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _wait(daemon: Client, robot: str, seconds: float | None, asked: threading.Event) -> None:
+    """Wait until it is `asked` to end, or for so long [s], and show how it goes meanwhile."""
+    end = math.inf if seconds is None else clock.monotonic() + seconds
+    while (left := end - clock.monotonic()) > 0.0 and not asked.wait(min(LOOK, left)):
         if sys.stdout.isatty():
-            print()
+            print(f"\r  {_so_far(daemon.record(robot, {}))}  ", end="", flush=True)
+    if sys.stdout.isatty():
+        print()
 
 
 def _ended(told: dict[str, Any]) -> int:
@@ -110,6 +118,6 @@ def _seconds(text: str) -> float:
         seconds = float(text)
     except ValueError:
         seconds = 0.0
-    if not 0.0 < seconds < float("inf"):
+    if not 0.0 < seconds < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
     return seconds

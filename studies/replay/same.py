@@ -51,7 +51,10 @@ class SameReplay:
         if begin.kind != "robot" or begin.settings is None:
             raise RecordingError("it holds mere traffic: nothing was decided that could be compared")
         if not begin.whole:
-            raise RecordingError("it begins in the middle of a daemon's life: what its core knew then is not in it")
+            raise RecordingError(
+                "it begins in the middle of a daemon's life, and what its core knew then is not in it; "
+                "an exact replay takes all files from the start of a daemon with `record.on`"
+            )
         self._begin = begin
         self._search = begin.search or SearchSettings()
         self._core: Core | None = None
@@ -100,9 +103,9 @@ class SameReplay:
             fault = f"{type(error).__name__}: {error}"
         if isinstance(event, DecisionReady):
             self.found.decisions += event.plan is not None
-            self._compare(recorded, "plan", _plan(recorded.event), _plan(event))
-        self._compare(recorded, "commands", list(recorded.commands), commands)
-        self._compare(recorded, "fault", recorded.fault, fault)
+            self._compare(recorded, "another plan", _plan(recorded.event), _plan(event))
+        self._compare(recorded, "other commands", list(recorded.commands), commands)
+        self._compare(recorded, "another fault", recorded.fault, fault)
         self.found.events += 1
         self.found.commands += len(commands)
         self.found.seconds = max(self.found.seconds, event.now - self._begin.now)
@@ -139,8 +142,8 @@ class SameReplay:
     def _compare(self, recorded: Happened, what: str, then: Any, now: Any) -> None:
         if then == now or self.found.difference:
             return
-        event = f"event {recorded.number:,} ({type(recorded.event).__name__} at {recorded.event.now:.6f} s)"
-        self.found.difference = f"{event} has another {what}: {_differing(then, now)}"
+        where = f"event {recorded.number:,} ({type(recorded.event).__name__} at {recorded.event.now:.6f} s)"
+        self.found.difference = f"{where} has {what}: {_differing(then, now)}"
 
 
 def replayed(files: Sequence[RecordingReader]) -> Sameness:
