@@ -25,6 +25,8 @@ examples:
   sendworthy record --on        go on without this command, until:
   sendworthy record --off
 """
+WIDTH = 76
+"""A shorter line covers a longer one before it."""
 LOOK = 1.0
 """Time between two looks at what was recorded [s]."""
 
@@ -96,7 +98,7 @@ def _wait(daemon: Client, robot: str, seconds: float | None, asked: threading.Ev
     end = math.inf if seconds is None else clock.monotonic() + seconds
     while (left := end - clock.monotonic()) > 0.0 and not asked.wait(min(LOOK, left)):
         if sys.stdout.isatty():
-            print(f"\r  {_so_far(daemon.record(robot, {}))}  ", end="", flush=True)
+            print(f"\r  {_so_far(daemon.record(robot, {})):<{WIDTH}}", end="", flush=True)
     if sys.stdout.isatty():
         print()
 

@@ -57,12 +57,18 @@ class Output:
         """What is in the chunk that was written last."""
         self._missing = Missing()
         self._retry_at = 0.0
+        self._retry = TUNING.retry
         self._closed_bytes = 0
         self.written = Written()
 
     def open(self) -> None:
         """Open the first file."""
         self._try(self._begin)
+
+    @property
+    def stuck(self) -> bool:
+        """Whether there is no file, or what is missing is not noted in it yet."""
+        return self._writer is None or bool(self._missing)
 
     def add(self, item: Taken | Missing) -> None:
         """Take in what comes next."""
@@ -181,16 +187,13 @@ class Output:
         self._missing.follow(self._in_hand)
         self._missing.reason = reason
         self._in_hand = Missing()
-        self._retry_at = clock.monotonic() + TUNING.retry
+        self._retry_at = clock.monotonic() + self._retry
+        self._retry = min(2.0 * self._retry, TUNING.longest_retry)
 
     def _recover(self) -> None:
         """Try again to write, first of all what is missing."""
-        if clock.monotonic() < self._retry_at or not self._try(self._go_on):
-            return
-        if self.written.problem:
-            log.warning("recording goes on; %d events are missing", self._missing.events)
-        self.written.problem = ""
-        self._last, self._missing = self._missing, Missing()
+        if clock.monotonic() >= self._retry_at and self._try(self._go_on):
+            self._last, self._missing = self._missing, Missing()
 
     def _go_on(self) -> None:
         if self._writer is None:
@@ -202,8 +205,12 @@ class Output:
 
     def _settle(self) -> None:
         """What was in hand is in the file."""
-        if self._in_hand:
-            self._last, self._in_hand = self._in_hand, Missing()
+        if not self._in_hand:
+            return
+        self._last, self._in_hand = self._in_hand, Missing()
+        if self.written.problem:
+            log.warning("recording goes on; %d events are missing so far", self.written.missing)
+            self.written.problem, self._retry = "", TUNING.retry
 
 
 def text_of(specs: Specs) -> SpecsText:

@@ -22,7 +22,9 @@ class RecordingTuning:
     flush: float = 1.0
     """What is written is in the file after this time [s]: so much is lost when the daemon is killed."""
     retry: float = 1.0
-    """Where nothing can be written it is tried this often [s]."""
+    """Where nothing can be written it is tried again after this time [s], then after twice that, and so on..."""
+    longest_retry: float = 60.0
+    """... up to this [s]: where there is room for a word but for nothing else each try is in vain."""
     patience: float = 1.5
     """Whoever has a recording stopped waits for its end so long at most [s]: less than he waits for an answer."""
     chunk: int = 256 * 1024

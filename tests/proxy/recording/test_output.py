@@ -142,10 +142,13 @@ def test_on_a_full_disk_the_recording_says_what_is_missing(output, tmp_path):
 
     def goes_on():
         output.flush()
-        return not output.written.problem
+        return not output.stuck
 
     wait_until(goes_on, what="room again")
+    assert output.written.problem  # nothing but that has been written yet
     add(output, range(251, 300))
+    output.flush()
+    assert not output.written.problem
     output.close("stopped")
     found, problems = entries(files(tmp_path)[0])
     assert not problems
@@ -181,7 +184,7 @@ def test_with_no_room_at_all_there_is_no_file_and_no_error(tmp_path, room):
 
     def goes_on():
         output.flush()
-        return not output.written.problem
+        return not output.stuck
 
     wait_until(goes_on, what="room again")
     add(output, range(10, 20))
