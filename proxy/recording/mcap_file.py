@@ -59,6 +59,7 @@ class McapFile:
             self._put(MCAP0_MAGIC + _packed(Header(profile, library)))
         except OSError:
             self._file.close()
+            path.unlink(missing_ok=True)
             raise
 
     @property

@@ -5,10 +5,10 @@ Only the recorder's thread is in here. Needs the extra `record`.
 
 import logging
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 from proxy import clock
 from proxy.bridge.payloads import Content
@@ -23,14 +23,8 @@ from utility_specs import Specs
 log = logging.getLogger(__name__)
 
 
-class Taken(NamedTuple):
-    """An event that the core took in, and what came of it."""
-
-    number: int
-    event: Event
-    commands: tuple[Any, ...]
-    fault: str
-    payload: Content | None = None
+Taken = tuple[int, Event, Sequence[Any], str, Content | None]
+"""An event that the core took in: its number, itself, the commands that followed, the fault, the payload."""
 
 
 @dataclass(slots=True)
@@ -63,6 +57,7 @@ class Output:
         """What is in the chunk that was written last."""
         self._missing = Missing()
         self._retry_at = 0.0
+        self._retry = TUNING.retry
         self._closed_bytes = 0
         self.written = Written()
 
@@ -70,22 +65,38 @@ class Output:
         """Open the first file."""
         self._try(self._begin)
 
+    @property
+    def stuck(self) -> bool:
+        """Whether there is no file, or what is missing is not noted in it yet."""
+        return self._writer is None or bool(self._missing)
+
     def add(self, item: Taken | Missing) -> None:
         """Take in what comes next."""
         if isinstance(item, Missing):
             self._lacks(item)
             return
-        self._number, self._now = item.number + 1, item.event.now
-        if isinstance(item.event, SpecsChanged):
-            self._specs = item.event.specs
-        if self._missing or self._writer is None:
-            _count(self._missing, item)
-            self.written.missing += 1
-            return
-        _count(self._in_hand, item)
+        number, event, commands, fault, payload = item
         writer = self._writer
-        if self._try(lambda: self._write(writer, item)) and writer.pending >= TUNING.chunk:
+        self._number, self._now = number + 1, event.now
+        if writer is None or self._missing:
+            self._skip(item)
+            return
+        self._in_hand.event(number, event)
+        if payload is not None or type(event) is SpecsChanged:
+            self._precede(writer, event, payload)
+        writer.happened(event, commands, fault)
+        if writer.pending >= TUNING.chunk:
             self.flush()
+
+    def _skip(self, item: Taken) -> None:
+        """Count an event that cannot be written now."""
+        number, event, _, _, payload = item
+        if isinstance(event, SpecsChanged):
+            self._specs = event.specs
+        self._missing.event(number, event)
+        if payload is not None:
+            self._missing.payload()
+        self.written.missing += 1
 
     def flush(self) -> None:
         """Bring to the file what is in hand, and say there what is missing; begin another file where it is time."""
@@ -126,18 +137,27 @@ class Output:
         start = replace(self._start, number=self._number, whole=whole, generation=self._specs.generation)
         start = start if whole else replace(start, now=self._now)
         path = self._folder.next(self._file_bytes)
-        self._writer = RecordingWriter(path, start)
-        self._writer.specs(text_of(self._specs), self._now)
+        writer = RecordingWriter(path, start)
+        try:
+            writer.specs(text_of(self._specs), self._now)
+            writer.flush()
+        except OSError:
+            writer.abandon()
+            path.unlink(missing_ok=True)  # nothing is in there
+            raise
+        self._writer = writer
         self.written.file = str(path)
         self.written.files += 1
 
-    def _write(self, writer: RecordingWriter, item: Taken) -> None:
-        if isinstance(item.event, SpecsChanged):
-            writer.specs(text_of(item.event.specs), self._now)
-        if item.payload is not None and isinstance(item.event, SamplePublished):
-            data, encoding = item.payload.read()
-            writer.payload(Payload(item.event.sample, item.event.key, data), encoding, self._now)
-        writer.happened(item.event, item.commands, item.fault)
+    def _precede(self, writer: RecordingWriter, event: Event, payload: Content | None) -> None:
+        """Write what stands before an event: its specs, its payload."""
+        if isinstance(event, SpecsChanged):
+            self._specs = event.specs
+            writer.specs(text_of(event.specs), self._now)
+        if payload is not None and isinstance(event, SamplePublished):
+            self._in_hand.payload()
+            data, encoding = payload.read()
+            writer.payload(Payload(event.sample, event.key, data), encoding, self._now)
 
     def _lacks(self, other: Missing) -> None:
         """Note that what comes next is missing."""
@@ -167,16 +187,13 @@ class Output:
         self._missing.follow(self._in_hand)
         self._missing.reason = reason
         self._in_hand = Missing()
-        self._retry_at = clock.monotonic() + TUNING.retry
+        self._retry_at = clock.monotonic() + self._retry
+        self._retry = min(2.0 * self._retry, TUNING.longest_retry)
 
     def _recover(self) -> None:
         """Try again to write, first of all what is missing."""
-        if clock.monotonic() < self._retry_at or not self._try(self._go_on):
-            return
-        if self.written.problem:
-            log.warning("recording goes on; %d events are missing", self._missing.events)
-        self.written.problem = ""
-        self._last, self._missing = self._missing, Missing()
+        if clock.monotonic() >= self._retry_at and self._try(self._go_on):
+            self._last, self._missing = self._missing, Missing()
 
     def _go_on(self) -> None:
         if self._writer is None:
@@ -188,14 +205,12 @@ class Output:
 
     def _settle(self) -> None:
         """What was in hand is in the file."""
-        if self._in_hand:
-            self._last, self._in_hand = self._in_hand, Missing()
-
-
-def _count(missing: Missing, item: Taken) -> None:
-    missing.event(item.number, item.event)
-    if item.payload is not None:
-        missing.payload()
+        if not self._in_hand:
+            return
+        self._last, self._in_hand = self._in_hand, Missing()
+        if self.written.problem:
+            log.warning("recording goes on; %d events are missing so far", self.written.missing)
+            self.written.problem, self._retry = "", TUNING.retry
 
 
 def text_of(specs: Specs) -> SpecsText:

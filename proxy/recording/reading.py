@@ -94,9 +94,7 @@ class RecordingReader:
             ended = isinstance(entry, End)
             yield entry
         if not ended and not self.problems:
-            self.problems.append(
-                f"{self.path} ends without its end: it was not closed, some of its last events may lack"
-            )
+            self.problems.append(f"{self.path} was not closed: its last events may be missing")
 
     def _follow(self, entry: Start | Happened | Gap, due: int) -> int:
         """Note what is missing before an entry, of whose number another one was due; return the next number."""

@@ -3,7 +3,8 @@
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from proxy import clock
 from proxy.bridge.payloads import Content
@@ -58,6 +59,11 @@ class Recorder:
         self._thread.join(timeout)
         return not self._thread.is_alive()
 
+    @property
+    def waiting(self) -> int:
+        """Events that wait to be written."""
+        return len(self._items)
+
     def describe(self) -> dict[str, object]:
         """Return what the status says of it."""
         written = self._output.written
@@ -77,26 +83,33 @@ class Recorder:
         except Exception as error:
             self._note(event, (), f"{type(error).__name__}: {error}")
             raise
-        # A problem is large, and nothing of it is recorded: it must not wait for the writer.
-        self._note(event, tuple([described(each) if type(each) is Decide else each for each in commands]), "")
+        told: Sequence[Any] = commands
+        for each in commands:
+            if type(each) is Decide:  # its problem is large, and nothing of it is recorded: it must not wait here
+                told = [described(each) if type(each) is Decide else each for each in commands]
+                break
+        self._note(event, told, "")
         return commands
 
-    def _note(self, event: Event, commands: tuple[object, ...], fault: str) -> None:
-        number, self._number = self._number, self._number + 1
-        if len(self._items) >= TUNING.events:
+    def _note(self, event: Event, commands: Sequence[Any], fault: str) -> None:
+        number, items = self._number, self._items
+        self._number = number + 1
+        if len(items) >= TUNING.events:
             self._missing = self._missing or Missing(FULL)
             self._missing.event(number, event)
             return
         if self._missing is not None:
-            self._items.append(self._missing)
+            items.append(self._missing)
             self._missing = None
-        payload = self._payload_of(event) if self._payload and type(event) is SamplePublished else None
-        self._items.append(Taken(number, event, commands, fault, payload))
-        if len(self._items) == TUNING.many:
+        payload = None if self._payload is None else self._payload_of(event)
+        items.append((number, event, commands, fault, payload))
+        if len(items) == TUNING.many:
             self._wake.set()
 
-    def _payload_of(self, event: SamplePublished) -> Content | None:
-        found = None if self._payload is None or event.delete else self._payload(event.sample)
+    def _payload_of(self, event: Event) -> Content | None:
+        if self._payload is None or not isinstance(event, SamplePublished) or event.delete:
+            return None
+        found = self._payload(event.sample)
         if found is None:
             return None
         if self._held - self._given + found.size > TUNING.payload_bytes:
@@ -132,6 +145,6 @@ class Recorder:
             for _ in range(min(len(self._items), TUNING.slice)):
                 item = self._items.popleft()
                 self._output.add(item)
-                if isinstance(item, Taken) and item.payload is not None:
-                    self._given += item.payload.size
+                if isinstance(item, tuple) and item[4] is not None:
+                    self._given += item[4].size
             time.sleep(TUNING.pause)

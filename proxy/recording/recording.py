@@ -85,7 +85,7 @@ class Recording:
         self._on = False
 
     def begun(self, timeout: float) -> bool:
-        """Wait at most `timeout` [s] after `start` until it is known where it records; whether it is. From any thread."""
+        """Wait at most `timeout` [s] after `start` until it is known where it records; whether it is."""
         return self._recorder is None or bool(self._recorder.begun(timeout))
 
     def done(self, timeout: float) -> bool:

@@ -1,15 +1,15 @@
 """Writes entries as messages of an MCAP file. Needs the extra `record`."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.interface.events import Event
+from proxy.recording.common_events import common
 from proxy.recording.entries import (
     END,
-    EVENT_TYPES,
     EVENTS,
     GAP,
     PAYLOADS,
@@ -45,6 +45,7 @@ class RecordingWriter:
         self._file = McapFile(path, PROFILE, f"sendworthy {start.version}".rstrip())
         self._offset = start.wall_offset
         self._channels: dict[str, int] = {}
+        self._events: dict[type[Event], int] = {}
         self.number = start.number
         """That of the next event."""
         self._entry(START, start, start.now)
@@ -63,17 +64,13 @@ class RecordingWriter:
         """Write specs, before the first event under them."""
         self._entry(SPECS, specs, now)
 
-    def happened(self, event: Event, commands: tuple[Command | dict[str, Any], ...] = (), fault: str = "") -> None:
-        """Write the next event, the commands that followed (or what `described` says of them), or the fault that it made."""
-        data = plain(event)
-        if commands:
-            data["commands"] = [each if isinstance(each, dict) else described(each) for each in commands]
-        if fault:
-            data["fault"] = fault
-        name = type(event).__name__
-        topic = EVENTS + name
-        channel = self._channels.get(topic) or self._event_channel(topic, name)
-        self._add(channel, event.now, text(data).encode())
+    def happened(self, event: Event, commands: Sequence[Command | dict[str, Any]] = (), fault: str = "") -> None:
+        """Write the next event, and the commands that followed, as such or `described`, or the fault that it made."""
+        line = None if fault else common(event, commands)
+        if line is None:
+            line = text(_told(event, commands, fault))
+        kind = type(event)
+        self._add(self._events.get(kind) or self._event_channel(kind), event.now, line.encode())
         self.number += 1
 
     def traffic(self, traffic: Traffic) -> None:
@@ -112,6 +109,10 @@ class RecordingWriter:
         self._entry(END, End(self.number, reason), now)
         self._file.close()
 
+    def abandon(self) -> None:
+        """Close the file as it is."""
+        self._file.abandon()
+
     def __enter__(self) -> Self:
         return self
 
@@ -119,7 +120,7 @@ class RecordingWriter:
         if kind is None:
             self.close("done")
         else:
-            self._file.abandon()
+            self.abandon()
 
     def _entry(self, topic: str, entry: Any, now: float) -> None:
         channel = self._channels.get(topic)
@@ -128,9 +129,9 @@ class RecordingWriter:
             self._channels[topic] = channel
         self._add(channel, now, text(plain(entry)).encode())
 
-    def _event_channel(self, topic: str, name: str) -> int:
-        channel = self._file.channel(topic, "json", _schema(EVENT_TYPES[name], _EXTRA), {})
-        self._channels[topic] = channel
+    def _event_channel(self, kind: type[Event]) -> int:
+        channel = self._file.channel(EVENTS + kind.__name__, "json", _schema(kind, _EXTRA), {})
+        self._events[kind] = channel
         return channel
 
     def _add(self, channel: int, now: float, data: bytes) -> None:
@@ -140,6 +141,15 @@ class RecordingWriter:
     def _nanoseconds(self, now: float) -> int:
         """Return the wall time of a time in the recording [ns]."""
         return max(0, round((now + self._offset) * 1e9))
+
+
+def _told(event: Event, commands: Sequence[Command | dict[str, Any]], fault: str) -> dict[str, Any]:
+    data = plain(event)
+    if commands:
+        data["commands"] = [each if isinstance(each, dict) else described(each) for each in commands]
+    if fault:
+        data["fault"] = fault
+    return data
 
 
 def described(command: Command) -> dict[str, Any]:

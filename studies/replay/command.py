@@ -5,27 +5,32 @@ import sys
 from pathlib import Path
 
 from proxy import exit_codes
-from studies.extras import missing
+from studies.extras import needs
+from studies.replay.errors import ReplayError
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION, RATE
 
 DESCRIPTION = """\
-Drives the daemon's core over recorded traffic, and says what that is worth.
+Drives the daemon's core through what a recording holds, and says whether it decides the same: each plan, found by as
+many iterations as then, and each command is compared. Files of one robot that follow each other are one recording.
 
-Without other specs, limits, robots or a policy a recording of a daemon is replayed as it was: the same events, and so
-the same decisions to the last; any difference is said. With any of these, and for what `sendworthy import` made of a
-ROS 2 bag or a CSV file, the traffic is flown anew in simulation: each robot has the core of a daemon, and one operator
-wants everything. It prints by type what was sent and what it was worth, beside the offline bound: what somebody could
-have gained at most who knew all samples beforehand. The bound takes some seconds for every 100 s of traffic.
+With other specs, limits, robots or another policy, and for what `sendworthy import` made of a ROS 2 bag or a CSV file,
+the traffic is flown anew in simulation: each robot has the core of a daemon, and one operator wants everything. It
+prints by type what was sent and what it was worth, beside the offline bound: what somebody could have gained at most
+who knew all samples beforehand. The bound takes some seconds for every 100 s of traffic.
 """
 EXAMPLES = """\
 examples:
-  sendworthy replay r1.mcap                                  are these the decisions that were made?
-  sendworthy replay r1.mcap --limit '1 Mbit/s'               what if the channel carried less?
-  sendworthy replay r1.mcap --specs new.toml --html new.html what if these specs were in force? A page with plots
-  sendworthy import bag/ -o bag.mcap
-  sendworthy replay bag.mcap --specs ros2.toml --html bag.html
-  sendworthy replay bag.mcap --specs ros2.toml --policy fits for comparison: send whatever fits
+  sendworthy replay recordings/*.mcap                      are these the decisions that were made?
+  sendworthy replay r1.mcap --limit '1 Mbit/s'             what if the channel carried less?
+  sendworthy replay r1.mcap --specs new.toml --html r.html what if these specs were in force? A page with plots
+  sendworthy replay bag.mcap --specs ros2.toml             what would it have done with this bag? See `import`
+  sendworthy replay bag.mcap --specs ros2.toml --policy fits   and who sends whatever fits?
+
+exit codes:
+  0  all is as it was, or was flown anew
+  1  something differs, or cannot be read or replayed
+  78 the specs are wrong
 """
 MOST_ITERATIONS = 1_000_000
 POLICIES = ("planner", "fits", "fixed-rate", "rank", "all")
@@ -36,7 +41,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     """Add the command."""
     parser = subparsers.add_parser(
         "replay",
-        help="replay a recording, as it was or with other specs and limits",
+        help="drive the core through a recording once more",
         description=DESCRIPTION,
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -64,15 +69,11 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay and report; return the exit code."""
-    needed = ["mcap", *([] if arguments.no_bound else ["scipy"]), *(["matplotlib"] if arguments.html else [])]
-    lacking = missing(*needed)
-    if lacking is not None:
-        without = "; --no-bound does without" if lacking.startswith("scipy is") else ""
-        print(f"sendworthy replay: {lacking}{without}", file=sys.stderr)
+    try:
+        from studies.replay.replaying import replay  # noqa: PLC0415 - needs an extra
+    except ImportError:
+        print(f"sendworthy replay: {needs('record')}", file=sys.stderr)
         return exit_codes.FAILED
-    from studies.replay.errors import ReplayError  # noqa: PLC0415 - all of this needs extras
-    from studies.replay.replaying import replay  # noqa: PLC0415
-
     try:
         return replay(arguments)
     except (ReplayError, OSError) as error:

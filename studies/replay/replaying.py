@@ -4,7 +4,7 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from itertools import chain
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +12,12 @@ import numpy as np
 from proxy import exit_codes
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
+from studies.extras import needs, there
 from studies.oracle import OracleError
 from studies.replay import policies
 from studies.replay.bound import Bound, bound
 from studies.replay.errors import ReplayError
+from studies.replay.exact import all_equal
 from studies.replay.flight import TAIL, Flight
 from studies.replay.mission import LATENCY, Mission, with_limit
 from studies.replay.outcomes import Outcomes
@@ -23,7 +25,6 @@ from studies.replay.pieces import borders_of
 from studies.replay.progress import Progress
 from studies.replay.recordings import Recordings, Survey
 from studies.replay.report import Flown, Report, report
-from studies.replay.same import Sameness, replayed
 from studies.replay.samples import SENT, Fate, Sample, Told
 from studies.replay.specs import specs_of
 from studies.replay.table import table
@@ -36,40 +37,50 @@ NAMED = 5
 """So many keys are named in an error."""
 
 
-def replay(arguments: argparse.Namespace) -> int:
-    """Replay, print the table, write what was asked for; return the exit code.
+WHAT_IF = ("specs", "limit", "robots", "policy", "iterations", "latency", "seed")
+"""Arguments with which traffic is flown anew."""
 
-    Raises ReplayError, SpecsError or OSError.
-    """
+
+def replay(arguments: argparse.Namespace) -> int:
+    """Replay, print and write what was asked for; return the exit code. Raises ReplayError, SpecsError or OSError."""
+    _check_extras(arguments)
+    asked = any(getattr(arguments, name) is not None for name in WHAT_IF)
+    if not asked and not _traffic(arguments.files):
+        code = exit_codes.OK if all_equal(arguments.files) else exit_codes.FAILED
+        if arguments.json is not None or arguments.html is not None:
+            _report(arguments, *_prepared(arguments), exact=True)
+        return code
+    _report(arguments, *_prepared(arguments), exact=False)
+    return exit_codes.OK
+
+
+def _check_extras(arguments: argparse.Namespace) -> None:
+    """Raise ReplayError where a package is not there that will be needed."""
+    if arguments.html is not None and not there("matplotlib"):
+        raise ReplayError(f"for --html {needs('study')}")
+    flown = arguments.json is not None or arguments.html is not None or any(vars(arguments)[n] for n in WHAT_IF)
+    if flown and not arguments.no_bound and not there("scipy"):
+        raise ReplayError(f"for the bound {needs('study')}; --no-bound does without")
+
+
+def _traffic(paths: Sequence[Path]) -> bool:
+    """Whether any file holds mere traffic; one that cannot be read is told later."""
+    for path in paths:
+        with suppress(RecordingError):
+            if RecordingReader(path).start.kind == "traffic":
+                return True
+    return False
+
+
+def _prepared(arguments: argparse.Namespace) -> tuple[Recordings, Survey, Mission]:
+    """Look at the recordings, and return what is to be flown. Raises ReplayError or SpecsError."""
     recordings = Recordings(arguments.files)
     survey = recordings.survey()
     for problem in survey.problems:
         _say(f"sendworthy replay: {problem}")
-    what_if = any(
-        getattr(arguments, name) is not None
-        for name in ("specs", "limit", "robots", "policy", "iterations", "latency", "seed")
-    )
-    same: Sameness | None = None
-    if not what_if and all(start.kind == "robot" for start in recordings.starts):
-        same = _same(recordings)
     robots = _robots(arguments.robots, survey)
     latency = LATENCY if arguments.latency is None else arguments.latency
-    mission = Mission(_specs(arguments, survey), robots, latency)
-    told = recordings.told(frozenset(robots))
-    if same is not None:
-        outcomes, on_air = _as_it_was(mission, told, survey), 0.0
-    else:
-        outcomes, on_air = _fly(arguments, mission, told, survey)
-    return _report(arguments, outcomes, survey, on_air, same)
-
-
-def _same(recordings: Recordings) -> Sameness:
-    """Replay as it was. Raises ReplayError where that cannot begin."""
-    entries = chain.from_iterable(RecordingReader(path) for path in recordings.paths)
-    try:
-        return replayed(recordings.starts[0], entries)
-    except RecordingError as error:
-        raise ReplayError(f"{recordings.paths[0]}: {error}; --limit or --specs fly its traffic anew") from None
+    return recordings, survey, Mission(_specs(arguments, survey), robots, latency)
 
 
 def _robots(wanted: Sequence[str] | None, survey: Survey) -> tuple[str, ...]:
@@ -135,30 +146,37 @@ def _as_it_was(mission: Mission, told: Iterator[Told], survey: Survey) -> Outcom
 
 
 def _report(
-    arguments: argparse.Namespace, outcomes: Outcomes, survey: Survey, on_air: float, same: Sameness | None
-) -> int:
-    """Score what was flown, and write it where it was asked for; return the exit code."""
+    arguments: argparse.Namespace, recordings: Recordings, survey: Survey, mission: Mission, *, exact: bool
+) -> None:
+    """Fly the traffic, or take it as it was; score that and write it where it was asked for."""
+    told, on_air = recordings.told(frozenset(mission.robots)), 0.0
+    if exact:
+        outcomes = _as_it_was(mission, told, survey)
+    else:
+        outcomes, on_air = _fly(arguments, mission, told, survey)
     if not any(stream.covering is not None for stream in outcomes.streams):
         keys = ", ".join(sorted(stream.key for stream in outcomes.streams)[:NAMED])
         raise ReplayError(f"the specs cover no key of this traffic; it has {keys}")
     columns = outcomes.columns()
     borders = borders_of(columns.t, float(columns.t[-1]) + TAIL)
-    flown = Flown(outcomes, columns, borders)
-    notes = _notes(arguments, outcomes, survey)
+    flown, notes = Flown(outcomes, columns, borders), _notes(arguments, outcomes, survey)
     bounded = None if arguments.no_bound else _bounded(flown, notes)
-    found = _headed(arguments, outcomes, same) | report(flown, bounded, on_air) | {"notes": notes}
+    _write(arguments, _headed(arguments, mission, exact=exact) | report(flown, bounded, on_air) | {"notes": notes})
+
+
+def _write(arguments: argparse.Namespace, found: Report) -> None:
+    """Print the table, or JSON in its place, and write the files asked for."""
     to_output = arguments.json is not None and str(arguments.json) == "-"
     if arguments.json is not None:
         text = json.dumps(found, indent=2, allow_nan=False) + "\n"
         print(text, end="") if to_output else arguments.json.write_text(text, encoding="utf-8")
     if not to_output:
-        print("\n".join([found["about"], "", table(found), *(f"note: {note}" for note in notes)]))
+        print("\n".join([found["about"], "", table(found), *(f"note: {note}" for note in found["notes"])]))
     if arguments.html is not None:
         from studies.replay.page import page  # noqa: PLC0415 - matplotlib takes a second
 
         arguments.html.write_text(page(found), encoding="utf-8")
         _say(f"{arguments.html}: written")
-    return exit_codes.OK if same is None or same.equal else exit_codes.FAILED
 
 
 def _bounded(flown: Flown, notes: list[str]) -> Bound | None:
@@ -174,38 +192,21 @@ def _bounded(flown: Flown, notes: list[str]) -> Bound | None:
         progress.end()
 
 
-def _headed(arguments: argparse.Namespace, outcomes: Outcomes, same: Sameness | None) -> Report:
+def _headed(arguments: argparse.Namespace, mission: Mission, *, exact: bool) -> Report:
     """Return what was replayed, and how."""
-    mission = outcomes.mission
-    head: Report = {
-        "files": [Path(file).name for file in arguments.files],
-        "robots": list(mission.robots),
-        "policy": arguments.policy or policies.PLANNER,
-        "latency": mission.latency,
-        "exact": None,
-    }
     names = ", ".join(mission.robots[:NAMED]) + (", …" if len(mission.robots) > NAMED else "")
-    if same is None:
-        head["iterations"] = arguments.iterations or ITERATIONS
-        head["seed"] = arguments.seed or 0
-        head["about"] = (
-            f"Traffic of {names}, flown anew by the policy {head['policy']} to one operator"
-            f" {1000 * mission.latency:g} ms away."
-        )
-        return head
-    head["exact"] = {"equal": same.equal, "events": same.events, "decisions": same.decisions}
-    head["exact"] |= {"difference": same.difference, "ended": same.ended}
-    head["about"] = _exactly(names, same)
-    return head
-
-
-def _exactly(names: str, same: Sameness) -> str:
-    """Word what an exact replay found."""
-    if same.difference:
-        return f"NOT the same decisions: {same.difference}."
-    how_far = f"{same.events:,} events of {names}, with {same.decisions:,} searches"
-    ended = f" The replay ends before the recording: {same.ended}." if same.ended else ""
-    return f"The same decisions to the last: {how_far}, replayed as they were.{ended}"
+    policy = arguments.policy or policies.PLANNER
+    how = f"flown anew by the policy {policy}" if not exact else "as it was recorded"
+    return {
+        "files": [file.name for file in arguments.files],
+        "robots": list(mission.robots),
+        "exact": exact,
+        "policy": policy,
+        "iterations": arguments.iterations or ITERATIONS,
+        "seed": arguments.seed or 0,
+        "latency": mission.latency,
+        "about": f"Traffic of {names}, {how}, to one operator {1000 * mission.latency:g} ms away.",
+    }
 
 
 def _notes(arguments: argparse.Namespace, outcomes: Outcomes, survey: Survey) -> list[str]:

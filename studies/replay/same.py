@@ -6,8 +6,9 @@ on the core is another one.
 """
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 from planner import Plan, SearchSettings, start
@@ -17,6 +18,7 @@ from proxy.core.interface.events import DecisionReady, Event, SpecsChanged
 from proxy.recording.entries import Entry, Gap, Happened, SpecsText, Start
 from proxy.recording.errors import RecordingError
 from proxy.recording.json_data import plain, text
+from proxy.recording.reading import RecordingReader
 from proxy.recording.writing import described
 from studies.replay.specs import specs_of
 
@@ -49,7 +51,10 @@ class SameReplay:
         if begin.kind != "robot" or begin.settings is None:
             raise RecordingError("it holds mere traffic: nothing was decided that could be compared")
         if not begin.whole:
-            raise RecordingError("it begins in the middle of a daemon's life: what its core knew then is not in it")
+            raise RecordingError(
+                "it begins in the middle of a daemon's life, and what its core knew then is not in it; "
+                "an exact replay takes all files from the start of a daemon with `record.on`"
+            )
         self._begin = begin
         self._search = begin.search or SearchSettings()
         self._core: Core | None = None
@@ -61,6 +66,8 @@ class SameReplay:
     def take(self, entry: Entry) -> bool:
         """Take in what comes next; whether it can go on."""
         match entry:
+            case Start():
+                self._go_on(entry)
             case SpecsText():
                 self._specs[entry.generation] = entry
             case Gap() if entry.events:
@@ -70,6 +77,12 @@ class SameReplay:
             case _:
                 pass
         return not (self.found.difference or self.found.ended)
+
+    def _go_on(self, other: Start) -> None:
+        """Another file begins, that of the same life which comes next if all is well."""
+        due = self._begin.number + self.found.events
+        if other.number != due:
+            self.found.ended = f"the next file begins with event {other.number:,}, not with {due:,}"
 
     def _happen(self, recorded: Happened) -> None:
         core = self._core
@@ -90,9 +103,9 @@ class SameReplay:
             fault = f"{type(error).__name__}: {error}"
         if isinstance(event, DecisionReady):
             self.found.decisions += event.plan is not None
-            self._compare(recorded, "plan", _plan(recorded.event), _plan(event))
-        self._compare(recorded, "commands", list(recorded.commands), commands)
-        self._compare(recorded, "fault", recorded.fault, fault)
+            self._compare(recorded, "another plan", _plan(recorded.event), _plan(event))
+        self._compare(recorded, "other commands", list(recorded.commands), commands)
+        self._compare(recorded, "another fault", recorded.fault, fault)
         self.found.events += 1
         self.found.commands += len(commands)
         self.found.seconds = max(self.found.seconds, event.now - self._begin.now)
@@ -129,17 +142,25 @@ class SameReplay:
     def _compare(self, recorded: Happened, what: str, then: Any, now: Any) -> None:
         if then == now or self.found.difference:
             return
-        event = f"event {recorded.number:,} ({type(recorded.event).__name__} at {recorded.event.now:.6f} s)"
-        self.found.difference = f"{event} has another {what}: {_differing(then, now)}"
+        where = f"event {recorded.number:,} ({type(recorded.event).__name__} at {recorded.event.now:.6f} s)"
+        self.found.difference = f"{where} has {what}: {_differing(then, now)}"
 
 
-def replayed(begin: Start, entries: Iterable[Entry]) -> Sameness:
-    """Replay a recording; return what was found. Raises RecordingError where that cannot begin."""
-    replay = SameReplay(begin)
-    for entry in entries:
+def replayed(files: Sequence[RecordingReader]) -> Sameness:
+    """Replay the files of a life in their order; return what was found. Raises RecordingError without a begin."""
+    replay = SameReplay(files[0].start)
+    for entry in chain.from_iterable(files):
         if not replay.take(entry):
             break
     return replay.found
+
+
+def lives(files: Iterable[RecordingReader]) -> list[list[RecordingReader]]:
+    """Return the files of each robot's life, in their order."""
+    found: dict[tuple[str, str], list[RecordingReader]] = {}
+    for file in files:
+        found.setdefault((file.start.robot, file.start.zid), []).append(file)
+    return [sorted(each, key=lambda file: file.start.number) for each in found.values()]
 
 
 def _plan(event: Event) -> Mapping[str, Any] | None:

@@ -1,0 +1,41 @@
+"""The exact replay on the command line: each robot's recording, and whether its core decides the same."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from proxy.recording.errors import RecordingError
+from proxy.recording.reading import RecordingReader
+from studies.replay.same import lives, replayed
+
+
+def all_equal(paths: Sequence[Path]) -> bool:
+    """Replay each robot's recording exactly and say what was found; whether all was the same."""
+    files, alike = [], True
+    for path in paths:
+        try:
+            files.append(RecordingReader(path))
+        except RecordingError as error:
+            print(f"sendworthy replay: {error}", file=sys.stderr)
+            alike = False
+    for life in lives(files):
+        alike = _same(life) and alike
+    return alike
+
+
+def _same(life: list[RecordingReader]) -> bool:
+    """Replay one robot's life exactly and say what was found; whether all was the same."""
+    try:
+        found = replayed(life)
+    except RecordingError as error:
+        print(f"sendworthy replay: {life[0].path}: {error}", file=sys.stderr)
+        return False
+    for problem in (problem for file in life for problem in file.problems):
+        print(f"sendworthy replay: {problem}", file=sys.stderr)
+    what = f"{found.decisions:,} decisions and {found.commands:,} commands in {found.events:,} events"
+    print(f"{life[0].start.robot}, {found.seconds:,.1f} s: {what}, {'all' if found.equal else 'not all'} equal")
+    if found.difference:
+        print(f"  {found.difference}")
+    if found.ended:
+        print(f"  what comes later is not replayed: {found.ended}")
+    return found.equal
