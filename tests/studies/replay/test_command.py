@@ -74,6 +74,6 @@ def test_what_cannot_be_replayed_is_told(tmp_path, capsys):
 
 def test_without_the_extra_it_says_which_to_install(monkeypatch, capsys):
     """It is loaded when it is needed."""
-    monkeypatch.setitem(sys.modules, "proxy.recording.reading", None)
+    monkeypatch.setitem(sys.modules, "studies.replay.replaying", None)
     assert main(["replay", "a.mcap"]) == exit_codes.FAILED
     assert 'pip install "sendworthy[record]"' in capsys.readouterr().err

@@ -1,0 +1,1 @@
+"""Traffic that was recorded by others, as a recording of Sendworthy: `sendworthy import`."""
