@@ -114,8 +114,14 @@ class _Piece:
         beside = sum(worth for at, worth in self.beside.items() if name in (None, streams[at].type_name))
         if not messages:
             return beside
-        problem = Problem(
-            tuple(Stream(stream.robot, stream.aggregation) for stream in streams),
+        problem = self.problem(messages)
+        everything_sent = all(m.sent for m in messages)
+        return beside + (utility(problem, ()) if everything_sent else upper_bound(problem, EVERY).bound)
+
+    def problem(self, messages: tuple[Message, ...]) -> Problem:
+        """Return some of the messages as a problem."""
+        return Problem(
+            tuple(Stream(stream.robot, stream.aggregation) for stream in self.outcomes.streams),
             messages,
             next((i for i, m in enumerate(messages) if not m.sent), 0),
             self.constraints,
@@ -124,8 +130,6 @@ class _Piece:
             t_end=self.end,
             goes_on=False,
         )
-        everything_sent = all(m.sent for m in messages)
-        return beside + (utility(problem, ()) if everything_sent else upper_bound(problem, EVERY).bound)
 
 
 class _Pieces:

@@ -17,13 +17,16 @@ from studies.replay.outcomes import Columns, Outcomes
 
 LENGTH = 100.0
 """Of a piece [s]."""
+SHORTEST = 5.0
+"""What is left at the end and shorter belongs to the piece before it [s]."""
 MOST = 6_000
 """Samples of a piece; of more, pieces are shorter."""
 
 
 def borders_of(times: Floats, end: float) -> Floats:
     """Return where pieces begin, and the end of the last [s]; `times` are when samples were published."""
-    edges = np.append(np.arange(0.0, end, LENGTH), end)
+    begins = np.arange(0.0, end, LENGTH)
+    edges = np.append(begins[: 1 + int(np.sum(begins[1:] <= end - SHORTEST))], end)
     while len(times):
         held = np.diff(np.searchsorted(times, edges))
         crowded = (held > MOST) & (np.diff(edges) > 1e-3)

@@ -4,6 +4,7 @@ import re
 from io import StringIO
 from typing import Any
 
+from studies.replay.samples import SENT
 from studies.replay.table import limit_text, quantity
 
 Report = dict[str, Any]
@@ -38,36 +39,50 @@ def picture(report: Report) -> str:
     return _OUTSIDE.sub("", written.getvalue()).strip()
 
 
-def _stairs(axes: Any, report: Report, name: str, **style: Any) -> None:
+def _stairs(axes: Any, pieces: list[Report], name: str, **style: Any) -> None:
     """Draw what is gained or sent in each piece, per second."""
-    pieces = report["pieces"]
     edges = [pieces[0]["begin"], *(piece["end"] for piece in pieces)]
     axes.stairs([piece[name] / (piece["end"] - piece["begin"]) for piece in pieces], edges, baseline=None, **style)
 
 
 def _utility(axes: Any, report: Report) -> None:
-    _stairs(axes, report, "utility_all", label="all sent, without limits", color=GREY, linestyle=":", linewidth=1.2)
+    _stairs(
+        axes,
+        report["course"],
+        "utility_all",
+        label="all sent, without limits",
+        color=GREY,
+        linestyle=":",
+        linewidth=1.2,
+    )
     if report["bound"] is not None:
-        _stairs(axes, report, "bound", label="offline bound", color="black", linestyle="--", linewidth=1.2)
-    _stairs(axes, report, "utility", label="this replay", color=BLUE, linewidth=2.2)
+        _stairs(
+            axes,
+            report["pieces"],
+            "bound",
+            label="offline bound, means",
+            color="black",
+            linestyle="--",
+            linewidth=1.6,
+            zorder=3,
+        )
+    _stairs(axes, report["course"], "utility", label="this replay", color=BLUE, linewidth=1.8)
     axes.set(title="Utility gained", xlabel="time [s]", ylabel="utility", ylim=(0, None))
     _framed(axes)
-    axes.legend(frameon=False, fontsize=8)
+    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none")
 
 
 def _bytes(axes: Any, report: Report) -> None:
-    scaled = report | {
-        "pieces": [each | {name: 8e-6 * each[name] for name in ("bytes", "bytes_all")} for each in report["pieces"]]
-    }
-    _stairs(axes, scaled, "bytes_all", label="published", color=GREY, linestyle=":", linewidth=1.2)
-    _stairs(axes, scaled, "bytes", label="sent", color=BLUE, linewidth=2.2)
+    course = [each | {name: 8e-6 * each[name] for name in ("bytes", "bytes_all")} for each in report["course"]]
+    _stairs(axes, course, "bytes_all", label="published", color=GREY, linestyle=":", linewidth=1.2)
+    _stairs(axes, course, "bytes", label="sent", color=BLUE, linewidth=1.8)
     for limit in report["limits"]:
         if limit["unit"] == "B":
             rate = 8e-6 * limit["limit"] / limit["window"]
             axes.axhline(rate, label=f"limit, {limit_text(limit)}", color="black", linestyle="--", linewidth=1.2)
     axes.set(title="On the air", xlabel="time [s]", ylabel="Mbit/s", ylim=(0, None))
     _framed(axes)
-    axes.legend(frameon=False, fontsize=8)
+    axes.legend(fontsize=8, framealpha=0.85, edgecolor="none")
 
 
 def _fates(axes: Any, types: Report) -> None:
@@ -76,7 +91,7 @@ def _fates(axes: Any, types: Report) -> None:
     for figures in types.values():
         for reason, count in figures["reasons"].items():
             totals[reason] = totals.get(reason, 0) + count
-    reasons = sorted(totals, key=lambda reason: (reason.startswith("dropped:"), -totals[reason]))
+    reasons = sorted(totals, key=lambda reason: (reason.startswith("dropped:"), reason != SENT, -totals[reason]))
     left = [0.0] * len(types)
     for number, reason in enumerate(reasons):
         parts = [100 * f["reasons"].get(reason, 0) / max(1, f["messages"]) for f in types.values()]

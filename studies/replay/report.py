@@ -15,6 +15,8 @@ from studies.replay.violations import violating
 
 VERSION = 1
 """Of the report: what would be misread has a greater one."""
+STEPS = 120
+"""Pieces of the course, of a second at least."""
 PUBLISHED = "published"
 """What became of a sample of which nothing but that is recorded."""
 
@@ -69,6 +71,7 @@ def report(flown: Flown, bounded: Bound | None, told: float = 0.0) -> Report:
         "limits": _limits(outcomes),
         "types": types,
         "differences": _differences(flown),
+        "course": _course(flown),
         "pieces": _pieces(flown, gained.sum(axis=1), everything.sum(axis=1), bounded),
     }
 
@@ -116,6 +119,16 @@ def _differences(flown: Flown) -> list[Report]:
             if recorded.startswith("dropped:") == sent:
                 found.append({"type": name, "recorded": recorded, "replayed": reasons[now], "messages": count})
     return sorted(found, key=lambda each: -int(each["messages"]))
+
+
+def _course(flown: Flown) -> list[Report]:
+    """Return what is gained and sent as time goes by, in shorter pieces that nobody bounds."""
+    seconds = float(flown.borders[-1] - flown.borders[0])
+    fine = np.linspace(flown.borders[0], flown.borders[-1], 1 + min(STEPS, max(1, int(seconds))))
+    gains = Gains(flown.outcomes, flown.columns, fine)
+    columns = flown.columns
+    everything = gains.of(columns.t + flown.outcomes.mission.latency).sum(axis=1)
+    return _pieces(Flown(flown.outcomes, columns, fine), gains.of(columns.t_rcv).sum(axis=1), everything, None)
 
 
 def _pieces(flown: Flown, gained: Floats, everything: Floats, bounded: Bound | None) -> list[Report]:
