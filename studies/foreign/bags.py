@@ -4,13 +4,12 @@ Keys are those that `rmw_zenoh` gives topics, so that specs for a robot hold for
 `<domain>/<topic>/<type>/<hash of the type>`. A message's time is when it was recorded.
 """
 
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rosbags.rosbag2 import Reader, ReaderError
+from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from studies.foreign.arrived import Arrived
@@ -21,9 +20,6 @@ UNKNOWN_HASH = "TypeHashNotSupported"
 """What stands in keys where the hash of a type is not known."""
 DISTRO = Stores.ROS2_JAZZY
 """Whose types are known by name, where a bag does not define its own."""
-BROKEN: tuple[type[Exception], ...] = (ReaderError, ValueError, KeyError, TypeError, AssertionError, RuntimeError)
-BROKEN += (struct.error, OverflowError, IndexError, AttributeError, EOFError)
-"""What rosbags raises for files that are not as they should be."""
 
 
 @dataclass(slots=True)
@@ -50,7 +46,8 @@ class Bag:
         except FileNotFoundError as error:
             raise ImportFailedError(self._lacks(error)) from None
         except Exception as error:  # noqa: BLE001 - a broken file makes rosbags fail in any way
-            raise ImportFailedError(f"{self.path} is no ROS 2 bag that can be read: {_worded(error)}") from None
+            mended = "; `mcap recover` mends a file that was cut off" if self.path.suffix == ".mcap" else ""
+            raise ImportFailedError(f"{self.path} is no ROS 2 bag that can be read: {_worded(error)}{mended}") from None
         try:
             yield from self._messages(reader)
         finally:
@@ -72,13 +69,15 @@ class Bag:
             except StopIteration:
                 break
             except Exception as error:  # noqa: BLE001 - as above
-                self.problems.append(f"{self.path}: read up to message {count:,}, then: {_worded(error)}")
+                self.problems.append(f"{self.path} is damaged: {_worded(error)}")
                 break
             if connection.id not in named:
                 named[connection.id] = self._named(connection)
             robot, key = named[connection.id]
             last, count = max(last, at), count + 1
             yield Arrived(last / 1e9, robot, key, len(data), payload=bytes(data))
+        if 0 < count < reader.message_count:
+            self.problems.append(f"{self.path}: only {count:,} of {reader.message_count:,} messages could be read")
         if not count:
             raise ImportFailedError(f"{self.path} holds no message" if not self.problems else self.problems.pop())
 

@@ -89,10 +89,8 @@ class Table:
                 raise ImportFailedError(f"{self.path}:1: the column {quoted(name)} is there twice")
         for name in NEEDED:
             if name not in columns:
-                likely = hint(name, [each for each in columns if each not in NEEDED])
-                has = ", ".join(map(quoted, columns[:12]))
-                said = likely or f"; it has {has}"
-                raise ImportFailedError(f"{self.path}:1: there is no column {quoted(name)}{said}")
+                likely = hint(name, [each for each in columns if each and each not in NEEDED])
+                raise ImportFailedError(f"{self.path}:1: there is no column {quoted(name)}{likely}")
 
 
 @dataclass(slots=True)

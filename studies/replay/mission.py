@@ -8,6 +8,7 @@ from planner import Constraint, MessageUtility
 from planner.measures import Measure, Throughput
 from studies.replay.samples import Sample
 from utility_specs import ConstraintSpec, InformationType, Specs
+from utility_specs.features import Size
 
 LATENCY = 0.01
 """From a robot to the operator, unless somebody says otherwise [s]."""
@@ -90,11 +91,11 @@ def features_of(covering: InformationType, sample: Sample) -> dict[str, float]:
     """Return the features of a sample: from its payload where that was recorded, else those that were recorded."""
     if sample.payload is not None:
         return covering.extract(sample.key, sample.payload)
-    found = {name: sample.features[name] for name, _ in covering.features if name in sample.features}
+    found = {name: float(sample.size) for name, feature in covering.features if isinstance(feature, Size)}
+    found |= {name: sample.features[name] for name, _ in covering.features if name in sample.features}
     keyed = [(name, feature) for name, feature in covering.features if name not in found and not feature.reads_payload]
     if keyed:
-        known = replace(covering, features=tuple(keyed)).extract(sample.key, b"")
-        found |= known
+        found |= replace(covering, features=tuple(keyed)).extract(sample.key, b"")
     return covering.completed(found)
 
 
@@ -102,7 +103,8 @@ def lacking(covering: InformationType, sample: Sample) -> list[str]:
     """Return the features of which nothing was recorded, so that their defaults hold."""
     if sample.payload is not None:
         return []
-    return [name for name, feature in covering.features if feature.reads_payload and name not in sample.features]
+    read = [name for name, each in covering.features if each.reads_payload and not isinstance(each, Size)]
+    return [name for name in read if name not in sample.features]
 
 
 def worth_key(covering: InformationType, features: Mapping[str, float]) -> tuple[tuple[str, float], ...]:

@@ -81,7 +81,7 @@ def test_windows_are_shorter_by_what_samples_wait():
 
 def test_an_aggregation_of_ones_own_has_no_bound():
     """Nobody knows whether it can be cut."""
-    own = spec().replace('"most_recent"', '{ python = "tests.utility_specs.models:Coverage" }')
+    own = spec().replace('"most_recent"', '{ python = "tests.utility_specs.models:Greatest" }')
     outcomes = entered(mission(own), samples())
     with pytest.raises(ReplayError, match='"camera" has an aggregation of its own'):
         bounded(outcomes, CUT)

@@ -40,7 +40,7 @@ def mission(text=None, robots=("r1",), latency=0.01):
     return Mission(specs_of(spec() if text is None else text), robots, latency)
 
 
-def samples(seconds=20.0, period=0.5, size=600, key="r1/camera", seed=0, start=100.0):
+def samples(seconds=20.0, period=0.5, size=600, *, key="r1/camera", seed=0, start=100.0):
     """Samples of one stream, with red at random; the recording's clock begins anywhere."""
     draw = random.Random(seed)
     times = [start + i * period for i in range(int(seconds / period))]
@@ -48,12 +48,12 @@ def samples(seconds=20.0, period=0.5, size=600, key="r1/camera", seed=0, start=1
     return [Sample(robot, key, t, t, size, {"red": draw.random()}, i) for i, t in enumerate(times)]
 
 
-def entered(flown, told, fates=lambda number: True):
-    """Take in samples, and send those for which `fates` says so as they come."""
+def entered(flown, told, fates=None):
+    """Take in samples, and send those for which `fates` says so, or all, as they come."""
     outcomes, first = Outcomes(flown), told[0].t
     for each in told:
         number, _ = outcomes.enter(each, each.t - first)
-        if fates(number):
+        if fates is None or fates(number):
             outcomes.send(number, each.t - first, each.t - first + flown.latency, "forwarded")
         else:
             outcomes.settle(number, "dropped:planner")

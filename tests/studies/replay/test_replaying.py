@@ -1,0 +1,187 @@
+"""`sendworthy import` and `sendworthy replay`, from files to reports."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from proxy import exit_codes
+from proxy.cli import main
+from studies.replay.table import quantity, span
+from tests.proxy.recording.lives import recorded
+from tests.studies.foreign.rosbags_written import write_bag
+from tests.studies.replay.traffic import POSE, samples, spec
+
+FIGURES = {
+    "messages",
+    "forwarded",
+    "bytes",
+    "utility",
+    "utility_all",
+    "bound",
+    "violations",
+    "seconds_per_decision",
+}
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A folder with specs and the traffic of two robots, 30 s each."""
+    monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text(spec() + POSE)
+    told = [*samples(30), *samples(30, size=200, key="r2/pose"), *samples(30, size=50, key="r2/other")]
+    lines = [f"{each.t},{each.robot},{each.key},{each.size},{each.features['red']},x" for each in told]
+    Path("traffic.csv").write_text("\n".join(["t_gen,robot,key,size,red,note", *lines]) + "\n")
+    assert main(["import", "traffic.csv", "-o", "traffic.mcap"]) == exit_codes.OK
+    return tmp_path
+
+
+def replay(*arguments, file="traffic.mcap"):
+    code = main(["replay", file, "--json", "found.json", *map(str, arguments)])
+    return code, json.loads(Path("found.json").read_text()) if code == exit_codes.OK else None
+
+
+@pytest.mark.usefixtures("place")
+def test_what_would_have_been_done_is_told_in_figures(capsys):
+    """Altogether and by type, beside a bound that nothing exceeds."""
+    code, found = replay("--specs", "spec.toml")
+    assert code == exit_codes.OK
+    assert found.keys() >= FIGURES
+    assert set(found["types"]) == {"camera", "pose", "(no spec)"}
+    for figures in found["types"].values():
+        assert figures.keys() >= FIGURES
+        assert figures["utility"] <= figures["bound"] * (1 + 1e-6)
+        assert figures["forwarded"] <= figures["messages"]
+        assert sum(figures["reasons"].values()) == figures["messages"]
+    assert found["messages"] == 180
+    assert found["violations"] == 0
+    assert 0 < found["utility"] <= found["bound"]
+    assert found["utility"] == pytest.approx(sum(each["utility"] for each in found["types"].values()))
+    assert sum(piece["utility"] for piece in found["pieces"]) == pytest.approx(found["utility"])
+    assert sum(piece["utility"] for piece in found["course"]) == pytest.approx(found["utility"])
+    assert sum(each["messages"] for each in found["differences"]) == found["messages"] - found["forwarded"]
+    assert {each["recorded"] for each in found["differences"]} == {"published"}
+    shown = capsys.readouterr().out
+    assert "Traffic of r1, r2, flown anew by the policy planner" in shown
+    assert "camera" in shown
+    assert "published -> dropped:" in shown
+
+
+@pytest.mark.usefixtures("place")
+def test_other_limits_robots_and_policies_are_tried():
+    """More room is worth more; without a bound there is none."""
+    _, narrow = replay("--specs", "spec.toml", "--no-bound")
+    _, wide = replay("--specs", "spec.toml", "--no-bound", "--limit", "1 Mbit/s")
+    assert narrow["bound"] is None
+    assert wide["utility"] > narrow["utility"]
+    assert wide["forwarded"] == wide["messages"]
+    assert wide["limits"][0]["limit"] == 125_000.0
+    _, one = replay("--specs", "spec.toml", "--no-bound", "--robots", "r1")
+    assert one["robots"] == ["r1"]
+    assert one["messages"] == 60
+    _, everything = replay("--specs", "spec.toml", "--no-bound", "--policy", "all", "--robots", "r1,r2")
+    assert everything["forwarded"] == 180
+    assert everything["violations"] > 0
+    _, again = replay("--specs", "spec.toml", "--no-bound")
+    for each in (narrow, again):
+        each.pop("seconds_per_decision")
+        for figures in each["types"].values():
+            figures.pop("seconds_per_decision")
+    assert narrow == again
+
+
+def test_the_page_needs_nothing_else(place):
+    """One file without anything from elsewhere, whatever names are in it."""
+    (place / "traffic.mcap").rename("<b>.mcap")
+    code, _ = replay("--specs", "spec.toml", "--html", "page.html", file="<b>.mcap")
+    assert code == exit_codes.OK
+    page = Path("page.html").read_text()
+    assert not re.findall(r"https?:|//\w|<script|<img|<link|@import|url\((?!#)", page)
+    assert "<b>" not in page
+    assert page.count("<svg") == page.count("</svg>") == 1
+    for text in ("Utility gained", "offline bound", "What became of the samples", "Age at the receiver"):
+        assert text in page
+
+
+@pytest.mark.usefixtures("place")
+def test_json_may_go_where_the_table_would(capsys):
+    """For scripts."""
+    capsys.readouterr()
+    assert main(["replay", "traffic.mcap", "--specs", "spec.toml", "--no-bound", "--json", "-"]) == exit_codes.OK
+    assert json.loads(capsys.readouterr().out)["messages"] == 180
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        ([], exit_codes.FAILED, "name utility specs with --specs"),
+        (
+            ["--specs", "spec.toml", "--robots", "r7"],
+            exit_codes.FAILED,
+            'no robot "r7" published anything; there are r1, r2',
+        ),
+        (["--specs", "none.toml"], exit_codes.CONFIG, "none.toml"),
+        (
+            ["--specs", "far.toml"],
+            exit_codes.FAILED,
+            "the specs cover no key of this traffic; it has r1/camera, r2/other",
+        ),
+    ],
+)
+@pytest.mark.usefixtures("place")
+def test_what_cannot_be_flown_is_told(capsys, arguments, code, message):
+    """With what to do."""
+    Path("far.toml").write_text(spec().replace("*/camera", "far/away"))
+    assert main(["replay", "traffic.mcap", *arguments]) == code
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [["--limit", "2"], ["--iterations", "0"], ["--latency", "x"], ["--policy", "y"]])
+def test_senseless_arguments_are_refused(arguments, capsys):
+    """Before anything is read."""
+    with pytest.raises(SystemExit):
+        main(["replay", "traffic.mcap", *arguments])
+    assert arguments[0] in capsys.readouterr().err
+
+
+def test_a_robots_recording_is_flown_anew_only_where_something_else_is_tried(tmp_path, monkeypatch):
+    """Features that were not recorded are told."""
+    monkeypatch.chdir(tmp_path)
+    path = recorded(tmp_path / "r1.mcap", 200)
+    Path("spec.toml").write_text(spec().replace("*/camera", "robot/*/camera").replace("red", "blue"))
+    code, found = replay("--specs", "spec.toml", "--no-bound", file=str(path))
+    assert code == exit_codes.OK
+    assert found["messages"] == 200
+    assert found["notes"] == ["the feature camera.blue of 200 samples was not recorded, and has its default"]
+    assert not found["exact"]
+
+
+def test_the_commands_of_the_readme(tmp_path, monkeypatch, capsys):
+    """What would Sendworthy have done with my bag? Two commands answer it."""
+    readme = (Path(__file__).parents[3] / "README.md").read_text()
+    (block,) = [each for each in re.findall(r"```sh\n(.*?)```", readme, re.DOTALL) if "sendworthy import" in each]
+    monkeypatch.chdir(tmp_path)
+    write_bag(tmp_path / "my_bag")
+    Path("utility_specs").symlink_to(Path(__file__).parents[3] / "utility_specs")
+    commands = [shlex.split(line, comments=True) for line in block.splitlines()]
+    assert [words[:2] for words in commands] == [["sendworthy", "import"], ["sendworthy", "replay"]]
+    for words in commands:
+        assert main(words[1:]) == exit_codes.OK
+    shown = capsys.readouterr().out
+    assert "my_bag.mcap: 90 samples of my_bag (90) on 3 keys, 2.9 s" in shown
+    assert "batteries" in shown
+    assert "<svg" in Path("my_bag.html").read_text()
+
+
+def test_quantities_are_short():
+    """As people say them."""
+    assert [quantity(each) for each in (0, 999, 1234, 5.6e6, 7.8e12)] == [
+        "0 B",
+        "999 B",
+        "1.23 kB",
+        "5.6 MB",
+        "7.8e+03 GB",
+    ]
+    assert [span(each) for each in (None, 0.0123, 1.26)] == ["-", "12 ms", "1.3 s"]
