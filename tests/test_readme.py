@@ -32,7 +32,7 @@ def commands():
 
 
 def test_all_commands_are_known_here():
-    """A command that is added to the README is added to a test: a target of make, a line of the tutorial, or one on a bag."""
+    """A command that is added to the README is added to a test: of targets, of the tutorial, or of bags."""
     tried = [line for block in tutorial() for line in block.splitlines()]
     tried += [line for block in blocks("sh") if block.startswith(BAG) for line in block.splitlines()]
     for command in commands():
