@@ -3,14 +3,15 @@
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TextIO
 
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
 from studies.replay.same import lives, replayed
 
 
-def all_equal(paths: Sequence[Path]) -> bool:
-    """Replay each robot's recording exactly and say what was found; whether all was the same."""
+def all_equal(paths: Sequence[Path], output: TextIO) -> bool:
+    """Replay each robot's recording exactly and say there what was found; whether all was the same."""
     files, alike = [], True
     for path in paths:
         try:
@@ -19,11 +20,11 @@ def all_equal(paths: Sequence[Path]) -> bool:
             print(f"sendworthy replay: {error}", file=sys.stderr)
             alike = False
     for life in lives(files):
-        alike = _same(life) and alike
+        alike = _same(life, output) and alike
     return alike
 
 
-def _same(life: list[RecordingReader]) -> bool:
+def _same(life: list[RecordingReader], output: TextIO) -> bool:
     """Replay one robot's life exactly and say what was found; whether all was the same."""
     try:
         found = replayed(life)
@@ -33,9 +34,12 @@ def _same(life: list[RecordingReader]) -> bool:
     for problem in (problem for file in life for problem in file.problems):
         print(f"sendworthy replay: {problem}", file=sys.stderr)
     what = f"{found.decisions:,} decisions and {found.commands:,} commands in {found.events:,} events"
-    print(f"{life[0].start.robot}, {found.seconds:,.1f} s: {what}, {'all' if found.equal else 'not all'} equal")
+    print(
+        f"{life[0].start.robot}, {found.seconds:,.1f} s: {what}, {'all' if found.equal else 'not all'} equal",
+        file=output,
+    )
     if found.difference:
-        print(f"  {found.difference}")
+        print(f"  {found.difference}", file=output)
     if found.ended:
-        print(f"  what comes later is not replayed: {found.ended}")
+        print(f"  what comes later is not replayed: {found.ended}", file=output)
     return found.equal

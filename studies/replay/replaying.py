@@ -46,7 +46,8 @@ def replay(arguments: argparse.Namespace) -> int:
     _check_extras(arguments)
     asked = any(getattr(arguments, name) is not None for name in WHAT_IF)
     if not asked and not _traffic(arguments.files):
-        code = exit_codes.OK if all_equal(arguments.files) else exit_codes.FAILED
+        output = sys.stderr if str(arguments.json) == "-" else sys.stdout
+        code = exit_codes.OK if all_equal(arguments.files, output) else exit_codes.FAILED
         if arguments.json is not None or arguments.html is not None:
             _report(arguments, *_prepared(arguments), exact=True)
         return code

@@ -109,14 +109,17 @@ def _limits(outcomes: Outcomes) -> list[Report]:
 
 
 def _differences(flown: Flown) -> list[Report]:
-    """Return how many samples fared otherwise than they did when they were recorded, and why, by type."""
+    """Return how many samples fared otherwise than they did when they were recorded, and why, by type.
+
+    What still waited at the end is no difference.
+    """
     columns, reasons = flown.columns, flown.outcomes.reasons
     found = []
     for name, own in flown.types().items():
         pairs = zip(columns.recorded[own].tolist(), columns.fate[own].tolist(), columns.sent[own].tolist(), strict=True)
         for (before, now, sent), count in Counter(pairs).most_common():
             recorded = reasons[before] if before else PUBLISHED
-            if recorded.startswith("dropped:") == sent:
+            if now and recorded.startswith("dropped:") == sent:
                 found.append({"type": name, "recorded": recorded, "replayed": reasons[now], "messages": count})
     return sorted(found, key=lambda each: -int(each["messages"]))
 

@@ -3,14 +3,20 @@
 import json
 import re
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from proxy import exit_codes
 from proxy.cli import main
+from proxy.core.core import Core
+from proxy.core.interface import events as ev
+from proxy.recording.output import text_of
+from proxy.recording.writing import RecordingWriter
 from studies.replay.table import quantity, span
-from tests.proxy.recording.lives import recorded
+from studies.simulation.missions import specs_of
+from tests.proxy.recording.lives import START, published, recorded
 from tests.studies.foreign.rosbags_written import write_bag
 from tests.studies.replay.traffic import POSE, samples, spec
 
@@ -156,6 +162,25 @@ def test_a_robots_recording_is_flown_anew_only_where_something_else_is_tried(tmp
     assert found["messages"] == 200
     assert found["notes"] == ["the feature camera.blue of 200 samples was not recorded, and has its default"]
     assert not found["exact"]
+
+
+def test_a_recording_that_is_replayed_as_it_was_has_figures_of_that(tmp_path, capsys):
+    """Of what was decided then; what the exact replay found is said besides."""
+    flown = specs_of(spec().replace("*/camera", "robot/*/camera"))
+    begin = replace(START, generation=flown.generation)
+    core, path = Core(begin.settings, flown, begin.now), tmp_path / "r1.mcap"
+    with RecordingWriter(path, begin) as writer:
+        writer.specs(text_of(flown))
+        for event in [ev.PeerAppeared(1.0, "r2", "z2"), *(published(number) for number in range(5))]:
+            writer.happened(event, core.handle(event))
+    assert main(["replay", str(path), "--json", "-", "--no-bound"]) == exit_codes.OK
+    shown = capsys.readouterr()
+    assert "6 events, all equal" in shown.err
+    found = json.loads(shown.out)
+    assert found["exact"]
+    assert found["messages"] == 5
+    assert found["forwarded"] + sum(n for r, n in found["reasons"].items() if r != "forwarded") == 5
+    assert found["differences"] == []
 
 
 def test_the_commands_of_the_readme(tmp_path, monkeypatch, capsys):
