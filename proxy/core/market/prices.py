@@ -24,7 +24,8 @@ from planner.received import integrals
 from planner.steady import INTERVALS, Steady, clearing_prices
 from planner.utility.base import told_apart
 from proxy.core.market.tuning import TUNING
-from proxy.core.model.limits import Limit
+from proxy.core.model.limits import Limit, use_of
+from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Stream
 
 Amounts = tuple[float, ...]
@@ -71,6 +72,10 @@ class Row(NamedTuple):
     def small(self, limits: Sequence[Limit]) -> bool:
         """Whether its messages are small by all limits."""
         return all(u + d <= TUNING.small * c.limit for u, d, c in zip(self.use, self.deviation, limits, strict=True))
+
+    def has_room(self, limits: Sequence[Limit]) -> bool:
+        """Whether limits that are our part are as large as its messages; others have no turn now, and set no price."""
+        return all(use <= c.limit for use, c in zip(self.use, limits, strict=True))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,6 +134,21 @@ class Market:
         if first <= TUNING.hopeless:
             return Standing.HOPELESS
         return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
+
+
+def row_of(now: float, stream: Stream, audience: Audience, copies: int, limits: Sequence[Limit], *, own: bool) -> Row:
+    """Return what there is to know of a stream whose samples go to this audience, in so many copies."""
+    size = round(stream.sizes.mean)
+    use = use_of(size, copies, limits, own=own)
+    more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
+    return Row(
+        stream,
+        interval_of(now, stream, min(c.window for c in limits)),
+        audience.mean if audience.share > 0.0 else audience.latency,
+        stream.newest.scale * audience.share,
+        use,
+        tuple([m - u for m, u in zip(more, use, strict=True)]),
+    )
 
 
 def reserve(
