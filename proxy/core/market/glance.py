@@ -4,8 +4,6 @@ What decisions need is worked out now and then and remembered. Whoever asked tha
 at other moments than otherwise, and so change later decisions.
 """
 
-from collections.abc import Sequence
-
 from proxy.core.market.prices import Amounts, Market, Row, row_of
 from proxy.core.model.limits import Limit
 from proxy.core.view.audience import Audience, audience_of
@@ -32,7 +30,7 @@ class Glance:
         return audience.mean if wanting and audience.share > 0.0 else None
 
     def age(self, stream: Stream, latency: float | None) -> float | None:
-        """Return how old the newest sample is now that should have arrived [s]; None if none has, or nobody wants it."""
+        """Return how old the newest sample that should have arrived is now [s]; None if none has, or none is wanted."""
         if latency is None:
             return None
         there = (sent for sent in reversed(stream.recent) if sent.t_sent + latency <= self._now)
@@ -51,7 +49,7 @@ class Glance:
             rows = [row for row in rows if row.has_room(limits)]
         return tuple(Market.of(rows, limits)[0].prices.tolist()) if rows else (0.0,) * len(limits)
 
-    def _row(self, stream: Stream, limits: Sequence[Limit]) -> Row:
+    def _row(self, stream: Stream, limits: tuple[Limit, ...]) -> Row:
         subscribers = self._view.subscribers
         audience, copies = self._audience(stream, subscribers.gaining(stream)), subscribers.copies(stream)
         return row_of(self._now, stream, audience, copies, limits, own=stream.robot == self._view.settings.robot)

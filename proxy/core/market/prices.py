@@ -136,7 +136,7 @@ class Market:
         return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
 
 
-def row_of(now: float, stream: Stream, audience: Audience, copies: int, limits: Sequence[Limit], *, own: bool) -> Row:
+def row_of(now: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool) -> Row:
     """Return what there is to know of a stream whose samples go to this audience, in so many copies."""
     size = round(stream.sizes.mean)
     use = use_of(size, copies, limits, own=own)
