@@ -24,7 +24,7 @@ Command = Callable[[Subparsers], None]
 GROUP = "sendworthy.commands"
 WITHOUT_COMMAND = ("-h", "--help", "--version")
 """Flags that stand in place of a command; all others follow one."""
-BUILT_IN = ("run", "learn", "check", "schema", "explain", "status", "mode", "profile", "push")
+BUILT_IN = ("run", "learn", "check", "schema", "explain", "status", "top", "mode", "profile", "push")
 
 EXAMPLES = """\
 examples:
@@ -33,6 +33,7 @@ examples:
   sendworthy run --config sendworthy.toml          run the daemon of this robot
   sendworthy run --robot r1 --mode shadow          the same without a file
   sendworthy status                                what the daemon here does
+  sendworthy top                                   the same live, for all robots
   sendworthy mode enforce                          switch it live
   sendworthy profile --flame flame.svg             where its processor time goes
   sendworthy push specs.d                          put these specs in force on all robots

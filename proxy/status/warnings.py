@@ -18,9 +18,9 @@ def _failures(status: Status) -> list[str]:
     found = list[str]()
     if status.get("daemon", {}).get("faults"):
         found.append(f"internal errors: {status['daemon']['faults']}, see the log")
-    reasons = status.get("counts", {}).get("by_reason", {})
-    if failed := sum(reasons.get(each, 0) for each in ("passed:fallback", "dropped:fallback")):
-        found.append(f"{failed} samples were decided without a plan, which failed or came late")
+    reasons, late = status.get("counts", {}).get("by_reason", {}), status.get("decisions", {}).get("late", 0)
+    if (failed := sum(reasons.get(each, 0) for each in ("passed:fallback", "dropped:fallback")) - late) > 0:
+        found.append(f"{failed} samples were decided without a plan, as the planner failed: see the log")
     return found
 
 

@@ -245,7 +245,7 @@ def test_the_status_of_a_new_core_is_short():
         ({"daemon": {"faults": 1}}, "internal errors: 1, see the log"),
         (
             {"counts": {"by_reason": {"passed:fallback": 2, "dropped:fallback": 1}}},
-            "3 samples were decided without a plan, which failed or came late",
+            "3 samples were decided without a plan, as the planner failed: see the log",
         ),
         ({"warnings": ["the disk is full"]}, "the disk is full"),
     ],
