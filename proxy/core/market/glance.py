@@ -22,6 +22,7 @@ class Glance:
         self._now = now
         self._lost = view.paths.mean_loss()
         self._fans: dict[str, Fan] = {}
+        self._looked: dict[tuple[str, int, tuple[str, ...]], Audience] = {}
 
     def latency(self, stream: Stream) -> float | None:
         """Return what the last sample of a stream takes to those that want it, in the mean [s]; None if nobody does."""
@@ -55,10 +56,13 @@ class Glance:
         return row_of(self._now, stream, audience, copies, limits, own=stream.robot == self._view.settings.robot)
 
     def _audience(self, stream: Stream, names: tuple[str, ...]) -> Audience:
-        if stream.robot not in self._fans:
-            self._fans[stream.robot] = self._view.paths.of(stream.robot)
-        size = stream.last.size if stream.last else 0
-        return audience_of(self._fans[stream.robot], names, size, self._lost)
+        place = stream.robot, stream.last.size if stream.last else 0, names
+        if place not in self._looked:
+            robot, size, _ = place
+            if robot not in self._fans:
+                self._fans[robot] = self._view.paths.of(robot)
+            self._looked[place] = audience_of(self._fans[robot], names, size, self._lost)
+        return self._looked[place]
 
 
 def price_of_kilobyte(limit: Limit, price: float) -> float:
