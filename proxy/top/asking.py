@@ -8,6 +8,9 @@ from proxy.top.fleet import Changes
 from proxy.top.frames import Scene
 from proxy.top.rates import Change
 
+RETRY = 1.0
+"""A daemon that did not answer is asked again after so long at most [s]."""
+
 
 class Asking:
     """The daemons at some endpoints, asked every `interval` [s]; `news` is called when anything is new."""
@@ -60,7 +63,7 @@ class Asking:
                 with self._lock:
                     self._away[endpoint] = str(error)
                 self._news()
-                self._stopped.wait(self._interval)
+                self._stopped.wait(min(self._interval, RETRY))
 
     def _go_on(self, endpoint: str, client: Client) -> None:
         """Ask until there is no answer. Raises NoAnswerError."""
