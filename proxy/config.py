@@ -6,9 +6,9 @@ Every field has a default; the description of a field is the help of its flag.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_origin
+from typing import Annotated, Any, Literal, Self, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from proxy.config_values import (
     Interface,
@@ -193,6 +193,29 @@ class LogConfig(Section):
     )
 
 
+class RecordConfig(Section):
+    """`[record]`: what the daemon writes of all that its core sees and decides."""
+
+    on: bool = Field(default=False, description="record from the start of the daemon on")
+    folder: SpecsPath = Field(default=Path("recordings"), description="folder of the recordings")
+    file_bytes: int = Field(
+        default=64 * 1024 * 1024, ge=1024 * 1024, le=1 << 40, description="size after which a new file is begun [B]"
+    )
+    disk_bytes: int = Field(
+        default=1024 * 1024 * 1024,
+        ge=2 * 1024 * 1024,
+        le=1 << 50,
+        description="what all recordings of this robot may take [B]; the oldest go first",
+    )
+    payloads: bool = Field(default=False, description="record the payloads of samples, too")
+
+    @model_validator(mode="after")
+    def _room(self) -> Self:
+        if self.disk_bytes < 2 * self.file_bytes:
+            raise ValueError(f"disk_bytes must be at least twice file_bytes, {2 * self.file_bytes}")
+        return self
+
+
 class Config(Section):
     """All settings of one daemon."""
 
@@ -207,6 +230,7 @@ class Config(Section):
     queue: QueueConfig = QueueConfig()
     clock: ClockConfig = ClockConfig()
     log: LogConfig = LogConfig()
+    record: RecordConfig = RecordConfig()
 
     _outdated: tuple[str, ...] = PrivateAttr(default=())
 

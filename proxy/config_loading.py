@@ -22,6 +22,7 @@ from utility_specs.wording import Place, message_of
 
 SETTINGS = {setting.path: setting for setting in settings()}
 SPECS = ("specs", "path")
+RECORDINGS = ("record", "folder")
 COORDINATION = ("planner", "coordination")
 RENAMED = {"auto": "announce", "overhear": "announce", "shares": "split"}
 """What older versions called the ways of coordination."""
@@ -30,7 +31,7 @@ RENAMED = {"auto": "announce", "overhear": "announce", "shares": "split"}
 def load_config(path: Path | None, environ: Mapping[str, str], overrides: Mapping[str, str]) -> Config:
     """Read the file (None: none), `SENDWORTHY_…` of `environ`, and flags by key (`{"mode": "shadow"}`).
 
-    A relative `specs.path` of the file, and the default one, is relative to the file. Raises ConfigError.
+    Relative paths of the file, and default ones, are relative to the file. Raises ConfigError.
     """
     found: list[_Mistake] = []
     source = _read(path, found)
@@ -44,7 +45,13 @@ def load_config(path: Path | None, environ: Mapping[str, str], overrides: Mappin
     specs = _specs_path(source.path.parent, layers, problems)
     if config is None or problems.found:
         raise ConfigError(problems.sorted())
-    return config.model_copy(update={"specs": config.specs.model_copy(update={"path": specs})})
+    recordings = _recordings(source.path.parent, layers, environ, config.record.folder)
+    return config.model_copy(
+        update={
+            "specs": config.specs.model_copy(update={"path": specs}),
+            "record": config.record.model_copy(update={"folder": recordings}),
+        }
+    )
 
 
 _Mistake = tuple[int, str]
@@ -137,6 +144,14 @@ def _zenoh_tables(values: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], 
         table = section.get(setting.path[-1]) if isinstance(section, Mapping) else None
         if setting.takes_table and isinstance(table, Mapping):
             yield setting.path, table
+
+
+def _recordings(folder: Path, layers: Layers, environ: Mapping[str, str], path: Path) -> Path:
+    """Resolve `record.folder`; by default recordings are where systemd has a place for what its service keeps."""
+    state = environ.get("STATE_DIRECTORY")
+    if state and "folder" not in layers.values.get(RECORDINGS[0], {}):
+        return Path(state) / path
+    return path if layers.origin(RECORDINGS) else folder / path
 
 
 def _specs_path(folder: Path, layers: Layers, problems: _Problems) -> Path:

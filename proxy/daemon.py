@@ -39,6 +39,8 @@ from proxy.orders import orders
 from proxy.planning import Planning
 from proxy.profiling.profile import Samples
 from proxy.profiling.profiler import Profiler
+from proxy.recording.recording import Recording
+from proxy.recording.recording_control import RecordingControl
 from proxy.reloading import Loaded, Reloading
 from proxy.runtime import LiveRuntime, Runtime
 from proxy.tuning import TUNING
@@ -167,6 +169,10 @@ class Daemon:
         self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
         presence = self._make_presence(sides, hold_back)
         self._execution = Execution(bridge, presence, self._planning, extractor, self._loop)
+        self.recording = Recording(config, self._loop, self._live, self._planning.settings, bridge.payloads)
+        opening.callback(self.recording.close, TUNING.stop_wait)  # after the loop
+        if config.record.on:
+            self.recording.start(payloads=config.record.payloads, whole=True)
         self._planning.start()
         self._loop.start()
         for close in (self._planning.close, extractor.close, self._loop.close):
@@ -178,7 +184,8 @@ class Daemon:
         profiler = Profiler(self.robot, self._loop.post, bridge.flush, self._samples)
         opening.callback(profiler.close, TUNING.stop_wait)
         parts = (sides, self._loop, bridge, presence, extractor, neighbours, self._lookout, scouted, self.reloading)
-        self._serve_operator(sides, DaemonStatus(config, *parts, profiler), profiler, opening)
+        status = DaemonStatus(config, *parts, profiler, self.recording)
+        self._serve_operator(sides, status, profiler, opening)
         self._serve_fleet(sides, opening)
 
     def _make_loop(self, sides: Sides) -> Loop:
@@ -240,6 +247,8 @@ class Daemon:
             profile=profiler.start,
         )
         opening.callback(control.close)
+        recording = RecordingControl(sides.app, self.robot, executor, self._loop.post, self.recording)
+        opening.callback(recording.close)
 
     def _serve_fleet(self, sides: Sides, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""

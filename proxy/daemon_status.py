@@ -16,6 +16,7 @@ from proxy.config import Config
 from proxy.features import Extractor
 from proxy.loop import Loop
 from proxy.profiling.profiler import Profiler
+from proxy.recording.recording import Recording
 from proxy.reloading import Reloading
 
 
@@ -34,6 +35,7 @@ class DaemonStatus:
     scouted: Scouted | None
     reloading: Reloading
     profiler: Profiler
+    recording: Recording
 
     def read(self) -> dict[str, Any]:
         """Return the whole status as plain JSON data."""
@@ -57,6 +59,7 @@ class DaemonStatus:
             "reloads": self.reloading.describe(),
             "specs": os.path.realpath(self.reloading.loaded.config.specs.path),
             **self.bridge.describe(),
+            **({"record": self.recording.describe()} if self.recording.told else {}),
             **({"profile": self.profiler.last.brief()} if self.profiler.last else {}),
             **({"broadcast": sides.data.describe()} if isinstance(sides.data, Broadcast) else {}),
         }
@@ -71,5 +74,6 @@ class DaemonStatus:
             *(self.scouted.warnings() if self.scouted else ()),
             *self.reloading.warnings(),
             *self.bridge.warnings(),
+            *self.recording.warnings(),
             *self.presence.floods.warnings(clock.monotonic()),
         ]

@@ -40,6 +40,7 @@ class Loop:
         self.refused = 0
         """Items that were offered while too many waited."""
         self._execute = execute
+        self._take: Callable[[Event], list[Command]] = core.handle
         self._items: SimpleQueue[Item | _Timed | None] = SimpleQueue()
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
@@ -97,8 +98,12 @@ class Loop:
 
     def handle(self, event: Event) -> None:
         """Take in `event` and carry out what follows. On the loop's thread only."""
-        for command in self.core.handle(event):
+        for command in self._take(event):
             self._execute(command)
+
+    def record(self, take: Callable[[Event], list[Command]] | None) -> None:
+        """Have `take` hand events to the core from now on, and see what it does; None: nobody. On the loop's thread."""
+        self._take = self.core.handle if take is None else take
 
     def _run(self) -> None:
         wake_at = clock.monotonic()

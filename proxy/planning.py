@@ -14,6 +14,7 @@ class Planning:
     """Answers each `Decide` of the core on this loop. What others should send keeps no sample of ours waiting."""
 
     def __init__(self, settings: SearchSettings, deadline: float, loop: Loop) -> None:
+        self.settings = settings
         self._deadline = deadline
         self._loop = loop
         self._samples = Worker(settings, deadline, lambda answer: loop.post(partial(self._ready, answer)))

@@ -179,7 +179,8 @@ def _assembled(sources: Iterable[TomlSource], tables: Sequence[SpecFile]) -> Spe
     constraints = tuple(each for file in files for each in file.constraints)
     floor = next((table.floor for table in tables if table.floor is not None), FLOOR)
     fallback = next((table.fallback for table in tables if table.fallback is not None), FallbackTable()).fallback()
-    return SpecSet(files, Specs(types, constraints, _generation(tables), fallback, floor))
+    texts = tuple((file.path.name, file.source.text) for file in files)
+    return SpecSet(files, Specs(types, constraints, _generation(tables), fallback, floor, texts))
 
 
 def _information_type(table: InformationTypeTable, constants: Mapping[str, float]) -> InformationType:

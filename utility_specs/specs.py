@@ -250,6 +250,8 @@ class Specs:
     fallback: Fallback = FALLBACK
     floor: float = FLOOR
     """Part of every limit that traffic without a spec leaves to what types cover."""
+    texts: tuple[tuple[str, str], ...] = field(default=(), repr=False, compare=False)
+    """The files that they come from, in their order: name and text of each."""
     _matching: Any = field(init=False, repr=False, compare=False)
 
     @property

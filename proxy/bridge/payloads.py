@@ -1,9 +1,18 @@
 """The samples that the core knows by number: the one home of their payloads."""
 
 import itertools
+from collections.abc import Callable
+from typing import NamedTuple
 
 from proxy.bridge.room import Room
 from proxy.bridge.sample import Held
+
+
+class Content(NamedTuple):
+    """A payload of so many bytes; `read` gives it out with its encoding."""
+
+    size: int
+    read: Callable[[], tuple[bytes, str]]
 
 
 class Payloads:
@@ -33,6 +42,14 @@ class Payloads:
     def waiting(self, number: int) -> Held | None:
         """Return a sample that waits; None when it does not (any more)."""
         return self._waiting.get(number)
+
+    def content(self, number: int) -> Content | None:
+        """Return the payload of a sample that waits, which can be read later, too."""
+        held = self.waiting(number)
+        if held is None:
+            return None
+        sample = held.sample
+        return Content(held.size, lambda: (sample.payload.to_bytes(), str(sample.encoding)))
 
     def release(self, number: int) -> Held | None:
         """Give out a sample that waits, which keeps its place in the room; None when it does not wait (any more)."""

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from queue import Empty, SimpleQueue
+from typing import Any
 
 import zenoh
 
@@ -86,6 +87,15 @@ class Client:
             return read(json.loads(answer))
         except (ValueError, TypeError, KeyError):
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
+
+    def record(self, robot: str, told: dict[str, object]) -> dict[str, Any]:
+        """Have `robot` record, or not, as `told`; return what it says of that. Raises NoAnswerError."""
+        answer = self._ask(keys.record(robot), json.dumps(told))[0]
+        try:
+            found: dict[str, Any] = json.loads(answer)
+        except ValueError:
+            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
+        return found
 
     def order(self, robot: str, order: str, payload: bytes) -> list[Outcome]:
         """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""

@@ -40,7 +40,7 @@ class Core:
         self.settings, self.view, self.mismatched = settings, parts.view, parts.mismatched
         self.coordination, self.budget, self.channel = parts.coordination, parts.budget, parts.channel
         self.counts, self.kept, self.gate, self.gossip = parts.counts, parts.kept, parts.gate, parts.gossip
-        self._started = self._wakes_at = self._tidied_at = now
+        self.started = self._wakes_at = self._tidied_at = now
         self._retention = Retention(parts)
         self._limits = TeamLimits(parts)
         self.news = MeshNews(parts, self._retention)
@@ -69,7 +69,7 @@ class Core:
 
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
-        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self._started)
+        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
 
     def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
         """Return who takes in which event."""

@@ -1,6 +1,6 @@
 """The part of the status that tells of the process: its sessions, its queues, its bridge."""
 
-from proxy.status.fields import COUNT, SECONDS, Part, field
+from proxy.status.fields import BYTES, COUNT, SECONDS, Part, field
 from proxy.status.network import Sized
 
 
@@ -122,6 +122,18 @@ class Profile(Part):
     stages: dict[str, float] = field("processor time of each stage of the work", SECONDS)
 
 
+class Recorded(Part):
+    """What is written down with `sendworthy record`, or was last."""
+
+    on: bool = field("whether the daemon records now")
+    file: str = field("the file that is written now, or was last; empty while there is none yet")
+    files: int = field("files written so far", COUNT)
+    bytes: int = field("what was written so far", BYTES)
+    events: int = field("events that the core saw meanwhile", COUNT)
+    missing: int = field("those of them that are not in the recording", COUNT)
+    problem: str = field("why nothing can be written now; empty while it can")
+
+
 class Broadcasting(Part):
     """The multicast session of a robot that broadcasts."""
 
@@ -161,4 +173,5 @@ class Daemon(Part):
     queries: Crossed = field("queries that crossed")
     queryables: Expressions = field("key expressions of queryables that are declared for others")
     profile: Profile | None = field("the last profile; only when one was taken", default=None)
+    record: Recorded | None = field("the recording; only when there is one, or was", default=None)
     broadcast: Broadcasting | None = field("the multicast session; only where the robot broadcasts", default=None)

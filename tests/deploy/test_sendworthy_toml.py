@@ -25,7 +25,9 @@ def test_the_sample_changes_nothing():
     """A daemon with the sample behaves like one without any file."""
     config = load_config(SAMPLE, {}, {})
     assert config.specs.path == SAMPLE.parent / "specs.d"
-    assert config.model_dump(exclude={"specs"}) == Config().model_dump(exclude={"specs"})
+    assert config.record.folder == SAMPLE.parent / "recordings"
+    elsewhere = {"specs": True, "record": {"folder"}}
+    assert config.model_dump(exclude=elsewhere) == Config().model_dump(exclude=elsewhere)
 
 
 def test_every_key_occurs_with_its_default(uncommented):
@@ -33,7 +35,9 @@ def test_every_key_occurs_with_its_default(uncommented):
     config = load_config(uncommented, {}, {})
     assert config.robot == "r1"
     assert config.specs.path == uncommented.parent / "specs.d"
-    assert config.model_dump(exclude={"robot", "specs"}) == Config().model_dump(exclude={"robot", "specs"})
+    assert config.record.folder == uncommented.parent / "recordings"
+    elsewhere = {"robot": True, "specs": True, "record": {"folder"}}
+    assert config.model_dump(exclude=elsewhere) == Config().model_dump(exclude=elsewhere)
     written = tomllib.loads(uncommented.read_text())
     for setting in settings():
         node = written

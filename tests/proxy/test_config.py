@@ -49,7 +49,20 @@ def test_defaults_are_those_of_the_manual():
         "queue": {"samples": 4096, "bytes": 32 * 1024 * 1024},
         "clock": {"error": 0.0},
         "log": {"level": "info"},
+        "record": {
+            "on": False,
+            "folder": "recordings",
+            "file_bytes": 64 * 1024 * 1024,
+            "disk_bytes": 1024 * 1024 * 1024,
+            "payloads": False,
+        },
     }
+
+
+def test_there_is_room_for_two_recordings():
+    """One is written while the last one is still there."""
+    with pytest.raises(ValidationError, match="disk_bytes must be at least twice file_bytes, 134217728"):
+        Config.model_validate({"record": {"disk_bytes": 100_000_000}})
 
 
 def test_config_is_frozen():
@@ -92,6 +105,7 @@ def test_settings_tell_what_a_flag_may_hold():
         "planner.engine",
         "planner.coordination",
         "log.level",
+        "record.folder",
     }
     assert {key for key, setting in found.items() if setting.takes_table} == {"app.zenoh", "mesh.zenoh"}
 

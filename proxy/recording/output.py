@@ -1,0 +1,218 @@
+"""Writes what a daemon records, into one file after the other. Where nothing can be written it counts what is missing.
+
+Only the recorder's thread is in here. Needs the extra `record`.
+"""
+
+import logging
+import os
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
+
+from proxy import clock
+from proxy.bridge.payloads import Content
+from proxy.core.interface.events import Event, SamplePublished, SpecsChanged
+from proxy.recording.entries import Payload, SpecFile, SpecsText, Start
+from proxy.recording.folder import RecordingFolder
+from proxy.recording.missing import Missing
+from proxy.recording.tuning import TUNING
+from proxy.recording.writing import RecordingWriter
+from utility_specs import Specs
+
+log = logging.getLogger(__name__)
+
+
+Taken = tuple[int, Event, Sequence[Any], str, Content | None]
+"""An event that the core took in: its number, itself, the commands that followed, the fault, the payload."""
+
+
+@dataclass(slots=True)
+class Written:
+    """What was recorded so far."""
+
+    file: str = ""
+    files: int = 0
+    bytes: int = 0
+    """Of all files."""
+    missing: int = 0
+    problem: str = ""
+    """Why nothing is recorded at the moment."""
+
+
+class Output:
+    """Writes items in their order. `start` is what a file begins with, but for its first number."""
+
+    def __init__(self, start: Start, specs: Specs, folder: RecordingFolder, file_bytes: int) -> None:
+        self._start = start
+        self._specs = specs
+        self._folder = folder
+        self._file_bytes = file_bytes
+        self._writer: RecordingWriter | None = None
+        self._number = start.number
+        self._now = start.now
+        self._in_hand = Missing()
+        """What is in the writer, but in no file yet: missing, should it not come there."""
+        self._last = Missing()
+        """What is in the chunk that was written last."""
+        self._missing = Missing()
+        self._retry_at = 0.0
+        self._retry = TUNING.retry
+        self._closed_bytes = 0
+        self.written = Written()
+
+    def open(self) -> None:
+        """Open the first file."""
+        self._try(self._begin)
+
+    @property
+    def stuck(self) -> bool:
+        """Whether there is no file, or what is missing is not noted in it yet."""
+        return self._writer is None or bool(self._missing)
+
+    def add(self, item: Taken | Missing) -> None:
+        """Take in what comes next."""
+        if isinstance(item, Missing):
+            self._lacks(item)
+            return
+        number, event, commands, fault, payload = item
+        writer = self._writer
+        self._number, self._now = number + 1, event.now
+        if writer is None or self._missing:
+            self._skip(item)
+            return
+        self._in_hand.event(number, event)
+        if payload is not None or type(event) is SpecsChanged:
+            self._precede(writer, event, payload)
+        writer.happened(event, commands, fault)
+        if writer.pending >= TUNING.chunk:
+            self.flush()
+
+    def _skip(self, item: Taken) -> None:
+        """Count an event that cannot be written now."""
+        number, event, _, _, payload = item
+        if isinstance(event, SpecsChanged):
+            self._specs = event.specs
+        self._missing.event(number, event)
+        if payload is not None:
+            self._missing.payload()
+        self.written.missing += 1
+
+    def flush(self) -> None:
+        """Bring to the file what is in hand, and say there what is missing; begin another file where it is time."""
+        if self._missing or self._writer is None:
+            self._recover()
+        elif self._try(self._writer.flush):
+            self._settle()
+        if self._writer is None:
+            return
+        self.written.bytes = self._closed_bytes + self._writer.size
+        if self._writer.size >= self._file_bytes and not self._missing:
+            self._end("rotated")
+            self._try(self._begin)
+
+    def close(self, reason: str) -> None:
+        """Write all that is in hand, and close the file. On a full disk the last chunk makes room to say so."""
+        self._retry_at = 0.0
+        self.flush()
+        if self._writer is not None:
+            if self._missing and self._writer.take_back():
+                self._last.follow(self._missing)
+                self._last.reason = self._missing.reason
+                self._writer.gap(self._last.gap(self._number), self._now)
+            self._end(reason)
+
+    def _end(self, reason: str) -> None:
+        """Close the file; where there is no room for its end it does without."""
+        if self._writer is not None:
+            with suppress(OSError):
+                self._writer.close(reason, self._now)
+            self._closed_bytes += self._writer.size
+            self.written.bytes = self._closed_bytes
+            self._writer = None
+
+    def _begin(self) -> None:
+        """Open the next file. Raises OSError."""
+        whole = self._number == self._start.number and self._start.whole
+        start = replace(self._start, number=self._number, whole=whole, generation=self._specs.generation)
+        start = start if whole else replace(start, now=self._now)
+        path = self._folder.next(self._file_bytes)
+        writer = RecordingWriter(path, start)
+        try:
+            writer.specs(text_of(self._specs), self._now)
+            writer.flush()
+        except OSError:
+            writer.abandon()
+            path.unlink(missing_ok=True)  # nothing is in there
+            raise
+        self._writer = writer
+        self.written.file = str(path)
+        self.written.files += 1
+
+    def _precede(self, writer: RecordingWriter, event: Event, payload: Content | None) -> None:
+        """Write what stands before an event: its specs, its payload."""
+        if isinstance(event, SpecsChanged):
+            self._specs = event.specs
+            writer.specs(text_of(event.specs), self._now)
+        if payload is not None and isinstance(event, SamplePublished):
+            self._in_hand.payload()
+            data, encoding = payload.read()
+            writer.payload(Payload(event.sample, event.key, data), encoding, self._now)
+
+    def _lacks(self, other: Missing) -> None:
+        """Note that what comes next is missing."""
+        self._number += other.events
+        self.written.missing += other.events
+        if self._missing or self._writer is None:
+            self._missing.follow(other)
+            return
+        self._in_hand.follow(other)
+        self._writer.gap(other.gap(self._number), self._now)
+
+    def _try(self, write: Callable[[], object]) -> bool:
+        """Write; whether that went well. If not, all that was in hand is missing."""
+        try:
+            write()
+        except OSError as error:
+            self._fail(error)
+            return False
+        return True
+
+    def _fail(self, error: OSError) -> None:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        if self.written.problem != reason:
+            log.error("recording: %s; the record says what is missing", reason)
+        self.written.problem = reason
+        self.written.missing += self._in_hand.events
+        self._missing.follow(self._in_hand)
+        self._missing.reason = reason
+        self._in_hand = Missing()
+        self._retry_at = clock.monotonic() + self._retry
+        self._retry = min(2.0 * self._retry, TUNING.longest_retry)
+
+    def _recover(self) -> None:
+        """Try again to write, first of all what is missing."""
+        if clock.monotonic() >= self._retry_at and self._try(self._go_on):
+            self._last, self._missing = self._missing, Missing()
+
+    def _go_on(self) -> None:
+        if self._writer is None:
+            self._begin()
+        if self._writer is not None:
+            if self._missing:
+                self._writer.gap(self._missing.gap(self._number), self._now)
+            self._writer.flush()
+
+    def _settle(self) -> None:
+        """What was in hand is in the file."""
+        if not self._in_hand:
+            return
+        self._last, self._in_hand = self._in_hand, Missing()
+        if self.written.problem:
+            log.warning("recording goes on; %d events are missing so far", self.written.missing)
+            self.written.problem, self._retry = "", TUNING.retry
+
+
+def text_of(specs: Specs) -> SpecsText:
+    """Return specs as they were written."""
+    return SpecsText(specs.generation, tuple(SpecFile(name, text) for name, text in specs.texts))

@@ -1,0 +1,150 @@
+"""Records what the core takes in and what it decides: noted on the loop's thread, written on another one."""
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from proxy import clock
+from proxy.bridge.payloads import Content
+from proxy.core.interface.commands import Command, Decide
+from proxy.core.interface.events import Event, SamplePublished
+from proxy.recording.missing import Missing
+from proxy.recording.output import Output, Taken
+from proxy.recording.tuning import TUNING
+from proxy.recording.writing import described
+
+Handle = Callable[[Event], list[Command]]
+FULL = "more than could be written"
+
+
+class Recorder:
+    """Notes each event that `take` hands to `handle`, from number `first` on, and has `output` write it.
+
+    `payload` finds the payload of a sample by its number; None: payloads are not recorded.
+    """
+
+    def __init__(
+        self, handle: Handle, output: Output, first: int = 0, payload: Callable[[int], Content | None] | None = None
+    ) -> None:
+        self._handle = handle
+        self._output = output
+        self._number = self._first = first
+        self._payload = payload
+        self._items: deque[Taken | Missing] = deque()
+        self._missing: Missing | None = None
+        self._held = self._given = 0
+        """Bytes of payloads that were noted, and that were written or given up [B]."""
+        self._wake = threading.Event()
+        self._open = True
+        self._begun = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
+
+    def start(self) -> None:
+        """Start writing."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Write all that was noted, and close the file: soon."""
+        self._open = False
+        self._wake.set()
+
+    def begun(self, timeout: float) -> bool:
+        """Wait at most `timeout` [s] until there is a file, or a reason why there is none; whether that is so."""
+        return self._begun.wait(timeout)
+
+    def wait(self, timeout: float) -> bool:
+        """Wait at most `timeout` [s] for that; whether it is done."""
+        self._thread.join(timeout)
+        return not self._thread.is_alive()
+
+    @property
+    def waiting(self) -> int:
+        """Events that wait to be written."""
+        return len(self._items)
+
+    def describe(self) -> dict[str, object]:
+        """Return what the status says of it."""
+        written = self._output.written
+        return {
+            "file": written.file,
+            "files": written.files,
+            "bytes": written.bytes,
+            "events": self._number - self._first,
+            "missing": written.missing + (self._missing.events if self._missing else 0),
+            "problem": written.problem,
+        }
+
+    def take(self, event: Event) -> list[Command]:
+        """Have the core take in an event, and note it with what follows. On the loop's thread only."""
+        try:
+            commands = self._handle(event)
+        except Exception as error:
+            self._note(event, (), f"{type(error).__name__}: {error}")
+            raise
+        told: Sequence[Any] = commands
+        for each in commands:
+            if type(each) is Decide:  # its problem is large, and nothing of it is recorded: it must not wait here
+                told = [described(each) if type(each) is Decide else each for each in commands]
+                break
+        self._note(event, told, "")
+        return commands
+
+    def _note(self, event: Event, commands: Sequence[Any], fault: str) -> None:
+        number, items = self._number, self._items
+        self._number = number + 1
+        if len(items) >= TUNING.events:
+            self._missing = self._missing or Missing(FULL)
+            self._missing.event(number, event)
+            return
+        if self._missing is not None:
+            items.append(self._missing)
+            self._missing = None
+        payload = None if self._payload is None else self._payload_of(event)
+        items.append((number, event, commands, fault, payload))
+        if len(items) == TUNING.many:
+            self._wake.set()
+
+    def _payload_of(self, event: Event) -> Content | None:
+        if self._payload is None or not isinstance(event, SamplePublished) or event.delete:
+            return None
+        found = self._payload(event.sample)
+        if found is None:
+            return None
+        if self._held - self._given + found.size > TUNING.payload_bytes:
+            missing = Missing(FULL)
+            missing.payload()
+            self._items.append(missing)
+            return None
+        self._held += found.size
+        return found
+
+    def _run(self) -> None:
+        self._output.open()
+        self._begun.set()
+        flushed = clock.monotonic()
+        while True:
+            closing = not self._open
+            self._wake.clear()
+            self._write()
+            now = clock.monotonic()
+            if now >= flushed + TUNING.flush:
+                self._output.flush()
+                flushed = now
+            if closing:
+                break
+            self._wake.wait(TUNING.look)
+        if self._missing is not None:
+            self._output.add(self._missing)
+        self._output.close("stopped")
+
+    def _write(self) -> None:
+        """Write what waits, slice by slice."""
+        while self._items:
+            for _ in range(min(len(self._items), TUNING.slice)):
+                item = self._items.popleft()
+                self._output.add(item)
+                if isinstance(item, tuple) and item[4] is not None:
+                    self._given += item[4].size
+            time.sleep(TUNING.pause)

@@ -1,0 +1,38 @@
+"""The constants of recording, each with why it is what it is."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingTuning:
+    """How much waits, how much is written at once, and how large a file of others may claim to be."""
+
+    events: int = 8192
+    """Events that may wait to be written; more are missing: two seconds of what a daemon can take in."""
+    payload_bytes: int = 4 * 1024 * 1024
+    """Bytes of payloads that may wait [B]: they are held in memory meanwhile."""
+    slice: int = 64
+    """Events that are written in one go: the loop waits for Python's lock meanwhile, for a third of a millisecond."""
+    pause: float = 50e-6
+    """Between two slices the lock is free for so long at least [s]: a thread needs 20 to 50 us to wake."""
+    look: float = 0.25
+    """What waits is written this often at least [s]."""
+    many: int = 256
+    """So many events are not left waiting until then."""
+    flush: float = 1.0
+    """What is written is in the file after this time [s]: so much is lost when the daemon is killed."""
+    retry: float = 1.0
+    """Where nothing can be written it is tried again after this time [s], then after twice that, and so on..."""
+    longest_retry: float = 60.0
+    """... up to this [s]: where there is room for a word but for nothing else each try is in vain."""
+    patience: float = 1.5
+    """Whoever has a recording stopped waits for its end so long at most [s]: less than he waits for an answer."""
+    chunk: int = 256 * 1024
+    """Bytes of messages that are compressed together: more compress hardly better, and are held in memory."""
+    record: int = 64 * 1024 * 1024
+    """Largest record that is read [B], packed or not: a damaged length must not take the memory."""
+    line: int = 16 * 1024 * 1024
+    """Largest JSON message that is read [B]: a state of 4,096 streams takes less than 1 MB."""
+
+
+TUNING = RecordingTuning()

@@ -1,0 +1,208 @@
+"""Writing one file after the other, and what is said where that cannot be done."""
+
+import resource
+from contextlib import contextmanager
+
+import pytest
+
+from proxy.bridge.payloads import Content
+from proxy.core.interface import events as ev
+from proxy.recording.entries import End, Gap, Happened, SpecsText, Start
+from proxy.recording.folder import RecordingFolder
+from proxy.recording.missing import Missing
+from proxy.recording.output import Output, text_of
+from tests.proxy.recording.lives import START, entries, published
+from tests.waiting import wait_until
+from utility_specs import Specs, load_specs
+
+SPECS = '[[information_type]]\nname = "a"\nkeys = ["a/**"]\nutility = { kind = "video" }\n'
+
+
+@pytest.fixture
+def output(tmp_path):
+    """Writes into `tmp_path`, files of at least 20 kB of which there may be 1 MB."""
+    output = Output(START, Specs.empty(), RecordingFolder(tmp_path, "r1", 1_000_000, 0.0), 20_000)
+    output.open()
+    return output
+
+
+def add(output, numbers, payload=None):
+    for number in numbers:
+        output.add((number, published(number, red=1 / (number + 3)), (), "", payload))
+
+
+def files(folder):
+    return sorted(folder.glob("*.mcap"))
+
+
+@contextmanager
+def files_end_at(size):
+    """No file grows beyond `size` [B]: as on a full disk."""
+    _, hard = before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def covered(found):
+    """Return how many events are there, and the gaps; together they are all, in their order."""
+    due, events, gaps = 0, 0, []
+    for entry in found:
+        if isinstance(entry, Happened):
+            assert entry.number == due
+            due, events = due + 1, events + 1
+        elif isinstance(entry, Gap):
+            assert entry.first == due
+            due += entry.events
+            gaps.append(entry)
+    return due, events, gaps
+
+
+def test_what_is_added_is_written(output, tmp_path):
+    """With the specs in force, and its end."""
+    add(output, range(100))
+    output.close("stopped")
+    (file,) = files(tmp_path)
+    found, problems = entries(file)
+    assert not problems
+    assert found[0] == Start(**{name: getattr(START, name) for name in START.__slots__} | {"generation": "0" * 12})
+    assert found[1] == SpecsText("0" * 12)
+    assert found[-1] == End(100, "stopped")
+    assert covered(found) == (100, 100, [])
+    assert (output.written.file, output.written.files, output.written.missing) == (str(file), 1, 0)
+    assert output.written.bytes == file.stat().st_size
+
+
+def test_large_files_are_followed_by_others(output, tmp_path):
+    """Each begins where the last one ended, and the core began with the first alone."""
+    for begin in range(0, 3000, 100):
+        add(output, range(begin, begin + 100))
+        output.flush()
+    output.close("stopped")
+    due = 0
+    for place, file in enumerate(files(tmp_path)):
+        found, problems = entries(file)
+        assert not problems
+        assert (found[0].number, found[0].whole) == (due, place == 0)
+        due += sum(isinstance(entry, Happened) for entry in found)
+    assert place > 0
+    assert due == 3000
+
+
+def test_specs_that_change_are_written_before_their_event(output, tmp_path):
+    """As they were read, and again at the begin of later files."""
+    (tmp_path / "specs.toml").write_text(SPECS)
+    specs = load_specs(tmp_path / "specs.toml")
+    output.add((0, ev.SpecsChanged(1.0, specs), (), "", None))
+    output.close("stopped")
+    found = entries(files(tmp_path)[0])[0]
+    assert found[2] == text_of(specs)
+    assert found[2].files[0].text == SPECS
+    assert found[3].event.specs.generation == specs.generation
+
+
+def test_payloads_stand_before_their_samples(output, tmp_path):
+    """They are read when they are written."""
+    add(output, [0], Content(3, lambda: (b"abc", "text/plain")))
+    output.close("stopped")
+    _, _, payload, sample, _ = entries(files(tmp_path)[0])[0]
+    assert (payload.data, payload.sample, sample.number) == (b"abc", 0, 0)
+
+
+def test_what_others_left_out_stands_in_a_gap(output, tmp_path):
+    """Where it belongs."""
+    missing = Missing("too much")
+    missing.event(10, published(10))
+    add(output, range(10))
+    output.add(missing)
+    add(output, range(11, 20))
+    output.close("stopped")
+    found, problems = entries(files(tmp_path)[0])
+    assert not problems
+    assert covered(found) == (20, 19, [Gap(10, 1, 1, 0, "too much", {"SamplePublished": 1})])
+    assert output.written.missing == 1
+
+
+def test_on_a_full_disk_the_recording_says_what_is_missing(output, tmp_path):
+    """It goes on when there is room again, and loses nothing else."""
+    add(output, range(100))
+    output.flush()
+    with files_end_at(output.written.bytes + 100):
+        add(output, range(100, 200), Content(1, lambda: (b"x", "")))
+        output.flush()
+        assert output.written.problem == "File too large"
+        add(output, range(200, 250), Content(1, lambda: (b"x", "")))
+        other = Missing("too much")
+        other.event(250, published(250))
+        output.add(other)
+        output.flush()
+        assert output.written.missing == 151
+
+    def goes_on():
+        output.flush()
+        return not output.stuck
+
+    wait_until(goes_on, what="room again")
+    assert output.written.problem  # nothing but that has been written yet
+    add(output, range(251, 300))
+    output.flush()
+    assert not output.written.problem
+    output.close("stopped")
+    found, problems = entries(files(tmp_path)[0])
+    assert not problems
+    assert covered(found) == (300, 149, [Gap(100, 151, 151, 150, "File too large", {"SamplePublished": 151})])
+
+
+def test_a_disk_that_stays_full_still_holds_where_the_record_ends(output, tmp_path):
+    """The chunk that was written last makes room for it, and is missing, too."""
+    for begin in (0, 100):
+        add(output, range(begin, begin + 100))
+        output.flush()
+    with files_end_at(output.written.bytes):
+        add(output, range(200, 300))
+        output.close("stopped")
+    found, problems = entries(files(tmp_path)[0])
+    assert not problems
+    total, events, (gap,) = covered(found)
+    assert (total, events, gap.first, gap.reason) == (300, 100, 100, "File too large")
+    assert found[-1] == End(300, "stopped")
+
+
+@pytest.mark.parametrize("room", [4, 200])
+def test_with_no_room_at_all_there_is_no_file_and_no_error(tmp_path, room):
+    """The daemon goes on; what is missing is counted, and the first words are of it once there is room."""
+    output = Output(START, Specs.empty(), RecordingFolder(tmp_path, "r1", 1_000_000, 0.0), 20_000)
+    with files_end_at(room):
+        output.open()
+        add(output, range(10))
+        output.flush()
+        assert output.written.missing == 10
+        assert output.written.problem == "File too large"
+    assert not files(tmp_path)
+
+    def goes_on():
+        output.flush()
+        return not output.stuck
+
+    wait_until(goes_on, what="room again")
+    add(output, range(10, 20))
+    output.close("stopped")
+    found, problems = entries(files(tmp_path)[-1])
+    assert not problems
+    assert [type(entry).__name__ for entry in found[:3]] == ["Start", "SpecsText", "Gap"]
+    assert (found[0].whole, found[2].first, found[2].events) == (False, 0, 10)
+
+
+def test_a_folder_that_cannot_be_is_told(tmp_path):
+    """A file stands in its way."""
+    (tmp_path / "file").write_text("")
+    output = Output(START, Specs.empty(), RecordingFolder(tmp_path / "file", "r1", 1000, 0.0), 100)
+    output.open()
+    add(output, range(3))
+    (tmp_path / "specs.toml").write_text(SPECS)
+    output.add((3, ev.SpecsChanged(1.0, load_specs(tmp_path / "specs.toml")), (), "", None))
+    output.close("stopped")
+    assert output.written.problem == "File exists"
+    assert output.written.missing == 4

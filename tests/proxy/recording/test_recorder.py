@@ -1,0 +1,135 @@
+"""Noting what the core takes in, on one thread, and writing it on another."""
+
+import pytest
+
+from planner import Constraint, Linear, Message, Problem, Stream
+from proxy.bridge.payloads import Content
+from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Decide, Forward
+from proxy.recording.folder import RecordingFolder
+from proxy.recording.output import Output
+from proxy.recording.recorder import FULL, Recorder
+from proxy.recording.tuning import TUNING
+from tests.proxy.recording.lives import START, entries, published
+from tests.waiting import wait_until
+from utility_specs import Specs
+
+MESSAGE = Message(0, 0.0, 0.0, 0.1, Linear(1.0, 0.1), 1.0, (100.0,))
+PROBLEM = Problem((Stream(0),), (MESSAGE,), 0, (Constraint("throughput", 1.0, 1e3),), (), t_start=0.0, t_end=2.0)
+
+
+def core(event):
+    """Forward samples; choke on hand-overs."""
+    if isinstance(event, ev.SampleHanded):
+        raise KeyError(event.sample)
+    if isinstance(event, ev.SamplePublished):
+        return [Forward(event.sample), Decide(0, PROBLEM, 1, 300, event.now)]
+    return []
+
+
+@pytest.fixture
+def record(tmp_path):
+    """Make recorders; `finish` closes one and returns its entries."""
+
+    def made(payload=None):
+        output = Output(START, Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 1 << 26)
+        return Recorder(core, output, payload=payload)
+
+    return made
+
+
+def finish(recorder, folder):
+    recorder.stop()
+    assert recorder.wait(60.0)
+    found, problems = entries(folder / "r1-19700101T000000Z-0001.mcap")
+    assert not problems
+    return found
+
+
+def test_events_are_noted_with_what_follows(record, tmp_path):
+    """The caller gets the commands as the core gave them."""
+    recorder = record()
+    recorder.start()
+    assert recorder.begun(60.0)
+    commands = recorder.take(published(0))
+    assert commands == core(published(0))
+    recorder.take(ev.TimePassed(2.0))
+    with pytest.raises(KeyError):
+        recorder.take(ev.SampleHanded(2.0, 7))
+    first, second, third = finish(recorder, tmp_path)[2:-1]
+    assert [each["command"] for each in first.commands] == ["Forward", "Decide"]
+    assert first.commands[1]["messages"] == 1
+    assert (second.event, second.commands) == (ev.TimePassed(2.0), ())
+    assert third.fault == "KeyError: 7"
+
+
+def test_a_thousand_samples_a_second_are_all_there(record, tmp_path):
+    """And twenty times as many for a moment."""
+    recorder = record()
+    recorder.start()
+    for begin in range(0, 20_000, 2000):
+        for number in range(begin, begin + 2000):
+            recorder.take(published(number))
+        wait_until(lambda: recorder.waiting < 1000, what="the writer")
+    assert recorder.describe()["missing"] == 0
+    found = finish(recorder, tmp_path)
+    assert [entry.number for entry in found[2:-1]] == list(range(20_000))
+
+
+def test_what_is_more_than_can_be_written_is_said_to_be_missing(record, tmp_path):
+    """Nobody waits for the writer, which does not run yet here."""
+    recorder, most = record(), TUNING.events
+    for number in range(most + 10):
+        recorder.take(published(number))
+    assert recorder.describe()["missing"] == 10
+    recorder.start()
+    wait_until(lambda: not recorder.waiting, what="the writer")
+    recorder.take(published(most + 10))
+    *_, gap, last, _ = finish(recorder, tmp_path)
+    assert (gap.first, gap.events, gap.samples, gap.reason) == (most, 10, 10, FULL)
+    assert last.number == most + 10
+
+
+def test_what_is_missing_at_the_end_is_said_too(record, tmp_path):
+    """The recorder ends before there was room again."""
+    recorder = record()
+    for number in range(TUNING.events + 10):
+        recorder.take(published(number))
+    recorder.start()
+    *_, gap, _ = finish(recorder, tmp_path)
+    assert (gap.first, gap.events) == (TUNING.events, 10)
+
+
+def test_payloads_wait_within_a_bound(record, tmp_path):
+    """What is beyond is missing, while its event is there; deletions and samples that are gone have none."""
+    size = TUNING.payload_bytes // 3
+    contents = {0: size, 1: size, 2: size, 3: size}
+
+    def payload(sample):
+        return Content(contents[sample], lambda: (b"%d" % sample, "")) if sample in contents else None
+
+    recorder = record(payload)
+    for number in range(5):
+        recorder.take(published(number))
+    recorder.take(ev.TimePassed(3.0))
+    recorder.start()
+    wait_until(lambda: not recorder.waiting, what="the writer")
+    recorder.take(published(0))
+    found = finish(recorder, tmp_path)
+    names = [type(entry).__name__ for entry in found[2:]]
+    assert names == ["Payload", "Happened"] * 3 + ["Gap"] + ["Happened"] * 3 + ["Payload", "Happened", "End"]
+    assert (found[8].events, found[8].payloads) == (0, 1)
+
+
+def test_what_waits_is_written_soon(record, tmp_path):
+    """A daemon that is killed loses a second of its record, or so."""
+    recorder = record()
+    recorder.start()
+    recorder.take(published(0))
+
+    def there():
+        files = list(tmp_path.glob("*.mcap"))
+        return files and len(entries(files[0])[0]) == 3
+
+    wait_until(there, what="the event in the file")
+    finish(recorder, tmp_path)
