@@ -1,10 +1,11 @@
 """Puts lines on a terminal with rich, which comes with the extra `top`."""
 
+import os
 import sys
 import threading
 from collections.abc import Sequence
 
-from rich.console import Console
+from rich.console import Console, ConsoleDimensions
 from rich.live import Live
 from rich.text import Text
 
@@ -50,8 +51,10 @@ def live(endpoints: Sequence[str], view: View, interval: float) -> None:
 
 def _run(display: Live, asking: Asking, keys: Keyboard, view: View) -> None:
     while not view.done:
-        size = display.console.size
-        lines = frame(asking.scene, view, size.width, size.height)
+        # As it is now: rich would believe an environment that says how large the terminal was.
+        size = os.get_terminal_size(sys.stdout.fileno())
+        display.console.size = ConsoleDimensions(size.columns, size.lines)
+        lines = frame(asking.scene, view, size.columns, size.lines)
         display.update(Text("\n", end="").join(map(_text, lines)), refresh=True)
         pressed = keys.read()
         if pressed is None:
