@@ -48,7 +48,8 @@ def test_defaults_are_those_of_the_manual():
         },
         "queue": {"samples": 4096, "bytes": 32 * 1024 * 1024},
         "clock": {"error": 0.0},
-        "log": {"level": "info"},
+        "log": {"level": "info", "format": "text"},
+        "metrics": {"listen": ""},
     }
 
 
@@ -92,6 +93,8 @@ def test_settings_tell_what_a_flag_may_hold():
         "planner.engine",
         "planner.coordination",
         "log.level",
+        "log.format",
+        "metrics.listen",
     }
     assert {key for key, setting in found.items() if setting.takes_table} == {"app.zenoh", "mesh.zenoh"}
 
