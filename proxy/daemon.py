@@ -234,7 +234,12 @@ class Daemon:
         return Samples(decided, passed, self._bridge.describe()["delivered"])
 
     def _serve_operator(self, sides: Sides, status: DaemonStatus, profiler: Profiler, opening: ExitStack) -> None:
-        """Answer whoever operates this robot."""
+        """Answer whoever operates this robot, and whoever watches it."""
+        if listen := self._config.metrics.listen:
+            from proxy.metrics.server import MetricsServer  # noqa: PLC0415 - few need it
+
+            read = partial(self._loop.ask, status.read, TUNING.core_wait)
+            opening.callback(MetricsServer(listen, read).close, TUNING.stop_wait)
         executor = SerialExecutor("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(executor.close, TUNING.stop_wait)
         control = Control(

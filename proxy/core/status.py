@@ -44,6 +44,8 @@ def report(
         "kept": core.kept.copies.described(now) | {"keys": sorted(retained)},
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, glance, now),
+        "on_air": {"messages": core.view.traffic.messages, "bytes": core.view.traffic.bytes},
+        "digests": core.gossip.account.described(),
         "streams": [_stream(core, stream, glance, now) for stream in core.view.streams],
         "features": [row for each in core.view.specs.types for row in _features(each)],
         "peers": [_peer(peer, core, now) for peer in core.view.peers.values()],

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from proxy.core.status import STATUS_VERSION
 from proxy.status.daemon import Daemon
 from proxy.status.fields import COUNT, SECONDS, Part, field
-from proxy.status.network import Limit, Peer
+from proxy.status.network import Digests, Limit, OnAir, Peer
 from proxy.status.samples import Counts, Decisions, Feature, Kept, Mode, Stream
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -33,6 +33,8 @@ class Status(Part):
     kept: Kept = field("copies for robots that are away")
     decisions: Decisions = field("how it was decided")
     budget: list[Limit] = field("the limits in force")
+    on_air: OnAir = field("what this robot put on the air")
+    digests: Digests = field("what robots tell each other about streams and channel")
     streams: list[Stream] = field("the streams that it knows, its own and others'")
     features: list[Feature] = field("what is computed from samples")
     peers: list[Peer] = field("the other robots")

@@ -17,6 +17,21 @@ class Adaptive(Part):
     reason: str = field("what it reacts to")
 
 
+class OnAir(Part):
+    """What this robot put on the air since the start."""
+
+    messages: int = field("messages, copies counted", COUNT)
+    bytes: int = field("bytes, copies counted", BYTES)
+
+
+class Digests(Part):
+    """What robots tell each other about streams and channel, in digests and states."""
+
+    allowance: float = field("what all robots together may tell", "B/s")
+    told: int = field("what this robot told since the start, copies and framing counted", BYTES)
+    heard: int = field("the same of the others, as far as this robot heard or has to expect", BYTES)
+
+
 class Limit(Part):
     """A limit of the specs, in force."""
 
