@@ -33,6 +33,7 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
     send, message = tables.current in found.sends, tables.message.tolist()
     aim, value = _worth(tables, found.sends)
     other = None if found.opposite is None else _worth(tables, found.opposite)
+    spared = _spared(tables, found.sends if send else found.opposite)
     prices = tables.charged()
     for k, asked in zip(tables.constraint, found.asked, strict=True):
         prices[k] += asked
@@ -50,15 +51,16 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
         binding=tuple(
             constraint.name for k, constraint in enumerate(tables.problem.constraints) if prices[k] > 0 or k in too_much
         ),
-        earns=_earned(tables, found.sends if send else found.opposite, aim if send or other is None else other[0]),
+        earns=None if spared is None else (aim if send or other is None else other[0]) - spared[0],
+        spared=None if spared is None else spared[1],
     )
 
 
-def _earned(tables: Tables, sends: Sequence[int] | None, aim: float) -> float | None:
-    """Return what the current message adds to a plan that sends it and is worth `aim`; None without such a plan."""
+def _spared(tables: Tables, sends: Sequence[int] | None) -> tuple[float, float] | None:
+    """Return what a plan that sends the current message is worth without it; None where there is no such plan."""
     if sends is None or tables.current not in sends:
         return None
-    return aim - _aim(tables, [level for level in sends if level != tables.current])
+    return _worth(tables, [level for level in sends if level != tables.current])
 
 
 def _gap(tables: Tables, bound: float | None, aim: float) -> float | None:

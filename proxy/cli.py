@@ -24,7 +24,7 @@ Command = Callable[[Subparsers], None]
 GROUP = "sendworthy.commands"
 WITHOUT_COMMAND = ("-h", "--help", "--version")
 """Flags that stand in place of a command; all others follow one."""
-BUILT_IN = ("run", "learn", "check", "schema", "explain", "status", "mode", "profile", "push")
+BUILT_IN = ("run", "learn", "check", "schema", "explain", "why", "status", "mode", "profile", "push")
 
 EXAMPLES = """\
 examples:
@@ -37,6 +37,7 @@ examples:
   sendworthy profile --flame flame.svg             where its processor time goes
   sendworthy push specs.d                          put these specs in force on all robots
   sendworthy explain robot/r1/camera image.jpg     why is this sample worth what it is?
+  sendworthy why robot/r1/camera                   why were its last samples sent or dropped?
 
 `sendworthy COMMAND --help` tells more.
 """

@@ -31,6 +31,7 @@ def test_plan_is_weighed_by_utility_and_its_lead_by_the_objective(seed):
     assert plan.gap == pytest.approx(1e9 - objective(problem, taken))
     without = [at for at in taken if at != problem.current]
     assert plan.earns == pytest.approx(objective(problem, taken) - objective(problem, without), abs=1e-9)
+    assert plan.spared == pytest.approx(utility(problem, without))
 
 
 def test_plan_without_an_opposite_has_no_lead():
@@ -51,7 +52,7 @@ def test_what_a_message_earns_is_told_of_the_plan_that_sends_it(seed):
     earned = objective(problem, sorted([*rest, problem.current])) - objective(problem, rest)
     assert not plan.send
     assert plan.earns == pytest.approx(earned, abs=1e-9)
-    assert plan.earns == pytest.approx(-plan.lead, abs=1e-9)
+    assert (plan.earns, plan.spared) == pytest.approx((-plan.lead, plan.utility), abs=1e-9)
     assert answer(tables, Found(others, None, None, asked, 1), iterations=1).earns is None
 
 
