@@ -153,7 +153,10 @@ def _price(search: Status) -> str:
     cost = f"its room costs {number(price)}" + f" ({', '.join(asked)})" * (len(asked) > 1) if asked else "room is free"
     if earns is None:
         return cost
-    return f"{cost}; it {'adds' if sends else 'would add'} {number(earns)} to the best plan that sends it"
+    changes = "adds {} to" if earns >= 0.0 else "takes {} from"
+    if not sends:
+        changes = "would add {} to" if earns >= 0.0 else "would take {} from"
+    return f"{cost}; it {changes.format(number(abs(earns)))} the best plan that sends it"
 
 
 def _scarce(search: Status) -> str:
@@ -185,7 +188,7 @@ def _competitors(search: Status, robot: str, width: int) -> Iterator[str]:
     if not listed:
         yield from _wrapped(f"  {'beside'.ljust(LABEL)} ", "nothing else competes with it", width)
         return
-    yield f"  {'beside'.ljust(LABEL)} what waits or is expected soon, its worth, and how many the plan sends"
+    yield f"  {'beside'.ljust(LABEL)} what else waits or is expected, its worth, and how many are sent"
     rows = [_competitor(each, robot, this=each is own) for each in listed]
     head = ("STREAM", "WORTH", "SIZE", "PER kB", "SENT")
     names = max(12, width - LABEL - 40)

@@ -43,7 +43,7 @@ class SamplesTuning:
     named_keys: int = 64
     """A robot that is back is told the names of at most this many keys of which copies wait."""
     entries: int = 16
-    """Entries of a stream in the log of decisions, which takes 5 MB at most: 2.4 MB with so many searches of 60 cameras."""
+    """Entries of a stream in the log of decisions, which takes 5 MB at most: 2.4 with 500 cameras."""
     logged_streams: int = 512
     """Streams in the log of decisions."""
     logged_searches: int = 512
