@@ -90,7 +90,7 @@ def _fate(decision: Status) -> str:
     why = CAUSES.get((reason, cause)) or FATES.get(reason, "")
     did = "waits" if reason.startswith("waits") else "sent" if decision.get("sent") else "dropped"
     if decision.get("shadowed"):
-        did = "would be dropped in enforce, but was sent in shadow"
+        did = "would be dropped in enforce, sent in shadow"
     many = f"{count} samples " if count > 1 else ""
     copy = f"copy for {decision['copy_to']}, which was away, " if decision.get("copy_to") else ""
     return f"{copy}{many}{did.upper() if not decision.get('shadowed') else did}: {why} ({reason})"

@@ -109,7 +109,7 @@ def test_every_state_of_a_search_has_words(changed, said):
     [
         (
             {"shadowed": True, "sent": True},
-            "would be dropped in enforce, but was sent in shadow: others are worth more",
+            "would be dropped in enforce, sent in shadow: others are worth more",
         ),
         (
             {"reason": "forwarded", "cause": "unneeded", "sent": True, "count": 7},
