@@ -33,6 +33,7 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
     send, message = tables.current in found.sends, tables.message.tolist()
     aim, value = _worth(tables, found.sends)
     other = None if found.opposite is None else _worth(tables, found.opposite)
+    spared = _spared(tables, found.sends if send else found.opposite)
     prices = tables.charged()
     for k, asked in zip(tables.constraint, found.asked, strict=True):
         prices[k] += asked
@@ -50,7 +51,16 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
         binding=tuple(
             constraint.name for k, constraint in enumerate(tables.problem.constraints) if prices[k] > 0 or k in too_much
         ),
+        earns=None if spared is None else (aim if send or other is None else other[0]) - spared[0],
+        spared=None if spared is None else spared[1],
     )
+
+
+def _spared(tables: Tables, sends: Sequence[int] | None) -> tuple[float, float] | None:
+    """Return what a plan that sends the current message is worth without it; None where there is no such plan."""
+    if sends is None or tables.current not in sends:
+        return None
+    return _worth(tables, [level for level in sends if level != tables.current])
 
 
 def _gap(tables: Tables, bound: float | None, aim: float) -> float | None:
@@ -63,16 +73,17 @@ def _gap(tables: Tables, bound: float | None, aim: float) -> float | None:
 
 def _worth(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
     """Return what the search maximises, and U, of the plan that sends these levels, in order [utility·s]."""
-    if not tables.closed:
-        return _walked(tables, sends)
-    aim, value = tables.worth(sends)
-    return aim, value if tables.exact else utility(tables.problem, tables.message[list(sends)].tolist())
+    if tables.closed and tables.exact:
+        return tables.worth(sends)
+    return _aim(tables, sends), utility(tables.problem, tables.message[list(sends)].tolist())
 
 
-def _walked(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
-    """Return the same where a stream is open ended and the table does not say it."""
+def _aim(tables: Tables, sends: Sequence[int]) -> float:
+    """Return what the search maximises; where a stream is open ended the table does not say it [utility·s]."""
+    if tables.closed:
+        return tables.worth(sends)[0]
     path, aim = Path(tables), tables.gains.aim_facts
     for level in sends:  # what is dropped changes no gain
         aim += path.gain(level)
         path.step(level, send=True)
-    return aim, utility(tables.problem, tables.message[list(sends)].tolist())
+    return aim

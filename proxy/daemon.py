@@ -10,7 +10,7 @@ from pathlib import Path
 import zenoh
 
 from planner import SearchSettings
-from proxy import clock
+from proxy import clock, why
 from proxy.bridge.bridge import Bridge, CoreLink
 from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.control import Control
@@ -248,6 +248,7 @@ class Daemon:
             executor=executor,
             on_loop=self._loop.post,
             status=status.read,
+            why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
             switch=self._ordered,
             profile=profiler.start,
         )

@@ -45,12 +45,16 @@ class Weighed:
     """How a stream stands whose samples are worth `scale`.
 
     It generates every `interval`, and is expected to send every `apart` [s]; without end when nothing of it pays.
+    The room of a sample costs so much; one earns `least` where all are sent, `most` where hardly any is [utility·s].
     """
 
     standing: Standing
     scale: float
     interval: float
     apart: float
+    cost: float = 0.0
+    least: float = 0.0
+    most: float = 0.0
 
 
 UNKNOWN = Weighed(Standing.CONTESTED, 0.0, 0.0, 0.0)
@@ -108,6 +112,9 @@ class Market:
                 row.stream.newest.scale,
                 row.interval,
                 float(apart[at]),
+                float(cost[at]),
+                float(marginal[at, 0]),
+                float(marginal[at, -1]),
             )
             for at, row in enumerate(rows)
         ]

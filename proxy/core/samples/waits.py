@@ -32,6 +32,11 @@ class Waits:
             here = {waiting.sample for waiting in self._inbox}
             self._opening = {sample: wait for sample, wait in self._opening.items() if sample in here}
 
+    def opens_at(self, sample: Waiting) -> float | None:
+        """Return when a sample that was looked at can be taken up at the earliest [s]; None where it does not wait."""
+        known = self._opening.get(sample.sample)
+        return None if known is None else known[0]
+
     def postpone(self, now: float, sample: Waiting) -> bool:
         """Let a sample wait if there is a reason to; return whether it waits."""
         return bool(self._budget.limits) and (self._for_greetings(now, sample) or self._for_room(now, sample))
