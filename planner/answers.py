@@ -4,8 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from planner.definition import utility
-from planner.python_engine.path import Path
 from planner.search import Plan
 from planner.tables import Tables
 
@@ -30,7 +28,7 @@ class Found:
 
 def answer(tables: Tables, found: Found, iterations: int) -> Plan:
     """Return the plan, beside the best that decides the current message otherwise."""
-    send, message = tables.current in found.sends, tables.message.tolist()
+    send, message = tables.current in found.sends, tables.message
     aim, value = _worth(tables, found.sends)
     other = None if found.opposite is None else _worth(tables, found.opposite)
     spared = _spared(tables, found.sends if send else found.opposite)
@@ -73,17 +71,25 @@ def _gap(tables: Tables, bound: float | None, aim: float) -> float | None:
 
 def _worth(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
     """Return what the search maximises, and U, of the plan that sends these levels, in order [utility·s]."""
-    if tables.closed and tables.exact:
-        return tables.worth(sends)
-    return _aim(tables, sends), utility(tables.problem, tables.message[list(sends)].tolist())
+    if not tables.closed:
+        return _walked(tables, sends), _utility(tables, sends)
+    aim, value = tables.worth(sends)
+    return aim, value if tables.exact else _utility(tables, sends)
 
 
-def _aim(tables: Tables, sends: Sequence[int]) -> float:
-    """Return what the search maximises; where a stream is open ended the table does not say it [utility·s]."""
-    if tables.closed:
-        return tables.worth(sends)[0]
+def _walked(tables: Tables, sends: Sequence[int]) -> float:
+    """Return the same where a stream is open ended and the table does not say it."""
+    from planner.python_engine.path import Path
+
     path, aim = Path(tables), tables.gains.aim_facts
     for level in sends:  # what is dropped changes no gain
         aim += path.gain(level)
         path.step(level, send=True)
     return aim
+
+
+def _utility(tables: Tables, sends: Sequence[int]) -> float:
+    """Return U of the plan that sends these levels, by the definition [utility·s]."""
+    from planner.definition import utility
+
+    return utility(tables.problem, [tables.message[level] for level in sends])

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from planner import Plan
-from proxy.core.market.prices import Weighed
+from proxy.core.market.standing import Weighed
 from proxy.core.model.waiting import Waiting
 from proxy.core.parts import Parts
 from proxy.core.samples.decision_log import Entry

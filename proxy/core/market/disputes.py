@@ -13,13 +13,17 @@ and 90 % for four, where trees of 60 messages of all streams filled 68 and 11 %.
 import math
 from collections import Counter
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from proxy.core.market.prices import UNKNOWN, Amounts, Market, Row, Standing, Weighed, reserve, row_of
+from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, reserve, row_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
+
+if TYPE_CHECKING:
+    from proxy.core.market.prices import Market
 
 Place = tuple[str, str]
 """The robot and key of a stream."""
@@ -66,6 +70,8 @@ class Disputes:
         places = [_place(row.stream) for row in rows]
         self._market, weighed = None, list[Weighed]()
         if rows:
+            from proxy.core.market.prices import Market
+
             self._market, steady = Market.of(rows, limits)
             weighed = self._market.weigh(rows, steady)
         self._weighed = dict(zip(places, weighed, strict=True))

@@ -4,7 +4,7 @@ What decisions need is worked out now and then and remembered. Whoever asked tha
 at other moments than otherwise, and so change later decisions.
 """
 
-from proxy.core.market.prices import Amounts, Market, Row, row_of
+from proxy.core.market.standing import Amounts, Row, row_of
 from proxy.core.model.limits import Limit
 from proxy.core.view.audience import Audience, audience_of
 from proxy.core.view.paths import Fan
@@ -48,7 +48,11 @@ class Glance:
         rows = [self._row(stream, limits) for stream in competing]
         if alone:
             rows = [row for row in rows if row.has_room(limits)]
-        return tuple(Market.of(rows, limits)[0].prices.tolist()) if rows else (0.0,) * len(limits)
+        if not rows:
+            return (0.0,) * len(limits)
+        from proxy.core.market.prices import Market
+
+        return tuple(Market.of(rows, limits)[0].prices.tolist())
 
     def _row(self, stream: Stream, limits: tuple[Limit, ...]) -> Row:
         subscribers = self._view.subscribers

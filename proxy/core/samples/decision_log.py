@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from proxy.core.market.prices import Weighed
+from proxy.core.market.standing import Weighed
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.searched import Searched
 from proxy.core.samples.tuning import TUNING

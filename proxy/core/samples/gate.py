@@ -7,7 +7,7 @@ from planner import Plan
 from proxy.core.coordination.budget import Budget
 from proxy.core.interface.commands import Command, Notice
 from proxy.core.interface.events import DecisionReady
-from proxy.core.market.prices import Standing
+from proxy.core.market.standing import Standing
 from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting

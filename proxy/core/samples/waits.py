@@ -3,7 +3,7 @@
 import math
 
 from proxy.core.coordination.claims import leads, news_take, opening
-from proxy.core.market.prices import Standing
+from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
