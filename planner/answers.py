@@ -4,8 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from planner.definition import utility
-from planner.python_engine.path import Path
 from planner.search import Plan
 from planner.tables import Tables
 
@@ -30,9 +28,10 @@ class Found:
 
 def answer(tables: Tables, found: Found, iterations: int) -> Plan:
     """Return the plan, beside the best that decides the current message otherwise."""
-    send, message = tables.current in found.sends, tables.message.tolist()
+    send, message = tables.current in found.sends, tables.message
     aim, value = _worth(tables, found.sends)
     other = None if found.opposite is None else _worth(tables, found.opposite)
+    spared = _spared(tables, found.sends if send else found.opposite)
     prices = tables.charged()
     for k, asked in zip(tables.constraint, found.asked, strict=True):
         prices[k] += asked
@@ -50,7 +49,16 @@ def answer(tables: Tables, found: Found, iterations: int) -> Plan:
         binding=tuple(
             constraint.name for k, constraint in enumerate(tables.problem.constraints) if prices[k] > 0 or k in too_much
         ),
+        earns=None if spared is None else (aim if send or other is None else other[0]) - spared[0],
+        spared=None if spared is None else spared[1],
     )
+
+
+def _spared(tables: Tables, sends: Sequence[int] | None) -> tuple[float, float] | None:
+    """Return what a plan that sends the current message is worth without it; None where there is no such plan."""
+    if sends is None or tables.current not in sends:
+        return None
+    return _worth(tables, [level for level in sends if level != tables.current])
 
 
 def _gap(tables: Tables, bound: float | None, aim: float) -> float | None:
@@ -64,15 +72,24 @@ def _gap(tables: Tables, bound: float | None, aim: float) -> float | None:
 def _worth(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
     """Return what the search maximises, and U, of the plan that sends these levels, in order [utility·s]."""
     if not tables.closed:
-        return _walked(tables, sends)
+        return _walked(tables, sends), _utility(tables, sends)
     aim, value = tables.worth(sends)
-    return aim, value if tables.exact else utility(tables.problem, tables.message[list(sends)].tolist())
+    return aim, value if tables.exact else _utility(tables, sends)
 
 
-def _walked(tables: Tables, sends: Sequence[int]) -> tuple[float, float]:
+def _walked(tables: Tables, sends: Sequence[int]) -> float:
     """Return the same where a stream is open ended and the table does not say it."""
+    from planner.python_engine.path import Path
+
     path, aim = Path(tables), tables.gains.aim_facts
     for level in sends:  # what is dropped changes no gain
         aim += path.gain(level)
         path.step(level, send=True)
-    return aim, utility(tables.problem, tables.message[list(sends)].tolist())
+    return aim
+
+
+def _utility(tables: Tables, sends: Sequence[int]) -> float:
+    """Return U of the plan that sends these levels, by the definition [utility·s]."""
+    from planner.definition import utility
+
+    return utility(tables.problem, [tables.message[level] for level in sends])

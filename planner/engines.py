@@ -2,11 +2,9 @@
 
 from planner.native_engine import NativeSearch
 from planner.problem import Problem
-from planner.python_engine.best import BestSearch
-from planner.python_engine.paper import PaperSearch
 from planner.search import Search, SearchSettings
+from planner.settings import check_settings
 from planner.tables import tabulate
-from planner.validation import check_settings
 
 
 def start(problem: Problem, settings: SearchSettings, seed: int = 0) -> Search:
@@ -21,4 +19,7 @@ def start(problem: Problem, settings: SearchSettings, seed: int = 0) -> Search:
     tables = tabulate(problem, beyond=settings.search == "best")
     if settings.engine == "native" and tables.closed:
         return NativeSearch(tables, settings)
+    from planner.python_engine.best import BestSearch
+    from planner.python_engine.paper import PaperSearch
+
     return PaperSearch(tables, settings) if settings.search == "paper" else BestSearch(tables, settings)

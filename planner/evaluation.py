@@ -6,8 +6,11 @@ sending one depends only on the *state* of its stream: what matters of the open 
 window are tabulated at once before the search starts; `aggregations/` holds how, for each aggregation.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -68,7 +71,7 @@ def tabulate_gains(problem: Problem, beyond: Beyond | None = None) -> Gains:
     return gains
 
 
-Standard = Callable[[Received, Floats | None], Part]
+Standard: TypeAlias = "Callable[[Received, Floats | None], Part]"
 
 BY_WORTH: dict[Aggregation, Standard] = {
     Aggregation.MOST_RECENT: most_recent.tabulate,

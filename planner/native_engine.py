@@ -1,11 +1,15 @@
 """The native engine behind the planner's interface: C++ searches that run without the GIL."""
 
+from typing import TYPE_CHECKING
+
 from planner import _native
 from planner.answers import Found, answer
 from planner.native_tables import NativeTables
-from planner.python_engine import best, tree
 from planner.search import Plan, SearchSettings
 from planner.tables import Tables
+
+if TYPE_CHECKING:
+    from planner.python_engine import best, tree
 
 
 class NativeSearch:
@@ -39,6 +43,6 @@ class NativeSearch:
         sends, opposite, bound, asked, nodes = self._kernel.plan()
         return answer(self._tables, Found(sends, opposite, bound, asked, nodes), self.iterations)
 
-    def tree(self) -> list[tree.Row] | list[best.Row]:
+    def tree(self) -> "list[tree.Row] | list[best.Row]":
         """Every node in the order of creation, to compare engines."""
         return self._kernel.tree()

@@ -2,15 +2,16 @@
 
 from collections.abc import Sequence
 from functools import cached_property
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from planner._native import Tabulated
-from planner.beyond import Beyond
-from planner.constraints import Checks, Rows
-from planner.evaluation import Gains
 from planner.problem import Problem
 from planner.utility import Floats, Ints
+
+if TYPE_CHECKING:
+    from planner.beyond import Beyond
+    from planner.constraints import Checks
+    from planner.evaluation import Gains
 
 
 class NativeTables:
@@ -27,18 +28,22 @@ class NativeTables:
         self.exact = tabulated.exact
 
     @cached_property
-    def message(self) -> Ints:
+    def message(self) -> Sequence[int]:
         """By level: which message of the problem it decides."""
-        return np.array(self.tabulated.message, dtype=np.int64)
+        return self.tabulated.message
 
     @cached_property
-    def gains(self) -> Gains:
+    def gains(self) -> "Gains":
         """What sending adds."""
+        from planner.evaluation import Gains
+
         return Gains(*self.tabulated.gains(), open_ended=(None,) * self.streams)
 
     @cached_property
-    def beyond(self) -> Beyond | None:
+    def beyond(self) -> "Beyond | None":
         """What a plan leaves behind, where the objective is maximised and not U."""
+        from planner.beyond import Beyond
+
         left = self.tabulated.beyond()
         if left is None:
             return None
@@ -46,8 +51,10 @@ class NativeTables:
         return Beyond(worth, charges.reshape(len(worth), len(price)), price, rent, until)
 
     @cached_property
-    def checks(self) -> Checks:
+    def checks(self) -> "Checks":
         """What must hold for sending."""
+        from planner.constraints import Checks, Rows
+
         use, share, start, of, first, room, held, never, rows, constraint = self.tabulated.checks()
         shape = (self.levels, len(constraint))
         return Checks(

@@ -10,10 +10,12 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
-from planner.columns import Columns, columns_of
 from planner.utility import MessageUtility
+
+if TYPE_CHECKING:
+    from planner.columns import Columns
 
 
 class Aggregation(StrEnum):
@@ -127,6 +129,8 @@ class Problem:
     goes_on: bool = True
 
     @cached_property
-    def columns(self) -> Columns:
+    def columns(self) -> "Columns":
         """All of it as arrays."""
+        from planner.columns import columns_of
+
         return columns_of(self)

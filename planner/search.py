@@ -41,7 +41,9 @@ class Plan:
     No plan exceeds it by more than `gap`: 0 when it is proven to be the best, None when no bound is known.
     `prices[k]` is what constraint k asks for sending the current message, by the linear relaxation of the window and
     what lies beyond it, and `binding` names the constraints that ask anything or have no room for it in the plan.
-    `seconds` is what the decision took, for the caller to fill in.
+    `earns` is by how much the best plan found that sends the current message exceeds the same one without it; `spared`
+    is U of the latter [utility·s]. Both are None when no plan sends it. `seconds` is what the decision took, for the
+    caller to fill in.
     """
 
     send: bool
@@ -55,6 +57,8 @@ class Plan:
     prices: tuple[float, ...] = ()
     binding: tuple[str, ...] = ()
     seconds: float | None = None
+    earns: float | None = None
+    spared: float | None = None
 
 
 class Search(Protocol):

@@ -24,7 +24,7 @@ Command = Callable[[Subparsers], None]
 GROUP = "sendworthy.commands"
 WITHOUT_COMMAND = ("-h", "--help", "--version")
 """Flags that stand in place of a command; all others follow one."""
-BUILT_IN = ("run", "learn", "check", "schema", "explain", "status", "mode", "profile", "push", "record")
+BUILT_IN = ("run", "learn", "check", "schema", "explain", "why", "status", "top", "mode", "profile", "push", "record")
 
 EXAMPLES = """\
 examples:
@@ -33,11 +33,13 @@ examples:
   sendworthy run --config sendworthy.toml          run the daemon of this robot
   sendworthy run --robot r1 --mode shadow          the same without a file
   sendworthy status                                what the daemon here does
+  sendworthy top                                   the same live, for all robots
   sendworthy mode enforce                          switch it live
   sendworthy profile --flame flame.svg             where its processor time goes
   sendworthy record                                write down all that it sees and decides
   sendworthy push specs.d                          put these specs in force on all robots
   sendworthy explain robot/r1/camera image.jpg     why is this sample worth what it is?
+  sendworthy why robot/r1/camera                   why were its last samples sent or dropped?
 
 `sendworthy COMMAND --help` tells more.
 """

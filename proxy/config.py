@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self, get_origin
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from proxy.config_values import (
+    HttpAddress,
     Interface,
     KeyExpressions,
     ListenEndpoints,
@@ -191,6 +192,15 @@ class LogConfig(Section):
     level: Literal["debug", "info", "warning", "error"] = Field(
         default="info", description="least level that is logged"
     )
+    format: Literal["text", "json"] = Field(
+        default="text", description="text: a line to read for each event; json: an object a line"
+    )
+
+
+class MetricsConfig(Section):
+    """`[metrics]`: what Prometheus can read."""
+
+    listen: HttpAddress = Field(default="", description="host and port where metrics are served; nothing: nowhere")
 
 
 class RecordConfig(Section):
@@ -231,6 +241,7 @@ class Config(Section):
     clock: ClockConfig = ClockConfig()
     log: LogConfig = LogConfig()
     record: RecordConfig = RecordConfig()
+    metrics: MetricsConfig = MetricsConfig()
 
     _outdated: tuple[str, ...] = PrivateAttr(default=())
 

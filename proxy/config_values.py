@@ -95,6 +95,14 @@ def multicast_group(text: str) -> str:
     return text
 
 
+def http_address(text: str) -> str:
+    """Return `text` if a server of HTTP can listen there, or if it is empty; ValueError otherwise."""
+    found = HOST_AND_PORT.fullmatch(text)
+    if text and (found is None or not 0 < int(found["port"]) <= 65535):
+        raise ValueError(f'must be a host and a port like "127.0.0.1:9447" or "[::1]:9447", not {quoted(text)}')
+    return text
+
+
 def key_expression(text: str) -> str:
     """Return `text` if it is a key expression of Zenoh; ValueError otherwise."""
     import zenoh  # noqa: PLC0415 - few configurations need it
@@ -120,5 +128,6 @@ ListenEndpoints = Annotated[tuple[Annotated[str, AfterValidator(endpoint)], ...]
 RemoteEndpoints = Annotated[tuple[Annotated[str, AfterValidator(remote_endpoint)], ...], Field(strict=False)]
 SpecsPath = Annotated[Path, Field(strict=False), BeforeValidator(path_text)]
 MulticastGroup = Annotated[str, AfterValidator(multicast_group)]
+HttpAddress = Annotated[str, AfterValidator(http_address)]
 Interface = Annotated[str, AfterValidator(interface)]
 KeyExpressions = Annotated[tuple[Annotated[str, AfterValidator(key_expression)], ...], Field(strict=False)]

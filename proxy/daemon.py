@@ -10,7 +10,7 @@ from pathlib import Path
 import zenoh
 
 from planner import SearchSettings
-from proxy import clock
+from proxy import clock, why
 from proxy.bridge.bridge import Bridge, CoreLink
 from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.control import Control
@@ -234,7 +234,12 @@ class Daemon:
         return Samples(decided, passed, self._bridge.describe()["delivered"])
 
     def _serve_operator(self, sides: Sides, status: DaemonStatus, profiler: Profiler, opening: ExitStack) -> None:
-        """Answer whoever operates this robot."""
+        """Answer whoever operates this robot, and whoever watches it."""
+        if listen := self._config.metrics.listen:
+            from proxy.metrics.server import MetricsServer  # noqa: PLC0415 - few need it
+
+            read = partial(self._loop.ask, status.read, TUNING.core_wait)
+            opening.callback(MetricsServer(listen, read).close, TUNING.stop_wait)
         executor = SerialExecutor("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(executor.close, TUNING.stop_wait)
         control = Control(
@@ -243,6 +248,7 @@ class Daemon:
             executor=executor,
             on_loop=self._loop.post,
             status=status.read,
+            why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
             switch=self._ordered,
             profile=profiler.start,
         )

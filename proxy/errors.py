@@ -21,5 +21,9 @@ class ConfigError(ProxyError):
         self.problems = problems
 
 
+class MetricsError(ProxyError):
+    """The metrics cannot be served where the configuration says."""
+
+
 class PushError(ProxyError):
     """Specs cannot be pushed, or what was pushed cannot be taken: not for what stands in them."""

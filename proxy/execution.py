@@ -54,8 +54,8 @@ class Execution:
                 self.planning.decide(command)
             case Reread(sample, key):
                 self._reread(sample, key)
-            case Notice(level, text):
-                log.log(_LEVELS[level], "%s", text)
+            case Notice(level, text, fields):
+                log.log(_LEVELS[level], "%s", text, extra=dict(fields))
             case SendDigest() | SendState() | AskState() | TellBacklog():
                 self._tell(command)
             case _:

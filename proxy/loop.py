@@ -13,6 +13,7 @@ from proxy import clock
 from proxy.core.core import Core
 from proxy.core.interface.commands import Command
 from proxy.core.interface.events import ClockChanged, Event, TimePassed
+from proxy.preparing import Preparation
 from proxy.tuning import TUNING
 
 log = logging.getLogger(__name__)
@@ -46,6 +47,7 @@ class Loop:
         self._numbers = itertools.count()
         self._refusing = threading.Lock()
         self._wall = clock.WallWatch(core.view.clocks.offset, clock_error)
+        self._preparation = Preparation()
         self._thread = threading.Thread(target=self._run, name="loop", daemon=True)
 
     def start(self) -> None:
@@ -132,6 +134,8 @@ class Loop:
             event = item() if callable(item) else item
             if event is not None:
                 self.handle(event)
+            if not self._preparation.begun and len(self.core.view.streams):
+                self._preparation.begin()
             now = clock.monotonic()
             wall = self._wall.look(now)
             if wall is not None:

@@ -40,6 +40,10 @@ class DaemonTuning:
     """A robot that has vanished for longer is gone: nothing is kept for it any more [s]."""
     orders: int = 16
     """Orders that may wait, each of which may be of megabytes."""
+    streams_told: int = 16
+    """Streams of which `sendworthy why` tells decisions at once; the others are named."""
+    decisions_told: int = 64
+    """Decisions on all of them together: making words of one takes the loop about 0.1 ms."""
     core_wait: float = 2.0
     """Whoever reloads, orders, or asks the core something from another thread waits for it for this long [s]."""
     pushed_files: int = 64

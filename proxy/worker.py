@@ -27,8 +27,8 @@ def decide(command: Decide, settings: SearchSettings, deadline: float) -> Decisi
             search.run(min(TUNING.iterations, search.iterations, command.iterations - search.iterations))
             now = clock.monotonic()
         searched, plan, now = now - began, search.plan(), clock.monotonic()
-        took = now - command.asked
-        return DecisionReady(now, command.ticket, replace(plan, seconds=took), overhead=took - searched)
+        took, cut = now - command.asked, not search.done and search.iterations < command.iterations
+        return DecisionReady(now, command.ticket, replace(plan, seconds=took), overhead=took - searched, cut=cut)
     except Exception as error:  # noqa: BLE001 - whatever fails in there, the core must learn of it and fall back
         return DecisionReady(clock.monotonic(), command.ticket, None, f"{type(error).__name__}: {error}")
 

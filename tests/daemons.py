@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from proxy.commands.client import NoAnswerError, connected
+from proxy.status.model import Status
 from tests.ports import free_port
 from tests.waiting import wait_until
 
@@ -53,6 +54,7 @@ class Running:
 
         wait_until(answered, what="an answer of the daemon")
         (status,) = found
+        Status.model_validate(status)
         return status
 
     @contextmanager

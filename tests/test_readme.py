@@ -148,7 +148,7 @@ def test_the_tutorial_works_from_top_to_bottom(tmp_path):
     with ExitStack() as closing:
         text = tried(tmp_path, closing)
     assert 'information_type "battery": robot/*/battery' in text
-    assert "robot r1   mode shadow   specs " in text
+    assert "robot r1   mode shadow   sendworthy " in text
     assert text.endswith("r1: enforce\n")
 
 

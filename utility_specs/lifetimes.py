@@ -2,9 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Self
-
-import numpy as np
 
 from planner.utility import Floats, Ints, MessageUtility, Power
 
@@ -14,8 +13,6 @@ YOUNG = 1e-3
 """The age [s] at which a message is said to be fresh where the value at 0 is infinite."""
 LITTLE = 0.01
 """A message is said to be over when it is worth this part of its greatest value for good."""
-
-_AGES = np.concatenate([[0.0], np.geomspace(YOUNG / 10.0, LONGEST, 6000)])
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +35,16 @@ class Lifetime:
     @classmethod
     def of(cls, utility: MessageUtility) -> Self:
         """Measure a utility."""
-        values = utility.value(_AGES)
+        import numpy as np
+
+        ages = _ages()
+        values = utility.value(ages)
         young = YOUNG if isinstance(utility, Power) else 0.0
         fresh = _at(utility, young)
-        peak = max(fresh, float(values[_AGES >= YOUNG].max()))
-        below = np.flatnonzero((values < fresh / 2.0) & (young <= _AGES))
+        peak = max(fresh, float(values[ages >= YOUNG].max()))
+        below = np.flatnonzero((values < fresh / 2.0) & (young <= ages))
         above = np.flatnonzero(values > LITTLE * peak)
-        lasts = above.size > 0 and above[-1] == len(_AGES) - 1
+        lasts = above.size > 0 and above[-1] == len(ages) - 1
         half_life = _crossing(lambda age: _at(utility, age) < fresh / 2.0, int(below[0])) if below.size else None
         end = None if lasts else _end(utility, above, LITTLE * peak)
         rest = _at(utility, LONGEST if end is None else end * (1.0 + 1e-6))
@@ -68,31 +68,48 @@ class Lifetime:
 
 def integral(utility: MessageUtility, until: float) -> float:
     """Return what a message is worth up to an age [s] to one who has it from the start [1]."""
+    import numpy as np
+
     return float(utility.integral(np.zeros(1), np.full(1, until))[0])
 
 
 def sampled(utility: MessageUtility, start: float, until: float, count: int) -> Floats:
     """Return the values at so many ages at equal distances."""
+    import numpy as np
+
     return utility.value(np.linspace(start, until, count))
 
 
+@cache
+def _ages() -> Floats:
+    """Return the ages at which a utility is looked at [s]."""
+    import numpy as np
+
+    return np.concatenate([[0.0], np.geomspace(YOUNG / 10.0, LONGEST, 6000)])
+
+
 def _at(utility: MessageUtility, age: float) -> float:
+    import numpy as np
+
     return float(utility.value(np.full(1, age))[0])
 
 
 def _end(utility: MessageUtility, above: Ints, little: float) -> float:
     """Return from when on the values are little, or when they are 0 if that is soon after."""
+    import numpy as np
+
     if not above.size:
         return 0.0
     end = _crossing(lambda age: _at(utility, age) <= little, int(above[-1]) + 1)
-    last = np.flatnonzero(utility.value(_AGES))[-1] + 1
-    over = _crossing(lambda age: _at(utility, age) <= 0.0, int(last)) if last < len(_AGES) else LONGEST
+    last = np.flatnonzero(utility.value(_ages()))[-1] + 1
+    over = _crossing(lambda age: _at(utility, age) <= 0.0, int(last)) if last < len(_ages()) else LONGEST
     return over if over <= 2.0 * end else end
 
 
 def _crossing(holds: Callable[[float], bool], place: int) -> float:
     """Return the age at which something begins to hold that holds at a place of the grid and not before it."""
-    low, high = float(_AGES[max(place - 1, 0)]), float(_AGES[place])
+    ages = _ages()
+    low, high = float(ages[max(place - 1, 0)]), float(ages[place])
     for _ in range(50):
         middle = (low + high) / 2.0
         low, high = (low, middle) if holds(middle) else (middle, high)

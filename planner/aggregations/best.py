@@ -9,6 +9,8 @@ Two sets of messages with the same envelope from the next receipt on are one sta
 longer `exact`.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

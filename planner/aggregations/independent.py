@@ -1,5 +1,7 @@
 """`sum`: every message counts, whatever else was received. There is nothing to remember: one state."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from planner.aggregations.part import Part

@@ -6,6 +6,8 @@ the open ones are decided in the order of receipt. So a stream's state is which 
 one sent: 0 for none, else 1 + its number among them.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from planner.aggregations.part import Part, entries

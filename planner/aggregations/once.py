@@ -1,5 +1,7 @@
 """`once`: the message received first counts, no other. A stream has sent none of its open messages, or some."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from planner.aggregations.part import Part, entries

@@ -29,7 +29,9 @@ class Path:
         self._gain: list[float] = gains.aim.tolist()
         self._markovian: list[bool] = gains.markovian.tolist()
         self._models = gains.open_ended
-        self._charge = [0.0] * tables.levels if tables.beyond is None else tables.beyond.charge[tables.message].tolist()
+        self._charge = (
+            [0.0] * tables.levels if tables.beyond is None else tables.beyond.charge[list(tables.message)].tolist()
+        )
         self._use: list[list[float]] = checks.use.tolist()
         self._check_start: list[int] = checks.start.tolist()
         self._checks = list(zip(checks.of.tolist(), checks.first.tolist(), checks.room.tolist(), strict=True))

@@ -1,17 +1,22 @@
-"""What a message utility function is, and what its parameters may be."""
+"""What a message utility function is, and what its parameters may be.
+
+A daemon that has nothing to decide needs no NumPy, which takes 12 MB and 0.1 s: so whoever computes with it imports it
+there, and a utility without it can be made, compared and sent.
+"""
 
 from collections.abc import Sequence
-from typing import Protocol, Self, TypeVar, runtime_checkable
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Protocol, Self, TypeAlias, TypeVar, runtime_checkable
 
 from planner.errors import ProblemError
 from planner.finite import finite
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+Floats: TypeAlias = "npt.NDArray[np.float64]"
+Ints: TypeAlias = "npt.NDArray[np.int64]"
+Flags: TypeAlias = "npt.NDArray[np.bool_]"
 Shared = TypeVar("Shared")
 
 
@@ -36,6 +41,8 @@ class Batched(Protocol):
 
 def told_apart(objects: Sequence[Shared]) -> tuple[list[Shared], Ints]:
     """Return each object once, and for every one of them all which of these it is: most messages share theirs."""
+    import numpy as np
+
     keys = list(map(id, objects))
     distinct = dict(zip(keys, objects, strict=True))
     place = {key: number for number, key in enumerate(distinct)}

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, Self
-
-import numpy as np
 
 from planner.errors import ProblemError
 from planner.utility.base import Floats, Ints, require_above_zero, told_apart
@@ -14,8 +13,6 @@ UtilityFunction = Callable[[Floats, Mapping[str, float]], Any]
 """Gets ages [s] and the features of a message; returns an array with a value >= 0 [1/s] for every age."""
 
 CELLS = 512
-GRID = np.linspace(0.0, 1.0, CELLS + 1) ** 4
-"""The ages at which a function is tabulated, as parts of `until`: the younger, the denser."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +31,7 @@ class Custom:
 
     def __post_init__(self) -> None:
         require_above_zero("python", "until", self.until)
-        ages = self.until * GRID
+        ages = self.until * _grid()
         values = self._tabulated(ages)
         curve = PiecewiseLinear.through(ages, values)
         if not curve.finite:
@@ -53,21 +50,27 @@ class Custom:
 
     def integral(self, start: Floats, end: Floats) -> Floats:
         """∫ u(a) da over [start, end] for every pair of ages, 0 <= start <= end [1]."""
+        import numpy as np
+
         begin, until = _cells(start / self.until), _cells(end / self.until)
         return np.maximum(self.curve.area(until, end) - self.curve.area(begin, start), 0.0)
 
     @classmethod
     def integrals(cls, utilities: Sequence[Self], which: Ints, start: Floats, end: Floats) -> Floats:
         """∫ of `utilities[which[j]]` over `[start[j], end[j]]` for every j [1]."""
+        import numpy as np
+
         distinct, number = told_apart(utilities)
         of = number[which]
         row = PiecewiseLinear.row([utility.curve for utility in distinct])
-        first, scale = of * len(GRID), np.array([utility.until for utility in distinct])[of]
+        first, scale = of * (CELLS + 1), np.array([utility.until for utility in distinct])[of]
         begin, until = first + _cells(start / scale), first + _cells(end / scale)
         return np.maximum(row.area(until, end) - row.area(begin, start), 0.0)
 
     def _tabulated(self, ages: Floats) -> Floats:
         """Return the function's values at these ages; it gets copies of all that it could change."""
+        import numpy as np
+
         try:
             with np.errstate(all="ignore"):
                 returned = self.function(ages.copy(), dict(self.features))
@@ -90,7 +93,17 @@ class Custom:
         return ProblemError(f"python utility: {self.name} {what}")
 
 
+@cache
+def _grid() -> Floats:
+    """Return the ages at which a function is tabulated, as parts of `until`: the younger, the denser."""
+    import numpy as np
+
+    return np.asarray(np.linspace(0.0, 1.0, CELLS + 1) ** 4)
+
+
 def _cells(age: Floats) -> Ints:
     """Return the last point of the grid that is not after an age (as a part of `until`), up to rounding."""
+    import numpy as np
+
     cells: Ints = (CELLS * np.sqrt(np.sqrt(np.minimum(age, 1.0)))).astype(np.int64)
     return cells

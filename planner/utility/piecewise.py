@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-import numpy as np
-
 from planner.utility.base import Floats, Ints
 
 
@@ -25,6 +23,8 @@ class PiecewiseLinear:
 
         What is too large for floating-point numbers comes out as not finite.
         """
+        import numpy as np
+
         if ages[0] > 0.0:
             ages, values = np.append(0.0, ages), np.append(values[:1], values)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -36,6 +36,8 @@ class PiecewiseLinear:
     @classmethod
     def row(cls, functions: Sequence[Self]) -> Self:
         """Return the points of all functions one after the other: not a function, but `area` works on it."""
+        import numpy as np
+
         return cls(np.concatenate([function.points for function in functions], axis=1))
 
     @property
@@ -47,10 +49,14 @@ class PiecewiseLinear:
     @property
     def finite(self) -> bool:
         """Whether all slopes and areas are finite."""
+        import numpy as np
+
         return bool(np.isfinite(self.points).all())
 
     def value(self, age: Floats) -> Floats:
         """The function at every age; 0 before the age 0 [1/s]."""
+        import numpy as np
+
         ages, values, _, _ = self.points
         return np.where(age < 0, 0.0, np.maximum(np.interp(age, ages, values), 0.0))
 

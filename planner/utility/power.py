@@ -1,16 +1,17 @@
 """A value that falls as a power of age and has no time scale of its own."""
 
+from __future__ import annotations
+
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
-
-import numpy as np
 
 from planner.errors import ProblemError
 from planner.finite import finite
 from planner.utility.base import Floats, Ints
 
-YOUNGEST = float(np.finfo(np.float64).tiny)
+YOUNGEST = sys.float_info.min
 """The value below this age [s] is that at it: large, but finite."""
 
 
@@ -30,6 +31,8 @@ class Power:
 
     def value(self, age: Floats) -> Floats:
         """u(a) for every age [1/s]."""
+        import numpy as np
+
         return np.where(age < 0, 0.0, (1.0 - self.beta) * np.maximum(age, YOUNGEST) ** -self.beta)
 
     def integral(self, start: Floats, end: Floats) -> Floats:
@@ -39,10 +42,14 @@ class Power:
     @classmethod
     def integrals(cls, utilities: Sequence[Self], which: Ints, start: Floats, end: Floats) -> Floats:
         """∫ of `utilities[which[j]]` over `[start[j], end[j]]` for every j [1]."""
+        import numpy as np
+
         return _between(np.array([utility.beta for utility in utilities])[which], start, end)
 
 
 def _between(beta: Floats | float, start: Floats, end: Floats) -> Floats:
     """∫ u(a) da over [start, end]; never below 0 by rounding."""
+    import numpy as np
+
     rest = 1.0 - beta
     return np.maximum(end**rest - start**rest, 0.0)

@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Self
 
-import numpy as np
-
 from planner.errors import ProblemError
 from planner.finite import finite
 from planner.utility.base import Floats, Ints, told_apart
@@ -25,6 +23,8 @@ class Table:
     curve: PiecewiseLinear = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        import numpy as np
+
         if not self.points:
             raise ProblemError("table utility: points must hold at least one (age, value)")
         for age, value in self.points:
@@ -56,6 +56,8 @@ class Table:
         The points of all tables stand in one row and are found by table and age, as the real and the imaginary
         part of a complex number: NumPy sorts these by both.
         """
+        import numpy as np
+
         curves, number = told_apart([utility.curve for utility in utilities])
         of = number[which]
         if len(curves) == 1:
@@ -68,5 +70,7 @@ class Table:
 
 def _between(curve: PiecewiseLinear, start: Floats, end: Floats) -> Floats:
     """∫ u(a) da over [start, end]; never below 0 by rounding."""
+    import numpy as np
+
     begin, until = (curve.ages.searchsorted(age, side="right") - 1 for age in (start, end))
     return np.maximum(curve.area(until, end) - curve.area(begin, start), 0.0)

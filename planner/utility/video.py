@@ -1,11 +1,11 @@
 """A value that falls with the logarithm of age: that of a video image to who watches (`U_vid` of Eq. 9)."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
-
-import numpy as np
 
 from planner.errors import ProblemError
 from planner.finite import finite
@@ -28,6 +28,8 @@ class Video:
 
     def value(self, age: Floats) -> Floats:
         """u(a) for every age [1/s]."""
+        import numpy as np
+
         aged = np.clip(age, self.a0, self.a1)
         return np.where(age < 0, 0.0, 1.0 - np.log(aged / self.a0) / math.log(self.a1 / self.a0))
 
@@ -38,6 +40,8 @@ class Video:
     @classmethod
     def integrals(cls, utilities: Sequence[Self], which: Ints, start: Floats, end: Floats) -> Floats:
         """∫ of `utilities[which[j]]` over `[start[j], end[j]]` for every j [1]."""
+        import numpy as np
+
         a0 = np.array([utility.a0 for utility in utilities])[which]
         a1 = np.array([utility.a1 for utility in utilities])[which]
         return _video_area(a0, a1, end) - _video_area(a0, a1, start)
@@ -45,6 +49,8 @@ class Video:
 
 def _video_area(a0: Floats | float, a1: Floats | float, age: Floats) -> Floats:
     """∫ u(a) da over [0, age]; on the middle piece the antiderivative is a(1 + 1/K) − (a/K)·ln(a/a0)."""
+    import numpy as np
+
     fall = np.log(a1 / a0)
     aged = np.clip(age, a0, a1)
     middle: Floats = aged + (aged * (1.0 - np.log(aged / a0)) - a0) / fall

@@ -19,7 +19,8 @@ from proxy.profiling.request import Request, read
 class Control:
     """Answers `@sendworthy/<robot>/status` with JSON, takes a mode on `…/mode`, is profiled on `…/profile`.
 
-    `on_loop` runs a function on the loop's thread, where `status`, `switch` and `profile` are called.
+    On `…/why` it tells the last decisions. `on_loop` runs a function on the loop's thread, where `status`, `why`,
+    `switch` and `profile` are called.
     """
 
     def __init__(
@@ -30,16 +31,19 @@ class Control:
         executor: SerialExecutor,
         on_loop: Callable[[Callable[[], None]], None],
         status: Callable[[], dict[str, Any]],
+        why: Callable[[bytes], dict[str, Any]],
         switch: Callable[[Mode], None],
         profile: Callable[[Request, Callable[[Profile], None]], None],
     ) -> None:
         self._executor = executor
         self._on_loop = on_loop
         self._status = status
+        self._why = why
         self._switch = switch
         self._profile = profile
         self._queryables: list[Declaration] = [
             self._declare(app, keys.status(robot), self._answer_status),
+            self._declare(app, keys.why(robot), self._answer_why),
             self._declare(app, keys.mode(robot), self._answer_mode),
             self._declare(app, keys.profile(robot), self._answer_profile),
         ]
@@ -57,6 +61,14 @@ class Control:
 
     def _answer_status(self, key: str, query: zenoh.Query) -> None:
         self._reply(key, query, json.dumps(self._status()), zenoh.Encoding.APPLICATION_JSON)
+
+    def _answer_why(self, key: str, query: zenoh.Query) -> None:
+        try:
+            answer = self._why(bytes(query.payload or b""))
+        except ProxyError as error:
+            self._executor.insist(partial(_refuse, query, str(error)))
+            return
+        self._reply(key, query, json.dumps(answer), zenoh.Encoding.APPLICATION_JSON)
 
     def _answer_mode(self, key: str, query: zenoh.Query) -> None:
         try:

@@ -74,5 +74,7 @@ class Floods:
             count = self._counts[kind]
             self._said[kind] = now, count
             log.warning(
-                "a flood on keys of robot %.64r: %s, %d too many since it was last said", robot, kind, count - said
+                "a flood on keys of robot %.64r: %s, %d too many since it was last said",
+                *(robot, kind, count - said),
+                extra={"reason": kind, "new": count - said, "total": count},
             )

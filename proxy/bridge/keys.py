@@ -90,6 +90,11 @@ def record(robot: str) -> str:
     return f"{PREFIX}/{robot}/record"
 
 
+def why(robot: str) -> str:
+    """Where the daemon is asked for its last decisions (app side only)."""
+    return f"{PREFIX}/{robot}/why"
+
+
 def fleet(robot: str, order: str) -> str:
     """Where the `robot` takes an order that is meant for all robots (mesh side)."""
     return f"{PREFIX}/{robot}/fleet/{order}"

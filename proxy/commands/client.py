@@ -18,6 +18,7 @@ from proxy.config_values import endpoint, robot_name
 from proxy.errors import ProxyError
 from proxy.profiling.profile import Profile, read
 from proxy.profiling.request import Request
+from proxy.why import Question
 
 DAEMON = "tcp/127.0.0.1:7447"
 TIMEOUT = 2.0
@@ -75,6 +76,20 @@ class Client:
             return sorted(map(json.loads, answers), key=lambda status: str(status["robot"]))
         except (ValueError, TypeError, KeyError):
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
+
+    def why(self, robot: str, question: Question) -> dict[str, Any]:
+        """Return what the daemon of `robot` knows of its last decisions. Raises NoAnswerError."""
+        answers = self._ask(keys.why(robot), question.write())
+        if len(answers) > 1:
+            raise NoAnswerError(f"{len(answers)} daemons called {robot} answer at {self._where}; rename one of them")
+        try:
+            answer: dict[str, Any] = json.loads(answers[0])
+            known = isinstance(answer["streams"], list)
+        except (ValueError, TypeError, KeyError):
+            known = False
+        if not known:
+            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version")
+        return answer
 
     def switch(self, robot: str, mode: str) -> str:
         """Switch `robot` to `mode`; return the daemon's answer. Raises NoAnswerError."""

@@ -37,6 +37,8 @@ With --live the next sample of KEY is taken from the daemon, which needs no PAYL
 stream comes with it: its schedule, what became of its samples, the last decision, and the streams it competes with. The
 daemon takes us for an application that subscribes to KEY; if no other one does, samples of KEY on other robots are
 wanted here for as long as we wait.
+
+What was decided on the last samples of a stream, and why, `sendworthy why KEY` tells.
 """
 EXAMPLES = """\
 examples:

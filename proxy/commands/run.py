@@ -18,6 +18,7 @@ from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
 from proxy.log import set_up_logging
+from proxy.metrics.server import check_installed
 from proxy.priority import raise_priority
 from proxy.reloading import read_specs
 from proxy.service import Service
@@ -97,11 +98,12 @@ def run(arguments: argparse.Namespace) -> int:
     read = partial(load_config, arguments.config, os.environ, given)
     try:
         config = read()
+        check_installed(config.metrics.listen)
         specs = read_specs(config.specs.path)
     except (ConfigError, SpecsError) as error:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG
-    set_up_logging(config.log.level, os.environ)
+    set_up_logging(config.log, os.environ)
     for outdated in config.outdated:
         log.warning("%s", outdated)
     if not raise_priority():  # before there are other threads: each takes after the one that starts it
@@ -189,6 +191,7 @@ def started(config: Config, specs: Specs, robot: str) -> str:
         f"apps on {_where(config.app.listen, config.app.connect)}{' with scouting' * config.app.scouting}, "
         f"mesh on {_mesh(config.mesh)}{' with scouting' * config.mesh.scouts}{broadcasting(config)}, {specs_in_force}"
         f"{f', rules of [bridge], profile {config.bridge.profile}' * ruled}"
+        f"{f', metrics on http://{config.metrics.listen}/metrics' * bool(config.metrics.listen)}"
     )
 
 

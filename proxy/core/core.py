@@ -22,6 +22,7 @@ from proxy.core.reactions.own_samples import OwnSamples
 from proxy.core.reactions.retention import Retention
 from proxy.core.reactions.team_limits import TeamLimits
 from proxy.core.status import report
+from proxy.core.why import stream_decisions
 from utility_specs import Specs
 
 LONGEST_SLEEP = 1.0
@@ -70,6 +71,14 @@ class Core:
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
         return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+
+    def decided_keys(self) -> list[str]:
+        """The keys of ours that decisions are made on, or were lately."""
+        return sorted({*self.gate.decisions.log, *(stream.key for stream in self.view.streams.own())})
+
+    def why(self, now: float, key: str, last: int, after: int) -> dict[str, Any]:
+        """Return the last decisions on our stream of a key, of those numbered above `after`, as plain JSON data."""
+        return stream_decisions(self.parts, now, key, last, after)
 
     def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
         """Return who takes in which event."""

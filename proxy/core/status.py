@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping
 from typing import Any
 
+from proxy.core.market.glance import Glance, price_of_kilobyte
 from proxy.core.parts import Parts
 from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.messages import tag
@@ -12,6 +13,8 @@ from proxy.core.view.stream import Stream
 from proxy.core.view.warnings import cast_warnings, namesake_warnings, transport_warnings
 from utility_specs import InformationType
 
+STATUS_VERSION = 1
+"""Rises when a field is renamed, goes, or means something else; not when one is added."""
 OTHER_VERSION = ":other version"
 UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown")
 """How kinds of what was refused and is not malformed end."""
@@ -24,7 +27,9 @@ def report(
 
     `refused` counts what was heard and changed nothing, `retained` is what is taken from apps whoever is here.
     """
+    glance = Glance(core.view, now)
     return {
+        "status_version": STATUS_VERSION,
         "robot": core.settings.robot,
         "version": core.settings.version,
         "wire_version": VERSION,
@@ -38,8 +43,10 @@ def report(
         "counts": _counts(core),
         "kept": core.kept.copies.described(now) | {"keys": sorted(retained)},
         "decisions": core.gate.decisions.described(now),
-        "budget": _budget(core, now),
-        "streams": [_stream(core, stream, now) for stream in core.view.streams],
+        "budget": _budget(core, glance, now),
+        "on_air": {"messages": core.view.traffic.messages, "bytes": core.view.traffic.bytes},
+        "digests": core.gossip.account.described(),
+        "streams": [_stream(core, stream, glance, now) for stream in core.view.streams],
         "features": [row for each in core.view.specs.types for row in _features(each)],
         "peers": [_peer(peer, core, now) for peer in core.view.peers.values()],
         "warnings": [
@@ -74,7 +81,8 @@ def _counts(core: Parts) -> dict[str, Any]:
     }
 
 
-def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
+def _budget(core: Parts, glance: Glance, now: float) -> list[dict[str, Any]]:
+    prices = glance.prices(core.budget.usable(now), alone=core.budget.alone)
     adaptive = [k for k, limit in enumerate(core.budget.limits) if limit.least < 1.0]
     return [
         {
@@ -85,6 +93,9 @@ def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
             "limit": limit.limit,
             "held": core.budget.whole(now, k),
             "used": core.budget.used(now, k),
+            "used_by_all": core.budget.used(now, k) + core.view.traffic.used(now, limit),
+            "price": prices[k],
+            "price_per_kb": price_of_kilobyte(limit, prices[k]),
             "members": 1 + len(core.view.peers) if limit.shared else 1,
             **({"adaptive": core.channel.capacity.described(now, adaptive.index(k))} if k in adaptive else {}),
         }
@@ -92,8 +103,8 @@ def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
     ]
 
 
-def _stream(core: Parts, stream: Stream, now: float) -> dict[str, Any]:
-    last, sent = stream.last, stream.sent
+def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str, Any]:
+    last, sent, latency = stream.last, stream.sent, glance.latency(stream)
     return {
         "robot": stream.robot,
         "key": stream.key,
@@ -109,6 +120,8 @@ def _stream(core: Parts, stream: Stream, now: float) -> dict[str, Any]:
         "forwarded": stream.forwarded,
         "by_reason": dict(sorted(stream.fates.items())),
         "receivers": core.view.subscribers.count(stream),
+        "latency": latency,
+        "age": glance.age(stream, latency),
         "last_generated": now - last.t_gen if last else None,
         "last_forwarded": now - sent.t_sent if sent else None,
     }

@@ -180,7 +180,7 @@ class _Window:
         found = planner.start(window, settings)
         found.run(PROOF)
         plan, tables = found.plan(), tabulate(window, beyond=True)
-        sends = [level for level, message in enumerate(tables.message.tolist()) if message in plan.sends]
+        sends = [level for level, message in enumerate(tables.message) if message in plan.sends]
         return cls(window, worth(tables, sends), found.done and plan.nodes < settings.max_nodes)
 
 

@@ -24,7 +24,8 @@ from planner import (
     Video,
 )
 from planner import Table as DrawnByHand
-from planner.tables import Tables, tabulate, tabulate_with_numpy
+from planner.numpy_tables import tabulate_with_numpy
+from planner.tables import Tables, tabulate
 from planner.utility import MessageUtility
 from studies.benchmarks.report import Table
 from studies.central import CentralDecider

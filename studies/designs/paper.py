@@ -32,7 +32,7 @@ class Paper(PaperSearch):
     def sends(self) -> Sequence[int]:
         """Return the levels that the most visited path sends."""
         sends = set(self.plan().sends)
-        return [level for level, message in enumerate(self._tables.message.tolist()) if message in sends]
+        return [level for level, message in enumerate(self._tables.message) if message in sends]
 
     def _select(self) -> Node:
         node = super()._select()

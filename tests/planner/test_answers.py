@@ -29,12 +29,31 @@ def test_plan_is_weighed_by_utility_and_its_lead_by_the_objective(seed):
     assert plan.opposite == pytest.approx(utility(problem, other))
     assert plan.lead == pytest.approx(objective(problem, taken) - objective(problem, other), abs=1e-9)
     assert plan.gap == pytest.approx(1e9 - objective(problem, taken))
+    without = [at for at in taken if at != problem.current]
+    assert plan.earns == pytest.approx(objective(problem, taken) - objective(problem, without), abs=1e-9)
+    assert plan.spared == pytest.approx(utility(problem, without))
 
 
 def test_plan_without_an_opposite_has_no_lead():
     """Nothing speaks against a decision that was never in question."""
     plan = answer(tabulate(window(1)), Found([], None, bound=None, asked=(0.0,), nodes=0), iterations=0)
     assert (plan.send, plan.opposite, plan.lead, plan.gap) == (False, None, None, None)
+
+
+@pytest.mark.parametrize("seed", seeds(20))
+def test_what_a_message_earns_is_told_of_the_plan_that_sends_it(seed):
+    """Also where the plan drops it; nothing where no plan is known that sends it."""
+    problem = window(seed, robots=3, horizon=8, constraints=seed % 3)
+    tables, opened = tabulate(problem, beyond=True), open_messages(problem)
+    others = [level for level in (1, 2) if level != tables.current]
+    asked = (0.0,) * len(tables.checks.constraint)
+    plan = answer(tables, Found(others, sorted([*others, tables.current]), None, asked, 1), iterations=1)
+    rest = [opened[level] for level in others]
+    earned = objective(problem, sorted([*rest, problem.current])) - objective(problem, rest)
+    assert not plan.send
+    assert plan.earns == pytest.approx(earned, abs=1e-9)
+    assert (plan.earns, plan.spared) == pytest.approx((-plan.lead, plan.utility), abs=1e-9)
+    assert answer(tables, Found(others, None, None, asked, 1), iterations=1).earns is None
 
 
 @pytest.mark.parametrize("engine", ["native", "python"])

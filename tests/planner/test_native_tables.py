@@ -30,7 +30,8 @@ from planner import (
 )
 from planner.definition import utility
 from planner.native_tables import NativeTables
-from planner.tables import NumpyTables, tabulate, tabulate_with_numpy
+from planner.numpy_tables import NumpyTables, tabulate_with_numpy
+from planner.tables import tabulate
 from tests.planner.models import Newest
 from tests.planner.utility.kinds import utilities
 from tests.planner.windows import crowded, window
@@ -102,7 +103,7 @@ def assert_alike(problem, *, beyond):
     native, numpy = tabulate(problem, beyond=beyond), tabulate_with_numpy(problem, beyond=beyond)
     assert isinstance(native, NativeTables)
     assert native.current == numpy.current
-    assert native.message.tolist() == numpy.message.tolist()
+    assert native.message == numpy.message
     assert native.states.tolist() == numpy.states.tolist()
     assert list(native.constraint) == list(numpy.constraint)
     assert (native.exact, native.closed, native.levels, native.streams) == (

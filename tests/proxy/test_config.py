@@ -48,7 +48,7 @@ def test_defaults_are_those_of_the_manual():
         },
         "queue": {"samples": 4096, "bytes": 32 * 1024 * 1024},
         "clock": {"error": 0.0},
-        "log": {"level": "info"},
+        "log": {"level": "info", "format": "text"},
         "record": {
             "on": False,
             "folder": "recordings",
@@ -56,6 +56,7 @@ def test_defaults_are_those_of_the_manual():
             "disk_bytes": 1024 * 1024 * 1024,
             "payloads": False,
         },
+        "metrics": {"listen": ""},
     }
 
 
@@ -106,6 +107,8 @@ def test_settings_tell_what_a_flag_may_hold():
         "planner.coordination",
         "log.level",
         "record.folder",
+        "log.format",
+        "metrics.listen",
     }
     assert {key for key, setting in found.items() if setting.takes_table} == {"app.zenoh", "mesh.zenoh"}
 

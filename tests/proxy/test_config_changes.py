@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from proxy.config import AppConfig, BridgeConfig, Config, LogConfig, MeshConfig, SpecsConfig
+from proxy.config import AppConfig, BridgeConfig, Config, LogConfig, MeshConfig, MetricsConfig, SpecsConfig
 from proxy.config_changes import changes
 
 
@@ -21,7 +21,8 @@ def test_every_difference_is_told_in_the_order_of_the_manual():
         mesh=MeshConfig(listen=("tcp/0.0.0.0:7501",)),
         bridge=BridgeConfig.model_validate({"in": {"deny": ("a/**",)}}),
         specs=SpecsConfig(path=Path("/etc/specs.d")),
-        log=LogConfig(level="debug"),
+        log=LogConfig(level="debug", format="json"),
+        metrics=MetricsConfig(listen="127.0.0.1:9447"),
     )
     assert [(".".join(change.path), change.before, change.after, change.live) for change in changes(before, after)] == [
         ("robot", "r1", "r2", False),
@@ -31,6 +32,8 @@ def test_every_difference_is_told_in_the_order_of_the_manual():
         ("bridge.in.deny", [], ["a/**"], False),
         ("specs.path", "specs.d", "/etc/specs.d", True),
         ("log.level", "info", "debug", True),
+        ("log.format", "text", "json", False),
+        ("metrics.listen", "", "127.0.0.1:9447", False),
     ]
 
 

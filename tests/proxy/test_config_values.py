@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from proxy.config_values import (
     endpoint,
+    http_address,
     interface,
     multicast_group,
     remote_endpoint,
@@ -97,6 +98,21 @@ def test_port_0_can_be_listened_on_but_not_dialled():
     assert remote_endpoint("tcp/1.2.3.4:1") == "tcp/1.2.3.4:1"
     with pytest.raises(ValueError, match="port 0 cannot be dialled"):
         remote_endpoint("tcp/1.2.3.4:0")
+
+
+@pytest.mark.parametrize("text", ["", "127.0.0.1:9447", "[::1]:9447", "localhost:1"])
+def test_http_addresses(text):
+    """A host and a port, or nothing."""
+    assert http_address(text) == text
+
+
+@pytest.mark.parametrize(
+    "text", ["9447", ":9447", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:65536", "http://a:1", "::1:2"]
+)
+def test_what_is_no_http_address_is_refused(text):
+    """The message shows a right one."""
+    with pytest.raises(ValueError, match="must be a host and a port like"):
+        http_address(text)
 
 
 @pytest.mark.parametrize("text", ["auto", "wlan0", "192.168.1.2", "fe80::1%wlan0"])

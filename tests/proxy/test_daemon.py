@@ -24,6 +24,7 @@ from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.mode import Mode
 from proxy.daemon import Daemon
 from proxy.errors import PortInUseError
+from proxy.status.model import Status
 from tests.daemons import Running
 from tests.ports import free_port
 from tests.proxy.jam import wait_for_jam
@@ -82,7 +83,9 @@ class Robot:
 
     def status(self):
         (answer,) = answers(self.operator, keys.status(self.name))
-        return json.loads(answer)
+        status = json.loads(answer)
+        Status.model_validate(status)
+        return status
 
 
 @pytest.fixture

@@ -36,6 +36,7 @@ def test_the_iterations_asked_for_are_the_most_that_run(command, engine):
     assert (ready.ticket, ready.error) == (7, "")
     assert 0 < ready.plan.iterations <= 200
     assert 0.0 < ready.plan.seconds < FOREVER
+    assert not ready.cut
 
 
 def test_past_its_deadline_the_best_found_stands(command):
@@ -43,6 +44,7 @@ def test_past_its_deadline_the_best_found_stands(command):
     search = SearchSettings(search="paper", engine="python")
     ready = decide(dataclasses.replace(command, iterations=1_000_000), search, 0.02)
     assert ready.plan.iterations < 1_000_000
+    assert ready.cut
 
 
 def test_one_iteration_runs_even_when_the_deadline_is_over(command):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import zenoh
 
+from proxy.status.model import Status
 from tests.system.ros_node import RosNode
 from tests.waiting import wait_until
 
@@ -76,7 +77,9 @@ class Robot:
             return asked.returncode == 0
 
         wait_until(answered, what=f"an answer of {self.name}")
-        return json.loads(said[-1])
+        status = json.loads(said[-1])
+        Status.model_validate(status)
+        return status
 
     def peers(self):
         """The names of the robots that this one knows."""

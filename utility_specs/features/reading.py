@@ -1,10 +1,8 @@
 """How a value in a document becomes a number: it is one, it is compared, or many are reduced to one."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from utility_specs.errors import FeatureError
@@ -24,8 +22,6 @@ def _plain(value: Any) -> Any:
 Plain = Annotated[bool | int | float | str, BeforeValidator(_plain)]
 """What a value may be compared with."""
 
-_REDUCED: Mapping[str, Callable[[Any], Any]] = {"min": np.min, "max": np.max, "mean": np.mean, "sum": np.sum}
-
 
 @dataclass(frozen=True, slots=True)
 class Reading:
@@ -42,13 +38,17 @@ class Reading:
             return self._number(value)
         if self.reduce == "length":
             return float(len(value))
+        import numpy as np
+
         numbers = self._numbers(value)
         finite = numbers[np.isfinite(numbers)]  # lidars say inf where they see nothing
         if not finite.size:
             raise FeatureError("there are no numbers to reduce")
-        return float(_REDUCED[self.reduce](finite))
+        return float(getattr(np, self.reduce)(finite))
 
     def _numbers(self, values: Any) -> Any:
+        import numpy as np
+
         if hasattr(values, "dtype") and self.equals is None:
             return values.astype(float)
         if not isinstance(values, list | tuple) and not hasattr(values, "dtype"):

@@ -27,7 +27,7 @@ from operator import itemgetter
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
-from proxy.core.market.prices import Standing
+from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans, use_of
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView

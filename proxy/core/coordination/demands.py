@@ -5,7 +5,7 @@ from functools import partial
 
 from planner import Aggregation
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.prices import interval_of, variance_of
+from proxy.core.market.standing import interval_of, variance_of
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.bid import Bid
 from proxy.core.split.demand import Demand, bid_for

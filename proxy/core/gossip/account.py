@@ -27,6 +27,8 @@ class Account:
         self._excess = Excess()
         self._allowance = MODEL.least_allowance
         """What all robots may tell each other [B/s]."""
+        self.told, self.heard = 0, 0
+        """What this robot and the others told since the start, copies and overhead included [B]."""
         self._uncounted = 0.0
         """What was told beyond the allowance and is not counted yet; negative: what was counted ahead [B]."""
 
@@ -37,6 +39,10 @@ class Account:
         copies = 1 if self._view.settings.digests_on_air else robots
         rate = (1.0 if follows else TUNING.digests) * self._allowance
         self._budget.set_rate(rate, robots, copies, follows=follows)
+
+    def described(self) -> dict[str, float]:
+        """Return what the status says: the allowance of all robots [B/s], and what this one and others told [B]."""
+        return {"allowance": self._allowance, "told": self.told, "heard": self.heard}
 
     @property
     def window(self) -> float:
@@ -58,11 +64,11 @@ class Account:
         """A digest of another robot, of so many bytes, came; those that were lost are booked with it."""
         sent, copies = round(size / (1.0 - self._view.paths.mean_loss())), self.digest_copies
         self._budget.heard(now, sent, copies)
-        self._count(now, sent, copies)
+        self.heard += self._count(now, sent, copies)
 
     def heard_state(self, now: float, state: State, size: int) -> None:
         """A state of another robot, of so many bytes, came: an update went to all, a whole state mostly to us alone."""
-        self._count(now, size, self.copies if state.since else 1)
+        self.heard += self._count(now, size, self.copies if state.since else 1)
 
     def sent_digest(self, now: float, digest: Digest, *, announces: bool) -> None:
         """A digest of ours goes out. Where it is broadcast it carries its whole key, else a number for the key."""
@@ -70,20 +76,21 @@ class Account:
         key = TUNING.on_air + len(self._view.settings.robot) if on_air else 0
         size, copies = len(pack_digest(digest)) + key, self.digest_copies
         self._budget.sent(now, size, copies, announces=announces)
-        self._count(now, size, copies)
+        self.told += self._count(now, size, copies)
 
     def sent_other(self, now: float, size: int, copies: int) -> None:
         """A state or a question of ours, of so many bytes, goes out in so many copies."""
         self._budget.advance(now)
         self._budget.states.owe(size, copies)
-        self._count(now, size, copies)
+        self.told += self._count(now, size, copies)
 
-    def _count(self, now: float, size: int, copies: int) -> None:
-        """Count what is told against the limits, as far as it is more than they leave to digests."""
+    def _count(self, now: float, size: int, copies: int) -> int:
+        """Count what is told against the limits, as far as it is more than they leave to digests; return all of it."""
+        told = (size + TUNING.overhead) * max(1, copies)
         if window := self.window:
-            told = (size + TUNING.overhead) * max(1, copies)
             self._uncounted += self._excess.note(now, told, window, self._allowance * window)
             if self._uncounted > 0.0:  # ahead of what follows: where limits are of messages, each note is one
                 ahead = max(self._uncounted, MODEL.least_digest)
                 self._view.traffic.note_talk(now, math.ceil(ahead))
                 self._uncounted -= ahead
+        return told

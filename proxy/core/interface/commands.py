@@ -1,6 +1,7 @@
 """What the core asks its driver to do, in the order given."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from planner import Problem
@@ -129,10 +130,11 @@ class SetPace:
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """A line for the log."""
+    """A line for the log; `fields` are what programs look for in it."""
 
     level: Literal["info", "warning", "error"]
     text: str
+    fields: Mapping[str, str | int] = field(default_factory=dict)
 
 
 Command = (

@@ -201,13 +201,15 @@ class ModeChanged(Event):
 class DecisionReady(Event):
     """The worker's answer to a `Decide`; `plan` is None when the planner failed with `error`.
 
-    `overhead` is the time since the event that asked for it less that of the search after its first iteration [s].
+    `overhead` is the time since the event that asked for it less that of the search after its first iteration [s]. The
+    search was `cut` if it ended for want of time, before all its iterations were done and nothing was left to find.
     """
 
     ticket: int
     plan: Plan | None
     error: str = ""
     overhead: float = 0.0
+    cut: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,13 +13,17 @@ and 90 % for four, where trees of 60 messages of all streams filled 68 and 11 %.
 import math
 from collections import Counter
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from proxy.core.market.prices import UNKNOWN, Amounts, Market, Row, Standing, Weighed, interval_of, reserve
+from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, reserve, row_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
+
+if TYPE_CHECKING:
+    from proxy.core.market.prices import Market
 
 Place = tuple[str, str]
 """The robot and key of a stream."""
@@ -61,11 +65,13 @@ class Disputes:
         view, self._weighed_at, self._limits, self._alone = self._view, now, limits, alone
         competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
         rows = [self._row(now, stream) for stream in competing] if limits else []
-        if alone:  # what is larger than our part has no turn now, and sets no price for what is not
-            rows = [row for row in rows if all(use <= c.limit for use, c in zip(row.use, limits, strict=True))]
+        if alone:
+            rows = [row for row in rows if row.has_room(limits)]
         places = [_place(row.stream) for row in rows]
         self._market, weighed = None, list[Weighed]()
         if rows:
+            from proxy.core.market.prices import Market
+
             self._market, steady = Market.of(rows, limits)
             weighed = self._market.weigh(rows, steady)
         self._weighed = dict(zip(places, weighed, strict=True))
@@ -128,19 +134,9 @@ class Disputes:
 
     def _row(self, now: float, stream: Stream) -> Row:
         """What there is to know of a stream."""
-        view, limits = self._view, self._limits
-        own, copies, audience = self._own(stream), view.subscribers.copies(stream), view.audiences.of(now, stream)
-        size = round(stream.sizes.mean)
-        use = use_of(size, copies, limits, own=own)
-        more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
-        return Row(
-            stream,
-            interval_of(now, stream, min(c.window for c in limits)),
-            audience.mean if audience.share > 0.0 else audience.latency,
-            stream.newest.scale * audience.share,
-            use,
-            tuple([m - u for m, u in zip(more, use, strict=True)]),
-        )
+        view = self._view
+        copies, audience = view.subscribers.copies(stream), view.audiences.of(now, stream)
+        return row_of(now, stream, audience, copies, self._limits, own=self._own(stream))
 
     def _book(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> None:
         """Book what is no decision."""

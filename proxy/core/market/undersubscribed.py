@@ -7,7 +7,7 @@ or many samples wait, as in a burst: then a search for each would take longer th
 
 from collections.abc import Sequence
 
-from proxy.core.market.prices import Amounts, rate_known
+from proxy.core.market.standing import Amounts, rate_known
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Stream

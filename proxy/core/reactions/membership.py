@@ -38,7 +38,8 @@ class Membership:
             self._forget(other)
         self._limits.set_members(event.now)
         self._gossip.met(event.now, name)
-        commands: list[Command] = [Notice("info", f"robot {self._view.peers[name].robot} is on the mesh")]
+        robot = self._view.peers[name].robot
+        commands: list[Command] = [Notice("info", f"robot {robot} is on the mesh", {"robot": robot})]
         self._kept.appeared(event.robot, name)
         for stream in self._view.streams.own():
             if stream.key in self._kept.reached(name):
@@ -58,7 +59,7 @@ class Membership:
         self._view.gone(event.zid)
         self._forget(tag(event.zid))
         self._limits.set_members(event.now)
-        notice = Notice("info", f"robot {robot} left the mesh")
+        notice = Notice("info", f"robot {robot} left the mesh", {"robot": robot})
         return [*self._retention.renew(), NoteInterest(event.zid, ()), notice]
 
     def _lost_for_a_moment(self, now: float, name: str, zid: str) -> None:

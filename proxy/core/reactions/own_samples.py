@@ -56,9 +56,9 @@ class OwnSamples:
         if event.delete and stream.information_type.deletes == "bypass":
             self._uncovered(event.now, 1, event.size)
             self._keep_for_absent(stream, waiting, delete=True)
-            return self._gate.undecided.delete(event.key, event.sample)
+            return self._gate.undecided.delete(event.now, event.key, event.sample)
         if event.superseded:
-            stream.fates[SUPERSEDED] += event.superseded
+            self._gate.outcomes.superseded(event.now, stream, event.superseded)
         valued = self._valued(stream, waiting, event.features, stream.generated + event.superseded + 1)
         self._keep_for_absent(stream, valued, delete=event.delete)
         return self._gate.put(event.now, valued)
@@ -74,7 +74,7 @@ class OwnSamples:
         # A stream that was not covered for a while has forgotten its samples.
         forgotten = stream.last is None or stream.last.t_gen < waiting.t_gen
         waiting = self._valued(stream, waiting, event.features, stream.generated + forgotten)
-        superseded = self._gate.undecided.supersede(waiting)
+        superseded = self._gate.undecided.supersede(event.now, waiting)
         return self._gate.put(event.now, waiting) if superseded is None else superseded
 
     def passed(self, event: ev.SamplesPassed) -> list[Command]:
@@ -92,7 +92,8 @@ class OwnSamples:
     def refused(self, event: ev.SampleRefused) -> list[Command]:
         """The mesh session did not take a sample."""
         self._gate.undecided.settled(event.sample)
-        self._kept.refused(self._gate.outcomes.refused(event.sample, event.reason), event.sample)
+        key = self._gate.outcomes.refused(event.now, event.sample, event.reason)
+        self._kept.refused(key, event.sample)
         return [*self.unplanned.look(event.now)]
 
     def copy_handed(self, event: ev.CopyHanded) -> list[Command]:

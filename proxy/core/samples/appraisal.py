@@ -5,7 +5,7 @@ import math
 from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.claims import both, rivals
 from proxy.core.market.disputes import Disputes
-from proxy.core.market.prices import Standing
+from proxy.core.market.standing import Standing
 from proxy.core.market.undersubscribed import Undersubscribed
 from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode, in_force

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from planner import Aggregation, Plan
+from planner import Aggregation
 from proxy.core.interface.commands import Command, SendCopy
 from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode
@@ -10,10 +10,12 @@ from proxy.core.protocol.fixed import rounded
 from proxy.core.samples.appraisal import Appraisal, Use
 from proxy.core.samples.away import Copy
 from proxy.core.samples.copies import Copies
-from proxy.core.samples.decisions import Decided, Decisions
+from proxy.core.samples.decision_log import SEARCH, WAITS, Why
+from proxy.core.samples.decisions import Decided, Decisions, Shortcut
 from proxy.core.samples.fallback import StaticRule
 from proxy.core.samples.inbox import Inbox
 from proxy.core.samples.search import Pending, Search
+from proxy.core.samples.searched import Searched
 from proxy.core.samples.tuning import TUNING
 from proxy.core.view.stream import Stream
 
@@ -28,6 +30,7 @@ class CopyGate:
         self._view, self._budget = appraisal.view, appraisal.budget
         self._search = search
         self._decisions = decisions
+        self._log = decisions.log
         self._inbox = inbox
         self._copies = copies
 
@@ -47,21 +50,26 @@ class CopyGate:
             self._copies.give_up(copy, "dropped:once")
             return []
         use, enforced = self._use(copy), self._appraisal.mode_of(stream) is Mode.ENFORCE
-        if enforced and self._appraisal.weigh_copy(now, use):
+        if enforced and (lacking := self._appraisal.weigh_copy(now, use)):
+            self._log.note(now, copy.waiting.key, copy.waiting, Why(WAITS, "", lacking), to=copy.to)
             return []
         if not enforced or copy.delete or self._appraisal.look_for_room(now, stream, len(self._inbox)):
+            self._log.note(now, copy.waiting.key, copy.waiting, Why("forwarded", Shortcut.UNNEEDED), to=copy.to)
             return [self._send(now, stream, copy, use)]
         scale = rounded(stream.information_type.scale(copy.waiting.features))
         sample = replace(copy.waiting, scale=scale, to=copy.to)
         return [self._search.start(now, sample, self._inbox, ticket, copy)]
 
-    def decided(self, now: float, pending: Pending, copy: Copy, plan: Plan) -> list[Command]:
+    def decided(self, now: float, pending: Pending, copy: Copy, searched: Searched) -> list[Command]:
         """Take the answer for a copy: one that is not sent now may be sent later, when there is more room."""
         if not self._copies.waits(copy):
             return []
-        use = self._use(copy)
-        send = plan.send and not self._appraisal.weigh_copy(now, use)
-        reason = "forwarded" if send else "waits"
+        use, plan = self._use(copy), searched.plan
+        lacking = self._appraisal.weigh_copy(now, use) if plan.send else ()
+        send = plan.send and not lacking
+        reason = "forwarded" if send else WAITS
+        why = Why(reason, SEARCH, lacking, searched=searched)
+        self._log.note(now, copy.waiting.key, copy.waiting, why, to=copy.to)
         self._decisions.note(Decided(now, copy.waiting.key, plan, pending.constraints, reason))
         return self._settle(now, copy, use, send=send)
 

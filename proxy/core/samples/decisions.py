@@ -7,9 +7,15 @@ from enum import StrEnum
 from typing import Any
 
 from planner import Plan
+from proxy.core.samples.decision_log import DecisionLog
 from proxy.core.samples.tuning import TUNING
 
 _OF_A_PLAN = ("send", "utility", "opposite", "lead", "gap", "iterations", "nodes", "seconds")
+
+
+def is_proven(plan: Plan) -> bool:
+    """Whether no plan is better."""
+    return plan.gap is not None and plan.gap <= TUNING.proven_gap * max(1.0, abs(plan.utility))
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,12 +27,6 @@ class Decided:
     plan: Plan
     constraints: tuple[str, ...]
     reason: str
-
-    @property
-    def proven(self) -> bool:
-        """Whether no plan is better."""
-        gap = self.plan.gap
-        return gap is not None and gap <= TUNING.proven_gap * max(1.0, abs(self.plan.utility))
 
     def described(self, now: float) -> dict[str, Any]:
         """The decision as plain JSON data: its `age` [s], and the plan that led to it [utility·s]."""
@@ -76,6 +76,7 @@ class Decisions:
         self.thinned = Counter(windows=0, messages=0, of=0)
         self.binding: Counter[str] = Counter()
         self.last: Decided | None = None
+        self.log = DecisionLog()
 
     def count(self, shortcut: Shortcut) -> None:
         """One more sample went or was dropped so."""
@@ -88,7 +89,7 @@ class Decisions:
         self.iterations += plan.iterations
         self.seconds += plan.seconds or 0.0
         self.longest = max(self.longest, plan.seconds or 0.0)
-        self.proven += decided.proven
+        self.proven += is_proven(plan)
         if plan.gap is not None:
             self.bounded += 1
             self.gap += plan.gap

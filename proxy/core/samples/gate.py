@@ -7,7 +7,7 @@ from planner import Plan
 from proxy.core.coordination.budget import Budget
 from proxy.core.interface.commands import Command, Notice
 from proxy.core.interface.events import DecisionReady
-from proxy.core.market.prices import Standing
+from proxy.core.market.standing import Standing
 from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
@@ -15,6 +15,7 @@ from proxy.core.samples.appraisal import Appraisal, Use
 from proxy.core.samples.copies import Copies
 from proxy.core.samples.copy_gate import CopyGate
 from proxy.core.samples.counts import Counts
+from proxy.core.samples.decision_log import BOOKED, RIVALS, RULE, SEARCH, WAITS, Why
 from proxy.core.samples.decisions import Decided, Decisions, Shortcut
 from proxy.core.samples.fallback import StaticRule
 from proxy.core.samples.outcomes import Outcomes
@@ -27,6 +28,7 @@ from proxy.core.view.view import SharedView
 from proxy.core.window.window import WindowBuilder
 
 CONSTRAINT = "dropped:constraint"
+OWED, UNNEEDED = Why("forwarded", Shortcut.OWED), Why("forwarded", Shortcut.UNNEEDED)
 
 
 class Gate:
@@ -57,6 +59,10 @@ class Gate:
         """Whether a sample waits, a copy does, or an answer is awaited."""
         return bool(self._inbox) or bool(self._copies) or self.search.busy()
 
+    def undecided_of(self, key: str) -> list[tuple[Waiting, float | None]]:
+        """Return the samples of a key that are undecided, each with when there may be room for it [s], if it waits."""
+        return [(each, self._waits.opens_at(each)) for each in self.undecided if each.key == key]
+
     def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Send a sample at once if it surely fits, else queue it.
 
@@ -68,7 +74,7 @@ class Gate:
             self.appraisal.published(now, stream)
         room = self._inbox.full(waiting) and self._takes_all(now, waiting)
         sent = self._send_all(now) if room else []
-        return [*sent, *self.undecided.put(waiting)]
+        return [*sent, *self.undecided.put(now, waiting)]
 
     def _send_fitting(self, now: float, sample: Waiting) -> Command | None:
         """Send a sample before which nothing waits, if there is room for it and for all that may be sent; else None."""
@@ -88,7 +94,7 @@ class Gate:
             self.decisions.count(Shortcut.OWED)
         elif self._budget.limits:
             self.decisions.count(Shortcut.UNNEEDED)
-        return self.outcomes.send(now, stream, sample, use, "forwarded")
+        return self.outcomes.send(now, stream, sample, use, OWED if must else UNNEEDED)
 
     def set_mode(self, now: float, mode: Mode) -> list[Command]:
         """Do this with decisions from now on; in `pass` everything that waits passes."""
@@ -98,6 +104,7 @@ class Gate:
         commands: list[Command] = []
         self.undecided.settle_all()
         for sample in self.undecided.take_all():
+            self.decisions.log.note(now, sample.key, sample, Why("passed:mode"))
             commands += [self.outcomes.pass_on(sample.sample, "passed:mode"), *self.undecided.pass_deletions()]
             self._budget.use_at_most(now, use_of(sample.size, 1, self._budget.limits), 1.0)
         return commands
@@ -134,7 +141,7 @@ class Gate:
             return []
         if event.plan is not None:
             self._complaint = ""
-            commands = self._decided(event.now, pending, event.plan)
+            commands = self._decided(event, pending, event.plan)
         else:
             commands = [*self._complain(event.error), *self._without_plan(event.now, pending, late=False)]
         return [*commands, *self.undecided.pass_deletions()]
@@ -173,12 +180,12 @@ class Gate:
             return self._pass_unwanted(now, sample)
         use = self.appraisal.use(stream, sample)
         if self._budget.limits and not self._view.subscribers.gaining(stream):
-            return self.outcomes.refuse(now, stream, sample, "dropped:once")
+            return self.outcomes.refuse(now, stream, sample, Why("dropped:once"))
         must = self.appraisal.owed(now, stream, sample)
         if lacking := self._budget.lacking(now, use):
             if must:
                 self.decisions.count(Shortcut.UNKEPT)
-            return self.outcomes.refuse(now, stream, sample, CONSTRAINT, lacking)
+            return self.outcomes.refuse(now, stream, sample, Why(CONSTRAINT, Shortcut.UNKEPT if must else "", lacking))
         if must or not searching or self.appraisal.look_for_room(now, stream, len(self._inbox)):
             return self._send_unweighed(now, stream, sample, use, must=must)
         return self._weigh(now, stream, sample, use)
@@ -187,38 +194,46 @@ class Gate:
         """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not say so yet."""
         if silent := self._view.members.unannounced:
             self._budget.use_at_most(now, use_of(sample.size, silent, self._budget.limits), 1.0)
+        self.decisions.log.note(now, sample.key, sample, Why("passed:unwanted"))
         return self.outcomes.pass_on(sample.sample, "passed:unwanted")
 
     def _weigh(self, now: float, stream: Stream, sample: Waiting, use: Use) -> Command:
         """Decide by what room costs, or where that is disputed by a search."""
         standing = self.appraisal.weigh(now, stream, sample)
-        if standing is Standing.UNDISPUTED:
-            self.decisions.count(Shortcut.UNDISPUTED)
-            return self.outcomes.send(now, stream, sample, use, "forwarded")
-        if standing is Standing.HOPELESS:
-            self.decisions.count(Shortcut.HOPELESS)
-            return self.outcomes.refuse(now, stream, sample, "dropped:planner")
+        if standing in (Standing.UNDISPUTED, Standing.HOPELESS):
+            sends = standing is Standing.UNDISPUTED
+            shortcut = Shortcut.UNDISPUTED if sends else Shortcut.HOPELESS
+            self.decisions.count(shortcut)
+            weighed = self.appraisal.disputes.weighed(stream)
+            why = Why("forwarded" if sends else "dropped:planner", shortcut, weighed=weighed)
+            if sends:
+                return self.outcomes.send(now, stream, sample, use, why)
+            return self.outcomes.refuse(now, stream, sample, why)
         if lacking := self.appraisal.lacking_beside_booked(now, use):
-            return self.outcomes.refuse(now, stream, sample, CONSTRAINT, lacking)
+            return self.outcomes.refuse(now, stream, sample, Why(CONSTRAINT, "", lacking, BOOKED))
         return self.search.start(now, sample, self._inbox, self._tickets)
 
-    def _decided(self, now: float, pending: Pending, plan: Plan) -> list[Command]:
+    def _decided(self, event: DecisionReady, pending: Pending, plan: Plan) -> list[Command]:
         """Do what the plan says, as far as the limits still have room."""
+        now, searched = event.now, pending.searched(plan, cut=event.cut)
         if pending.copy is not None:
-            return self._copy_gate.decided(now, pending, pending.copy, plan)
-        sample = pending.sample
+            return self._copy_gate.decided(now, pending, pending.copy, searched)
+        sample, beside = pending.sample, BOOKED
         stream = self.appraisal.stream_of(now, sample)
         use = self.appraisal.use(stream, sample)
         lacking = self.appraisal.lacking_beside_booked(now, use) if plan.send else ()
         if plan.send and not lacking:
             lacking, until = self.appraisal.lacking_beside_rivals(now, stream, use)
+            beside = RIVALS
             if lacking and stream is not None and self._waits.give_way(now, stream, sample, until):
+                self.decisions.log.note(now, sample.key, sample, Why(WAITS, SEARCH, lacking, beside, None, searched))
                 return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, sample.key, plan, pending.constraints, reason))
+        why = Why(reason, SEARCH, lacking, beside if lacking else "", None, searched)
         if reason != "forwarded":
-            return [self.outcomes.refuse(now, stream, sample, reason, lacking)]
-        return [self.outcomes.send(now, stream, sample, use, reason)]
+            return [self.outcomes.refuse(now, stream, sample, why)]
+        return [self.outcomes.send(now, stream, sample, use, why)]
 
     def _complain(self, error: str) -> list[Command]:
         """Say loudly that the planner failed, once for each error."""
@@ -233,6 +248,7 @@ class Gate:
         """
         if pending.copy is not None:
             return self._copy_gate.by_rule(now, pending.copy, self._rule)
+        cause = Shortcut.LATE if late else RULE
         sample, stream = pending.sample, self.appraisal.stream_of(now, pending.sample)
         use = self.appraisal.use(stream, sample)
         if late and all(waiting.priority >= sample.priority for waiting in self._inbox):
@@ -241,5 +257,5 @@ class Gate:
         else:
             lacking = self._rule.admit(now, sample, use)
         if lacking:
-            return [self.outcomes.refuse(now, stream, sample, "dropped:fallback", lacking)]
-        return [self.outcomes.send(now, stream, sample, use, "passed:fallback")]
+            return [self.outcomes.refuse(now, stream, sample, Why("dropped:fallback", cause, lacking))]
+        return [self.outcomes.send(now, stream, sample, use, Why("passed:fallback", cause))]

@@ -8,8 +8,9 @@ from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.appraisal import Appraisal, Use
 from proxy.core.samples.counts import Counts
+from proxy.core.samples.decision_log import Why
 from proxy.core.samples.decisions import Decisions, Shortcut
-from proxy.core.samples.inbox import Evicted
+from proxy.core.samples.inbox import SUPERSEDED, Evicted
 from proxy.core.view.stream import Sent, Stream
 
 
@@ -21,6 +22,7 @@ class Outcomes:
         self._view, self._budget = appraisal.view, appraisal.budget
         self._counts = counts
         self._decisions = decisions
+        self._log = decisions.log
         self._first: dict[int, tuple[Stream, tuple[str, ...]]] = {}
         """Samples of `once` on their way to the mesh session, and the robots for which each is the first one."""
 
@@ -29,27 +31,28 @@ class Outcomes:
         self._counts.approve(sample, reason)
         return Forward(sample)
 
-    def send(self, now: float, stream: Stream | None, sample: Waiting, use: Use, reason: str) -> Command:
+    def send(self, now: float, stream: Stream | None, sample: Waiting, use: Use, why: Why) -> Command:
         """Forward what was decided for."""
+        self._log.note(now, sample.key, sample, why)
         if stream is not None:
             sent = Sent(min(sample.t_gen, now), now, sample.size, sample.scale, sample.features)
             if stream.information_type.aggregation is Aggregation.ONCE:
                 self._first[sample.sample] = stream, self._view.subscribers.gaining(stream)
             self._view.traffic.note_sent(stream, stream.forwarded + 1, sent)
-            stream.fates[reason] += 1
+            stream.fates[why.reason] += 1
         self._count_on_air(stream, sample)
         self._budget.use(now, use, sample.sample)
-        return self.pass_on(sample.sample, reason)
+        return self.pass_on(sample.sample, why.reason)
 
-    def refuse(
-        self, now: float, stream: Stream | None, sample: Waiting, reason: str, lacking: tuple[str, ...] = ()
-    ) -> Command:
+    def refuse(self, now: float, stream: Stream | None, sample: Waiting, why: Why) -> Command:
         """Drop what was decided against; in `shadow` it goes all the same, and only its traffic is announced."""
-        self._decisions.refused(lacking)
+        self._decisions.refused(why.lacking)
         if stream is not None:
-            stream.fates[reason] += 1
-        if self._appraisal.mode_of(stream) is not Mode.SHADOW:
-            return self._drop(sample.sample, reason)
+            stream.fates[why.reason] += 1
+        shadowed = self._appraisal.mode_of(stream) is Mode.SHADOW
+        self._log.note(now, sample.key, sample, why, shadowed=shadowed)
+        if not shadowed:
+            return self._drop(sample.sample, why.reason)
         self._decisions.count(Shortcut.WOULD_DROP)
         self._count_on_air(stream, sample)
         specs = self._view.specs
@@ -58,13 +61,19 @@ class Outcomes:
             self._budget.use_at_most(now, self._appraisal.use(stream, sample), 1.0 - specs.floor)
         return self.pass_on(sample.sample, "passed:shadow")
 
-    def evict(self, evicted: Iterable[Evicted]) -> list[Command]:
+    def superseded(self, now: float, stream: Stream, count: int) -> None:
+        """So many samples of a stream gave way to a newer one before they were taken up."""
+        stream.fates[SUPERSEDED] += count
+        self._log.note(now, stream.key, None, Why(SUPERSEDED), count=count)
+
+    def evict(self, now: float, evicted: Iterable[Evicted]) -> list[Command]:
         """Drop what had to leave before it was decided."""
         commands: list[Command] = []
         for each in evicted:
             stream = self._view.streams.known(self._view.settings.robot, each.key)
             if stream is not None:
                 stream.fates[each.reason] += 1
+            self._log.note(now, each.key, None, Why(each.reason))
             commands.append(self._drop(each.sample, each.reason))
         return commands
 
@@ -75,7 +84,7 @@ class Outcomes:
         if key := self._counts.hand(sample):
             self._view.handed(key)
 
-    def refused(self, sample: int, reason: str) -> str:
+    def refused(self, now: float, sample: int, reason: str) -> str:
         """The mesh session did not take the sample: if it was the first for some robots, the next one will be.
 
         Return its key.
@@ -84,7 +93,10 @@ class Outcomes:
         stream, names = self._first.pop(sample, (None, ()))
         if stream is not None:
             stream.miss(names)
-        return self._counts.drop(sample, reason)
+        key = self._counts.drop(sample, reason)
+        if key and self._view.streams.known(self._view.settings.robot, key) is not None:
+            self._log.note(now, key, None, Why(reason))
+        return key
 
     def _count_on_air(self, stream: Stream | None, sample: Waiting) -> None:
         """Count a sample in what we announce that we put on the air."""

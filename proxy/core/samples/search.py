@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from planner import Plan
 from proxy.core.coordination.budget import Budget
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
@@ -9,9 +10,10 @@ from proxy.core.model.waiting import Waiting
 from proxy.core.samples.away import Copy
 from proxy.core.samples.decisions import Decisions
 from proxy.core.samples.inbox import Inbox
+from proxy.core.samples.searched import Searched
 from proxy.core.samples.tuning import TUNING
 from proxy.core.window.size import WindowSize
-from proxy.core.window.window import WindowBuilder
+from proxy.core.window.window import Window, WindowBuilder
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,10 +22,21 @@ class Pending:
 
     ticket: int
     sample: Waiting
-    constraints: tuple[str, ...]
+    window: Window
+    iterations: int
     held: int = 0
     thinned: bool = False
     copy: Copy | None = None
+
+    @property
+    def constraints(self) -> tuple[str, ...]:
+        """The names of the constraints, in the order of the plan's prices."""
+        return tuple([constraint.name for constraint in self.window.problem.constraints])
+
+    def searched(self, plan: Plan, *, cut: bool) -> Searched:
+        """Return what is kept of this decision and its plan."""
+        problem, full, candidates = self.window
+        return Searched.of(plan, problem, candidates, full, self.iterations, cut=cut)
 
 
 class Search:
@@ -43,15 +56,15 @@ class Search:
 
     def start(self, now: float, sample: Waiting, inbox: Inbox, ticket: int, copy: Copy | None = None) -> Command:
         """Have a sample decided, or the copy of one, while others wait in the inbox."""
-        problem, full = self._windows.build(now, sample, inbox, self._budget.problem_limits(now), self._size.messages)
-        held = sum(not message.sent for message in problem.messages) - 1
-        thinned = self._size.messages < full
+        window = self._windows.build(now, sample, inbox, self._budget.problem_limits(now), self._size.messages)
+        held = sum(not message.sent for message in window.problem.messages) - 1
+        thinned = self._size.messages < window.full
         if thinned:
-            self._decisions.thin(held, full)
-        self.pending = Pending(ticket, sample, tuple(c.name for c in problem.constraints), held, thinned, copy)
+            self._decisions.thin(held, window.full)
         fewer = self._iterations // (1 + len(inbox) // TUNING.samples_per_halving)
         iterations = min(max(TUNING.fewest_iterations, fewer), self._iterations)
-        return Decide(ticket, problem, ticket, iterations, now)
+        self.pending = Pending(ticket, sample, window, iterations, held, thinned, copy)
+        return Decide(ticket, window.problem, ticket, iterations, now)
 
     def answered(self, ticket: int, overhead: float) -> Pending | None:
         """Return the sample that waited for the answer with this ticket, which is awaited no longer.

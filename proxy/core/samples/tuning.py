@@ -42,6 +42,14 @@ class SamplesTuning:
     """A robot that is back is reminded this often that copies still wait for it [s]."""
     named_keys: int = 64
     """A robot that is back is told the names of at most this many keys of which copies wait."""
+    entries: int = 16
+    """Entries of a stream in the log of decisions, which takes 5 MB at most: 2.4 with 500 cameras."""
+    logged_streams: int = 512
+    """Streams in the log of decisions."""
+    logged_searches: int = 512
+    """Decisions by searches in that log, of all streams: each takes some 4 kB, and 60 μs to be noted, of 4 ms."""
+    rivals: int = 8
+    """Streams that competed with a sample that the log names at most."""
 
 
 TUNING = SamplesTuning()

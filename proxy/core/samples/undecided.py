@@ -30,9 +30,9 @@ class Undecided:
     def __iter__(self) -> Iterator[Waiting]:
         return chain(self.inbox, self._unsettled.values(), self._search.deciding())
 
-    def put(self, waiting: Waiting) -> list[Command]:
+    def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Queue a sample; drop what has to leave for it."""
-        return [*self._outcomes.evict(self.inbox.put(waiting)), *self.pass_deletions()]
+        return [*self._outcomes.evict(now, self.inbox.put(waiting)), *self.pass_deletions()]
 
     def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
         """Remove and return the next sample to decide, but none that is `held` or comes after a deletion."""
@@ -59,17 +59,17 @@ class Undecided:
         self.inbox.put_back(self._unsettled.values())
         self._unsettled.clear()
 
-    def supersede(self, waiting: Waiting) -> list[Command] | None:
+    def supersede(self, now: float, waiting: Waiting) -> list[Command] | None:
         """Drop a sample that was taken back if a newer one of its Markovian stream came meanwhile; else None."""
         newer = any(each.key == waiting.key and each.t_gen > waiting.t_gen for each in self)
         if not (newer and waiting.markovian):
             return None
         evicted = Evicted(waiting.sample, SUPERSEDED, waiting.key)
-        return [*self._outcomes.evict([evicted]), *self.pass_deletions()]
+        return [*self._outcomes.evict(now, [evicted]), *self.pass_deletions()]
 
-    def delete(self, key: str, sample: int) -> list[Command]:
+    def delete(self, now: float, key: str, sample: int) -> list[Command]:
         """A deletion of the key passes, behind what was published before it and is still undecided."""
-        commands = self._outcomes.evict(self.inbox.supersede(key))
+        commands = self._outcomes.evict(now, self.inbox.supersede(key))
         self._deletions.add(sample, key, self)
         return [*commands, *self.pass_deletions()]
 

@@ -33,4 +33,5 @@ class Unplanned:
     def _notice(self, now: float, reason: str) -> Notice:
         total = self._counts.by_reason[reason]
         new, self._said[reason], self._next[reason] = total - self._said[reason], total, now + TUNING.warnings_apart
-        return Notice("warning", f"samples dropped, {REASONS[reason]}: {new}, {total} in all ({reason})")
+        text = f"samples dropped, {REASONS[reason]}: {new}, {total} in all ({reason})"
+        return Notice("warning", text, {"reason": reason, "new": new, "total": total})

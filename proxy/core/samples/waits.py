@@ -3,7 +3,7 @@
 import math
 
 from proxy.core.coordination.claims import leads, news_take, opening
-from proxy.core.market.prices import Standing
+from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
@@ -31,6 +31,11 @@ class Waits:
         if len(self._opening) > 2 * len(self._inbox) + TUNING.stale_waits:
             here = {waiting.sample for waiting in self._inbox}
             self._opening = {sample: wait for sample, wait in self._opening.items() if sample in here}
+
+    def opens_at(self, sample: Waiting) -> float | None:
+        """Return when a sample that was looked at can be taken up at the earliest [s]; None where it does not wait."""
+        known = self._opening.get(sample.sample)
+        return None if known is None else known[0]
 
     def postpone(self, now: float, sample: Waiting) -> bool:
         """Let a sample wait if there is a reason to; return whether it waits."""

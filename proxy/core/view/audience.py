@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from planner import Receiver
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.members import Members
-from proxy.core.view.paths import Paths
+from proxy.core.view.paths import Fan, Paths
 from proxy.core.view.receivers import Way, grouped
 from proxy.core.view.stream import Stream
 from proxy.core.view.subscribers import Subscribers
@@ -43,6 +43,12 @@ class Audience:
     def slowest(self) -> float:
         """The time to the last of the receivers [s]."""
         return self.latency + max(r.delay for r in self.receivers)
+
+
+def audience_of(fan: Fan, gaining: tuple[str, ...], size: int, lost: float) -> Audience:
+    """Return those that gain by messages of `size` [B] which go such ways; `lost` is the mean loss."""
+    first, receivers = grouped(fan.ways(gaining, size, lost) or [Way(fan.mean.of(size))])
+    return Audience(size, first, fan.mean.per_byte, receivers)
 
 
 class Audiences:
@@ -84,11 +90,9 @@ class Audiences:
         if found is None or now >= found.until:
             if len(self._common) > self._settings.streams:
                 self._common.clear()
-            lost, fan = self._loss(now), self._paths.of(stream.robot)
-            ways = fan.ways(gaining, size, lost)
-            first, receivers = grouped(ways or [Way(fan.mean.of(size))])
+            audience = audience_of(self._paths.of(stream.robot), gaining, size, self._loss(now))
             until = now + TUNING.ways_refresh * max(1.0, len(self._members.peers) / TUNING.small_team)
-            found = _Looked(until, gaining, Audience(size, first, fan.mean.per_byte, receivers))
+            found = _Looked(until, gaining, audience)
             self._common[stream.robot, size, gaining] = found
         return found
 

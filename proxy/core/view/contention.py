@@ -1,21 +1,15 @@
 """Who competes for the channel: the streams of which more is worth anything to somebody, and is to be expected.
 
 A large team has far more streams than a window has places, and most streams have not changed since the last decision.
-So what is asked of streams is kept in arrays, and worked out anew only for streams of which something was noted since.
+So what is asked of streams is kept in rows, and worked out anew only for streams of which something was noted since.
 """
 
 from collections.abc import Container
-
-import numpy as np
-import numpy.typing as npt
 
 from proxy.core.view.staleness import Staleness
 from proxy.core.view.stream import Stream
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers
-
-Rows = npt.NDArray[np.intp]
-Floats = npt.NDArray[np.float64]
 
 
 class Contention:
@@ -40,20 +34,28 @@ class Contention:
         """
         rows = self._rows(now)
         if robot is not None:
-            rows = rows[[self._robots[owner] == robot for owner in self._owner[rows].tolist()]] if len(rows) else rows
+            rows = [row for row in rows if self._streams[row].robot == robot]
         if besides:
-            rows = rows[[(s.robot, s.key) not in besides for s in (self._streams[row] for row in rows.tolist())]]
+            rows = [row for row in rows if (self._streams[row].robot, self._streams[row].key) not in besides]
         if len(rows) > most:
-            due = np.maximum(now, self._next)[rows]
-            order = np.lexsort((due, self._cheapness[rows]))
-            best, rest = order[: most // 2], np.sort(order[most // 2 :])
-            soonest = rest[np.argsort(due[rest], kind="stable")[: most - len(best)]]
-            rows = rows[np.sort(np.concatenate((best, soonest)))]
-        return [self._streams[row] for row in rows.tolist()]
+            rows = self._ranked(now, most, rows)
+        return [self._streams[row] for row in rows]
+
+    def _ranked(self, now: float, most: int, rows: list[int]) -> list[int]:
+        """Return `most` of these rows, in order. Of 500 that takes a quarter of what sorting lists would."""
+        import numpy as np  # noqa: PLC0415 - a daemon that knows no streams does without
+
+        at = np.array(rows)
+        due = np.maximum(now, np.array(self._next)[at])
+        order = np.lexsort((due, np.array(self._cheapness)[at]))
+        best, rest = order[: most // 2], np.sort(order[most // 2 :])
+        soonest = rest[np.argsort(due[rest], kind="stable")[: most - len(best)]]
+        chosen: list[int] = at[np.sort(np.concatenate((best, soonest)))].tolist()
+        return chosen
 
     def all(self, now: float) -> list[Stream]:
         """Return all streams that compete, by robot and key."""
-        return [self._streams[row] for row in self._rows(now).tolist()]
+        return [self._streams[row] for row in self._rows(now)]
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected.
@@ -64,11 +66,16 @@ class Contention:
             return False
         return len(self._subscribers.gaining(stream)) > 0
 
-    def _rows(self, now: float) -> Rows:
+    def _rows(self, now: float) -> list[int]:
         """Return the rows that compete. How long a stream is silent only its robot's news tells."""
         self._renew()
-        until = np.array(self._staleness.all_reported_until(self._robots, now))
-        return np.flatnonzero((until[self._owner] - self._last < self._patience) & self._wanted)
+        until = dict(zip(self._robots, self._staleness.all_reported_until(self._robots, now), strict=True))
+        rows = zip(self._streams, self._wanted, self._last, self._patience, strict=True)
+        return [
+            row
+            for row, (stream, wanted, last, patience) in enumerate(rows)
+            if wanted and until[stream.robot] - last < patience
+        ]
 
     def _renew(self) -> None:
         """Work out anew the rows of streams of which something was noted, or all rows when a change concerns all."""
@@ -85,10 +92,8 @@ class Contention:
         self._row = {(stream.robot, stream.key): row for row, stream in enumerate(streams)}
         self._seen = [-1] * count
         self._robots = sorted({stream.robot for stream in streams})
-        places = {robot: place for place, robot in enumerate(self._robots)}
-        self._owner = np.array([places[stream.robot] for stream in streams], dtype=np.intp)
-        self._wanted = np.zeros(count, dtype=np.bool_)
-        self._cheapness, self._last, self._patience, self._next = np.zeros((4, count))
+        self._wanted = [False] * count
+        self._cheapness, self._last, self._patience, self._next = ([0.0] * count for _ in range(4))
 
     def _look(self, row: int, stream: Stream) -> None:
         """Take in what there is to know of a stream: `_cheapness` is what a byte of it is worth, negated."""

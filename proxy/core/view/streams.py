@@ -36,6 +36,9 @@ class Streams:
     def __iter__(self) -> Iterator[Stream]:
         return iter(self._all.values())
 
+    def __len__(self) -> int:
+        return len(self._all)
+
     def own(self) -> Iterator[Stream]:
         """The streams of this robot."""
         return iter(self._owned.get(self._own, {}).values())

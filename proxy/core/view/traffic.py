@@ -2,6 +2,7 @@
 
 from collections import deque
 
+from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Sent, Stream
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.tuning import TUNING
@@ -72,6 +73,11 @@ class TrafficLog:
     def sent_since(self, since: float) -> list[Entry]:
         """When and how much other robots sent."""
         return [each for each in self.sends if each[0] >= since]
+
+    def used(self, now: float, limit: Limit) -> float:
+        """Return what other robots use of a limit in the window that ends now, as far as we know."""
+        since, use = now - limit.window, limit.measure.use
+        return sum(use(*amount, own=False) for at, amount in (*self.sends, *self.talk) if at >= since)
 
     def announced(self) -> None:
         """A digest of ours tells what we sent so far."""

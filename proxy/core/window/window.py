@@ -17,6 +17,7 @@ from bisect import insort
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 from planner import Problem
 from proxy.core.coordination.claims import claim
@@ -32,6 +33,14 @@ from proxy.core.window.problem import Contents, OpenMessage, expected, problem, 
 from proxy.core.window.tuning import TUNING
 
 
+class Window(NamedTuple):
+    """The `problem` of a decision. It would have so many messages of itself; `candidates` are its streams, in order."""
+
+    problem: Problem
+    full: int
+    candidates: list[Candidate]
+
+
 class WindowBuilder:
     """Builds the problem of one decision from the shared view."""
 
@@ -43,11 +52,11 @@ class WindowBuilder:
 
     def build(
         self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits, most: float = math.inf
-    ) -> tuple[Problem, int]:
+    ) -> Window:
         """Return the problem of deciding `current` while others of our own samples are `waiting`.
 
-        It has about `most` other messages to decide; return, too, how many there would be of themselves. Half of the
-        places are for samples that wait, those worth most, the rest for forecasts.
+        It has about `most` other messages to decide. Half of the places are for samples that wait, those worth most,
+        the rest for forecasts.
         """
         waiting, limits, horizon = list(waiting), self._contested(now, limits), self._view.settings.horizon
         queued = int(min(len(waiting), most // 2))
@@ -63,7 +72,7 @@ class WindowBuilder:
         opened.append(published(current, candidates[-1] if current.to else ours[current.key], current=True))
         opened += [expected(c, t) for c in candidates for t in c.times]
         opened.sort(key=lambda m: (m.t_gen, m.of.place))
-        return problem(now, self._started, Contents(candidates, opened, demanded), limits), full
+        return Window(problem(now, self._started, Contents(candidates, opened, demanded), limits), full, candidates)
 
     def _contested(self, now: float, limits: Limits) -> Limits:
         """Return what is left of the limits to what is contested, without the sends that are booked."""

@@ -8,8 +8,8 @@ from planner.aggregations import best
 from planner.definition import utility
 from planner.evaluation import tabulate_gains
 from planner.native_engine import NativeSearch
+from planner.numpy_tables import tabulate_with_numpy
 from planner.python_engine.best import BestSearch
-from planner.tables import tabulate_with_numpy
 
 
 def stream(*messages, t_end=10.0):

@@ -10,6 +10,7 @@ from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 from proxy.profiling.profile import read
 from proxy.profiling.request import ProfileError, Request
+from proxy.why import read as read_question
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.proxy.profiling.profiles import profile
 
@@ -44,6 +45,7 @@ def operator(stack, switched, asked):
         executor=executor,
         on_loop=lambda job: job(),
         status=lambda: {"robot": "r1", "counts": {"in": 3}},
+        why=lambda raw: read_question(raw) and {"streams": [raw.decode()]},
         switch=switched.append,
         profile=take,
     )
@@ -70,6 +72,14 @@ def test_anything_else_is_refused_with_what_would_be_right(operator, switched, p
     (answer,) = answers(operator, keys.mode("r1"), payload=payload)
     assert answer == "error: a mode is one of pass, shadow, enforce"
     assert not switched
+
+
+def test_decisions_are_told_as_json(operator):
+    """What is no question is refused."""
+    (answer,) = answers(operator, keys.why("r1"), payload='{"key": "a"}')
+    assert json.loads(answer) == {"streams": ['{"key": "a"}']}
+    (answer,) = answers(operator, keys.why("r1"))
+    assert answer.startswith("error: decisions are asked for with")
 
 
 def test_a_profile_is_told_when_it_has_been_taken(operator, asked):

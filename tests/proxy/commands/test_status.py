@@ -4,6 +4,7 @@ import json
 
 from proxy import exit_codes
 from proxy.cli import main
+from proxy.status.model import Status
 from tests.ports import free_port
 
 
@@ -22,6 +23,7 @@ def test_json_is_everything_the_daemon_tells(daemon, capsys):
     status = json.loads(capsys.readouterr().out)
     assert status["robot"] == "r1"
     assert status["counts"]["conserved"] is True
+    Status.model_validate(status)
 
 
 def test_a_robot_that_does_not_answer_is_named(daemon, capsys):
@@ -52,3 +54,11 @@ def test_several_answers_are_a_list(stand_in, capsys):
     assert json.loads(capsys.readouterr().out) == [{"robot": "r1"}, {"robot": "r2"}]
     assert main(["status", "--connect", where]) == exit_codes.OK
     assert "\n\nrobot r2   mode -" in capsys.readouterr().out
+
+
+def test_every_word_can_be_explained(capsys):
+    """Without a daemon."""
+    assert main(["status", "--explain"]) == exit_codes.OK
+    out = capsys.readouterr().out
+    assert "  WANTED BY  how many robots want it\n" in out
+    assert "dropped:superseded" in out

@@ -23,6 +23,7 @@ PACKAGES = (
     "gossip",
     "parts",
     "status",
+    "why",
     "reactions",
     "core",
 )

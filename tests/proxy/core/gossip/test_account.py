@@ -160,3 +160,15 @@ def test_where_robots_share_no_limit_nothing_counts(make_books):
     books = make_books(private=True)
     books.account.heard_digest(1.0, 10**6)
     assert (books.account.window, books.counted) == (0.0, 0)
+
+
+def test_the_status_says_what_was_told_and_heard(make_books):
+    """Copies and overhead included, beside what may be told."""
+    books = make_books()
+    books.account.sent_other(0.0, 20, 2)
+    books.account.heard_digest(0.0, 40)
+    assert books.account.described() == {
+        "allowance": books.allowed / WINDOW,
+        "told": 2 * (20 + TUNING.overhead),
+        "heard": books.account.digest_copies * (40 + TUNING.overhead),
+    }

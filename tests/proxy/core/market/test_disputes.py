@@ -6,7 +6,7 @@ import pytest
 
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
-from proxy.core.market.prices import Standing
+from proxy.core.market.standing import Standing
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.view.tuning import TUNING as VIEW
 from tests.proxy.core.talk import only

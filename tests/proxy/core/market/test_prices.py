@@ -3,7 +3,8 @@
 import pytest
 
 from planner import Throughput
-from proxy.core.market.prices import Market, Row, Standing, interval_of, reserve
+from proxy.core.market.prices import Market
+from proxy.core.market.standing import Row, Standing, interval_of, reserve
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Generated, Stream

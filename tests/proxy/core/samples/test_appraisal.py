@@ -7,7 +7,7 @@ import pytest
 from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.market.disputes import Disputes
-from proxy.core.market.prices import Standing
+from proxy.core.market.standing import Standing
 from proxy.core.model.limits import limits_of
 from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings

@@ -32,3 +32,11 @@ def test_a_sample_that_the_mesh_does_not_take_is_said(make_talk, make_specs):
     assert [command.sample for command in talk.all(Forward)] == [sample]
     (line,) = said(talk.tell(ev.SampleRefused(1.1, sample)))
     assert "dropped:egress" in line
+
+
+def test_programs_find_the_reason_and_the_counts(make_talk):
+    """They need not read the text."""
+    (notice,) = [
+        each for each in make_talk().tell(ev.SamplesPassed(1.0, "dropped:full", 3, 0)) if isinstance(each, Notice)
+    ]
+    assert notice.fields == {"reason": "dropped:full", "new": 3, "total": 3}

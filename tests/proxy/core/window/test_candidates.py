@@ -107,7 +107,7 @@ def test_a_window_that_must_be_small_keeps_what_matters(make_specs, most, stream
         stream.note_sent(1, Sent(9.5, 9.5, 1000, 1.0, {}))
     waiting = [sample(9.0 + 0.01 * n, "robot/0/camera", scale=1.0 + n, number=2 + n) for n in range(queued)]
     current = sample(10.0, "robot/0/camera")
-    problem, full = WindowBuilder(view, 0.0).build(10.0, current, waiting, union(), most)
+    problem, full, _ = WindowBuilder(view, 0.0).build(10.0, current, waiting, union(), most)
     opened = [m for m in problem.messages if not m.sent]
     assert problem.messages[problem.current].t_gen == 10.0
     assert len(opened) - 1 <= max(most, 1) + 1

@@ -59,6 +59,6 @@ def test_a_window_with_room_enough_is_whole(crowd):
     builder = WindowBuilder(crowd, 0.0)
     waiting = [sample(9.9, number=2)]
     whole = builder.build(10.0, sample(10.0), waiting, union())[0]
-    problem, full = builder.build(10.0, sample(10.0), waiting, union(), 61)
+    problem, full, _ = builder.build(10.0, sample(10.0), waiting, union(), 61)
     assert problem == whole
     assert full == sum(not m.sent for m in whole.messages) - 1

@@ -1,0 +1,74 @@
+"""What can be said of streams at any moment without changing anything: for who only looks, such as the status.
+
+What decisions need is worked out now and then and remembered. Whoever asked that of the same parts would have them look
+at other moments than otherwise, and so change later decisions.
+"""
+
+from proxy.core.market.standing import Amounts, Row, row_of
+from proxy.core.model.limits import Limit
+from proxy.core.view.audience import Audience, audience_of
+from proxy.core.view.paths import Fan
+from proxy.core.view.stream import Stream
+from proxy.core.view.view import SharedView
+
+KILOBYTE = 1000
+
+
+class Glance:
+    """A look at all streams of a view `now` [s]."""
+
+    def __init__(self, view: SharedView, now: float) -> None:
+        self._view = view
+        self._now = now
+        self._lost = view.paths.mean_loss()
+        self._fans: dict[str, Fan] = {}
+        self._looked: dict[tuple[str, int, tuple[str, ...]], Audience] = {}
+
+    def latency(self, stream: Stream) -> float | None:
+        """Return what the last sample of a stream takes to those that want it, in the mean [s]; None if nobody does."""
+        wanting = self._view.subscribers.of(stream)
+        audience = self._audience(stream, wanting)
+        return audience.mean if wanting and audience.share > 0.0 else None
+
+    def age(self, stream: Stream, latency: float | None) -> float | None:
+        """Return how old the newest sample that should have arrived is now [s]; None if none has, or none is wanted."""
+        if latency is None:
+            return None
+        there = (sent for sent in reversed(stream.recent) if sent.t_sent + latency <= self._now)
+        newest = next(there, None)
+        return None if newest is None else self._now - newest.t_gen
+
+    def prices(self, limits: tuple[Limit, ...], *, alone: bool) -> Amounts:
+        """Return what a unit of each limit costs now [utility·s]: what the last unit earns when streams use them up.
+
+        `alone`: the limits are our part, so only our own streams compete for them.
+        """
+        view, own = self._view, self._view.settings.robot
+        competing = [s for s in view.contention.all(self._now) if not alone or s.robot == own] if limits else []
+        rows = [self._row(stream, limits) for stream in competing]
+        if alone:
+            rows = [row for row in rows if row.has_room(limits)]
+        if not rows:
+            return (0.0,) * len(limits)
+        from proxy.core.market.prices import Market
+
+        return tuple(Market.of(rows, limits)[0].prices.tolist())
+
+    def _row(self, stream: Stream, limits: tuple[Limit, ...]) -> Row:
+        subscribers = self._view.subscribers
+        audience, copies = self._audience(stream, subscribers.gaining(stream)), subscribers.copies(stream)
+        return row_of(self._now, stream, audience, copies, limits, own=stream.robot == self._view.settings.robot)
+
+    def _audience(self, stream: Stream, names: tuple[str, ...]) -> Audience:
+        place = stream.robot, stream.last.size if stream.last else 0, names
+        if place not in self._looked:
+            robot, size, _ = place
+            if robot not in self._fans:
+                self._fans[robot] = self._view.paths.of(robot)
+            self._looked[place] = audience_of(self._fans[robot], names, size, self._lost)
+        return self._looked[place]
+
+
+def price_of_kilobyte(limit: Limit, price: float) -> float:
+    """Return what 1 kB costs more in one copy, at the price of a unit of the limit [utility·s]."""
+    return price * (limit.measure.use(2 * KILOBYTE, 1, own=True) - limit.measure.use(KILOBYTE, 1, own=True))

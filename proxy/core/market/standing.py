@@ -1,0 +1,124 @@
+"""How a stream stands in the market, and what it uses of limits in the mean: what needs no prices."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+from proxy.core.market.tuning import TUNING
+from proxy.core.model.limits import Limit, use_of
+from proxy.core.view.audience import Audience
+from proxy.core.view.stream import Stream
+
+Amounts = tuple[float, ...]
+
+
+class Standing(Enum):
+    """How a stream, or a sample, stands."""
+
+    UNDISPUTED = "undisputed"
+    PRICED = "priced"
+    CONTESTED = "contested"
+    HOPELESS = "hopeless"
+
+
+@dataclass(frozen=True, slots=True)
+class Weighed:
+    """How a stream stands whose samples are worth `scale`.
+
+    It generates every `interval`, and is expected to send every `apart` [s]; without end when nothing of it pays.
+    The room of a sample costs so much; one earns `least` where all are sent, `most` where hardly any is [utility·s].
+    """
+
+    standing: Standing
+    scale: float
+    interval: float
+    apart: float
+    cost: float = 0.0
+    least: float = 0.0
+    most: float = 0.0
+
+
+UNKNOWN = Weighed(Standing.CONTESTED, 0.0, 0.0, 0.0)
+
+
+class Row(NamedTuple):
+    """A stream as it is weighed: its mean `interval`, the `age` of its samples at receipt [s], what a sample uses.
+
+    Of each limit it uses the mean and, where sizes vary, the deviation. `scale` counts all receivers.
+    """
+
+    stream: Stream
+    interval: float
+    age: float
+    scale: float
+    use: Amounts
+    deviation: Amounts
+
+    def small(self, limits: Sequence[Limit]) -> bool:
+        """Whether its messages are small by all limits."""
+        return all(u + d <= TUNING.small * c.limit for u, d, c in zip(self.use, self.deviation, limits, strict=True))
+
+    def has_room(self, limits: Sequence[Limit]) -> bool:
+        """Whether limits that are our part are as large as its messages; others have no turn now, and set no price."""
+        return all(use <= c.limit for use, c in zip(self.use, limits, strict=True))
+
+
+def row_of(now: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool) -> Row:
+    """Return what there is to know of a stream whose samples go to this audience, in so many copies."""
+    size = round(stream.sizes.mean)
+    use = use_of(size, copies, limits, own=own)
+    more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
+    return Row(
+        stream,
+        interval_of(now, stream, min(c.window for c in limits)),
+        audience.mean if audience.share > 0.0 else audience.latency,
+        stream.newest.scale * audience.share,
+        use,
+        tuple([m - u for m, u in zip(more, use, strict=True)]),
+    )
+
+
+def reserve(
+    rows: Sequence[Row], apart: Sequence[float], limits: Sequence[Limit], deviations: float = TUNING.reserve_deviations
+) -> Amounts:
+    """Return what streams that send so far apart [s] use of each limit in a window, with few exceptions."""
+    booked = []
+    for k, limit in enumerate(limits):
+        mean = variance = 0.0
+        for row, interval in zip(rows, apart, strict=True):
+            count = limit.window / interval
+            mean += count * row.use[k]
+            variance += variance_of(row.stream, count, row.use[k], row.deviation[k])
+        booked.append(mean + deviations * math.sqrt(variance))
+    return tuple(booked)
+
+
+def variance_of(stream: Stream, count: float, use: float, deviation: float) -> float:
+    """Return the variance of what a stream uses in a window: so many samples in the mean, each of such a use."""
+    return _spread(stream, count) * use**2 + count * deviation**2
+
+
+def interval_of(now: float, stream: Stream, window: float, most: float = 2.0) -> float:
+    """Return the mean time between samples [s].
+
+    A new stream generates in a window at most so many times as many as so far, and no faster than it did with two more.
+    """
+    if rate_known(now, stream, window):
+        return stream.period
+    return max(stream.period, window / (most * max(stream.generated, 1)), (now - stream.began) / (stream.generated + 2))
+
+
+def rate_known(now: float, stream: Stream, window: float) -> bool:
+    """Whether it is known how often a stream generates: from several samples, over a window [s]."""
+    return stream.generated >= TUNING.rate_samples and now - stream.began >= window
+
+
+def _spread(stream: Stream, count: float) -> float:
+    """Return the variance of how many samples a stream generates in a window, `count` in the mean."""
+    kind = stream.schedule.kind
+    if kind.startswith("periodic"):
+        part = count - math.floor(count)
+        return max(part * (1.0 - part), TUNING.least_variance)
+    return count + count * count if kind.startswith("bursts") else count

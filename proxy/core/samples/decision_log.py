@@ -1,0 +1,152 @@
+"""The last decisions on each of our streams, for `sendworthy why`.
+
+Each is kept as what led to it: words are worked out when somebody asks. Where samples of a stream meet the same fate
+for the same reason one after the other they are one entry, so a stream that is sent as it comes has one, which costs
+next to nothing; decisions by a search have one each.
+"""
+
+from collections import deque
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from proxy.core.market.standing import Weighed
+from proxy.core.model.waiting import Waiting
+from proxy.core.samples.searched import Searched
+from proxy.core.samples.tuning import TUNING
+
+
+class Why(NamedTuple):
+    """What becomes of a sample, its `reason`, and why: the `cause` beside it, and what prices or a search say.
+
+    `lacking` are the limits that have no room; `beside` says what takes it, if it is not what was sent.
+    """
+
+    reason: str
+    cause: str = ""
+    lacking: tuple[str, ...] = ()
+    beside: str = ""
+    weighed: Weighed | None = None
+    searched: Searched | None = None
+
+
+SEARCH, RULE = "search", "rule"
+"""Causes besides `Shortcut`: a search decided, or the static rule as it failed."""
+BOOKED, RIVALS = "booked", "rivals"
+"""What takes room besides what was sent: streams that are sent by what room costs, and other robots at this moment."""
+WAITS = "waits"
+"""The reason while a sample or a copy is not sent yet."""
+
+
+class Entry:
+    """What became of `count` samples of a stream, from `since` until `until` [s]; `sample` is the last one.
+
+    `number` and `nth` are those of the last one: among all decisions, and among those of its stream. `shadowed`: it was
+    sent all the same. `to` is the tag of the only robot that it was for, if it was a copy.
+    """
+
+    __slots__ = ("count", "nth", "number", "sample", "shadowed", "since", "to", "until", "why")
+
+    def __init__(self, now: float, sample: Waiting | None, why: Why, to: str, *, shadowed: bool) -> None:
+        self.since = self.until = now
+        self.count = self.nth = self.number = 0
+        self.sample = sample
+        self.why = why
+        self.to = to
+        self.shadowed = shadowed
+
+    def takes(self, why: Why, to: str, *, shadowed: bool) -> bool:
+        """Whether the same happens again."""
+        ours = self.why
+        alike = ours is why or (ours.searched is None and why.searched is None and ours[:4] == why[:4])
+        return alike and to == self.to and shadowed is self.shadowed
+
+    def again(self, now: float, sample: Waiting | None, why: Why, *, count: int, number: int, nth: int) -> None:
+        """It happened to so many more samples."""
+        self.until = now
+        self.sample = sample
+        self.why = why
+        self.count += count
+        self.number = number
+        self.nth = nth
+
+
+class _Stream:
+    """The entries of one stream, the oldest first, and how many samples they and those before them were."""
+
+    __slots__ = ("decided", "entries")
+
+    def __init__(self) -> None:
+        self.decided = 0
+        self.entries: deque[Entry] = deque(maxlen=TUNING.entries)
+
+    def last(self, why: Why, to: str, *, shadowed: bool) -> Entry | None:
+        """Return the last entry if the same happens again."""
+        entries = self.entries
+        return entries[-1] if entries and entries[-1].takes(why, to, shadowed=shadowed) else None
+
+    def count(self, more: int) -> int:
+        """So many more samples were decided; return how many they are."""
+        self.decided += more
+        return self.decided
+
+
+class DecisionLog:
+    """Keeps the last decisions, bounded: so many of each stream, so many streams, and so many searches in all."""
+
+    def __init__(self) -> None:
+        self.noted = 0
+        """Decisions so far."""
+        self._streams: dict[str, _Stream] = {}
+        """By key, the one longest without a new entry first."""
+        self._searched: deque[tuple[str, Entry]] = deque()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._streams)
+
+    def of(self, key: str) -> list[Entry]:
+        """Return what is known of a stream, the oldest first."""
+        stream = self._streams.get(key)
+        return [] if stream is None else list(stream.entries)
+
+    def note(
+        self,
+        now: float,
+        key: str,
+        sample: Waiting | None,
+        why: Why,
+        *,
+        count: int = 1,
+        to: str = "",
+        shadowed: bool = False,
+    ) -> None:
+        """This became of a sample of ours, or of `count` of them."""
+        self.noted += 1
+        stream = self._streams.get(key)
+        if stream is None:
+            stream = self._admit(key)
+        entry = stream.last(why, to, shadowed=shadowed)
+        if entry is None:
+            entry = Entry(now, sample, why, to, shadowed=shadowed)
+            self._add(key, stream, entry)
+        entry.again(now, sample, why, count=count, number=self.noted, nth=stream.count(count))
+
+    def _admit(self, key: str) -> _Stream:
+        """A stream is new; of too many the one longest without a new entry is forgotten."""
+        if len(self._streams) >= TUNING.logged_streams:
+            del self._streams[next(iter(self._streams))]
+        self._streams[key] = stream = _Stream()
+        return stream
+
+    def _add(self, key: str, stream: _Stream, entry: Entry) -> None:
+        """Take in an entry of a stream; of too many searches the oldest is forgotten."""
+        stream.entries.append(entry)
+        self._streams[key] = self._streams.pop(key)
+        if entry.why.searched is not None:
+            self._searched.append((key, entry))
+            if len(self._searched) > TUNING.logged_searches:
+                self._forget(*self._searched.popleft())
+
+    def _forget(self, key: str, entry: Entry) -> None:
+        stream = self._streams.get(key)
+        if stream is not None and entry in stream.entries:
+            stream.entries.remove(entry)

@@ -1,0 +1,44 @@
+"""What in a daemon's status needs attention, in words."""
+
+from proxy.status_table import Status
+
+_NOT_MALFORMED = (":other version", ":flood", ":unknown")
+
+
+def warnings(status: Status) -> list[str]:
+    """Return what is wrong: what the daemon says itself, then what its counts show."""
+    found = [str(warning) for warning in status.get("warnings", ())]
+    if not all(status.get(ledger, {}).get("conserved", True) for ledger in ("counts", "kept")):
+        found.append("the counts do not add up: please report this")
+    return [*found, *_failures(status), *_messages(status)]
+
+
+def _failures(status: Status) -> list[str]:
+    """Return what the daemon could not do as it should."""
+    found = list[str]()
+    if status.get("daemon", {}).get("faults"):
+        found.append(f"internal errors: {status['daemon']['faults']}, see the log")
+    reasons, late = status.get("counts", {}).get("by_reason", {}), status.get("decisions", {}).get("late", 0)
+    if (failed := sum(reasons.get(each, 0) for each in ("passed:fallback", "dropped:fallback")) - late) > 0:
+        found.append(f"{failed} samples were decided without a plan, as the planner failed: see the log")
+    return found
+
+
+def _messages(status: Status) -> list[str]:
+    """Return what could not be read, told or remembered."""
+    found = list[str]()
+    if status.get("malformed"):
+        refused = status.get("refused", {}).items()
+        kinds = ", ".join(f"{count} {kind}" for kind, count in refused if not kind.endswith(_NOT_MALFORMED))
+        found.append(
+            f"{status['malformed']} malformed messages on Sendworthy's keys were ignored" + f" ({kinds})" * bool(kinds)
+        )
+    if status.get("other_version"):
+        found.append(f"{status['other_version']} messages of another version of Sendworthy were not understood")
+    if status.get("evicted"):
+        found.append(f"{status['evicted']} streams or robots were forgotten: there are too many")
+    if status.get("untold"):
+        found.append(f"{status['untold']} streams, subscriptions or origins are too many to tell the others")
+    if status.get("daemon", {}).get("refused"):
+        found.append(f"{status['daemon']['refused']} messages of other robots came faster than they could be taken in")
+    return found

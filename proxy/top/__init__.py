@@ -1,0 +1,1 @@
+"""`sendworthy top`: a robot or the fleet, live in a terminal."""

@@ -1,0 +1,78 @@
+"""The last decisions on each stream: which are one, and which are forgotten."""
+
+import pytest
+
+from proxy.core.model.waiting import Waiting
+from proxy.core.samples import decision_log
+from proxy.core.samples.decision_log import DecisionLog, Why
+from proxy.core.samples.tuning import TUNING
+
+ROOM, FULL = Why("forwarded", "unneeded"), Why("dropped:constraint", "", ("air",))
+
+
+def sample(number, key="a"):
+    return Waiting(number, key, 100, float(number), 1.0, 5, markovian=True)
+
+
+def test_alike_samples_in_a_row_are_one_decision():
+    """It tells how many they are, from when until when, and what the last one was."""
+    log = DecisionLog()
+    for now in (1.0, 2.0, 3.0):
+        log.note(now, "a", sample(now), ROOM)
+    log.note(4.0, "a", sample(4.0), FULL)
+    log.note(5.0, "a", None, Why("dropped:superseded"), count=3)
+    first, second, third = log.of("a")
+    assert (first.count, first.since, first.until, first.sample.sample) == (3, 1.0, 3.0, 3.0)
+    assert (second.number, second.nth, second.why) == (4, 4, FULL)
+    assert (third.number, third.nth, third.count) == (5, 7, 3)
+
+
+@pytest.mark.parametrize(
+    "other", [{"why": Why("forwarded", "owed")}, {"why": Why("forwarded", "unneeded", ("air",))}, {"to": "t"}]
+)
+def test_what_differs_is_another_decision(other):
+    """By its cause, by what is lacking, or by whom it is for."""
+    log = DecisionLog()
+    log.note(1.0, "a", sample(1), ROOM)
+    log.note(2.0, "a", sample(2), **({"why": ROOM} | other))
+    assert len(log.of("a")) == 2
+
+
+def test_each_search_is_a_decision():
+    """However alike."""
+    log, searched = DecisionLog(), Why("forwarded", "search", searched=object())
+    log.note(1.0, "a", sample(1), searched)
+    log.note(2.0, "a", sample(2), Why("forwarded", "search", searched=object()))
+    assert [entry.count for entry in log.of("a")] == [1, 1]
+
+
+def test_so_many_are_kept_of_a_stream():
+    """The last ones."""
+    log = DecisionLog()
+    for now in range(2 * TUNING.entries):
+        log.note(now, "a", sample(now), FULL if now % 2 else ROOM)
+    kept = log.of("a")
+    assert [entry.nth for entry in kept] == list(range(TUNING.entries + 1, 2 * TUNING.entries + 1))
+    assert log.of("unknown") == []
+
+
+def test_so_many_streams_are_kept(monkeypatch):
+    """The one that is longest without anything new is forgotten."""
+    small = type(TUNING)(logged_streams=2)
+    monkeypatch.setattr(decision_log, "TUNING", small)
+    log = DecisionLog()
+    for now, key in enumerate("abac"):
+        log.note(now, key, sample(now, key), FULL if now else ROOM)
+    assert sorted(log) == ["a", "c"]
+
+
+def test_so_many_searches_are_kept_in_all(monkeypatch):
+    """Whatever streams they are of; other decisions stay."""
+    monkeypatch.setattr(decision_log, "TUNING", type(TUNING)(logged_searches=2, logged_streams=3))
+    log = DecisionLog()
+    log.note(0.0, "a", sample(0), ROOM)
+    for now, key in enumerate("abcb", start=1):
+        log.note(now, key, sample(now, key), Why("forwarded", "search", searched=object()))
+    assert {key: [entry.until for entry in log.of(key)] for key in "abc"} == {"a": [0.0], "b": [4], "c": [3]}
+    log.note(9.0, "d", sample(9, "d"), Why("forwarded", "search", searched=object()))
+    assert "a" not in log

@@ -1,0 +1,45 @@
+"""Statuses as daemons give them, without a daemon."""
+
+from copy import deepcopy
+
+from proxy.core.core import Core
+from proxy.core.model.settings import CoreSettings
+from utility_specs import Specs
+
+DAEMON = {
+    "reloads": {"done": 2, "refused": 1, "problems": []},
+    "faults": 0,
+    "delivered": 7,
+    "waiting": 1,
+    "refused": 3,
+    "queue": {
+        "covered": {"samples": 4, "bytes": 400},
+        "passing": {"samples": 5, "bytes": 500},
+        "most": {"samples": 4096, "bytes": 1 << 25},
+    },
+    "denied": {"out": {"samples": 6}, "in": {"samples": 0}},
+}
+"""What the parts around the core say, as far as metrics tell it."""
+PEER = {
+    "robot": "r2",
+    "takes_part": True,
+    "latency_in": {"fixed": 0.002, "per_byte": 1e-6},
+    "latency_out": None,
+    "loss_in": None,
+    "loss_out": 0.25,
+    "wall_ahead": -0.5,
+    "digest_age": 0.1,
+    "samples": 12,
+}
+LIMIT = {"constraint": "throughput", "unit": "B", "window": 0.5, "limit": 1000.0, "held": 500.0, "used": 250.0}
+
+
+def status(**changed):
+    """Return what a daemon says that has just started, with some of it `changed`."""
+    core = Core(CoreSettings("r1", "z-r1", version="1.2"), Specs.empty(), 0.0)
+    return deepcopy(core.status(3.0) | {"daemon": DAEMON} | changed)
+
+
+def stream(key="a", type_="pose", robot="r1", generated=0, **by_reason):
+    """Return what the status says of a stream."""
+    return {"robot": robot, "key": key, "type": type_, "generated": generated, "by_reason": by_reason}

@@ -1,0 +1,141 @@
+"""The metrics: what they are called, and what of the status they tell."""
+
+import re
+
+import pytest
+from prometheus_client import generate_latest
+from prometheus_client.parser import text_string_to_metric_families
+
+from proxy.metrics.collector import registry_of
+from proxy.metrics.exported import METRICS, UNITS
+from tests.proxy.metrics.statuses import LIMIT, PEER, status, stream
+
+
+def scraped(of):
+    """Return every value of our metrics by name and labels, `robot` left out."""
+    text = generate_latest(registry_of(lambda: of)).decode()
+    samples = [sample for family in text_string_to_metric_families(text) for sample in family.samples]
+    ours = [sample for sample in samples if sample.name.startswith("sendworthy_")]
+    assert all(sample.labels.pop("robot") == of["robot"] for sample in ours)
+    found = {(sample.name.removeprefix("sendworthy_"), *sample.labels.values()): sample.value for sample in ours}
+    assert len(found) == len(ours)
+    return found
+
+
+def test_names_and_labels_are_as_prometheus_wants_them():
+    """Small letters, each name once, no unit but base units, and a sentence that says what it is."""
+    names = [metric.exported for metric in METRICS]
+    assert len(names) == len(set(names))
+    for metric in METRICS:
+        assert re.fullmatch(r"sendworthy_[a-z]+(_[a-z]+)*", metric.exported)
+        assert not re.search(r"_(ms|millis|milliseconds|kb|kilobytes|percent|count|sum)(_|$)", metric.exported)
+        assert metric.exported.endswith("_total") == (metric.kind == "counter")
+        assert all(re.fullmatch("[a-z]+(_[a-z]+)*", label) for label in metric.labels)
+        assert metric.help[0].isupper() or metric.help[0] == "1"
+        assert metric.help.endswith((".", "]."))
+
+
+def test_a_daemon_that_has_just_started_tells_what_it_is():
+    """Which versions, which specs, which mode."""
+    found = scraped(status())
+    assert found["build_info", "1.2", str(status()["wire_version"])] == 1
+    assert found["specs_info", status()["specs"]] == 1
+    assert [found["mode", mode] for mode in ("pass", "shadow", "enforce")] == [0, 0, 1]
+    assert found["uptime_seconds",] == 3.0
+    assert found["reloads_total",] == 2
+    assert found["reloads_refused_total",] == 1
+    assert found["warnings",] == 0
+
+
+def test_samples_are_told_by_reason():
+    """What went and what was dropped are two metrics, so each can be added up."""
+    counts = {
+        "in": 9,
+        "queued": 1,
+        "by_reason": {"forwarded": 5, "passed:no-spec": 1, "dropped:planner": 2},
+        "bytes": {"passed:no-spec": 70},
+    }
+    found = scraped(status(counts=counts))
+    assert found["samples_received_total",] == 9
+    assert found["samples_queued",] == 1
+    assert {name: value for name, value in found.items() if name[0].startswith(("samples_forw", "samples_drop"))} == {
+        ("samples_forwarded_total", "forwarded"): 5,
+        ("samples_forwarded_total", "passed:no-spec"): 1,
+        ("samples_dropped_total", "dropped:planner"): 2,
+    }
+    assert found["samples_passed_bytes_total", "passed:no-spec"] == 70
+
+
+def test_decisions_are_told_by_information_type():
+    """However many keys there are."""
+    streams = [stream(f"pose/{number}", generated=2, forwarded=1, superseded=1) for number in range(50)]
+    found = scraped(status(streams=streams))
+    assert {name: value for name, value in found.items() if name[0].startswith("type_")} == {
+        ("type_samples_generated_total", "pose"): 100,
+        ("type_samples_decided_total", "forwarded", "pose"): 50,
+        ("type_samples_decided_total", "superseded", "pose"): 50,
+        ("type_streams", "pose"): 50,
+    }
+
+
+@pytest.mark.parametrize(("symbol", "unit"), UNITS.items())
+def test_limits_are_told_in_their_units(symbol, unit):
+    """A limit of energy is one of joules."""
+    found = scraped(status(budget=[LIMIT | {"unit": symbol}]))
+    assert {name: value for name, value in found.items() if name[0].startswith("channel_")} == {
+        (f"channel_limit_{unit}", "throughput"): 1000,
+        (f"channel_held_{unit}", "throughput"): 500,
+        (f"channel_used_{unit}", "throughput"): 250,
+        ("channel_used_ratio", "throughput"): 0.25,
+        ("channel_window_seconds", "throughput"): 0.5,
+    }
+
+
+def test_a_limit_that_follows_the_channel_tells_what_is_in_force():
+    """And how long the queue is, where one is known; a limit of nothing is no fault."""
+    limit = LIMIT | {"limit": 0.0, "adaptive": {"in_force": 0.5, "delay": None}}
+    found = scraped(status(budget=[limit]))
+    assert found["channel_adaptive_ratio", "throughput"] == 0.5
+    assert found["channel_used_ratio", "throughput"] == 0.0
+    assert ("channel_queue_delay_seconds", "throughput") not in found
+
+
+def test_what_is_not_known_of_a_robot_is_not_told():
+    """A way that nobody has measured has no latency, rather than one of 0 s."""
+    found = scraped(status(peers=[PEER]))
+    assert found["peers",] == 1
+    assert {name: value for name, value in found.items() if name[0].startswith("peer_")} == {
+        ("peer_takes_part", "r2"): 1,
+        ("peer_latency_seconds", "in", "r2"): 0.002,
+        ("peer_latency_seconds_per_byte", "in", "r2"): 1e-6,
+        ("peer_loss_ratio", "out", "r2"): 0.25,
+        ("peer_clock_ahead_seconds", "r2"): -0.5,
+        ("peer_digest_age_seconds", "r2"): 0.1,
+        ("peer_samples_received_total", "r2"): 12,
+    }
+
+
+def test_two_robots_of_one_name_are_no_fault():
+    """Prometheus refuses a page on which a value stands twice."""
+    found = scraped(status(peers=[PEER, PEER | {"samples": 13}]))
+    assert found["peers",] == 2
+    assert found["peer_samples_received_total", "r2"] == 13
+
+
+def test_names_may_hold_anything():
+    """Quotes and line ends of a type or robot do not break the page."""
+    name = 'a "b"\n\\c'
+    assert scraped(status(peers=[PEER | {"robot": name}]))["peer_takes_part", name] == 1
+
+
+def test_queues_rules_and_digests_are_told():
+    """What waits, beside what may; what the rules kept; what daemons tell each other."""
+    found = scraped(status(digests={"allowance": 500.0, "told": 60, "heard": 70}, refused={"digest:old": 2}))
+    assert found["queue_samples", "covered"] == 4
+    assert found["queue_bytes", "passing"] == 500
+    assert found["queue_limit_samples",] == 4096
+    assert found["bridge_denied_total", "out", "samples"] == 6
+    assert found["core_refused_items_total",] == 3
+    assert found["digest_allowance_bytes_per_second",] == 500
+    assert (found["digest_told_bytes_total",], found["digest_heard_bytes_total",]) == (60, 70)
+    assert found["messages_refused_total", "digest:old"] == 2

@@ -1,0 +1,97 @@
+"""A daemon that decides nothing stays small: what decisions compute with is loaded when there are any."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from proxy import clock
+from proxy.core.core import Core
+from proxy.core.interface.events import SamplePublished
+from proxy.core.model.settings import CoreSettings
+from proxy.loop import Loop
+from tests.ports import free_port
+from tests.waiting import wait_until
+from utility_specs import load_specs
+
+SPECS = """
+[[constraint]]
+kind = "throughput"
+limit = "1 Mbit/s"
+[[information_type]]
+name = "covered"
+keys = ["covered/**"]
+utility = { kind = "exponential", tau = "1 s" }
+"""
+HEAVY = {"numpy", "cv2", "scipy", "matplotlib"}
+IDLE = """
+import sys
+from pathlib import Path
+from proxy.config import AppConfig, Config, MeshConfig
+from proxy.daemon import Daemon
+from utility_specs import load_specs
+app, mesh, specs = sys.argv[1:]
+config = Config(
+    robot="r0",
+    app=AppConfig(listen=(f"tcp/127.0.0.1:{app}",)),
+    mesh=MeshConfig(listen=(f"tcp/127.0.0.1:{mesh}",), scouting=False),
+)
+daemon = Daemon(config, load_specs(Path(specs)))
+daemon.start()
+daemon.swap_specs(load_specs(Path(specs)))
+print(*sorted({name.partition(".")[0] for name in sys.modules}))
+daemon.stop()
+"""
+SEARCH = """
+import sys
+from planner import Message, Problem, SearchSettings, Step, Stream, Throughput, start
+message = Message(0, 0.0, 0.0, 0.1, Step(1.0, 1.0), 1.0, (100.0,))
+problem = Problem((Stream(0),), (message,), 0, (Throughput(1e4).constraint("c"),), (), 0.0, 2.0)
+for name in ("best", "paper"):
+    search = start(problem, SearchSettings(search=name))
+    search.run(100)
+    assert search.plan().send
+print(*sorted({name.partition(".")[0] for name in sys.modules}))
+"""
+
+
+def modules(code, *arguments):
+    """Return what a process has imported that runs this code."""
+    done = subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, check=True
+    )
+    return done.stdout.splitlines()[-1].split()
+
+
+@pytest.fixture
+def specs(tmp_path) -> Path:
+    path = tmp_path / "spec.toml"
+    path.write_text(SPECS)
+    return path
+
+
+def test_a_daemon_that_has_nothing_to_decide_imports_nothing_heavy(specs):
+    """That holds with specs in force, as long as nothing that they cover goes through it."""
+    assert HEAVY.isdisjoint(modules(IDLE, free_port(), free_port(), specs))
+
+
+def test_a_search_of_the_native_engine_needs_no_numpy():
+    """Problems of standard kinds are tabulated, searched and answered without."""
+    assert "numpy" not in modules(SEARCH)
+
+
+def test_what_a_market_computes_with_is_loaded_with_the_first_stream_that_a_spec_covers(specs, monkeypatch):
+    """Other keys are no reason to."""
+    monkeypatch.delitem(sys.modules, "proxy.core.market.prices", raising=False)
+    loop = Loop(Core(CoreSettings("r1", "z1"), load_specs(specs), clock.monotonic()), lambda _: None)
+    loop.start()
+    try:
+        for number, key in enumerate(("other", "covered/a")):
+            assert loop.ask(lambda: len(loop.core.view.streams), 10.0) == 0
+            assert "proxy.core.market.prices" not in sys.modules
+            now = clock.monotonic()
+            loop.post(SamplePublished(now, number, key, 100, now, None, 5, {}, delete=False))
+        wait_until(lambda: "proxy.core.market.prices" in sys.modules)
+    finally:
+        loop.close(1.0)
