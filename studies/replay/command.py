@@ -17,7 +17,7 @@ many iterations as then, and each command is compared. Files of one robot that f
 With other specs, limits, robots or another policy, and for what `sendworthy import` made of a ROS 2 bag or a CSV file,
 the traffic is flown anew in simulation: each robot has the core of a daemon, and one operator wants everything. It
 prints by type what was sent and what it was worth, beside the offline bound: what somebody could have gained at most
-who knew all samples beforehand. The bound takes some seconds for every 100 s of traffic.
+who knew all samples beforehand. The bound takes about ten seconds for every 100 s of traffic.
 """
 EXAMPLES = """\
 examples:

@@ -28,6 +28,15 @@ def test_the_law_holds_after_every_step(steps, rng):
         assert counts.queued == len(waiting) + len(approved)
 
 
+def test_why_a_sample_was_approved_is_known_until_it_is_handed_over():
+    """Nothing before."""
+    counts = Counts()
+    counts.enter(1, "a")
+    assert not counts.approved(1)
+    counts.approve(1, "forwarded")
+    assert counts.approved(1) == "forwarded"
+
+
 def test_reasons_are_counted_apart():
     """Every sample is counted once under what became of it."""
     counts = Counts()
