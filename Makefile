@@ -7,7 +7,7 @@ BIN := .venv/bin
 unexport PYTHONDONTWRITEBYTECODE
 
 PACKAGES := planner proxy utility_specs studies
-.PHONY: setup demo test test-full test-system lint bench study qualify transparency lock clean FORCE
+.PHONY: setup demo test test-full test-system lint bench study qualify transparency man lock clean FORCE
 
 setup: .venv/ready
 
@@ -70,6 +70,10 @@ transparency: setup
 # when each was run last. Needs what test-system needs.
 qualify: setup
 	$(BIN)/python -m studies.qualification $(STAGES)
+
+# Writes the manual page anew, from the parser of the command line.
+man: setup
+	$(BIN)/python -m studies.man_page deploy/man/sendworthy.1
 
 # Locks the dependencies of all platforms with their hashes; needs uv on the PATH.
 lock:

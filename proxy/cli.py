@@ -16,6 +16,7 @@ from importlib import import_module, metadata
 from typing import NoReturn, TypeAlias
 
 from proxy import exit_codes
+from proxy.errors import CommandError
 from utility_specs.suggestions import hint, quoted
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - it has no other name
@@ -24,7 +25,10 @@ Command = Callable[[Subparsers], None]
 GROUP = "sendworthy.commands"
 WITHOUT_COMMAND = ("-h", "--help", "--version")
 """Flags that stand in place of a command; all others follow one."""
-BUILT_IN = ("run", "learn", "check", "schema", "explain", "why", "status", "top", "mode", "profile", "push", "record")
+BUILT_IN = (
+    *("run", "learn", "check", "schema", "explain", "why", "status", "top", "mode", "profile", "push", "record"),
+    "completion",
+)
 
 EXAMPLES = """\
 examples:
@@ -40,6 +44,7 @@ examples:
   sendworthy push specs.d                          put these specs in force on all robots
   sendworthy explain robot/r1/camera image.jpg     why is this sample worth what it is?
   sendworthy why robot/r1/camera                   why were its last samples sent or dropped?
+  eval "$(sendworthy completion bash)"             complete all that in this shell
 
 `sendworthy COMMAND --help` tells more.
 """
@@ -49,25 +54,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     wanted = next((word for word in arguments if not word.startswith("-")), None)
-    parser = argparse.ArgumentParser(
-        prog="sendworthy",
-        description="Decides, sample by sample, what is worth sending over a robot team's radio channel.",
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    parser.add_argument("--version", action="version", version=f"sendworthy {metadata.version('sendworthy')}")
-    subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    failure = add_commands(subparsers, wanted)
-    if failure:
-        print(f"sendworthy: {failure}", file=sys.stderr)
+    try:
+        whole, subparsers = parser(wanted)
+    except CommandError as error:
+        print(f"sendworthy: {error}", file=sys.stderr)
         return exit_codes.FAILED
     first = arguments[0] if arguments else ""
     if first.startswith("-") and first not in WITHOUT_COMMAND:
-        refuse(first, parser)
+        refuse(first, whole)
     if first and first == wanted and wanted not in subparsers.choices:
-        parser.error(f"unknown command {quoted(wanted)}{hint(wanted, subparsers.choices)}")
-    parsed, unknown = parser.parse_known_args(arguments)
+        whole.error(f"unknown command {quoted(wanted)}{hint(wanted, subparsers.choices)}")
+    parsed, unknown = whole.parse_known_args(arguments)
     if unknown and hasattr(parsed, "further"):
         unknown = parsed.further(parsed, unknown)
     if unknown:
@@ -75,27 +72,43 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(parsed)
 
 
-def add_commands(subparsers: Subparsers, wanted: str | None) -> str | None:
-    """Add the wanted command, or all when there is no such; return why the wanted one cannot be loaded."""
+def parser(wanted: str | None = None) -> tuple[argparse.ArgumentParser, Subparsers]:
+    """Return the parser and its commands: the wanted one, or all when there is no such.
+
+    Raises CommandError if the wanted one cannot be loaded; others that cannot are left out.
+    """
+    made = argparse.ArgumentParser(
+        prog="sendworthy",
+        description="Decides, sample by sample, what is worth sending over a robot team's radio channel.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    made.add_argument(
+        "--version",
+        action="version",
+        version=f"sendworthy {metadata.version('sendworthy')}",
+        help="show the version and exit",
+    )
+    subparsers = made.add_subparsers(title="commands", metavar="COMMAND", required=True)
     known = commands()
-    chosen = {wanted: known[wanted]} if wanted in known else known
-    for name, load in chosen.items():
+    for name, load in ({wanted: known[wanted]} if wanted in known else known).items():
         try:
             load()(subparsers)
-        except Exception as error:  # noqa: BLE001 - a broken add-on must not take the others with it
+        except Exception as error:
             if name == wanted:
-                return f'the command "{name}" cannot be loaded: {error}'
-    return None
+                raise CommandError(f'the command "{name}" cannot be loaded: {error}') from error
+    return made, subparsers
 
 
-def refuse(word: str, parser: argparse.ArgumentParser) -> NoReturn:
-    """Exit 2 because of a word that `parser` does not know, and suggest the flag that was meant."""
-    flags = re.findall(r"(?<![\w-])--[\w.-]+", parser.format_help())
+def refuse(word: str, of: argparse.ArgumentParser) -> NoReturn:
+    """Exit 2 because of a word that `of` does not know, and suggest the flag that was meant."""
+    flags = re.findall(r"(?<![\w-])--[\w.-]+", of.format_help())
     near = difflib.get_close_matches(word.partition("=")[0], flags, n=1) if word.startswith("-") else []
     if word.endswith(".toml") and "--config" in flags:
         near = [f"--config {word}"]
     meant = f" (did you mean {near[0]}?)" if near else ""
-    parser.error(f"unknown argument {word}{meant}")
+    of.error(f"unknown argument {word}{meant}")
 
 
 def run(parsed: argparse.Namespace) -> int:

@@ -5,8 +5,9 @@ Every field has a default; the description of a field is the help of its flag.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_origin
+from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
@@ -264,6 +265,8 @@ class Setting:
     description: str
     takes_text: bool
     takes_table: bool
+    values: tuple[str, ...]
+    """All that it can be, where these are few words."""
 
     @property
     def key(self) -> str:
@@ -285,4 +288,13 @@ def settings(model: type[BaseModel] = Config, path: tuple[str, ...] = ()) -> Ite
                 description=field.description or "",
                 takes_text=kind not in (bool, int, float) and get_origin(kind) not in (tuple, dict),
                 takes_table=get_origin(kind) is dict,
+                values=_values(kind),
             )
+
+
+def _values(kind: Any) -> tuple[str, ...]:
+    if kind is bool:
+        return "true", "false"
+    if isinstance(kind, type) and issubclass(kind, StrEnum):
+        return tuple(kind)
+    return get_args(kind) if get_origin(kind) is Literal else ()

@@ -5,6 +5,10 @@ class ProxyError(Exception):
     """Base of everything the daemon reports as one clear line instead of a traceback."""
 
 
+class CommandError(ProxyError):
+    """A command of the command line cannot be loaded."""
+
+
 class SessionError(ProxyError):
     """A Zenoh session could not be opened: an endpoint or a Zenoh setting that Zenoh refuses."""
 

@@ -36,7 +36,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("mode", metavar="MODE", type=_mode, help="pass, shadow or enforce")
+    parser.add_argument("mode", metavar="MODE", type=_mode, choices=tuple(Mode), help="pass, shadow or enforce")
     parser.add_argument("--fleet", action="store_true", help="switch all robots of the team")
     add_client_flags(parser)
     parser.set_defaults(run=run)

@@ -66,6 +66,11 @@ def each_of(
     return rows
 
 
+def entry(name: str, table: Status) -> Any:
+    """Return the entry of this name."""
+    return table[name]
+
+
 def at(status: Status, path: tuple[str, ...]) -> Any:
     """Return what is at a path of the status."""
     for name in path:

@@ -89,6 +89,15 @@ def test_settings_name_every_key_with_a_description():
     assert all(setting.description for setting in found.values())
 
 
+def test_settings_tell_the_words_that_there_are():
+    """So that a shell can complete them."""
+    found = {setting.key: setting for setting in settings()}
+    assert found["mode"].values == ("pass", "shadow", "enforce")
+    assert found["log.format"].values == ("text", "json")
+    assert found["mesh.scouting"].values == ("true", "false")
+    assert found["planner.iterations"].values == ()
+
+
 def test_settings_tell_what_a_flag_may_hold():
     """Text needs no quotes, tables may be gone into, everything else is TOML."""
     found = {setting.key: setting for setting in settings()}

@@ -2,8 +2,12 @@
 
 from copy import deepcopy
 
+from prometheus_client import generate_latest
+from prometheus_client.parser import text_string_to_metric_families
+
 from proxy.core.core import Core
 from proxy.core.model.settings import CoreSettings
+from proxy.metrics.collector import registry_of
 from utility_specs import Specs
 
 DAEMON = {
@@ -31,7 +35,15 @@ PEER = {
     "digest_age": 0.1,
     "samples": 12,
 }
-LIMIT = {"constraint": "throughput", "unit": "B", "window": 0.5, "limit": 1000.0, "held": 500.0, "used": 250.0}
+LIMIT = {
+    "constraint": "throughput",
+    "unit": "B",
+    "window": 0.5,
+    "limit": 1000.0,
+    "held": 500.0,
+    "used": 250.0,
+    "price_per_kb": 0.25,
+}
 
 
 def status(**changed):
@@ -43,3 +55,14 @@ def status(**changed):
 def stream(key="a", type_="pose", robot="r1", generated=0, **by_reason):
     """Return what the status says of a stream."""
     return {"robot": robot, "key": key, "type": type_, "generated": generated, "by_reason": by_reason}
+
+
+def scraped(of):
+    """Return every value of our metrics by name and labels, `robot` left out."""
+    text = generate_latest(registry_of(lambda: of)).decode()
+    samples = [sample for family in text_string_to_metric_families(text) for sample in family.samples]
+    ours = [sample for sample in samples if sample.name.startswith("sendworthy_")]
+    assert all(sample.labels.pop("robot") == of["robot"] for sample in ours)
+    found = {(sample.name.removeprefix("sendworthy_"), *sample.labels.values()): sample.value for sample in ours}
+    assert len(found) == len(ours)
+    return found

@@ -3,23 +3,9 @@
 import re
 
 import pytest
-from prometheus_client import generate_latest
-from prometheus_client.parser import text_string_to_metric_families
 
-from proxy.metrics.collector import registry_of
 from proxy.metrics.exported import METRICS, UNITS
-from tests.proxy.metrics.statuses import LIMIT, PEER, status, stream
-
-
-def scraped(of):
-    """Return every value of our metrics by name and labels, `robot` left out."""
-    text = generate_latest(registry_of(lambda: of)).decode()
-    samples = [sample for family in text_string_to_metric_families(text) for sample in family.samples]
-    ours = [sample for sample in samples if sample.name.startswith("sendworthy_")]
-    assert all(sample.labels.pop("robot") == of["robot"] for sample in ours)
-    found = {(sample.name.removeprefix("sendworthy_"), *sample.labels.values()): sample.value for sample in ours}
-    assert len(found) == len(ours)
-    return found
+from tests.proxy.metrics.statuses import LIMIT, scraped, status, stream
 
 
 def test_names_and_labels_are_as_prometheus_wants_them():
@@ -87,6 +73,7 @@ def test_limits_are_told_in_their_units(symbol, unit):
         (f"channel_held_{unit}", "throughput"): 500,
         (f"channel_used_{unit}", "throughput"): 250,
         ("channel_used_ratio", "throughput"): 0.25,
+        ("channel_price_per_byte", "throughput"): 0.00025,
         ("channel_window_seconds", "throughput"): 0.5,
     }
 
@@ -100,42 +87,11 @@ def test_a_limit_that_follows_the_channel_tells_what_is_in_force():
     assert ("channel_queue_delay_seconds", "throughput") not in found
 
 
-def test_what_is_not_known_of_a_robot_is_not_told():
-    """A way that nobody has measured has no latency, rather than one of 0 s."""
-    found = scraped(status(peers=[PEER]))
-    assert found["peers",] == 1
-    assert {name: value for name, value in found.items() if name[0].startswith("peer_")} == {
-        ("peer_takes_part", "r2"): 1,
-        ("peer_latency_seconds", "in", "r2"): 0.002,
-        ("peer_latency_seconds_per_byte", "in", "r2"): 1e-6,
-        ("peer_loss_ratio", "out", "r2"): 0.25,
-        ("peer_clock_ahead_seconds", "r2"): -0.5,
-        ("peer_digest_age_seconds", "r2"): 0.1,
-        ("peer_samples_received_total", "r2"): 12,
-    }
-
-
-def test_two_robots_of_one_name_are_no_fault():
-    """Prometheus refuses a page on which a value stands twice."""
-    found = scraped(status(peers=[PEER, PEER | {"samples": 13}]))
-    assert found["peers",] == 2
-    assert found["peer_samples_received_total", "r2"] == 13
-
-
-def test_names_may_hold_anything():
-    """Quotes and line ends of a type or robot do not break the page."""
-    name = 'a "b"\n\\c'
-    assert scraped(status(peers=[PEER | {"robot": name}]))["peer_takes_part", name] == 1
-
-
-def test_queues_rules_and_digests_are_told():
-    """What waits, beside what may; what the rules kept; what daemons tell each other."""
-    found = scraped(status(digests={"allowance": 500.0, "told": 60, "heard": 70}, refused={"digest:old": 2}))
+def test_queues_and_rules_are_told():
+    """What waits, beside what may; what the rules kept."""
+    found = scraped(status())
     assert found["queue_samples", "covered"] == 4
     assert found["queue_bytes", "passing"] == 500
     assert found["queue_limit_samples",] == 4096
     assert found["bridge_denied_total", "out", "samples"] == 6
     assert found["core_refused_items_total",] == 3
-    assert found["digest_allowance_bytes_per_second",] == 500
-    assert (found["digest_told_bytes_total",], found["digest_heard_bytes_total",]) == (60, 70)
-    assert found["messages_refused_total", "digest:old"] == 2
