@@ -7,15 +7,15 @@ entry-point group `sendworthy.commands`. Only the command that was asked for is 
 """
 
 import argparse
-import difflib
 import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from importlib import import_module, metadata
+from importlib import import_module
 from typing import NoReturn, TypeAlias
 
 from proxy import exit_codes
+from proxy.version import version
 from utility_specs.suggestions import hint, quoted
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - it has no other name
@@ -56,7 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("--version", action="version", version=f"sendworthy {metadata.version('sendworthy')}")
+    parser.add_argument("--version", action="version", version=f"sendworthy {version()}")
     subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     failure = add_commands(subparsers, wanted)
     if failure:
@@ -77,7 +77,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def add_commands(subparsers: Subparsers, wanted: str | None) -> str | None:
     """Add the wanted command, or all when there is no such; return why the wanted one cannot be loaded."""
-    known = commands()
+    known = commands(wanted)
     chosen = {wanted: known[wanted]} if wanted in known else known
     for name, load in chosen.items():
         try:
@@ -90,6 +90,8 @@ def add_commands(subparsers: Subparsers, wanted: str | None) -> str | None:
 
 def refuse(word: str, parser: argparse.ArgumentParser) -> NoReturn:
     """Exit 2 because of a word that `parser` does not know, and suggest the flag that was meant."""
+    import difflib  # noqa: PLC0415 - a daemon needs none
+
     flags = re.findall(r"(?<![\w-])--[\w.-]+", parser.format_help())
     near = difflib.get_close_matches(word.partition("=")[0], flags, n=1) if word.startswith("-") else []
     if word.endswith(".toml") and "--config" in flags:
@@ -111,10 +113,14 @@ def run(parsed: argparse.Namespace) -> int:
     return code
 
 
-def commands() -> dict[str, Callable[[], Command]]:
-    """Return every command by name, each as a function that imports it."""
-    others = {entry.name: entry.load for entry in metadata.entry_points(group=GROUP)}
-    return others | {name: built_in(name) for name in BUILT_IN}
+def commands(wanted: str | None = None) -> dict[str, Callable[[], Command]]:
+    """Return every command by name, each as a function that imports it; ours alone when one of them is wanted."""
+    ours = {name: built_in(name) for name in BUILT_IN}
+    if wanted in ours:
+        return ours
+    from importlib import metadata  # noqa: PLC0415 - large, and a daemon needs none
+
+    return {entry.name: entry.load for entry in metadata.entry_points(group=GROUP)} | ours
 
 
 def built_in(name: str) -> Callable[[], Command]:

@@ -9,7 +9,6 @@ import sys
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
@@ -18,10 +17,11 @@ from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
 from proxy.log import set_up_logging
-from proxy.metrics.server import check_installed
+from proxy.metrics.installed import check_installed
 from proxy.priority import raise_priority
 from proxy.reloading import read_specs
 from proxy.service import Service
+from proxy.version import version
 from utility_specs import Specs, SpecsError
 
 log = logging.getLogger("sendworthy")
@@ -187,7 +187,7 @@ def started(config: Config, specs: Specs, robot: str) -> str:
     specs_in_force = f"specs {specs.generation} ({covered})" if types else f"no specs in {path}: everything passes"
     ruled = config.bridge != BridgeConfig()
     return (
-        f"sendworthy {version('sendworthy')}: robot {robot}, mode {config.mode.value}, "
+        f"sendworthy {version()}: robot {robot}, mode {config.mode.value}, "
         f"apps on {_where(config.app.listen, config.app.connect)}{' with scouting' * config.app.scouting}, "
         f"mesh on {_mesh(config.mesh)}{' with scouting' * config.mesh.scouts}{broadcasting(config)}, {specs_in_force}"
         f"{f', rules of [bridge], profile {config.bridge.profile}' * ruled}"
