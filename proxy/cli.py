@@ -7,16 +7,16 @@ entry-point group `sendworthy.commands`. Only the command that was asked for is 
 """
 
 import argparse
-import difflib
 import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from importlib import import_module, metadata
+from importlib import import_module
 from typing import NoReturn, TypeAlias
 
 from proxy import exit_codes
 from proxy.errors import CommandError
+from proxy.version import version
 from utility_specs.suggestions import hint, quoted
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - it has no other name
@@ -87,11 +87,11 @@ def parser(wanted: str | None = None) -> tuple[argparse.ArgumentParser, Subparse
     made.add_argument(
         "--version",
         action="version",
-        version=f"sendworthy {metadata.version('sendworthy')}",
+        version=f"sendworthy {version()}",
         help="show the version and exit",
     )
     subparsers = made.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    known = commands()
+    known = commands(wanted)
     for name, load in ({wanted: known[wanted]} if wanted in known else known).items():
         try:
             load()(subparsers)
@@ -103,6 +103,8 @@ def parser(wanted: str | None = None) -> tuple[argparse.ArgumentParser, Subparse
 
 def refuse(word: str, of: argparse.ArgumentParser) -> NoReturn:
     """Exit 2 because of a word that `of` does not know, and suggest the flag that was meant."""
+    import difflib  # noqa: PLC0415 - a daemon needs none
+
     flags = re.findall(r"(?<![\w-])--[\w.-]+", of.format_help())
     near = difflib.get_close_matches(word.partition("=")[0], flags, n=1) if word.startswith("-") else []
     if word.endswith(".toml") and "--config" in flags:
@@ -124,10 +126,14 @@ def run(parsed: argparse.Namespace) -> int:
     return code
 
 
-def commands() -> dict[str, Callable[[], Command]]:
-    """Return every command by name, each as a function that imports it."""
-    others = {entry.name: entry.load for entry in metadata.entry_points(group=GROUP)}
-    return others | {name: built_in(name) for name in BUILT_IN}
+def commands(wanted: str | None = None) -> dict[str, Callable[[], Command]]:
+    """Return every command by name, each as a function that imports it; ours alone when one of them is wanted."""
+    ours = {name: built_in(name) for name in BUILT_IN}
+    if wanted in ours:
+        return ours
+    from importlib import metadata  # noqa: PLC0415 - large, and a daemon needs none
+
+    return {entry.name: entry.load for entry in metadata.entry_points(group=GROUP)} | ours
 
 
 def built_in(name: str) -> Callable[[], Command]:

@@ -1,12 +1,11 @@
 """What the core is told of the configuration."""
 
-from importlib import metadata
-
 from proxy import clock
 from proxy.config import Config
 from proxy.core.model import transport
 from proxy.core.model.settings import CoreSettings
 from proxy.tuning import TUNING
+from proxy.version import version
 
 
 def core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
@@ -29,6 +28,6 @@ def core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         # Where TLS says who speaks on the mesh, what anybody can broadcast is not believed.
         digests_on_air=mesh.transport == "broadcast" and not mesh.secured,
         wall_offset=clock.wall_offset(),
-        version=metadata.version("sendworthy"),
+        version=version(),
         away=TUNING.away,
     )

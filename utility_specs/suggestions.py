@@ -1,7 +1,6 @@
 """Hints for misspelt words, and values as the reader wrote them."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 LONGEST_QUOTE = 40
 """Characters of a wrong value that a message repeats."""
@@ -13,7 +12,7 @@ LONGEST_NUMBER = 64
 
 def quoted(word: str) -> str:
     """Return the word in quotes on one line, shortened when it is long."""
-    line = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in word)
+    line = "".join(c if c.isprintable() else "\ufffd" for c in word)
     return f'"{line}"' if len(line) <= LONGEST_QUOTE else f'"{line[: LONGEST_QUOTE - 1]}…"'
 
 
@@ -24,6 +23,8 @@ def listed(words: Iterable[str]) -> str:
 
 def hint(word: str, known: Iterable[str], what: str = "known") -> str:
     """Return ` (did you mean "…"?)` when a known word is close, else all known words, else nothing."""
+    from difflib import get_close_matches
+
     words = {candidate.lower(): candidate for candidate in known}
     close = get_close_matches(word.lower()[:LONGEST_QUOTE], words, n=1)
     if close:

@@ -5,7 +5,6 @@ Prefixes are decimal (1 kbit = 1000 bit), as everywhere in networking; `KiB` and
 
 import math
 import re
-import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
@@ -71,7 +70,7 @@ class Dimension:
             raise QuantityError(f"{described(text)} is not a {self.name}; write for example {quoted(self.example)}")
         if found[2] is None:
             return self._of_number(float(found[1]))
-        unit = unicodedata.normalize("NFKC", found[2])  # there are two µ
+        unit = found[2] if found[2].isascii() else _normal(found[2])
         if unit not in self.units:
             raise QuantityError(f"unknown unit {quoted(unit)} ({self._hint(unit)})")
         return float(found[1]) * self.units[unit]
@@ -160,3 +159,10 @@ Quantity = Annotated[
     float, BeforeValidator(QUANTITY.parse, json_schema_input_type=float | str), Field(examples=["500 kB"])
 ]
 """Any number, or any quantity in its base unit: s, B, B/s, Hz, J, part of a whole."""
+
+
+def _normal(unit: str) -> str:
+    """Return a unit as Unicode would rather have it written: there are two µ."""
+    import unicodedata
+
+    return unicodedata.normalize("NFKC", unit)

@@ -30,12 +30,12 @@ class Links:
         """Say once what is missed after its grace, and when it is there after all."""
         if now < self._next or not self._missing:
             return
-        self._next = now + 0.5
         links = links_of(self._session)
         linked = {link.dst for link in links}
         # Two robots that dial each other keep one link: not every endpoint shows up, but every peer is there.
         robots = len({str(link.zid) for link in links})
         complete = self._side == "mesh" and robots >= len(self._missing)
+        self._next = now + (TUNING.linked_check if complete else TUNING.missing_check)
         for endpoint, since in self._missing.items():
             if complete or linked & _resolved(endpoint):
                 if endpoint in self._warned:

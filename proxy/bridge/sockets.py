@@ -17,6 +17,7 @@ libc = ctypes.PyDLL(None)
 """What is asked here answers at once: other threads need not be let in meanwhile, and out again."""
 _TCP_INFO = 168
 """So much of `tcp_info` of <linux/tcp.h> is needed [B]."""
+_TcpInfo = ctypes.c_char * _TCP_INFO
 
 Address = tuple[str, int]
 
@@ -75,7 +76,7 @@ class Sockets:
 
 def tcp_info(number: int) -> ctypes.Array[ctypes.c_char] | None:
     """Return what the kernel knows of a connection; None when it is gone or the kernel is too old."""
-    info = ctypes.create_string_buffer(_TCP_INFO)
+    info = _TcpInfo()
     size = ctypes.c_uint32(_TCP_INFO)
     failed = libc.getsockopt(number, socket.IPPROTO_TCP, socket.TCP_INFO, info, ctypes.byref(size))
     return None if failed or size.value < _TCP_INFO else info

@@ -46,6 +46,10 @@ class BridgeTuning:
     """Each time takes so many times as long as the one before, until then."""
     link_grace: float = 2.0
     """A link may take this long before it is missed [s]."""
+    missing_check: float = 0.5
+    """Time between two looks whether endpoints to dial are linked [s]."""
+    linked_check: float = 2.0
+    """The same as long as all robots are that can be meant [s]: Zenoh has to list all links for it."""
     young_link: float = 1.0
     """A link that ends sooner may be one of two that were dialled at once [s]."""
     rediscovery_interval: float = 0.5

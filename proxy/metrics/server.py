@@ -12,11 +12,10 @@ from collections.abc import Callable
 from functools import partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
-from importlib.util import find_spec
 from typing import Any
 
 from proxy import clock
-from proxy.errors import ConfigError, MetricsError
+from proxy.errors import MetricsError
 from proxy.metrics.metric import Status
 
 log = logging.getLogger(__name__)
@@ -34,12 +33,6 @@ BACKLOG = 8
 """Connections that may wait."""
 PAUSE = 1.0
 """Time until the next try where the system has no room for a connection [s]."""
-
-
-def check_installed(listen: str) -> None:
-    """Raise ConfigError if metrics are to be served and what serves them is not installed."""
-    if listen and find_spec("prometheus_client") is None:
-        raise ConfigError(("metrics.listen needs prometheus-client: pip install 'sendworthy[metrics]'",))
 
 
 class MetricsServer:

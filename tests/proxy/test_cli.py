@@ -42,7 +42,7 @@ def add_on(monkeypatch):
     """Let the command line find a command from elsewhere."""
 
     def add(name, load):
-        monkeypatch.setattr(cli.metadata, "entry_points", lambda group: [EntryPoint(name, load)] if group else [])
+        monkeypatch.setattr(metadata, "entry_points", lambda group: [EntryPoint(name, load)] if group else [])
 
     return add
 

@@ -2,7 +2,6 @@
 
 import importlib
 from collections.abc import Iterable
-from difflib import get_close_matches
 from functools import cache
 from typing import Any, Literal
 
@@ -42,6 +41,8 @@ def typestore(distro: Distro, name: str, definition: str | None) -> Any:
 
 def _likely(name: str, known: Iterable[str]) -> str:
     """Return a hint if a known type is close to the name; all names are much alike."""
+    from difflib import get_close_matches
+
     close = get_close_matches(name, known, n=1, cutoff=0.85)
     return f" (did you mean {quoted(close[0])}?)" if close else "; add a definition of it"
 

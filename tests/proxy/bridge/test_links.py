@@ -1,5 +1,7 @@
 """One clear line for an endpoint that cannot be reached, and one when it can."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from proxy.bridge.links import Links, _resolved
@@ -47,3 +49,21 @@ def test_nothing_is_said_without_endpoints(stack, caplog):
 def test_endpoints_are_found_by_the_locators_of_links(endpoint, locator):
     """Names are resolved, options left out; a name that cannot be resolved stands for itself."""
     assert locator in _resolved(endpoint)
+
+
+def test_links_are_listed_seldom_while_none_is_missing():
+    """Zenoh has to list all of them; while one is missing it is asked more often."""
+    found, asked = [SimpleNamespace(zid="z1", src="tcp/127.0.0.1:1", dst="tcp/127.0.0.1:2")], []
+
+    def listed():
+        asked.append(True)
+        return found
+
+    links = Links(SimpleNamespace(info=SimpleNamespace(links=listed)), ("tcp/127.0.0.1:2",), 0.0)
+    for tick in range(17):
+        links.check(tick / 4)
+    assert len(asked) == 1 + 4.0 // TUNING.linked_check
+    found.clear()
+    for tick in range(24, 40):
+        links.check(tick / 4)
+    assert len(asked) == 1 + 4.0 // TUNING.linked_check + 4.0 // TUNING.missing_check

@@ -13,7 +13,8 @@ from prometheus_client.parser import text_string_to_metric_families
 from proxy import exit_codes
 from proxy.errors import ConfigError, MetricsError
 from proxy.metrics import server as served
-from proxy.metrics.server import LARGEST, MetricsServer, check_installed
+from proxy.metrics.installed import check_installed
+from proxy.metrics.server import LARGEST, MetricsServer
 from tests.daemons import Running
 from tests.ports import free_port
 from tests.proxy.metrics.statuses import status
