@@ -126,7 +126,7 @@ class RecordingReader:
         if not magic:
             raise RecordingError(f"{self.path} is empty")
         if magic != MCAP0_MAGIC:
-            raise RecordingError(f"{self.path} is no MCAP file; `sendworthy import` makes one of a ROS 2 bag or a CSV file")
+            raise RecordingError(f"{self.path} is no MCAP file; `sendworthy import` reads ROS 2 bags and CSV files")
 
     def _check_header(self, data: bytes) -> None:
         try:
