@@ -1,5 +1,6 @@
 """`sendworthy completion`, in the shells that are here."""
 
+import importlib.metadata
 import shutil
 import subprocess
 import sys
@@ -79,7 +80,7 @@ def test_a_command_from_elsewhere_is_completed(script, monkeypatch):
         raise ImportError("No module named 'scipy'")
 
     others = [SimpleNamespace(name="dance", load=lambda: command), SimpleNamespace(name="juggle", load=broken)]
-    monkeypatch.setattr(cli.metadata, "entry_points", lambda group: others if group == cli.GROUP else [])
+    monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: others if group == cli.GROUP else [])
     text = script("bash").read_text()
     assert "dance" in text
     assert "--turns" in text
