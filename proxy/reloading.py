@@ -64,11 +64,12 @@ class Reloading:
         self._done = 0
         self._refused = 0
 
-    def look(self) -> None:
-        """Reload if files changed; call it a few times a second."""
+    def look(self) -> bool:
+        """Reload if files changed and then stayed as they are; whether they are changing: then look again soon."""
         with self._lock:
             if self._watch.look():
                 self._reload("files changed")
+            return self._watch.changing
 
     def reload(self, why: str) -> tuple[str, ...]:
         """Reload now; return what is wrong, one line for each mistake."""

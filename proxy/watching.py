@@ -32,6 +32,11 @@ class FileWatch:
         self._known = self._last
         return True
 
+    @property
+    def changing(self) -> bool:
+        """Whether the files had changed at the last look, so that the next one may tell."""
+        return self._last != self._known
+
     def note(self) -> None:
         """Take the files as they are now for known."""
         self._known = self._last = signature(self._paths())

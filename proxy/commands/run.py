@@ -4,13 +4,11 @@ import argparse
 import gc
 import logging
 import os
-import signal
 import sys
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from queue import Empty, SimpleQueue
 
 from proxy import exit_codes
 from proxy.config import BridgeConfig, Config, MeshConfig
@@ -20,21 +18,24 @@ from proxy.log import set_up_logging
 from proxy.metrics.installed import check_installed
 from proxy.priority import raise_priority
 from proxy.reloading import read_specs
+from proxy.requests import Requests
 from proxy.service import Service
 from proxy.version import version
 from utility_specs import Specs, SpecsError
 
 log = logging.getLogger("sendworthy")
 
-LOOK = 0.2
-"""Time between two looks at files and signals [s]."""
+LOOK = 1.0
+"""Time between two looks at files [s]; each wakes the processor."""
+PAUSE = 0.2
+"""A file that changed is read when it then stays as it is for so long [s]."""
 FEEDS = 3
 """How often systemd hears of us in the time after which it would give up on us."""
 
 DESCRIPTION = """\
-Runs the daemon of this robot until SIGTERM or Ctrl-C. Utility specs that change are put in force at once, all of them
-or, where there is any mistake, none; SIGHUP has them read in any case. Of the configuration `mode`, `log.level` and
-`specs.path` may change while it runs.
+Runs the daemon of this robot until SIGTERM or Ctrl-C. Utility specs that change are put in force within two seconds,
+all of them or, where there is any mistake, none; SIGHUP has them read in any case. Of the configuration `mode`,
+`log.level` and `specs.path` may change while it runs.
 
 Every key of the configuration is also a flag and an environment variable; flags win over variables,
 variables over the file, the file over the defaults. `planner.iterations` is --planner.iterations and
@@ -92,7 +93,12 @@ def further(arguments: argparse.Namespace, words: Sequence[str]) -> list[str]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon; return the exit code."""
-    asked = requests()
+    with Requests() as asked:
+        return run_until(asked, arguments)
+
+
+def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
+    """Run the daemon until it is `asked` to stop; return the exit code."""
     flags = {setting.key: getattr(arguments, setting.key) for setting in SETTINGS.values()}
     given = {key: text for key, text in flags.items() if text is not None} | arguments.inside
     read = partial(load_config, arguments.config, os.environ, given)
@@ -119,15 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
     return exit_codes.OK
 
 
-def requests() -> SimpleQueue[str]:
-    """Return a queue that gets the name of every signal that asks something of us."""
-    asked: SimpleQueue[str] = SimpleQueue()  # its `put` may interrupt its own `get`: safe in a signal handler
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, lambda caught, _frame: asked.put(signal.Signals(caught).name))
-    return asked
-
-
-def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | None, read: Callable[[], Config]) -> bool:
+def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read: Callable[[], Config]) -> bool:
     """Run the daemon until it is `asked` to stop; whether all is closed then. Raises ProxyError at start."""
     from proxy.opening import Opening  # noqa: PLC0415 - Zenoh only when the configuration is right
 
@@ -144,10 +142,11 @@ def serve(config: Config, specs: Specs, asked: SimpleQueue[str], file: Path | No
     service.ready(started(config, specs, daemon.robot))
     if service.watchdog is not None:
         daemon.watch(service.alive, service.watchdog / FEEDS)
+    changing = False
     try:
-        while (request := next_of(asked)) in ("", "SIGHUP"):
+        while (request := asked.next(PAUSE if changing else LOOK)) in ("", "SIGHUP"):
             if not request:
-                daemon.reloading.look()
+                changing = daemon.reloading.look()
                 continue
             service.reloading()
             daemon.reloading.reload(request)
@@ -164,14 +163,6 @@ def settle() -> None:
     """Have what is there by now never looked through for garbage: that would stop all threads for 30 ms."""
     gc.freeze()
     gc.enable()
-
-
-def next_of(asked: SimpleQueue[str]) -> str:
-    """Wait for a request, nothing for `LOOK` [s]: Python runs a signal's handler only when its main thread wakes."""
-    try:
-        return asked.get(timeout=LOOK)
-    except Empty:
-        return ""
 
 
 def broadcasting(config: Config) -> str:

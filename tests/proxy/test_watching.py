@@ -36,7 +36,9 @@ def test_a_file_is_written_in_place(watch, file):
     assert not watch.look()
     file.write_text("a = 3, and more")
     assert not watch.look()
+    assert watch.changing
     assert watch.look()
+    assert not watch.changing
     assert not watch.look()
 
 

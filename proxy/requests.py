@@ -1,0 +1,45 @@
+"""What signals ask of the daemon."""
+
+import signal
+import socket
+from types import TracebackType
+from typing import Self
+
+SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+
+
+class Requests:
+    """Takes in signals from now on, until its context ends. On the main thread.
+
+    The kernel gives a signal to any thread, also to one of Zenoh's. Python then runs a handler when its main thread
+    wakes; but it writes the signal's number to a socket at once, which wakes it.
+    """
+
+    def __init__(self) -> None:
+        self._heard, self._told = socket.socketpair()
+        self._told.setblocking(False)
+        signal.set_wakeup_fd(self._told.fileno())
+        for number in SIGNALS:
+            signal.signal(number, _nothing_more)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        signal.set_wakeup_fd(-1)
+        self._heard.close()
+        self._told.close()
+
+    def next(self, timeout: float) -> str:
+        """Wait for a signal, at most `timeout` [s]; return its name, nothing if there was none."""
+        self._heard.settimeout(timeout)
+        try:
+            return signal.Signals(self._heard.recv(1)[0]).name
+        except (BlockingIOError, TimeoutError):
+            return ""
+
+
+def _nothing_more(_number: int, _frame: object) -> None:
+    """Its number is written already."""

@@ -1,0 +1,53 @@
+"""Signals, whichever thread the kernel gives them to."""
+
+import signal
+import threading
+
+import pytest
+
+from proxy.requests import SIGNALS, Requests
+
+
+@pytest.fixture(autouse=True)
+def handlers():
+    """Others want their signals back."""
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_ends_the_wait_at_once_whichever_thread_it_comes_to(number):
+    """Long before the time is over; the main thread would not wake by itself."""
+    end, beside = threading.Event(), threading.Event()
+
+    def other():
+        beside.set()
+        end.wait()
+
+    thread = threading.Thread(target=other)
+    thread.start()
+    beside.wait()
+    with Requests() as asked:
+        sender = threading.Timer(0.05, signal.pthread_kill, (thread.ident, number))
+        sender.start()
+        assert asked.next(3600.0) == number.name
+        sender.join()
+    end.set()
+    thread.join()
+
+
+def test_signals_are_told_one_by_one():
+    """None that comes meanwhile is lost."""
+    with Requests() as asked:
+        for number in (signal.SIGHUP, signal.SIGTERM):
+            signal.raise_signal(number)
+        assert [asked.next(0.0) for _ in range(3)] == ["SIGHUP", "SIGTERM", ""]
+
+
+def test_afterwards_python_tells_nobody():
+    """Its socket is gone, and its number may be another file's."""
+    with Requests():
+        pass
+    assert signal.set_wakeup_fd(-1) == -1
