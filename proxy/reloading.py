@@ -59,7 +59,7 @@ class Reloading:
         self._read = read
         self._apply = apply
         self._lock = Lock()
-        self._watch = FileWatch(self._watched)
+        self._watch = FileWatch(self.watched)
         self._problems: tuple[str, ...] = ()
         self._done = 0
         self._refused = 0
@@ -90,7 +90,7 @@ class Reloading:
         others = f" (and {more} more mistake{'s' * (more > 1)})" if more else ""
         return [f"the files that changed are not in force: {self._problems[0]}{others}"]
 
-    def _watched(self) -> list[Path]:
+    def watched(self) -> list[Path]:
         """Return what is watched. Specs may move: then the configuration changes, too."""
         own = [] if self._file is None else [self._file]
         return [*own, self.loaded.config.specs.path]

@@ -1,5 +1,6 @@
 """What signals ask of the daemon."""
 
+import select
 import signal
 import socket
 from types import TracebackType
@@ -32,13 +33,17 @@ class Requests:
         self._heard.close()
         self._told.close()
 
-    def next(self, timeout: float) -> str:
-        """Wait for a signal, at most `timeout` [s]; return its name, nothing if there was none."""
-        self._heard.settimeout(timeout)
-        try:
-            return signal.Signals(self._heard.recv(1)[0]).name
-        except (BlockingIOError, TimeoutError):
-            return ""
+    def next(self, timeout: float, also: int = -1) -> str:
+        """Wait for a signal, at most `timeout` [s], or until the file `also` has something to read.
+
+        Returns the signal's name, nothing if there was none.
+        """
+        waiting = select.poll()
+        for number in (self._heard.fileno(), also):
+            if number >= 0:
+                waiting.register(number, select.POLLIN)
+        ready = {number for number, _ in waiting.poll(timeout * 1e3)}
+        return signal.Signals(self._heard.recv(1)[0]).name if self._heard.fileno() in ready else ""
 
 
 def _nothing_more(_number: int, _frame: object) -> None:

@@ -16,8 +16,9 @@ from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
 from proxy.log import set_up_logging
 from proxy.metrics.installed import check_installed
+from proxy.notices import Notices
 from proxy.priority import raise_priority
-from proxy.reloading import read_specs
+from proxy.reloading import Reloading, read_specs
 from proxy.requests import Requests
 from proxy.service import Service
 from proxy.version import version
@@ -26,15 +27,15 @@ from utility_specs import Specs, SpecsError
 log = logging.getLogger("sendworthy")
 
 LOOK = 1.0
-"""Time between two looks at files [s]; each wakes the processor."""
+"""Time between two looks at files of which the kernel says nothing [s]; each wakes the processor."""
 PAUSE = 0.2
 """A file that changed is read when it then stays as it is for so long [s]."""
 FEEDS = 3
 """How often systemd hears of us in the time after which it would give up on us."""
 
 DESCRIPTION = """\
-Runs the daemon of this robot until SIGTERM or Ctrl-C. Utility specs that change are put in force within two seconds,
-all of them or, where there is any mistake, none; SIGHUP has them read in any case. Of the configuration `mode`,
+Runs the daemon of this robot until SIGTERM or Ctrl-C. Utility specs that change are put in force at once, all of
+them or, where there is any mistake, none; SIGHUP has them read in any case. Of the configuration `mode`,
 `log.level` and `specs.path` may change while it runs.
 
 Every key of the configuration is also a flag and an environment variable; flags win over variables,
@@ -142,11 +143,12 @@ def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read
     service.ready(started(config, specs, daemon.robot))
     if service.watchdog is not None:
         daemon.watch(service.alive, service.watchdog / FEEDS)
-    changing = False
+    notices = Notices()
     try:
-        while (request := asked.next(PAUSE if changing else LOOK)) in ("", "SIGHUP"):
+        soon = look(daemon.reloading, notices)
+        while (request := asked.next(PAUSE) if soon else asked.next(LOOK, notices.fileno())) in ("", "SIGHUP"):
             if not request:
-                changing = daemon.reloading.look()
+                soon = look(daemon.reloading, notices)
                 continue
             service.reloading()
             daemon.reloading.reload(request)
@@ -154,9 +156,17 @@ def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read
             service.ready(started(loaded.config, loaded.specs, daemon.robot))
         log.info("stopping on %s", request)
     finally:
+        notices.close()
         service.stopping()
         closed = daemon.stop()
     return closed
+
+
+def look(reloading: Reloading, notices: Notices) -> bool:
+    """Look whether files changed; return whether to look again soon, as they do or something else does beside them."""
+    notices.watch(reloading.watched())  # first, or what happens after the look would not be noticed
+    noticed = notices.take()
+    return reloading.look() or noticed
 
 
 def settle() -> None:
