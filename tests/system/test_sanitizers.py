@@ -102,7 +102,7 @@ def sends(window, settings, iterations):
     """The levels that the module plans to send, as the executable prints them."""
     search = start(window, settings)
     search.run(iterations)
-    levels = {index: level for level, index in enumerate(tabulate(window).message.tolist())}
+    levels = {index: level for level, index in enumerate(tabulate(window).message)}
     return [str(levels[index]) for index in search.plan().sends]
 
 
