@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import numpy as np  # noqa: F401 - first: a daemon loads it on a thread, and pytest.approx looks at it half loaded
 import pytest
 import zenoh
 from hypothesis import settings

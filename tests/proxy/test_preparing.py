@@ -1,5 +1,6 @@
 """A daemon that decides nothing stays small: what decisions compute with is loaded when there are any."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -70,8 +71,9 @@ print(*sorted({name.partition(".")[0] for name in sys.modules}))
 
 def modules(code, *arguments):
     """Return what a process has imported that runs this code."""
+    environ = {name: value for name, value in os.environ.items() if not name.startswith("COV")}  # it imports much
     done = subprocess.run(
-        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, check=True
+        [sys.executable, "-c", code, *map(str, arguments)], env=environ, capture_output=True, text=True, check=True
     )
     return done.stdout.splitlines()[-1].split()
 

@@ -1,5 +1,6 @@
 """The metrics over HTTP: real sockets, and a real daemon."""
 
+import errno
 import logging
 import socket
 import sys
@@ -47,15 +48,18 @@ def asked(address, *parts):
     """Return what is answered to these bytes, all of it."""
     host, port = address.rsplit(":", 1)
     with socket.create_connection((host, int(port)), timeout=30) as connection:
-        for part in parts:
-            connection.sendall(part)
-        connection.shutdown(socket.SHUT_WR)
         answer = b""
         try:
+            for part in parts:
+                connection.sendall(part)
+            connection.shutdown(socket.SHUT_WR)
             while part := connection.recv(1 << 16):
                 answer += part
-        except ConnectionResetError:  # it did not read all of what we said
-            pass
+        except (ConnectionResetError, BrokenPipeError):
+            pass  # it did not read all of what we said
+        except OSError as error:
+            if error.errno != errno.ENOTCONN:  # shutting down what it has reset already
+                raise
     return answer
 
 
