@@ -9,8 +9,8 @@ from proxy.core.protocol.messages import State
 from proxy.core.protocol.state_codec import pack_state
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Crash, Happening, Join, Leave, Merge, Partition
-from studies.simulation.medium import Medium
 from studies.simulation.member import Member
+from studies.simulation.network import Network
 
 LIVELINESS = 0.008
 """Until a robot is noticed that comes, or that says that it goes [s], besides the way through the air."""
@@ -24,7 +24,7 @@ class Membership:
     def __init__(
         self,
         agenda: Agenda,
-        medium: Medium,
+        network: Network,
         members: dict[str, Member],
         feed: Callable[[Member, float, ev.Event], None],
         make: Callable[[str, float], Member],
@@ -33,7 +33,7 @@ class Membership:
     ) -> None:
         """`count` takes the time [s], the robot and the bytes of what it says to another one."""
         self._agenda = agenda
-        self._medium = medium
+        self._network = network
         self._members = members
         self._feed = feed
         self._make = make
@@ -100,7 +100,7 @@ class Membership:
             for other in self.linked(one):
                 if (one, other) not in self._known:
                     self._known[one, other] = None
-                    noticed = t + self._medium.way(other.robot, one.robot).delay + LIVELINESS
+                    noticed = t + self._network.delay(other.robot, one.robot) + LIVELINESS
                     self._agenda.at(noticed, partial(self._meet, one, other))
 
     def _meet(self, one: Member, other: Member, t: float) -> None:
@@ -115,13 +115,13 @@ class Membership:
         other = self._members.get(robot)
         if other is not None:
             self._count(t, one.robot, TUNING.question)
-            self._agenda.at(self._medium.reliable(t, one.robot, robot), partial(self._asked, one, other))
+            self._network.reliable(t, TUNING.question, one.robot, robot, partial(self._asked, one, other))
 
     def _asked(self, one: Member, other: Member, t: float) -> None:
         if self._together(one, other) and other.state is not None:
-            told = partial(self._answer, one, other.state)
-            self._count(t, other.robot, len(pack_state(other.state)))
-            self._agenda.at(self._medium.reliable(t, other.robot, one.robot), told)
+            size = len(pack_state(other.state))
+            self._count(t, other.robot, size)
+            self._network.reliable(t, size, other.robot, one.robot, partial(self._answer, one, other.state))
             self._feed(other, t, ev.StateAsked(other.now(t)))
 
     def _answer(self, one: Member, state: State, t: float) -> None:

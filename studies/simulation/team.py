@@ -21,6 +21,7 @@ from studies.simulation.clocks import Clock
 from studies.simulation.medium import Medium
 from studies.simulation.member import Member
 from studies.simulation.membership import Membership
+from studies.simulation.network import Network, OverMedium
 from studies.simulation.records import Delivery, Frame, OnAir
 from utility_specs import Specs
 
@@ -47,19 +48,22 @@ class Team:
     settings: CoreSettings = field(default_factory=lambda: CoreSettings("", ""))
     search: SearchSettings = field(default_factory=SearchSettings)
     happenings: Sequence[Happening] = ()
+    network: Network | None = None
+    """What carries messages instead of `medium`, on the agenda of this team."""
+    agenda: Agenda = field(default_factory=Agenda)
     deliveries: list[Delivery] = field(default_factory=list)
     on_air: list[OnAir] = field(default_factory=list)
     digest_bytes: int = 0
 
     def __post_init__(self) -> None:
         self.medium.seed = self.seed
-        self.agenda = Agenda()
+        self._carrier = self.network or OverMedium(self.medium, self.agenda)
         self._broadcast = is_broadcast(self.settings.transport)
         self._matching: dict[tuple[tuple[str, ...], str], bool] = {}
         self._starts: dict[str, int] = {}
         absent = joining(self.happenings)
         self.members = {robot: self._member(robot, 0.0) for robot in self.interests if robot not in absent}
-        meeting = self.agenda, self.medium, self.members, self._feed, self._member
+        meeting = self.agenda, self._carrier, self.members, self._feed, self._member
         self.membership = Membership(*meeting, count=self._count)
 
     @property
@@ -141,15 +145,17 @@ class Team:
         """Send a digest to all who are linked, one copy each or one for all on the air."""
         size = len(pack_digest(digest)) + DIGEST_OVERHEAD
         others = {other.robot: other for other in self.membership.linked(member)}
-        send, copies = self.medium.unicast, len(others)
-        if self.settings.digests_on_air:
+        on_air, copies = self.settings.digests_on_air, len(others)
+        if on_air:
             size += TUNING.on_air + len(member.robot)
-            send, copies = self.medium.broadcast, 1
+            copies = 1
         self.digest_bytes += size * copies
         self.on_air.append(OnAir(t, member.robot, size * copies, digest=True))
-        for robot, arrivals in send(t, size, member.robot, others).items():
-            for arrival in arrivals:
-                self.agenda.at(arrival, partial(self._hear_digest, others[robot], digest, size - DIGEST_OVERHEAD))
+
+        def arrive(robot: str, at: float) -> None:
+            self._hear_digest(others[robot], digest, size - DIGEST_OVERHEAD, at)
+
+        self._carrier.send(t, size, member.robot, others, arrive, broadcast=on_air)
 
     def _publish_state(self, member: Member, t: float, state: State, update: State | None) -> None:
         """Answer queries with a state from now on, and send it, or an update, reliably to all who are linked."""
@@ -159,8 +165,7 @@ class Team:
         size = len(pack_state(told))
         self.on_air.append(OnAir(t, member.robot, size * len(others)))
         for other in others:
-            arrival = self.medium.reliable(t, member.robot, other.robot)
-            self.agenda.at(arrival, partial(self._hear_state, other, told, size))
+            self._carrier.reliable(t, size, member.robot, other.robot, partial(self._hear_state, other, told, size))
 
     def _count(self, t: float, robot: str, size: int) -> None:
         """A robot says so many bytes to another one that are neither a sample nor a digest."""
@@ -177,18 +182,19 @@ class Team:
         wanting = [robot for robot, other in linked.items() if self._wants(other, frame.key)]
         if not any(self.membership.met(member, linked[robot]) for robot in wanting):
             return
-        if self._broadcast:
-            arrivals = self.medium.broadcast(t, frame.size, member.robot, linked)
-        else:
-            arrivals = self.medium.unicast(t, frame.size, member.robot, wanting)
         copies = 1 if self._broadcast else len(wanting)
         self.on_air.append(OnAir(t, member.robot, frame.size * copies, frame))
+        places = {robot: len(self.deliveries) + k for k, robot in enumerate(wanting)}
+        self.deliveries += [Delivery(frame, t, None, robot) for robot in wanting]
         stamp = member.clock.wall_time(frame.t_gen)
-        for robot, times in arrivals.items():
-            if robot in wanting:
-                self.deliveries.append(Delivery(frame, t, min(times, default=None), robot))
-            for arrival in times:
-                self.agenda.at(arrival, partial(self._hear, linked[robot], frame, member.zid, stamp))
+
+        def arrive(robot: str, at: float) -> None:
+            if robot in places:
+                self.deliveries[places.pop(robot)] = Delivery(frame, t, at, robot)
+            self._hear(linked[robot], frame, member.zid, stamp, at)
+
+        receivers = linked if self._broadcast else wanting
+        self._carrier.send(t, frame.size, member.robot, receivers, arrive, broadcast=self._broadcast)
 
     def _wants(self, member: Member, key: str) -> bool:
         place = member.keys, key
