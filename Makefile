@@ -27,6 +27,11 @@ setup: .venv/ready
 	$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps -e .
 	touch $@
 
+# The network of the simulation study; its wheels are for x86_64 only, and nothing but studies needs them.
+.venv/ns3: studies/ns3/requirements.txt | .venv/locked
+	if [ "$$(uname -m)" = x86_64 ]; then $(BIN)/python -m pip install --quiet --require-hashes --no-deps -r $<; fi
+	touch $@
+
 demo: setup
 	$(BIN)/sendworthy demo $(DEMO)
 
@@ -39,7 +44,7 @@ test: setup
 	$(PYTEST) -m "not system and not full"
 
 # All that needs no root, with more examples. What the studies call is no proof of it, so it does not count as covered.
-test-full: setup
+test-full: setup .venv/ns3
 	@rm -rf build/coverage && mkdir -p build/coverage
 	COVERAGE_FILE=$(CURDIR)/build/coverage/data $(PYTEST) -m "not system" --hypothesis-profile=full \
 	    --ignore=tests/studies --cov --cov-fail-under=95
@@ -55,7 +60,7 @@ bench: setup
 
 # What teams reach on bad networks and with real traffic: writes studies/results/view.md and traffic.md anew. The latter
 # takes hours, and says how many at first.
-study: setup
+study: setup .venv/ns3
 	$(BIN)/python -m studies.benchmarks view
 	$(BIN)/python -m studies.simulation.traffic --output studies/results/traffic.md
 

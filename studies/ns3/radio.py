@@ -45,7 +45,7 @@ INFRASTRUCTURE = Channel("802.11g", "ErpOfdmRate24Mbps", -70.0, access_point=Tru
 
 
 class _Arrival(ctypes.Structure):
-    _fields_: Sequence[tuple[str, type]] = [  # type: ignore[misc] # noqa: RUF012 -- as ctypes wants it
+    _fields_: Sequence[tuple[str, type]] = [  # type: ignore[misc]
         ("id", ctypes.c_uint64),
         ("receiver", ctypes.c_int32),
         ("at", ctypes.c_double),

@@ -1,0 +1,51 @@
+"""The shim to ns-3 is compiled when it is needed."""
+
+from importlib.machinery import ModuleSpec
+
+import pytest
+
+from studies.ns3 import building
+from studies.ns3.errors import INSTALL, Ns3Unavailable
+
+
+def installed(monkeypatch, root, number="3.44.post0"):
+    """Let ns-3 be installed in this folder, in this version."""
+    package = ModuleSpec("ns3", None, is_package=True)
+    package.submodule_search_locations = [str(root)]
+    monkeypatch.setattr(building, "find_spec", lambda _: package)
+    monkeypatch.setattr(building, "version", lambda _: number)
+
+
+def test_without_ns3_it_is_said_how_to_install_it(monkeypatch):
+    """ns-3 is no dependency: it would bring what its Python bindings need."""
+    monkeypatch.setattr(building, "find_spec", lambda _: None)
+    with pytest.raises(Ns3Unavailable, match=INSTALL):
+        building.shim()
+
+
+def test_another_version_of_ns3_is_refused_by_its_number(monkeypatch, tmp_path):
+    """The shim is written for one version."""
+    installed(monkeypatch, tmp_path, number="3.99")
+    with pytest.raises(Ns3Unavailable, match=r"another version of ns-3 than 3\.99"):
+        building.shim()
+
+
+def test_without_a_compiler_it_is_said_what_to_install(monkeypatch, tmp_path):
+    """The shim is compiled on the spot."""
+    installed(monkeypatch, tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(building.shutil, "which", lambda _: None)
+    with pytest.raises(Ns3Unavailable, match="a C\\+\\+ compiler"):
+        building.shim()
+
+
+def test_what_the_compiler_complains_of_is_shown_and_nothing_is_left(monkeypatch, tmp_path):
+    """Libraries without headers, for instance."""
+    installed(monkeypatch, tmp_path)
+    (tmp_path / "lib64").mkdir()
+    for module in building.MODULES:
+        (tmp_path / "lib64" / f"libns3.44-{module}.so").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    with pytest.raises(Ns3Unavailable, match=r"error-model\.h"):
+        building.shim()
+    assert not list((tmp_path / "cache" / "sendworthy" / "ns3").iterdir())
