@@ -95,4 +95,4 @@ def _last_sent(news: StreamDigest, t_sent: float, last: Generated, before: Gener
     What was generated later than that was sent is another sample: then the one before is the best that we know.
     """
     like = last if news.t_forwarded >= news.t_generated or before is None else before
-    return Sent(t_sent, t_sent, like.size, like.scale, like.features)
+    return Sent(t_sent, t_sent, like.size, like.scale, like.features, told=True)

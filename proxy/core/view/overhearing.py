@@ -51,7 +51,7 @@ class Overhearing:
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + TUNING.same_sample
         t_gen = on_air if t_gen is None else min(t_gen, now)
-        if stream.sent is not None and t_gen < stream.sent.t_sent + TUNING.same_sample:
+        if stream.sent is not None and t_gen < stream.sent.t_sent + _apart(stream, stream.sent):
             return
         features = event.features or {}
         scale = stream.information_type.scale(features) if features else stream.last.scale
@@ -77,3 +77,8 @@ class Overhearing:
         last = Generated(at, event.size, stream.information_type.scale(features), features)
         stream.note_generated(1, last, numbered=False, overheard=True)
         return stream
+
+
+def _apart(stream: Stream, sent: Sent) -> float:
+    """How much later than a send a sample was generated at least that is another one [s]."""
+    return max(TUNING.same_sample, TUNING.told_sample * stream.period) if sent.told else TUNING.same_sample

@@ -37,13 +37,14 @@ class Generated(NamedTuple):
 
 
 class Sent(NamedTuple):
-    """A sample that was put on the air."""
+    """A sample that was put on the air; `told`: a digest said so before the sample was heard, if ever it is."""
 
     t_gen: float
     t_sent: float
     size: int
     scale: float
     features: Mapping[str, float] = NONE
+    told: bool = False
 
 
 @dataclass(slots=True)

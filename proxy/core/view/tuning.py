@@ -106,6 +106,10 @@ class ViewTuning:
     # Streams
     same_sample: float = 1e-3
     """A sample that was generated so much after the last one was sent is another one [s]."""
+    told_sample: float = 0.25
+    """One that seems to have been generated sooner than this part of the period after a send that was told and not
+    heard yet is that one, however late it is: over ns-3, where digests overtook their samples, such a sample counted
+    twice, which cost ten robots with equal messages 5 % of utility."""
     least_period: float = 1e-3
     """Streams are taken to generate no faster than so [s]."""
     leads: tuple[int, ...] = (1, 4)

@@ -25,7 +25,7 @@ def test_news_of_a_stream_is_read_on_our_clock(view):
     assert view.heard_digest(100.0, digest(5.0, StreamDigest(7, 3, 1, 4.9, 4.5, 1000, 2.0)))
     (stream,) = view.streams
     assert stream.last == Generated(pytest.approx(99.9), 1000, 2.0)
-    assert stream.sent == Sent(pytest.approx(99.5), pytest.approx(99.5), 1000, 2.0)
+    assert stream.sent == Sent(pytest.approx(99.5), pytest.approx(99.5), 1000, 2.0, told=True)
     assert stream.schedule.forecast(99.9, 100.5, 5) == pytest.approx([100.4])
 
 

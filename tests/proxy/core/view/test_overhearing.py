@@ -40,6 +40,22 @@ def test_an_overheard_sample_counts_as_sent_and_leaves_its_number_to_the_digest(
     assert len(view.traffic.sent_since(5.0)) == 1
 
 
+@pytest.mark.parametrize(("late", "sends"), [(0.02, 1), (0.2, 1), (0.9, 2)])
+def test_a_sample_that_its_digest_overtook_counts_once_however_late_it_comes(make_specs, late, sends):
+    """The next one of its stream, about a period later, counts: then the first one was lost."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 1.0),)))
+    name = next(iter(view.peers))
+    for now in (1.0, 2.0, 3.0, 4.0, 5.0):
+        number = int(now)
+        told = StreamDigest(1, number, number, now - 0.01, now - 0.01, 100, 1.0)
+        view.heard_digest(now, Digest("r2", name, now - 0.01, 0, 0, (told,)))
+        view.overhearing.take(SampleHeard(now + (late if number == 5 else 0.0), CAMERA, 100, "z-r2", None, None))
+    assert view.streams.known("r2", CAMERA).forwarded == 4 + sends
+    assert len(view.traffic.sent_since(4.5)) == sends
+
+
 @pytest.mark.parametrize("told_at", [5.0, 5.6])
 def test_a_stream_is_known_from_the_air_before_any_digest_tells_of_it(make_specs, told_at):
     """What it sent before nobody knows; what was heard and what is told of it then counts once."""
