@@ -1,4 +1,4 @@
-"""`sendworthy demo`: the main job on real input, twice: without the filter and with it."""
+"""`sendworthy demo`: the main job on real input: without the filter, with Zenoh's downsampling, and with the filter."""
 
 import argparse
 import json
@@ -14,7 +14,7 @@ from types import FrameType
 from studies.demo.events import Event, write_events
 from studies.demo.figures import figures
 from studies.demo.mosaic import draw, moment
-from studies.demo.nodes import WITH, WITHOUT
+from studies.demo.nodes import DOWNSAMPLED, PHASES, WITH, WITHOUT
 from studies.demo.phase import Conditions, Progress, run_phase
 from studies.demo.processes import DemoError
 from studies.demo.recording import recordings
@@ -22,8 +22,9 @@ from studies.demo.scene import schedule
 from studies.demo.table import table
 
 DESCRIPTION = """\
-Robots film, a medium that is too small carries, an operator watches: first with stock Zenoh routers, then
-with our daemon on every robot. All runs on this machine and needs no rights. It takes about twice --seconds.
+Robots film, a medium that is too small carries, an operator watches: first with stock Zenoh routers, then with
+Zenoh's own downsampling, tuned to the limit, then with our daemon on every robot. All runs on this machine and
+needs no rights. It takes about three times --seconds.
 """
 EXAMPLES = """\
 examples:
@@ -32,6 +33,8 @@ examples:
   sendworthy demo --json demo.json --events demo.jsonl && python -m studies.demo.figures demo.jsonl
 """
 FAILED = 1
+BAR = 20
+"""Width of the progress bar [characters]."""
 SHORTEST = 2.0
 """A run shorter than this says nothing [s]."""
 
@@ -70,13 +73,13 @@ def run(arguments: argparse.Namespace) -> int:
     at = moment(episodes, arguments.seconds)
     conditions = Conditions(arguments.robots, arguments.seconds, arguments.rate, arguments.seed, at)
     with tempfile.TemporaryDirectory(prefix="sendworthy-demo-") as name, _interruptible():
-        folders = {phase: Path(name) / phase for phase in (WITHOUT, WITH)}
+        folders = {phase: Path(name) / phase for phase in PHASES}
         events: list[Event] = []
         try:
             for phase, folder in folders.items():
                 folder.mkdir()
                 print(_announcement(phase, conditions), flush=True)
-                events += run_phase(phase, conditions, folder, _show)
+                events += run_phase(phase, conditions, folder, _show, events)
                 _end_line()
             _report(arguments, events, folders, at)
         except (DemoError, OSError) as error:
@@ -97,16 +100,20 @@ def _report(arguments: argparse.Namespace, events: list[Event], folders: dict[st
 
 
 def _announcement(phase: str, conditions: Conditions) -> str:
-    what = "our daemons" if phase == WITH else "stock Zenoh routers"
+    title, what = {
+        WITHOUT: ("without the filter", "stock Zenoh routers"),
+        DOWNSAMPLED: ("downsampled", "stock Zenoh routers that send each camera at the rate the limit has room for"),
+        WITH: ("with the filter", "our daemons"),
+    }[phase]
     return (
-        f"{phase} the filter: {conditions.robots} robots behind {what}, "
-        f"{conditions.rate / 1e6:g} Mbit/s, {conditions.seconds:g} s"
+        f"{title}: {conditions.robots} robots behind {what}, {conditions.rate / 1e6:g} Mbit/s, {conditions.seconds:g} s"
     )
 
 
 def _show(progress: Progress) -> None:
+    done = min(round(BAR * progress.elapsed / progress.seconds), BAR)
     received = f"{progress.frames:5d} frames received, the last was {progress.age:.2f} s old"
-    text = f"  {progress.elapsed:5.1f} s  {received}"
+    text = f"  [{'#' * done:.<{BAR}}] {progress.elapsed:5.1f} s {received}"
     if sys.stdout.isatty():
         print(f"\r{text}  ", end="", flush=True)
     else:

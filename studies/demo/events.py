@@ -1,6 +1,6 @@
 """What happened in a run, event by event; every figure of the demo is computed from these alone.
 
-One line of JSON each, in a file for both runs. Times are seconds of CLOCK_MONOTONIC, sizes are bytes.
+One line of JSON each, in a file for all runs. Times are seconds of CLOCK_MONOTONIC, sizes are bytes.
 """
 
 import json
@@ -87,7 +87,7 @@ class Links:
 
 
 Event: TypeAlias = Run | Publish | Receive | Serve | Counts | Links
-"""Something that happened in the run `phase`: "without" or "with" the filter."""
+"""Something that happened in the run `phase`: "without" or "with" the filter, or "downsampled"."""
 
 KINDS: dict[str, type[Event]] = {kind.KIND: kind for kind in (Run, Publish, Receive, Serve, Counts, Links)}
 

@@ -14,6 +14,7 @@ import numpy as np
 from planner.utility import Floats
 from studies.demo.events import Counts, Event, Links, Serve, read_events
 from studies.demo.layout import OPERATOR
+from studies.demo.nodes import WITHOUT
 from studies.demo.optimum import find_optimum
 from studies.demo.recording import Feed, Recording, recordings
 
@@ -54,13 +55,13 @@ def _of_class(feeds: Sequence[Feed], name: str, *, red: bool) -> Figures:
 def _of_medium(recording: Recording) -> Figures:
     """Bytes, and the most that any window of the constraint saw as a share of what the spec allows.
 
-    Offered is what was let through, frame by frame: without the filter everything, when it was published; with it
-    what was received, when it was sent, for a frame may wait until its robot may send. On the medium a frame lasts
+    Offered is what was let through, frame by frame: without the filter everything, when it was published; else what
+    was received, when it was sent, for a frame may wait until its robot may send. On the medium a frame lasts
     for as long as its bytes take there, behind those of others: its windows say nothing of a limit that is kept.
     """
     run = recording.run
     served = [e for e in recording.of(Serve) if run.start <= e.t <= run.start + run.seconds]
-    filtered = bool(recording.of(Counts))
+    filtered = run.phase != WITHOUT
     offered_at = np.concatenate([_sent_at(recording, feed) if filtered else feed.t_gen for feed in recording.feeds])
     offered = np.concatenate([feed.size[feed.frame] if filtered else feed.size for feed in recording.feeds])
     allowed = run.limit / 8 * run.window

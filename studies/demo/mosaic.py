@@ -1,4 +1,4 @@
-"""What the operator sees: the screen at one moment, without the filter and with it, side by side."""
+"""What the operator sees: the screen at one moment of each run, side by side."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from studies.demo.nodes import DOWNSAMPLED, WITH, WITHOUT
 from studies.demo.recording import Feed, Recording
 from studies.demo.scene import Episode
 
@@ -19,6 +20,7 @@ CAPTION, TITLE, GAP = 30, 44, 24
 """Heights of the text under a frame and above a screen, and the space between the screens [pixels]."""
 LATELY = 2.0
 """The frame rate in a caption is that of this time before the moment [s]."""
+TITLES = {WITHOUT: "without Sendworthy", DOWNSAMPLED: "downsampled by Zenoh", WITH: "with Sendworthy"}
 WHITE, GREY, RED, INK = (255, 255, 255), (90, 90, 90), (40, 40, 230), (30, 30, 30)
 
 
@@ -46,7 +48,7 @@ def _screen(phase: str, recording: Recording, folder: Path, at: float) -> Image:
     tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % columns)
     rows = [cv2.hconcat(tiles[i : i + columns]) for i in range(0, len(tiles), columns)]
     title = np.full((TITLE, columns * tiles[0].shape[1], 3), 255, np.uint8)
-    text = f"{phase} Sendworthy, {at:.1f} s"
+    text = f"{TITLES[phase]}, {at:.1f} s"
     cv2.putText(title, text, (6, 30), cv2.FONT_HERSHEY_SIMPLEX, 0.9, INK, 2, cv2.LINE_AA)
     return np.asarray(cv2.vconcat([title, *rows]), dtype=np.uint8)
 

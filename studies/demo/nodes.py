@@ -7,14 +7,18 @@ from pathlib import Path
 
 from proxy.commands.client import NoAnswerError, connected
 from studies.demo.events import Counts, Event
-from studies.demo.layout import Node
+from studies.demo.layout import OPERATOR, Node
 from studies.demo.processes import DemoError, Process, Troupe
 
-WITHOUT, WITH = "without", "with"
+WITHOUT, DOWNSAMPLED, WITH = "without", "downsampled", "with"
+PHASES = WITHOUT, DOWNSAMPLED, WITH
+"""In the order of the runs: what the cameras publish in the first one tells how far the second one has to go down."""
 SHARE = 0.9
 """The spec's limit as a share of the medium."""
 WINDOW = 0.95
 """The window of the spec's constraint [s]: no multiple of the frame period, which would cost a frame per window."""
+CAMERAS = "robot/*/camera"
+"""The key of frames."""
 ASSEMBLY = 20.0
 """How long the nodes may take to find each other [s]."""
 
@@ -39,14 +43,21 @@ forecast = {{ features = "last" }}
 """
 
 
-def start_routers(troupe: Troupe, nodes: Sequence[Node], dials: Mapping[str, list[str]]) -> list[Process]:
-    """Start a stock router for each node; return when all are linked. `dials`: endpoints by node."""
+def start_routers(
+    troupe: Troupe, nodes: Sequence[Node], dials: Mapping[str, list[str]], frequency: float | None = None
+) -> list[Process]:
+    """Start a stock router for each node; return when all are linked. `dials`: endpoints by node.
+
+    With a `frequency` [1/s] Zenoh's downsampling lets at most so many frames a second out of a robot's router.
+    """
     routers = []
     for node in nodes:
         command = ["-m", "studies.demo.stock_router", "--others", str(len(nodes) - 1)]
         command += ["--listen", node.app_endpoint, "--listen", node.mesh_endpoint]
         for endpoint in dials[node.name]:
             command += ["--connect", endpoint]
+        if frequency is not None and node.name != OPERATOR:
+            command += ["--downsample", CAMERAS, str(frequency)]
         routers.append(troupe.start(f"router-{node.name}", *command))
     for router in routers:
         router.hear(ASSEMBLY)

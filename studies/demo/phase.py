@@ -1,20 +1,22 @@
-"""One run of the demo: the same robots, scene and medium, with or without the filter."""
+"""One run of the demo: the same robots, scene and medium, with the filter, without it, or with Zenoh's downsampling."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from studies.demo import links
-from studies.demo.events import Event, Links, Receive, Run, read_events
+from studies.demo.events import Event, Links, Publish, Receive, Run, read_events
 from studies.demo.layout import OPERATOR, Node, lay_out, pairs
-from studies.demo.nodes import SHARE, SURVEILLANCE, WINDOW, WITH, count, start_daemons, start_routers
+from studies.demo.nodes import DOWNSAMPLED, SHARE, SURVEILLANCE, WINDOW, WITH, count, start_daemons, start_routers
 from studies.demo.processes import Process, Troupe
 
 PATIENCE = 20.0
 """How long a process may take to get ready [s]."""
 LEAD = 0.3
 """The apps are told the start time this long ahead [s]."""
+CARRIED = 0.95
+"""Downsampled cameras may fill this part of the medium: what is around frames needs the rest."""
 MEDIUM = "medium"
 
 
@@ -31,16 +33,22 @@ class Conditions:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a run is: seconds since the start, frames received, and the age of the last one [s]."""
+    """How far a run of `seconds` is: seconds since the start, frames received, and the age of the last one [s]."""
 
     phase: str
+    seconds: float
     elapsed: float
     frames: int
     age: float
 
 
-def run_phase(phase: str, conditions: Conditions, folder: Path, tell: Callable[[Progress], None]) -> list[Event]:
-    """Run once and return what happened; the frames on the screen, logs and configs are left in `folder`."""
+def run_phase(
+    phase: str, conditions: Conditions, folder: Path, tell: Callable[[Progress], None], before: Sequence[Event] = ()
+) -> list[Event]:
+    """Run once and return what happened; the frames on the screen, logs and configs are left in `folder`.
+
+    `before` is what happened in earlier runs: it tells how often cameras may send that are downsampled.
+    """
     nodes = lay_out(conditions.robots)
     with Troupe(folder) as troupe:
         dials = _start_medium(troupe, nodes, conditions.rate, folder)
@@ -49,7 +57,8 @@ def run_phase(phase: str, conditions: Conditions, folder: Path, tell: Callable[[
             spec = SURVEILLANCE.format(limit=limit, window=WINDOW)
             stations = start_daemons(troupe, nodes, dials, spec, folder)
         else:
-            stations = start_routers(troupe, nodes, dials)
+            frequency = _tuned(before, conditions.rate) if phase == DOWNSAMPLED else None
+            stations = start_routers(troupe, nodes, dials, frequency)
         apps = _start_apps(troupe, nodes, conditions, folder)
         watch = _Watch(phase, troupe, stations, apps)
         start = time.monotonic() + LEAD
@@ -61,6 +70,16 @@ def run_phase(phase: str, conditions: Conditions, folder: Path, tell: Callable[[
     run = Run(phase, start, conditions.seconds, robots, conditions.rate, limit, WINDOW)
     logs = [event for path in sorted(folder.glob("*.jsonl")) for event in read_events(path, phase)]
     return [run, *logs, *counts, *looks]
+
+
+def _tuned(before: Sequence[Event], rate: float) -> float:
+    """Return how often each camera may send so that the medium carries them all [1/s], by what they published.
+
+    `rate` is the medium's [bit/s]. As frames come ten times a second, that is tuned better than to the spec's limit.
+    """
+    published = [event for event in before if isinstance(event, Publish)]
+    a_frame_each = sum(event.size for event in published) / len(published) * len({event.robot for event in published})
+    return CARRIED * rate / 8 / a_frame_each
 
 
 def _start_medium(troupe: Troupe, nodes: tuple[Node, ...], rate: float, folder: Path) -> dict[str, list[str]]:
@@ -124,5 +143,5 @@ class _Watch:
             received = list(read_events(log, self._phase))
             last = received[-1] if received else None
             age = last.t - last.t_gen if isinstance(last, Receive) else 0.0
-            tell(Progress(self._phase, now - start, len(received), age))
+            tell(Progress(self._phase, seconds, now - start, len(received), age))
         return looks

@@ -1,28 +1,32 @@
-"""The demo's result as a table: without and with the filter, robots while they see red and the others."""
+"""The demo's result as a table: run by run, robots while they see red and the others."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from studies.demo.figures import Figures
-from studies.demo.nodes import WITH, WITHOUT
+from studies.demo.nodes import PHASES
 
 Value = float | None
-_WIDTHS = (44, 10, 10, 14, 10)
+_WIDTHS = (38, *(7, 7) * len(PHASES))
+"""Of the title, and of two columns for each run [characters]: 80 in all."""
 
 
 def table(figures: Mapping[str, Figures]) -> str:
     """Return the table as text."""
-    return "\n".join(_lines(figures[WITHOUT], figures[WITH]))
+    return "\n".join(_lines([figures[phase] for phase in PHASES]))
 
 
-def _lines(without: Figures, with_: Figures) -> Iterator[str]:
-    both = (without, with_)
-    yield _row("", "without", "", "with Sendworthy", "")
-    yield _row("", "red", "other", "red", "other")
+def _lines(runs: Sequence[Figures]) -> Iterator[str]:
+    yield _heads()
+    yield _row("", *("red", "other") * len(runs))
     for title, name in _OF_CLASSES:
-        yield _row(title, *(_number(f[f"{name}_{kind}"]) for f in both for kind in ("red", "other")))
-    for title, name, write in _OF_BOTH:
-        first, second = (write(f[name]) for f in both)
-        yield _row(title, first, "", second, "")
+        yield _row(title, *(_number(run[f"{name}_{kind}"]) for run in runs for kind in ("red", "other")))
+    for title, name, write in _OF_ALL:
+        yield _row(title, *(cell for run in runs for cell in ("", write(run[name]))))
+
+
+def _heads() -> str:
+    """Name the runs, each at the end of its two columns."""
+    return " " * _WIDTHS[0] + "".join(phase.rjust(sum(_WIDTHS[1:3])) for phase in PHASES)
 
 
 def _row(*cells: str) -> str:
@@ -57,7 +61,7 @@ _OF_CLASSES = (
     ("staleness of the screen, median [s]", "staleness_p50"),
     ("staleness of the screen, 95 % [s]", "staleness_p95"),
 )
-_OF_BOTH: tuple[tuple[str, str, Callable[[Value], str]], ...] = (
+_OF_ALL: tuple[tuple[str, str, Callable[[Value], str]], ...] = (
     ("frame rate, red to other", "fps_ratio", _number),
     ("  the same in the offline optimum", "fps_ratio_optimum", _number),
     ("utility, of all sent without delay", "utility_share", _percent),
