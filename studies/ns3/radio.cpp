@@ -19,7 +19,9 @@
 #include "ns3/error-model.h"
 #include "ns3/inet-socket-address.h"
 #include "ns3/internet-stack-helper.h"
+#include "ns3/ipv4-address-generator.h"
 #include "ns3/ipv4-address-helper.h"
+#include "ns3/mac48-address.h"
 #include "ns3/mobility-helper.h"
 #include "ns3/neighbor-cache-helper.h"
 #include "ns3/node-container.h"
@@ -172,6 +174,10 @@ extern "C" {
 void radio_close() {
     channel.reset();
     Simulator::Destroy();
+    // These count on otherwise, and the same seed would fly otherwise after another channel.
+    ns3::RngSeedManager::ResetNextStreamIndex();
+    ns3::Mac48Address::ResetAllocationIndex();
+    ns3::Ipv4AddressGenerator::Reset();
 }
 
 // Makes a channel for so many robots: ad hoc, or with an access point. `strength` is that of every signal where it is
