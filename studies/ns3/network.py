@@ -23,6 +23,27 @@ class _Flying(NamedTuple):
     arrive: Arrive
 
 
+class _Channel:
+    """What one robot sends another reliably: each message once, in order."""
+
+    def __init__(self) -> None:
+        self.sent = 0
+        self._next = 0
+        self._early: dict[int, Action] = {}
+
+    def lacks(self, number: int) -> bool:
+        """Whether a message has not arrived yet."""
+        return number >= self._next and number not in self._early
+
+    def take(self, number: int, at: float, arrive: Action) -> None:
+        """A message arrived; it waits for those before it."""
+        if self.lacks(number):
+            self._early[number] = arrive
+        while (ready := self._early.pop(self._next, None)) is not None:
+            self._next += 1
+            ready(at)
+
+
 class Ns3Network:
     """Carries messages by a `radio` with so many robots on it. Unicast is UDP, too: Wi-Fi itself repeats it."""
 
@@ -35,6 +56,7 @@ class Ns3Network:
         self._flying: dict[int, _Flying] = {}
         self._sent = 0
         self._last: dict[str, float] = {}
+        self._channels: dict[tuple[str, str], _Channel] = {}
         agenda.beside(self._go_on)
 
     def send(
@@ -49,18 +71,20 @@ class Ns3Network:
             self._put(t, size, sender, self._numbers[receiver], _Flying(t, wanted, arrive))
 
     def reliable(self, t: float, size: int, sender: str, receiver: str, arrive: Action) -> None:
-        """Send a message again and again until it arrives; what daemons do for that takes its time first."""
-        arrived = False
+        """Send a message again and again until it arrives, as TCP does: after all that was sent so before it.
 
-        def first(_: str, at: float) -> None:
-            nonlocal arrived
-            if not arrived:
-                arrived = True
-                arrive(at)
+        What daemons do for that takes its time first.
+        """
+        channel = self._channels.setdefault((sender, receiver), _Channel())
+        number = channel.sent
+        channel.sent += 1
+
+        def came(_: str, at: float) -> None:
+            channel.take(number, at, arrive)
 
         def again(at: float, tries: int = MOST_TRIES) -> None:
-            if not arrived and tries:
-                self.send(at, size, sender, (receiver,), first, broadcast=False)
+            if tries and channel.lacks(number):
+                self.send(at, size, sender, (receiver,), came, broadcast=False)
                 self._agenda.at(at + RETRY, lambda later: again(later, tries - 1))
 
         self._agenda.at(t + RELIABLE, again)
