@@ -6,6 +6,7 @@ from planner import Constraint, Linear, Message, Problem, Stream
 from proxy.bridge.payloads import Content
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward
+from proxy.recording.entries import Snapshot
 from proxy.recording.folder import RecordingFolder
 from proxy.recording.output import Output
 from proxy.recording.recorder import FULL, Recorder
@@ -27,13 +28,18 @@ def core(event):
     return []
 
 
+def look(number, now):
+    """Take a snapshot of what would be a core."""
+    return Snapshot(number, now, "0" * 12, "1", "3", b"core")
+
+
 @pytest.fixture
 def record(tmp_path):
     """Make recorders; `finish` closes one and returns its entries."""
 
     def made(payload=None):
         output = Output(START, Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 1 << 26)
-        return Recorder(core, output, payload=payload)
+        return Recorder(core, output, look, payload=payload)
 
     return made
 
