@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from planner.errors import ProblemError
 from planner.utility import Custom
 from proxy.recording.errors import RecordingError
 from utility_specs import InformationType, Specs
@@ -18,7 +19,11 @@ Place = tuple[Any, ...]
 
 
 class Past:
-    """A part of specs that are in force no more: `why` tells of it, and nothing that comes depends on it."""
+    """A part of specs that are in force no more, and so in no recording: it has nothing.
+
+    Streams that no spec covers any more have a type until they are forgotten everywhere, and `why` tells of utilities.
+    No decision depends on them; should one, the replay would differ there by a fault.
+    """
 
 
 class SpecParts:
@@ -37,13 +42,11 @@ class SpecParts:
         self._counts = Failures()
 
     def place(self, part: Any) -> Place:
-        """Return where a part of specs, or what was made of one, stands. Raises RecordingError for another type."""
+        """Return where a part of specs, or what was made of one, stands."""
         number = self._numbers.get(id(part))
         if number is not None:
             return (number,)
-        if isinstance(part, InformationType):
-            if id(part.failures) not in self._types:
-                raise RecordingError(f"there is a stream of the type {part.name} of specs that are in force no more")
+        if isinstance(part, InformationType) and id(part.failures) in self._types:
             return self._types[id(part.failures)], dict(part.captured)
         if isinstance(part, Failures):
             return (COUNTS,)
@@ -79,7 +82,14 @@ class SpecParts:
             if isinstance(part, InformationType):
                 self._made[known] = replace(part, captured=values)
             elif isinstance(part, Custom):
-                self._made[known] = replace(part, features=values)
+                self._made[known] = _with_features(part, values)
             else:
                 raise RecordingError("it names a part of specs that there is not")
         return self._made[known]
+
+
+def _with_features(utility: Custom, features: Mapping[str, Any]) -> Custom:
+    try:
+        return replace(utility, features=features)
+    except ProblemError as error:
+        raise RecordingError(str(error)) from None

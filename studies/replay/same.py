@@ -197,7 +197,7 @@ def lives(files: Iterable[RecordingReader]) -> list[list[RecordingReader]]:
     found: dict[tuple[str, str], list[RecordingReader]] = {}
     for file in files:
         found.setdefault((file.start.robot, file.start.zid), []).append(file)
-    return [sorted(each, key=lambda file: file.start.number) for each in found.values()]
+    return [sorted(each, key=lambda file: (file.start.now, file.start.number)) for each in found.values()]
 
 
 def _plan(event: Event) -> Mapping[str, Any] | None:

@@ -58,7 +58,7 @@ class Computed(Pattern):
 
 
 def written(rule: ScheduleRule, past: Sequence[Numbered], period: float, failures: Failures) -> Pattern:
-    """Return what a rule says of a stream with this past, its first sample first. `failures` counts those of a function."""
+    """Return what a rule says of a stream with this past, its first sample first; `failures` counts failures."""
     match rule:
         case PeriodicRule():
             return Periodic(_rhythm(rule, past))
