@@ -66,7 +66,7 @@ def _run(daemon: Client, robot: str, arguments: argparse.Namespace) -> int:
         return _ended(daemon.record(robot, {"record": "stop"}))
     with _asked_to_end() as asked:  # from here on it is ended in order
         told = daemon.record(robot, {"record": "start", "payloads": arguments.payloads})
-        if told["problem"]:
+        if not told["file"]:
             daemon.record(robot, {"record": "stop"})
             print(f"sendworthy record: the daemon cannot record: {told['problem']}", file=sys.stderr)
             return exit_codes.FAILED

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from proxy.core.interface import events as ev
-from proxy.core.interface.commands import Command
+from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
 from proxy.core.parts import Parts
 from proxy.core.reactions.changes import Changes
@@ -49,6 +49,15 @@ class Core:
         self._reactions = self._all_reactions()
         self._limits.adopt(now)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All that it knows, for a snapshot: who takes in which event is known anyway."""
+        return {name: value for name, value in vars(self).items() if name != "_reactions"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Know all that is in a snapshot."""
+        vars(self).update(state)
+        self._reactions = self._all_reactions()
+
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order. Raises TypeError for what is no event."""
         react = self._reactions.get(type(event))
@@ -71,6 +80,12 @@ class Core:
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
         return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+
+    @property
+    def asked(self) -> Decide | None:
+        """The search whose answer is awaited, if one is."""
+        pending = self.gate.search.pending
+        return None if pending is None else pending.decide
 
     def decided_keys(self) -> list[str]:
         """The keys of ours that decisions are made on, or were lately."""

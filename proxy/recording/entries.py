@@ -18,7 +18,7 @@ FORMAT = 1
 PROFILE = "sendworthy"
 """What the header of each file says, in which it differs from other MCAP."""
 
-START, SPECS, TRAFFIC, GAP, END = "start", "specs", "traffic", "gap", "end"
+START, SPECS, SNAPSHOT, TRAFFIC, GAP, END = "start", "specs", "snapshot", "traffic", "gap", "end"
 """Topics of entries that are no events."""
 EVENTS = "events/"
 """What the topics of events begin with; then comes the name of the class."""
@@ -39,7 +39,8 @@ class Start:
 
     `kind` tells a robot's life from mere traffic, of which only `source` and `wall_offset` are told. `number` is that
     of the first event in the file; `whole`: the core began with it, at `now` on its clock [s], with these `settings`
-    and the specs of that `generation`. Else the file goes on where another one ended, or the recording began later.
+    and the specs of that `generation`. Else the file goes on where another one ended, or the recording began later, and
+    a `Snapshot` says what the core knew.
     Searches have the settings `search` and a `deadline` [s]. `wall_offset` is what the wall clock shows more than the
     clock of all times in the file [s].
     """
@@ -77,6 +78,21 @@ class SpecsText:
 
     generation: str
     files: tuple[SpecFile, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """All that the core knew before event `number`, at `now` [s], under the specs of a `generation`.
+
+    `data` is as `pickling.py` writes it, by this `version` of Sendworthy, on this `python`.
+    """
+
+    number: int
+    now: float
+    generation: str
+    version: str
+    python: str
+    data: bytes = field(repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,4 +152,4 @@ class End:
     reason: str = ""
 
 
-Entry = Start | SpecsText | Happened | Traffic | Payload | Gap | End
+Entry = Start | SpecsText | Snapshot | Happened | Traffic | Payload | Gap | End

@@ -13,7 +13,7 @@ from typing import Any
 from proxy import clock
 from proxy.bridge.payloads import Content
 from proxy.core.interface.events import Event, SamplePublished, SpecsChanged
-from proxy.recording.entries import Payload, SpecFile, SpecsText, Start
+from proxy.recording.entries import Payload, Snapshot, SpecFile, SpecsText, Start
 from proxy.recording.folder import RecordingFolder
 from proxy.recording.missing import Missing
 from proxy.recording.tuning import TUNING
@@ -40,6 +40,13 @@ class Written:
     """Why nothing is recorded at the moment."""
 
 
+@dataclass(frozen=True, slots=True)
+class Head:
+    """What the core knows at this place, where another file may begin; None where that cannot be told."""
+
+    snapshot: Snapshot | None
+
+
 class Output:
     """Writes items in their order. `start` is what a file begins with, but for its first number."""
 
@@ -59,6 +66,10 @@ class Output:
         self._retry_at = 0.0
         self._retry = TUNING.retry
         self._closed_bytes = 0
+        self.heads = 0 if start.whole else 1
+        """So many `Head`s it has asked for: where a file is as large as it should be, or begins in mid-life."""
+        self._heads_come = 0
+        """Of so many it waits no longer."""
         self.written = Written()
 
     def open(self) -> None:
@@ -70,10 +81,13 @@ class Output:
         """Whether there is no file, or what is missing is not noted in it yet."""
         return self._writer is None or bool(self._missing)
 
-    def add(self, item: Taken | Missing) -> None:
+    def add(self, item: Taken | Missing | Head) -> None:
         """Take in what comes next."""
         if isinstance(item, Missing):
             self._lacks(item)
+            return
+        if isinstance(item, Head):
+            self._head(item)
             return
         number, event, commands, fault, payload = item
         writer = self._writer
@@ -99,7 +113,7 @@ class Output:
         self.written.missing += 1
 
     def flush(self) -> None:
-        """Bring to the file what is in hand, and say there what is missing; begin another file where it is time."""
+        """Bring to the file what is in hand, and say there what is missing; ask for a head where it is full."""
         if self._missing or self._writer is None:
             self._recover()
         elif self._try(self._writer.flush):
@@ -107,9 +121,8 @@ class Output:
         if self._writer is None:
             return
         self.written.bytes = self._closed_bytes + self._writer.size
-        if self._writer.size >= self._file_bytes and not self._missing:
-            self._end("rotated")
-            self._try(self._begin)
+        if self._full and not self._missing:
+            self._ask_head()
 
     def close(self, reason: str) -> None:
         """Write all that is in hand, and close the file. On a full disk the last chunk makes room to say so."""
@@ -121,6 +134,27 @@ class Output:
                 self._last.reason = self._missing.reason
                 self._writer.gap(self._last.gap(self._number), self._now)
             self._end(reason)
+
+    def _head(self, head: Head) -> None:
+        """Begin another file here if this one is full; write what the core knows."""
+        if self._full:
+            self.flush()
+        self._heads_come = self.heads
+        if self._missing:
+            return
+        if self._full:
+            self._end("rotated")
+            self._try(self._begin)
+        if self._writer is not None and head.snapshot is not None:
+            self._writer.snapshot(head.snapshot)
+
+    @property
+    def _full(self) -> bool:
+        return self._writer is not None and self._writer.size >= self._file_bytes
+
+    def _ask_head(self) -> None:
+        if self._heads_come == self.heads:
+            self.heads += 1
 
     def _end(self, reason: str) -> None:
         """Close the file; where there is no room for its end it does without."""
@@ -198,6 +232,7 @@ class Output:
     def _go_on(self) -> None:
         if self._writer is None:
             self._begin()
+            self._ask_head()
         if self._writer is not None:
             if self._missing:
                 self._writer.gap(self._missing.gap(self._number), self._now)

@@ -4,6 +4,7 @@ import json
 import struct
 import zlib
 from collections.abc import Generator, Iterator
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import IO, Any, NamedTuple
@@ -25,6 +26,7 @@ from proxy.recording.entries import (
     GAP,
     PAYLOADS,
     PROFILE,
+    SNAPSHOT,
     SPECS,
     START,
     TRAFFIC,
@@ -33,6 +35,7 @@ from proxy.recording.entries import (
     Gap,
     Happened,
     Payload,
+    Snapshot,
     SpecsText,
     Start,
     Traffic,
@@ -216,6 +219,8 @@ def _entry(raw: Raw) -> Entry | None:
         return _happened(raw, name)
     if raw.topic == START:
         return _start(raw)
+    if raw.topic == SNAPSHOT:
+        return _snapshot(raw)
     kind = _ENTRIES.get(raw.topic)
     return None if kind is None else read(kind, json.loads(raw.data))
 
@@ -227,6 +232,13 @@ def _start(raw: Raw) -> Start:
         raise RecordingError(f"it is of format {written!r:.20}, and only {FORMAT} is understood here")
     start: Start = read(Start, data)
     return start
+
+
+def _snapshot(raw: Raw) -> Snapshot:
+    head, _, data = raw.data.partition(b"\n")
+    fields = json.loads(head)
+    snapshot: Snapshot = read(Snapshot, fields | {"data": ""} if isinstance(fields, dict) else fields)
+    return replace(snapshot, data=data)
 
 
 def _happened(raw: Raw, name: str) -> Happened:

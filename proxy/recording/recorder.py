@@ -1,5 +1,6 @@
 """Records what the core takes in and what it decides: noted on the loop's thread, written on another one."""
 
+import logging
 import threading
 import time
 from collections import deque
@@ -10,29 +11,46 @@ from proxy import clock
 from proxy.bridge.payloads import Content
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.interface.events import Event, SamplePublished
+from proxy.recording.entries import Snapshot
+from proxy.recording.errors import RecordingError
 from proxy.recording.missing import Missing
-from proxy.recording.output import Output, Taken
+from proxy.recording.output import Head, Output, Taken
 from proxy.recording.tuning import TUNING
 from proxy.recording.writing import described
 
+log = logging.getLogger(__name__)
+
 Handle = Callable[[Event], list[Command]]
+Look = Callable[[int, float], Snapshot]
+"""Returns what the core knows before the event with a number, at a time [s]; raises RecordingError."""
 FULL = "more than could be written"
 
 
 class Recorder:
     """Notes each event that `take` hands to `handle`, from number `first` on, and has `output` write it.
 
-    `payload` finds the payload of a sample by its number; None: payloads are not recorded.
+    `look` takes a snapshot of the core, where one is due. `payload` finds the payload of a sample by its number; None:
+    payloads are not recorded.
     """
 
     def __init__(
-        self, handle: Handle, output: Output, first: int = 0, payload: Callable[[int], Content | None] | None = None
+        self,
+        handle: Handle,
+        output: Output,
+        look: Look,
+        first: int = 0,
+        payload: Callable[[int], Content | None] | None = None,
     ) -> None:
         self._handle = handle
         self._output = output
+        self._look = look
         self._number = self._first = first
         self._payload = payload
-        self._items: deque[Taken | Missing] = deque()
+        self.unsaved = ""
+        """Why there is no snapshot of the core, where one is due."""
+        self._heads = 0
+        """So many heads were given to the output."""
+        self._items: deque[Taken | Missing | Head] = deque()
         self._missing: Missing | None = None
         self._held = self._given = 0
         """Bytes of payloads that were noted, and that were written or given up [B]."""
@@ -73,11 +91,13 @@ class Recorder:
             "bytes": written.bytes,
             "events": self._number - self._first,
             "missing": written.missing + (self._missing.events if self._missing else 0),
-            "problem": written.problem,
+            "problem": written.problem or self.unsaved,
         }
 
     def take(self, event: Event) -> list[Command]:
         """Have the core take in an event, and note it with what follows. On the loop's thread only."""
+        if self._output.heads > self._heads:
+            self._save(event.now)
         try:
             commands = self._handle(event)
         except Exception as error:
@@ -90,6 +110,21 @@ class Recorder:
                 break
         self._note(event, told, "")
         return commands
+
+    def _save(self, now: float) -> None:
+        """Note what the core knows now."""
+        self._heads, snapshot = self._output.heads, None
+        try:
+            snapshot, unsaved = self._look(self._number, now), ""
+        except RecordingError as error:
+            unsaved = f"it cannot be replayed exactly, for there is no snapshot of the core: {error}"
+            if unsaved != self.unsaved:
+                log.warning("recording: %s", unsaved)
+        self.unsaved = unsaved
+        if self._missing is not None:
+            self._items.append(self._missing)
+            self._missing = None
+        self._items.append(Head(snapshot))
 
     def _note(self, event: Event, commands: Sequence[Any], fault: str) -> None:
         number, items = self._number, self._items

@@ -1,6 +1,7 @@
 """Whether a daemon records, and what becomes of that. The library that writes is loaded when it does."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from planner import SearchSettings
@@ -56,6 +57,7 @@ class Recording:
         try:
             from proxy.recording.output import Output  # noqa: PLC0415 - an extra
             from proxy.recording.recorder import Recorder  # noqa: PLC0415 - needs it, too
+            from proxy.recording.snapshots import taken  # noqa: PLC0415 - what does not record does without
         except ImportError:
             raise RecordingError(WITHOUT) from None
         now, runtime = clock.monotonic(), self._live.runtime
@@ -71,7 +73,8 @@ class Recording:
         folder = RecordingFolder(self._config.folder, start.robot, self._config.disk_bytes, now + start.wall_offset)
         output = Output(start, runtime.specs, folder, self._config.file_bytes)
         contents = self._payloads.content if payloads else None
-        self._recorder = recorder = Recorder(self._loop.core.handle, output, payload=contents)
+        core = self._loop.core
+        self._recorder = recorder = Recorder(core.handle, output, partial(taken, core), payload=contents)
         recorder.start()
         self._loop.record(recorder.take)
         self._on = True
@@ -107,6 +110,7 @@ class Recording:
         if not self._on:
             return []
         told = self._recorder.describe()
-        if told["problem"]:
+        if told["problem"] and told["problem"] != self._recorder.unsaved:
             return [f"nothing is recorded: {told['problem']}; {told['missing']} events are missing so far"]
-        return [f"{told['missing']} events are missing in the recording"] if told["missing"] else []
+        found = [f"{told['missing']} events are missing in the recording"] if told["missing"] else []
+        return [*found, *([f"what is recorded: {told['problem']}"] if told["problem"] else [])]

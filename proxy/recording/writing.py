@@ -14,12 +14,14 @@ from proxy.recording.entries import (
     GAP,
     PAYLOADS,
     PROFILE,
+    SNAPSHOT,
     SPECS,
     START,
     TRAFFIC,
     End,
     Gap,
     Payload,
+    Snapshot,
     SpecsText,
     Start,
     Traffic,
@@ -63,6 +65,15 @@ class RecordingWriter:
     def specs(self, specs: SpecsText, now: float = 0.0) -> None:
         """Write specs, before the first event under them."""
         self._entry(SPECS, specs, now)
+
+    def snapshot(self, snapshot: Snapshot) -> None:
+        """Write what the core knew before the next event: a line of JSON, and behind it the data."""
+        head = plain(snapshot)
+        data = head.pop("data")
+        channel = self._channels.get(SNAPSHOT)
+        if channel is None:
+            channel = self._channels[SNAPSHOT] = self._file.channel(SNAPSHOT, "application/octet-stream", None, {})
+        self._add(channel, snapshot.now, text(head).encode() + b"\n" + data)
 
     def happened(self, event: Event, commands: Sequence[Command | dict[str, Any]] = (), fault: str = "") -> None:
         """Write the next event, and the commands that followed, as such or `described`, or the fault that it made."""

@@ -131,7 +131,9 @@ class Recorded(Part):
     bytes: int = field("what was written so far", BYTES)
     events: int = field("events that the core saw meanwhile", COUNT)
     missing: int = field("those of them that are not in the recording", COUNT)
-    problem: str = field("why nothing can be written now; empty while it can")
+    problem: str = field(
+        "why nothing can be written now, or why it cannot be replayed exactly; empty where all is well"
+    )
 
 
 class Broadcasting(Part):

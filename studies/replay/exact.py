@@ -7,7 +7,7 @@ from typing import TextIO
 
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
-from studies.replay.same import lives, replayed
+from studies.replay.same import Sameness, lives, stretches
 
 
 def all_equal(paths: Sequence[Path], output: TextIO) -> bool:
@@ -26,20 +26,25 @@ def all_equal(paths: Sequence[Path], output: TextIO) -> bool:
 
 def _same(life: list[RecordingReader], output: TextIO) -> bool:
     """Replay one robot's life exactly and say what was found; whether all was the same."""
+    equal = True
     try:
-        found = replayed(life)
+        for found in stretches(life):
+            _tell(life[0].start.robot, found, output)
+            equal = equal and found.equal
     except RecordingError as error:
         print(f"sendworthy replay: {life[0].path}: {error}", file=sys.stderr)
-        return False
+        equal = False
     for problem in (problem for file in life for problem in file.problems):
         print(f"sendworthy replay: {problem}", file=sys.stderr)
-    what = f"{found.decisions:,} decisions and {found.commands:,} commands in {found.events:,} events"
-    print(
-        f"{life[0].start.robot}, {found.seconds:,.1f} s: {what}, {'all' if found.equal else 'not all'} equal",
-        file=output,
-    )
+    return equal
+
+
+def _tell(robot: str, found: Sameness, output: TextIO) -> None:
+    """Say what was found in a stretch of a robot's life."""
+    since = f" from event {found.first:,} on" if found.first else ""
+    what = f"{found.decisions:,} decisions and {found.commands:,} commands in {found.events:,} events{since}"
+    print(f"{robot}, {found.seconds:,.1f} s: {what}, {'all' if found.equal else 'not all'} equal", file=output)
     if found.difference:
         print(f"  {found.difference}", file=output)
     if found.ended:
-        print(f"  what comes later is not replayed: {found.ended}", file=output)
-    return found.equal
+        print(f"  what comes later is not replayed, up to the next snapshot: {found.ended}", file=output)

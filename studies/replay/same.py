@@ -1,12 +1,12 @@
 """The exact replay: the core of a recording, driven through the same events, decides the same to the last.
 
-The searches are done anew, for as many iterations as were done then; each plan and each command is compared with what
-stands in the recording. Nothing can be told beyond what is missing there, or beyond the first difference: from there
-on the core is another one.
+It begins as the core did, or with a snapshot of it. The searches are done anew, for as many iterations as were done
+then; each plan and each command is compared with what stands in the recording. Beyond what is missing there, or the
+first difference, the core is another one: nothing can be told until the next snapshot.
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -15,18 +15,23 @@ from planner import Plan, SearchSettings, start
 from proxy.core.core import Core
 from proxy.core.interface.commands import Decide
 from proxy.core.interface.events import DecisionReady, Event, SpecsChanged
-from proxy.recording.entries import Entry, Gap, Happened, SpecsText, Start
+from proxy.recording.entries import Entry, Gap, Happened, Snapshot, SpecsText, Start
 from proxy.recording.errors import RecordingError
 from proxy.recording.json_data import plain, text
 from proxy.recording.reading import RecordingReader
+from proxy.recording.snapshots import check, restored
 from proxy.recording.writing import described
 from studies.replay.specs import specs_of
 
 
 @dataclass(slots=True)
 class Sameness:
-    """What an exact replay found: how far it came, and why it ended there if not at the end."""
+    """What an exact replay found: from where on, how far it came, and why it ended there if not at the end."""
 
+    first: int = 0
+    """The number of the event that it began with."""
+    began: float = 0.0
+    """When that was [s]."""
     events: int = 0
     decisions: int = 0
     """Searches that were done anew."""
@@ -45,23 +50,29 @@ class Sameness:
 
 
 class SameReplay:
-    """Drives the core that a recording begins with. Raises RecordingError where that cannot be built."""
+    """Drives the core that a recording begins with, or the first that there is a snapshot of.
 
-    def __init__(self, begin: Start) -> None:
+    Raises RecordingError where that cannot be built. `specs` are those that the recording had before, by generation.
+    """
+
+    def __init__(self, begin: Start, specs: Mapping[str, SpecsText] | None = None) -> None:
         if begin.kind != "robot" or begin.settings is None:
             raise RecordingError("it holds mere traffic: nothing was decided that could be compared")
-        if not begin.whole:
-            raise RecordingError(
-                "it begins in the middle of a daemon's life, and what its core knew then is not in it; "
-                "an exact replay takes all files from the start of a daemon with `record.on`"
-            )
         self._begin = begin
         self._search = begin.search or SearchSettings()
         self._core: Core | None = None
-        self._specs: dict[str, SpecsText] = {}
+        self._specs = dict(specs or {})
         self._asked: dict[int, Decide] = {}
-        self._first = 0.0
-        self.found = Sameness()
+        self.found = Sameness(begin.number, begin.now)
+
+    @property
+    def begins(self) -> bool:
+        """Whether there is anything to begin with, so far."""
+        return self._begin.whole or self._core is not None
+
+    def next(self) -> "SameReplay":
+        """Return the replay that goes on with the next snapshot."""
+        return SameReplay(replace(self._begin, whole=False), self._specs)
 
     def take(self, entry: Entry) -> bool:
         """Take in what comes next; whether it can go on."""
@@ -70,7 +81,9 @@ class SameReplay:
                 self._go_on(entry)
             case SpecsText():
                 self._specs[entry.generation] = entry
-            case Gap() if entry.events:
+            case Snapshot() if not self.begins:
+                self._restore(entry)
+            case Gap() if entry.events and self.begins:
                 self.found.ended = f"{entry.events} events are missing from number {entry.first} on: {entry.reason}"
             case Happened():
                 self._happen(entry)
@@ -80,15 +93,23 @@ class SameReplay:
 
     def _go_on(self, other: Start) -> None:
         """Another file begins, that of the same life which comes next if all is well."""
-        due = self._begin.number + self.found.events
-        if other.number != due:
+        due = self.found.first + self.found.events
+        if self.begins and other.number != due:
             self.found.ended = f"the next file begins with event {other.number:,}, not with {due:,}"
 
+    def _restore(self, snapshot: Snapshot) -> None:
+        """Begin with what the core knew."""
+        check(snapshot)
+        self._core = core = restored(snapshot, self._loaded(snapshot.generation))
+        self.found.first, self.found.began = snapshot.number, snapshot.now
+        if (asked := core.asked) is not None:
+            self._asked[asked.ticket] = asked
+
     def _happen(self, recorded: Happened) -> None:
-        core = self._core
-        if core is None:
-            core = self._core = self._made()
-        due = self._begin.number + self.found.events
+        if not self.begins:
+            return
+        core = self._core = self._core or self._made()
+        due = self.found.first + self.found.events
         if recorded.number != due & 0xFFFFFFFF:
             self.found.ended = f"events are missing from number {due} on"
             return
@@ -108,7 +129,7 @@ class SameReplay:
         self._compare(recorded, "another fault", recorded.fault, fault)
         self.found.events += 1
         self.found.commands += len(commands)
-        self.found.seconds = max(self.found.seconds, event.now - self._begin.now)
+        self.found.seconds = max(self.found.seconds, event.now - self.found.began)
 
     def _made(self) -> Core:
         begin = self._begin
@@ -146,13 +167,29 @@ class SameReplay:
         self.found.difference = f"{where} has {what}: {_differing(then, now)}"
 
 
-def replayed(files: Sequence[RecordingReader]) -> Sameness:
-    """Replay the files of a life in their order; return what was found. Raises RecordingError without a begin."""
-    replay = SameReplay(files[0].start)
+def stretches(files: Sequence[RecordingReader]) -> Iterator[Sameness]:
+    """Replay the files of a life in their order; yield what was found up to each place where the replay ended.
+
+    It goes on with the next snapshot. Raises RecordingError where there is nothing to begin with.
+    """
+    replay, ended = SameReplay(files[0].start), False
     for entry in chain.from_iterable(files):
         if not replay.take(entry):
-            break
-    return replay.found
+            yield replay.found
+            replay, ended = replay.next(), True
+            replay.take(entry)
+    if replay.begins:
+        yield replay.found
+    elif not ended:
+        raise RecordingError(
+            "it begins in the middle of a daemon's life, and what its core knew then is not in it; an exact replay"
+            " takes a recording with snapshots of it, or all files from the start of a daemon with `record.on`"
+        )
+
+
+def replayed(files: Sequence[RecordingReader]) -> Sameness:
+    """Replay the files of a life as far as nothing is missing; return what was found. Raises RecordingError."""
+    return next(stretches(files))
 
 
 def lives(files: Iterable[RecordingReader]) -> list[list[RecordingReader]]:
@@ -160,7 +197,7 @@ def lives(files: Iterable[RecordingReader]) -> list[list[RecordingReader]]:
     found: dict[tuple[str, str], list[RecordingReader]] = {}
     for file in files:
         found.setdefault((file.start.robot, file.start.zid), []).append(file)
-    return [sorted(each, key=lambda file: file.start.number) for each in found.values()]
+    return [sorted(each, key=lambda file: (file.start.now, file.start.number)) for each in found.values()]
 
 
 def _plan(event: Event) -> Mapping[str, Any] | None:

@@ -1,18 +1,22 @@
 """What the next samples of a stream are expected to be worth: features, or where these are not known the scale."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from planner.errors import ProblemError
 from proxy.core.forecast.tuning import TUNING
-from utility_specs.forecast import Method
+from utility_specs.forecast import FeatureForecast, Method
+from utility_specs.specs import Failures
+
+SCALE = "scale"
+"""Stands for the scale where features are not known."""
 
 
 class FeatureTrack:
     """The past values of one feature of one stream, and what each method that may forecast it was wrong by."""
 
-    def __init__(self, methods: Sequence[Method], failed: Callable[[], None]) -> None:
+    def __init__(self, methods: Sequence[Method], failures: Failures) -> None:
         self._methods = tuple(methods)
-        self._failed = failed
+        self._failures = failures
         self._times: list[float] = []
         self._values: list[float] = []
         self._errors = [0.0] * len(self._methods)
@@ -45,22 +49,22 @@ class FeatureTrack:
         try:
             return method.predict(self._times, self._values, t)
         except ProblemError:
-            self._failed()
+            self._failures.note("forecast")
             return self._values[-1]
 
 
 class Outlook:
     """All features of one stream, or its scale, at times to come."""
 
-    def __init__(self, methods: Callable[[str], Sequence[Method]], failed: Callable[[], None]) -> None:
-        self._methods = methods
-        self._failed = failed
+    def __init__(self, forecast: FeatureForecast, failures: Failures) -> None:
+        self._forecast = forecast
+        self._failures = failures
         self._tracks: dict[str, FeatureTrack] = {}
 
     def note(self, t: float, values: Mapping[str, float]) -> None:
         """A sample generated at `t` [s] had these values."""
         if values.keys() != self._tracks.keys():
-            self._tracks = {name: FeatureTrack(self._methods(name), self._failed) for name in values}
+            self._tracks = {name: FeatureTrack(self._methods_of(name), self._failures) for name in values}
         for name, value in values.items():
             self._tracks[name].note(t, value)
 
@@ -77,3 +81,6 @@ class Outlook:
     def expect(self, t: float) -> dict[str, float]:
         """Return the values expected at `t` [s]."""
         return {name: track.expect(t) for name, track in self._tracks.items()}
+
+    def _methods_of(self, name: str) -> Sequence[Method]:
+        return self._forecast.of_scale if name == SCALE else self._forecast.of(name)

@@ -4,8 +4,6 @@ A stream is periodic unless it shows otherwise: bursts by pauses far longer than
 generation times that no period explains. Of a random stream no more is known than its rate.
 """
 
-from collections.abc import Callable
-
 from proxy.core.forecast.bursts import Bursts, bursts_in, reported_bursts
 from proxy.core.forecast.gaps import spread
 from proxy.core.forecast.history import History
@@ -14,6 +12,10 @@ from proxy.core.forecast.rhythm import Numbered, Rhythm
 from proxy.core.forecast.tuning import TUNING
 from proxy.core.forecast.written import written
 from utility_specs.schedules import ScheduleRule
+from utility_specs.specs import Failures
+
+_UNSEEN = Failures()
+"""Where no rule is given nobody looks at failures."""
 
 
 class Recognition:
@@ -21,7 +23,7 @@ class Recognition:
 
     def __init__(self) -> None:
         self._rule: ScheduleRule | None = None
-        self._failed: Callable[[], None] = _nothing
+        self._failures = _UNSEEN
         self._reported = "", 0.0
         self._bursts: Bursts | None = None
         self._bursts_at = 0
@@ -30,9 +32,9 @@ class Recognition:
         self._spread_at = -TUNING.memory
         self._periodic = True
 
-    def set_rule(self, rule: ScheduleRule | None, failed: Callable[[], None]) -> bool:
+    def set_rule(self, rule: ScheduleRule | None, failures: Failures) -> bool:
         """Go by a rule of a spec, or by what is seen; return whether that is another one."""
-        self._failed = failed
+        self._failures = failures
         changes, self._rule = rule != self._rule, rule
         return changes
 
@@ -47,7 +49,7 @@ class Recognition:
         first, last = seen.first or seen.past[0], seen.past[-1][1]
         if self._rule is not None:
             past = [*([first] if first != seen.past[0] else []), *seen.past]
-            return written(self._rule, past, rhythm.period if rhythm else 0.0, self._failed)
+            return written(self._rule, past, rhythm.period if rhythm else 0.0, self._failures)
         kind, period = self._reported
         if kind == "poisson":
             return Memoryless(period)
@@ -88,7 +90,3 @@ class Recognition:
 def _mean_interval(seen: History) -> float:
     (count, first), (number, last) = seen.past[0], seen.past[-1]
     return (last - first) / (number - count)
-
-
-def _nothing() -> None:
-    """Nobody counts failures."""

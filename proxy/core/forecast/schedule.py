@@ -1,7 +1,6 @@
 """When a stream generates its samples."""
 
 import math
-from collections.abc import Callable
 
 from proxy.core.forecast.history import History
 from proxy.core.forecast.patterns import Pattern, Periodic, Span
@@ -10,6 +9,7 @@ from proxy.core.forecast.rhythm import Numbered, Rhythm
 from proxy.core.forecast.tracker import Tracker
 from proxy.core.forecast.tuning import TUNING
 from utility_specs.schedules import ScheduleRule
+from utility_specs.specs import Failures
 
 
 class Schedule:
@@ -60,9 +60,9 @@ class Schedule:
         """Whether no more samples are to be expected, as the stream is silent for too long by its own measure."""
         return now - self._history.newest[1] >= self.timeout
 
-    def set_rule(self, rule: ScheduleRule | None, failed: Callable[[], None]) -> None:
-        """Go by a rule of a spec, or by what is seen; `failed` is called when a function of the rule fails."""
-        if self._recognition.set_rule(rule, failed):
+    def set_rule(self, rule: ScheduleRule | None, failures: Failures) -> None:
+        """Go by a rule of a spec, or by what is seen; `failures` counts those of a function of the rule."""
+        if self._recognition.set_rule(rule, failures):
             self._renew()
 
     def observe(self, count: int | None, t_gen: float, reported: Rhythm | None = None) -> None:

@@ -1,6 +1,6 @@
 """Schedules that a spec gives, laid over what was seen of a stream."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 from statistics import median
 
@@ -9,6 +9,7 @@ from proxy.core.forecast.patterns import Memoryless, Pattern, Periodic, Span
 from proxy.core.forecast.rhythm import Numbered, Rhythm, fit
 from proxy.core.forecast.tuning import TUNING
 from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, ScheduleRule, TimesRule
+from utility_specs.specs import Failures
 
 
 class Listed(Pattern):
@@ -35,11 +36,11 @@ class Listed(Pattern):
 class Computed(Pattern):
     """What a Python function expects, asked anew after each sample."""
 
-    def __init__(self, rule: PythonRule, times: Sequence[float], period: float, failed: Callable[[], None]) -> None:
+    def __init__(self, rule: PythonRule, times: Sequence[float], period: float, failures: Failures) -> None:
         super().__init__("python", period, 0.0, period)
         self._rule = rule
         self._times = times
-        self._failed = failed
+        self._failures = failures
         self._until = times[-1]
         self._answer: list[float] = []
 
@@ -52,12 +53,12 @@ class Computed(Pattern):
                 answer = self._rule.next_times([t - first for t in self._times], self._until - first)
                 self._answer = [first + t for t in answer]
             except ProblemError:
-                self._failed()
+                self._failures.note("schedule")
         return [t for t in self._answer if span.after < t <= span.until][: span.most]
 
 
-def written(rule: ScheduleRule, past: Sequence[Numbered], period: float, failed: Callable[[], None]) -> Pattern:
-    """Return what a rule says of a stream with this past, its first sample first; `failed` counts failures."""
+def written(rule: ScheduleRule, past: Sequence[Numbered], period: float, failures: Failures) -> Pattern:
+    """Return what a rule says of a stream with this past, its first sample first; `failures` counts failures."""
     match rule:
         case PeriodicRule():
             return Periodic(_rhythm(rule, past))
@@ -66,7 +67,7 @@ def written(rule: ScheduleRule, past: Sequence[Numbered], period: float, failed:
         case TimesRule():
             return Listed(rule, _origin(rule, past), past[-1][1])
         case PythonRule():
-            return Computed(rule, [t for _, t in past], period, failed)
+            return Computed(rule, [t for _, t in past], period, failures)
 
 
 def _rhythm(rule: PeriodicRule, past: Sequence[Numbered]) -> Rhythm:

@@ -16,13 +16,12 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 
 from planner import Aggregation
 from planner.received import integrals
 from planner.steady import INTERVALS, Steady, clearing_prices
 from planner.utility.base import told_apart
-from proxy.core.market.standing import Row, Standing, Weighed, reserve
+from proxy.core.market.standing import Amounts, Row, Standing, Weighed, reserve
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 
@@ -32,7 +31,7 @@ class Market:
     """What a unit of each limit costs, and whether there is room for all; a new stream is weighed by the last one."""
 
     limits: tuple[Limit, ...]
-    prices: npt.NDArray[np.float64]
+    prices: Amounts
     fits: bool
 
     @classmethod
@@ -41,11 +40,11 @@ class Market:
         steady = _steady(rows)
         prices = clearing_prices(steady, TUNING.offered * np.array([c.limit / c.window for c in limits]))
         most = reserve(rows, [row.interval for row in rows], limits, TUNING.sure_deviations)
-        return cls(limits, prices, all(a <= c.limit for a, c in zip(most, limits, strict=True))), steady
+        return cls(limits, tuple(prices.tolist()), all(a <= c.limit for a, c in zip(most, limits, strict=True))), steady
 
     def weigh(self, rows: Sequence[Row], steady: Steady) -> list[Weighed]:
         """Weigh streams that earn so much."""
-        cost = steady.use @ self.prices
+        cost = steady.use @ np.array(self.prices)
         marginal, _ = steady.marginal()
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             last, first = (np.where(cost > 0.0, marginal[:, at] / cost, math.inf) for at in (0, -1))

@@ -13,6 +13,10 @@ class Lifetimes:
     def __init__(self) -> None:
         self._known: dict[int, tuple[MessageUtility, Lifetime]] = {}
 
+    def __getstate__(self) -> dict[str, object]:
+        """Leave out what is known by identity, which is another one elsewhere."""
+        return {"_known": {}}
+
     def end(self, utility: MessageUtility) -> float:
         """Return from which age on a sample is worth nothing, or next to nothing [s]; ∞: never."""
         end = self._of(utility).end

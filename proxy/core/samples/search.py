@@ -18,15 +18,24 @@ from proxy.core.window.window import Window, WindowBuilder
 
 @dataclass(frozen=True, slots=True)
 class Pending:
-    """The sample being decided, or the copy of one, beside so many other messages; of too many some were left out."""
+    """The sample being decided since `asked` [s], or the copy of one, beside so many other messages.
+
+    Of too many some were left out.
+    """
 
     ticket: int
     sample: Waiting
     window: Window
     iterations: int
+    asked: float
     held: int = 0
     thinned: bool = False
     copy: Copy | None = None
+
+    @property
+    def decide(self) -> Decide:
+        """The search that was asked for; its ticket is its seed."""
+        return Decide(self.ticket, self.window.problem, self.ticket, self.iterations, self.asked)
 
     @property
     def constraints(self) -> tuple[str, ...]:
@@ -63,8 +72,8 @@ class Search:
             self._decisions.thin(held, window.full)
         fewer = self._iterations // (1 + len(inbox) // TUNING.samples_per_halving)
         iterations = min(max(TUNING.fewest_iterations, fewer), self._iterations)
-        self.pending = Pending(ticket, sample, window, iterations, held, thinned, copy)
-        return Decide(ticket, window.problem, ticket, iterations, now)
+        self.pending = Pending(ticket, sample, window, iterations, now, held, thinned, copy)
+        return self.pending.decide
 
     def answered(self, ticket: int, overhead: float) -> Pending | None:
         """Return the sample that waited for the answer with this ticket, which is awaited no longer.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import NamedTuple
 
-from proxy.core.forecast.features import Outlook
+from proxy.core.forecast.features import SCALE, Outlook
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.forecast.schedule import Schedule
 from proxy.core.protocol.fixed import rounded
@@ -15,10 +15,6 @@ from proxy.core.protocol.messages import StreamState
 from proxy.core.view.sizes import Sizes
 from proxy.core.view.tuning import TUNING
 from utility_specs import InformationType
-
-SCALE = "scale"
-"""Stands for the scale where features are not known."""
-
 
 NONE: Mapping[str, float] = MappingProxyType({})
 """No features."""
@@ -87,15 +83,11 @@ class Stream:
         self.changes += 1
         failures, before = information_type.failures, self.information_type
         self.information_type = information_type
-        self.schedule.set_rule(information_type.schedule, lambda: failures.note("schedule"))
+        self.schedule.set_rule(information_type.schedule, failures)
         if information_type.forecast.plain:
             self._outlook = None
         elif self._outlook is None or before.forecast != information_type.forecast:
-            forecast = information_type.forecast
-            self._outlook = Outlook(
-                lambda name: forecast.of_scale if name == SCALE else forecast.of(name),
-                lambda: failures.note("forecast"),
-            )
+            self._outlook = Outlook(information_type.forecast, failures)
             self._steady = True
         self._expected.clear()
 

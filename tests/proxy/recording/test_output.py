@@ -7,10 +7,10 @@ import pytest
 
 from proxy.bridge.payloads import Content
 from proxy.core.interface import events as ev
-from proxy.recording.entries import End, Gap, Happened, SpecsText, Start
+from proxy.recording.entries import End, Gap, Happened, Snapshot, SpecsText, Start
 from proxy.recording.folder import RecordingFolder
 from proxy.recording.missing import Missing
-from proxy.recording.output import Output, text_of
+from proxy.recording.output import Head, Output, text_of
 from tests.proxy.recording.lives import START, entries, published
 from tests.waiting import wait_until
 from utility_specs import Specs, load_specs
@@ -75,9 +75,18 @@ def test_what_is_added_is_written(output, tmp_path):
     assert output.written.bytes == file.stat().st_size
 
 
+def headed(output, number):
+    """Give what it asked for, if it did: a snapshot of the core before the event with that number."""
+    if output.heads > output.given:
+        output.add(Head(Snapshot(number, 1.0, "0" * 12, "1", "3", b"core")))
+        output.given = output.heads
+
+
 def test_large_files_are_followed_by_others(output, tmp_path):
-    """Each begins where the last one ended, and the core began with the first alone."""
+    """Each begins where the last one ended, with what the core knew there; the core began with the first alone."""
+    output.given = 0
     for begin in range(0, 3000, 100):
+        headed(output, begin)
         add(output, range(begin, begin + 100))
         output.flush()
     output.close("stopped")
@@ -86,6 +95,8 @@ def test_large_files_are_followed_by_others(output, tmp_path):
         found, problems = entries(file)
         assert not problems
         assert (found[0].number, found[0].whole) == (due, place == 0)
+        snapshots = [(each.number, each.data) for each in found[2:3] if isinstance(each, Snapshot)]
+        assert snapshots == ([(due, b"core")] if place else [])
         due += sum(isinstance(entry, Happened) for entry in found)
     assert place > 0
     assert due == 3000

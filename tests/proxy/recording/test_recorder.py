@@ -1,11 +1,15 @@
 """Noting what the core takes in, on one thread, and writing it on another."""
 
+from dataclasses import replace
+
 import pytest
 
 from planner import Constraint, Linear, Message, Problem, Stream
 from proxy.bridge.payloads import Content
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward
+from proxy.recording.entries import Snapshot
+from proxy.recording.errors import RecordingError
 from proxy.recording.folder import RecordingFolder
 from proxy.recording.output import Output
 from proxy.recording.recorder import FULL, Recorder
@@ -27,13 +31,18 @@ def core(event):
     return []
 
 
+def look(number, now):
+    """Take a snapshot of what would be a core."""
+    return Snapshot(number, now, "0" * 12, "1", "3", b"core")
+
+
 @pytest.fixture
 def record(tmp_path):
     """Make recorders; `finish` closes one and returns its entries."""
 
     def made(payload=None):
         output = Output(START, Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 1 << 26)
-        return Recorder(core, output, payload=payload)
+        return Recorder(core, output, look, payload=payload)
 
     return made
 
@@ -133,3 +142,42 @@ def test_what_waits_is_written_soon(record, tmp_path):
 
     wait_until(there, what="the event in the file")
     finish(recorder, tmp_path)
+
+
+def test_a_recording_of_the_middle_of_a_life_begins_with_what_the_core_knew(tmp_path):
+    """Before its first event; each snapshot that is asked for stands where the core was then."""
+    output = Output(replace(START, whole=False), Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 20_000)
+    recorder = Recorder(core, output, look)
+    recorder.start()
+    wait_until(lambda: output.written.files == 1, what="a file")
+    for number in range(2000):
+        recorder.take(published(number, red=1 / (number + 3)))
+        if number % 100 == 99:
+            wait_until(lambda: not recorder.waiting, what="all to be written")
+    recorder.stop()
+    assert recorder.wait(60.0)
+    files = sorted(tmp_path.glob("*.mcap"))
+    assert len(files) > 1
+    for file in files:
+        begin, _, snapshot, first, *_ = entries(file)[0]
+        assert (snapshot.number, snapshot.data) == (begin.number, b"core")
+        assert (first.number, first.event.now) == (begin.number, snapshot.now)
+    assert recorder.describe()["problem"] == ""
+
+
+def test_without_a_snapshot_the_recording_goes_on(tmp_path, caplog):
+    """Its status and the log say why there is none, once; the core hears nothing of it."""
+
+    def fails(number, now):
+        raise RecordingError(f"no {number} at {now}")
+
+    output = Output(replace(START, whole=False), Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 1 << 26)
+    recorder = Recorder(core, output, fails)
+    recorder.start()
+    assert len(recorder.take(published(0))) == 2
+    recorder.take(published(1))
+    problem = "it cannot be replayed exactly, for there is no snapshot of the core: no 0 at 1.0"
+    assert recorder.describe()["problem"] == problem
+    assert [record.message for record in caplog.records] == [f"recording: {problem}"]
+    found = finish(recorder, tmp_path)
+    assert [type(entry).__name__ for entry in found] == ["Start", "SpecsText", "Happened", "Happened", "End"]

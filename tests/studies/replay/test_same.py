@@ -1,7 +1,11 @@
 """Exact replays of recordings of real daemons."""
 
+import json
+import os
 import random
 import re
+import subprocess
+import sys
 import threading
 from contextlib import ExitStack
 from dataclasses import replace
@@ -9,15 +13,16 @@ from dataclasses import replace
 import pytest
 
 from planner import Plan
+from proxy.bridge import keys
 from proxy.config import AppConfig, Config, MeshConfig, RecordConfig, SpecsConfig
 from proxy.core.interface import events as ev
 from proxy.daemon import Daemon
-from proxy.recording.entries import Gap, Happened, Start
+from proxy.recording.entries import Gap, Happened, Snapshot, Start
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
 from proxy.recording.writing import RecordingWriter
 from proxy.reloading import read_specs
-from studies.replay.same import SameReplay, lives, replayed
+from studies.replay.same import SameReplay, lives, replayed, stretches
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
 from tests.proxy.recording.lives import recorded
 from tests.waiting import wait_until
@@ -45,7 +50,7 @@ TIGHTER = SPECS.replace("LIMIT", "120 kbit/s").replace("WEIGHT", "3.0")
 class Robot:
     """A daemon that records, and an application that publishes and hears."""
 
-    def __init__(self, stack, name, folder, connect=()):
+    def __init__(self, stack, name, folder, connect=(), *, on=True, **record):
         self.name, self.app, self.mesh = name, free_endpoint(), free_endpoint()
         self.file = folder / f"{name}.toml"
         self.file.write_text(TIGHT)
@@ -54,7 +59,7 @@ class Robot:
             app=AppConfig(listen=(self.app,)),
             mesh=MeshConfig(listen=(self.mesh,), connect=connect, scouting=False),
             specs=SpecsConfig(path=self.file),
-            record=RecordConfig(on=True, folder=folder / "recordings", payloads=True),
+            record=RecordConfig(on=on, folder=folder / "recordings", payloads=on).model_copy(update=record),
         )
         self.daemon = Daemon(config, read_specs(self.file), self.file)
         self.daemon.start()
@@ -70,6 +75,11 @@ class Robot:
 
     def decided(self):
         return self.daemon.recording.describe()["events"]
+
+    def told(self, order):
+        """Tell the daemon to record or not, as `sendworthy record` does."""
+        (reply,) = self.session.get(keys.record(self.name), payload=json.dumps({"record": order}), timeout=60.0)
+        return json.loads(reply.ok.payload.to_string())
 
 
 @pytest.fixture(scope="module")
@@ -90,18 +100,43 @@ def folder(tmp_path_factory):
     return folder / "recordings"
 
 
-def fly(robots, events):
-    """Publish until each robot has recorded so many events."""
+def fly(robots, events, beside=None):
+    """Publish until each robot has recorded so many events; another one may publish beside them."""
 
     pace = threading.Event()
 
     def enough():
-        for robot in robots:
+        for robot in robots if beside is None else (*robots, beside):
             robot.publish()
         pace.wait(0.015)
         return all(robot.decided() >= events for robot in robots)
 
     wait_until(enough, what=f"{events} events")
+
+
+@pytest.fixture(scope="module")
+def middle(tmp_path_factory):
+    """Recordings of the middle of two robots' lives.
+
+    One was told to record twice, the other one's daemon deleted the first of its files.
+    """
+    folder = tmp_path_factory.mktemp("middle")
+    with ExitStack() as stack:
+        one = Robot(stack, "r1", folder, on=False)
+        two = Robot(stack, "r2", folder, connect=(one.mesh,), file_bytes=300_000, disk_bytes=1_000_000)
+        wait_until(lambda: all(len(each.daemon._loop.core.view.peers) == 1 for each in (one, two)), what="the other")
+        fly((two,), 200, beside=one)
+        one.told("start")
+        fly((one,), 300, beside=two)
+        for robot in (one, two):
+            robot.file.write_text(TIGHTER)
+            robot.daemon.reloading.reload("test")
+        fly((one, two), 600)
+        one.told("stop")
+        one.told("start")
+        fly((one,), 200, beside=two)
+        one.told("stop")
+    return folder / "recordings"
 
 
 def recording(folder, robot):
@@ -127,6 +162,79 @@ def test_a_real_daemon_s_decisions_are_the_same_to_the_last(folder, robot):
         each for entry in reader if isinstance(entry, Happened) for each in entry.commands if each["command"] == "Drop"
     ]
     assert dropped, "nothing was contended for"
+
+
+def test_a_recording_from_the_middle_of_a_life_is_replayed_exactly(middle):
+    """What `sendworthy record` begins at any time, over a reload of the specs."""
+    first, second = sorted(middle.glob("r1-*.mcap"))
+    for file, events in ((first, 600), (second, 200)):
+        reader = RecordingReader(file)
+        assert not reader.start.whole
+        found = replayed([reader])
+        assert (found.difference, found.ended, reader.problems) == ("", "", [])
+        assert found.events >= events
+        assert found.decisions > 10
+
+
+def test_rotated_files_are_replayed_exactly_without_those_before_them(middle):
+    """All that are left together, and each alone."""
+    readers = [RecordingReader(file) for file in sorted(middle.glob("r2-*.mcap"))]
+    assert len(readers) > 1
+    assert readers[0].start.number > 0
+    together = replayed(readers)
+    assert (together.difference, together.ended) == ("", "")
+    assert together.first == readers[0].start.number
+    alone = [replayed([reader]) for reader in readers]
+    assert all((found.difference, found.ended) == ("", "") for found in alone)
+    assert [found.first for found in alone] == [reader.start.number for reader in readers]
+    assert sum(found.events for found in alone) == together.events
+    assert sum(found.decisions for found in alone) > 10
+
+
+@pytest.mark.parametrize("seed", ["1", "2"])
+def test_another_process_finds_the_same(middle, seed):
+    """Whatever the order of sets is there."""
+    files = sorted(middle.glob("*.mcap"))
+    command = "import sys; from proxy.cli import main; sys.exit(main(sys.argv[1:]))"
+    done = subprocess.run(
+        [sys.executable, "-c", command, "replay", *files],
+        env={**os.environ, "PYTHONHASHSEED": seed},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120.0,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count(", all equal") == 3
+
+
+def test_after_a_gap_the_next_snapshot_is_gone_on_with(middle):
+    """Each stretch is told of."""
+    first, *_, last = [RecordingReader(file) for file in sorted(middle.glob("r2-*.mcap"))]
+    at = first.start.number + 30
+    lost = Gap(at, 1, reason="a full disk")
+    lacking = [lost if isinstance(each, Happened) and each.number == at else each for each in first]
+    before, after = stretches([Lacking(first.start, lacking), last])
+    assert (before.equal, before.first, before.events) == (True, first.start.number, 30)
+    assert before.ended.endswith("a full disk")
+    assert (after.equal, after.ended, after.first) == (True, "", last.start.number)
+
+
+class Lacking(list):
+    """The entries of a file some of which are missing."""
+
+    def __init__(self, start, entries):
+        super().__init__(entries)
+        self.start = start
+
+
+def test_a_snapshot_that_is_refused_is_told(middle):
+    """Of another version, or of what is no core."""
+    reader = RecordingReader(next(middle.glob("r1-*.mcap")))
+    for change, message in (({"version": "0.0.1"}, "one of Sendworthy 0.0.1"), ({"data": b"x"}, "is damaged")):
+        changed = [replace(each, **change) if isinstance(each, Snapshot) else each for each in reader]
+        with pytest.raises(RecordingError, match=message):
+            replayed([Lacking(reader.start, changed)])
 
 
 def rewritten(folder, change, path):

@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 
 from proxy.core.forecast.features import FeatureTrack, Outlook
 from tests.utility_specs import outlooks
-from utility_specs.forecast import AUTO, LAST, TREND, PythonMethod
+from utility_specs.forecast import AUTO, LAST, TREND, FeatureForecast, PythonMethod
+from utility_specs.specs import Failures
 
 
 def tracked(values, methods=AUTO):
-    track = FeatureTrack(methods, lambda: None)
+    track = FeatureTrack(methods, Failures())
     for t, value in enumerate(values):
         track.note(float(t), float(value))
     return track
@@ -43,7 +44,7 @@ def test_the_choice_is_less_wrong_than_any_single_method_over_a_mission():
     for values in missions:
         wrong = {}
         for name, methods in {"auto": AUTO, **{m.kind: (m,) for m in AUTO}}.items():
-            track = FeatureTrack(methods, lambda: None)
+            track = FeatureTrack(methods, Failures())
             off = []
             for t, value in enumerate(values.tolist()):
                 if t > 20:
@@ -63,17 +64,17 @@ def test_what_a_stream_is_like_may_change():
 
 def test_a_function_that_fails_is_counted_and_the_last_value_holds():
     """Nothing is raised on the way of a sample."""
-    failures = []
-    track = FeatureTrack([PythonMethod("o:broken", outlooks.broken)], lambda: failures.append(1))
+    failures = Failures()
+    track = FeatureTrack([PythonMethod("o:broken", outlooks.broken)], failures)
     track.note(0.0, 0.5)
     track.note(1.0, 7.0)
     assert track.expect(2.0) == 7.0
-    assert failures == [1]
+    assert failures.counts() == {"forecast": 1}
 
 
 def test_features_are_forecast_each_by_its_own_method():
     """Others appear when a spec has changed: then the past is another one's."""
-    outlook = Outlook(lambda name: (TREND,) if name == "red" else (LAST,), lambda: None)
+    outlook = Outlook(FeatureForecast((LAST,), {"red": (TREND,)}), Failures())
     for t in range(5):
         outlook.note(float(t), {"red": 0.1 * t, "size": float(t)})
     assert outlook.expect(5.0) == {"red": pytest.approx(0.5), "size": 4.0}
@@ -85,7 +86,7 @@ def test_features_are_forecast_each_by_its_own_method():
 @given(st.lists(st.tuples(st.floats(-1.0, 10.0), st.floats(-1e9, 1e9)), min_size=1, max_size=60), st.floats(0.0, 1e4))
 def test_whatever_is_noted_a_finite_value_is_expected(samples, ahead):
     """Times need not rise."""
-    track, t = FeatureTrack(AUTO, lambda: None), 0.0
+    track, t = FeatureTrack(AUTO, Failures()), 0.0
     for step, value in samples:
         t += step
         track.note(t, value)

@@ -7,6 +7,7 @@ from proxy.core.forecast.recognition import Recognition
 from proxy.core.forecast.rhythm import Rhythm, fit
 from tests.proxy.core.streams import bursts, periodic, poisson
 from utility_specs.schedules import PoissonRule
+from utility_specs.specs import Failures
 
 SECOND = Rhythm(1.0, 24.0, 20, 0.0, 16)
 
@@ -37,10 +38,10 @@ def test_a_rule_goes_before_a_report_and_a_report_before_what_is_seen():
     assert recognition.report("poisson", 3.0)
     assert not recognition.report("poisson", 3.0)
     assert recognition.pattern(history, SECOND).period == 3.0
-    assert recognition.set_rule(PoissonRule(4.0), lambda: None)
-    assert not recognition.set_rule(PoissonRule(4.0), lambda: None)
+    assert recognition.set_rule(PoissonRule(4.0), Failures())
+    assert not recognition.set_rule(PoissonRule(4.0), Failures())
     assert recognition.pattern(history, SECOND).period == 4.0
-    recognition.set_rule(None, lambda: None)
+    recognition.set_rule(None, Failures())
     recognition.report("periodic", 1.0)
     assert recognition.pattern(history, SECOND).kind == "periodic"
 

@@ -15,13 +15,14 @@ from proxy.core.forecast.tuning import TUNING
 from tests.proxy.core.streams import bursts, errors, observe, periodic, poisson
 from tests.utility_specs import outlooks
 from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, TimesRule
+from utility_specs.specs import Failures
 
 BOTH = pytest.mark.parametrize("numbered", [True, False])
 
 
-def ruled(rule, failed=lambda: None):
+def ruled(rule, failures=None):
     schedule = Schedule()
-    schedule.set_rule(rule, failed)
+    schedule.set_rule(rule, failures or Failures())
     return schedule
 
 
@@ -360,21 +361,21 @@ def test_a_function_of_the_operators_says_when():
 
 def test_a_function_that_fails_in_flight_is_counted():
     """Then nothing is expected of the stream."""
-    failures = []
+    failures = Failures()
     rule = PythonRule("mission:times", outlooks.two_then_nothing)
-    schedule = observe(ruled(rule, lambda: failures.append(1)), [1.0, 2.0])
+    schedule = observe(ruled(rule, failures), [1.0, 2.0])
     assert schedule.forecast(2.0, 5.0, 9) == [4.0]
     observe(schedule, [3.0, 4.0], first=3)
     assert schedule.forecast(4.0, 9.0, 9) == schedule.forecast(4.0, 9.0, 9) == []
-    assert failures == [1]
+    assert failures.counts() == {"schedule": 1}
 
 
 def test_a_rule_may_come_and_go():
     """What was seen is kept."""
     schedule = observe(Schedule(), periodic(20))
-    schedule.set_rule(PoissonRule(4.0), lambda: None)
+    schedule.set_rule(PoissonRule(4.0), Failures())
     assert schedule.kind == "poisson"
-    schedule.set_rule(None, lambda: None)
+    schedule.set_rule(None, Failures())
     assert (schedule.kind, schedule.period) == ("periodic", pytest.approx(1.0))
 
 

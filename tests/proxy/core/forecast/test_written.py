@@ -5,6 +5,7 @@ import pytest
 from proxy.core.forecast.patterns import Span
 from proxy.core.forecast.written import written
 from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, TimesRule
+from utility_specs.specs import Failures
 
 PAST = [(1, 10.0), (2, 11.0), (3, 12.0)]
 
@@ -22,7 +23,7 @@ PAST = [(1, 10.0), (2, 11.0), (3, 12.0)]
 )
 def test_each_rule_says_when(rule, kind, period, pause, expected):
     """From what was seen comes only where it begins."""
-    pattern = written(rule, PAST, 9.0, lambda: None)
+    pattern = written(rule, PAST, 9.0, Failures())
     assert (pattern.kind, pattern.period, pattern.pause) == (kind, period, pause)
     found = pattern.expect(Span(12.0, 12.0, 15.0, 9))
     assert found == pytest.approx(expected)
