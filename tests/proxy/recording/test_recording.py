@@ -130,7 +130,8 @@ def test_what_is_missing_is_a_warning(robot):
     """As long as it records."""
     robot.told({"record": "start"})
     recording = robot.daemon.recording
-    recording._recorder._output.written.missing = 3
+    output = recording._recorder._output
+    output.written = output.written.lacking(3)
     assert recording.warnings() == ["3 events are missing in the recording"]
     robot.told({"record": "stop"})
     assert recording.warnings() == []
