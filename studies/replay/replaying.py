@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from proxy import exit_codes
+from proxy.extras import needs, there
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
-from studies.extras import needs, there
 from studies.oracle import OracleError
 from studies.replay import policies
 from studies.replay.bound import Bound, bound
@@ -61,10 +61,10 @@ def replay(arguments: argparse.Namespace) -> int:
 def _check_extras(arguments: argparse.Namespace) -> None:
     """Raise ReplayError where a package is not there that will be needed."""
     if arguments.html is not None and not there("matplotlib"):
-        raise ReplayError(f"for --html {needs('study')}")
+        raise ReplayError(f"--html {needs('study')}")
     flown = arguments.json is not None or arguments.html is not None or any(vars(arguments)[n] for n in WHAT_IF)
     if flown and not arguments.no_bound and not there("scipy"):
-        raise ReplayError(f"for the bound {needs('study')}; --no-bound does without")
+        raise ReplayError(f"the bound {needs('study')}; --no-bound does without")
 
 
 def _prepared(arguments: argparse.Namespace, files: Sequence[RecordingReader]) -> tuple[Recordings, Survey, Mission]:

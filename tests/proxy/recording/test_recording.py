@@ -121,8 +121,8 @@ def test_without_the_extra_it_says_which_to_install(robot, monkeypatch):
     for name in ("proxy.recording.output", "proxy.recording.recorder"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.setitem(sys.modules, "proxy.recording.output", None)
-    assert robot.told({"record": "start"}) == 'recordings need the extra "record": pip install "sendworthy[record]"'
-    with pytest.raises(RecordingError, match="need the extra"):
+    assert robot.told({"record": "start"}) == 'recording needs the extra "record": pip install "sendworthy[record]"'
+    with pytest.raises(RecordingError, match="needs the extra"):
         robot.daemon.recording.start(payloads=False)
 
 
