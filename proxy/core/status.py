@@ -1,5 +1,6 @@
 """The core's part of `sendworthy status`: plain JSON data."""
 
+from collections import Counter
 from collections.abc import Collection, Mapping
 from typing import Any
 
@@ -28,6 +29,27 @@ def report(
     `refused` counts what was heard and changed nothing, `retained` is what is taken from apps whoever is here.
     """
     glance = Glance(core.view, now)
+    streams = [_stream(core, stream, glance, now) for stream in core.view.streams]
+    return _report(core, refused, retained, now, uptime) | {"streams": streams}
+
+
+def totals(
+    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
+) -> dict[str, Any]:
+    """The same, but in place of the streams what became of our samples by information type: that takes little."""
+    streams = Counter(stream.information_type.name for stream in core.view.streams.own())
+    types: dict[str, dict[str, Any]] = {
+        name: {"streams": streams[name], "generated": core.counts.generated[name], "by_reason": {}}
+        for name in sorted({*streams, *core.counts.generated, *(name for name, _ in core.counts.decided)})
+    }
+    for (name, reason), count in sorted(core.counts.decided.items()):
+        types[name]["by_reason"][reason] = count
+    return _report(core, refused, retained, now, uptime) | {"types": types}
+
+
+def _report(
+    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, uptime: float
+) -> dict[str, Any]:
     return {
         "status_version": STATUS_VERSION,
         "robot": core.settings.robot,
@@ -43,10 +65,10 @@ def report(
         "counts": _counts(core),
         "kept": core.kept.copies.described(now) | {"keys": sorted(retained)},
         "decisions": core.gate.decisions.described(now),
-        "budget": _budget(core, glance, now),
+        "budget": _budget(core, now),
         "on_air": {"messages": core.view.traffic.messages, "bytes": core.view.traffic.bytes},
         "digests": core.gossip.account.described(),
-        "streams": [_stream(core, stream, glance, now) for stream in core.view.streams],
+        "streams": [],
         "features": [row for each in core.view.specs.types for row in _features(each)],
         "peers": [_peer(peer, core, now) for peer in core.view.peers.values()],
         "warnings": [
@@ -81,8 +103,10 @@ def _counts(core: Parts) -> dict[str, Any]:
     }
 
 
-def _budget(core: Parts, glance: Glance, now: float) -> list[dict[str, Any]]:
-    prices = glance.prices(core.budget.usable(now), alone=core.budget.alone)
+def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
+    prices = core.gate.appraisal.last_prices(now)
+    if prices is None:
+        prices = Glance(core.view, now).prices(core.budget.usable(now), alone=core.budget.alone)
     adaptive = [k for k, limit in enumerate(core.budget.limits) if limit.least < 1.0]
     return [
         {
