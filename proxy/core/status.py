@@ -11,7 +11,7 @@ from proxy.core.protocol.messages import tag
 from proxy.core.transit.latency import Latency
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
-from proxy.core.view.warnings import cast_warnings, namesake_warnings, transport_warnings
+from proxy.core.view.warnings import cast_warnings, mode_warnings, namesake_warnings, transport_warnings
 from utility_specs import InformationType
 
 STATUS_VERSION = 1
@@ -74,6 +74,7 @@ def _report(
         "warnings": [
             *namesake_warnings(core.settings, core.view.peers),
             *transport_warnings(core.settings, core.view.peers),
+            *mode_warnings(core.gate.appraisal.mode, core.view.peers, core.budget.limits),
             *core.mismatched.warnings(),
             *cast_warnings(core.budget.limits, core.settings.transport),
             *core.view.clocks.warnings(),
