@@ -248,6 +248,7 @@ class Daemon:
             executor=executor,
             on_loop=self._loop.post,
             status=status.read,
+            live=status.live,
             why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
             switch=self._ordered,
             profile=profiler.start,

@@ -42,6 +42,10 @@ class DaemonStatus:
         """Return the whole status as plain JSON data."""
         return self._with_parts(self.loop.core.status)
 
+    def live(self) -> dict[str, Any]:
+        """Return the same, but of the streams only what `sendworthy top` shows."""
+        return self._with_parts(self.loop.core.live)
+
     def totals(self) -> dict[str, Any]:
         """Return the same, but in place of the streams totals by information type."""
         return self._with_parts(self.loop.core.totals)

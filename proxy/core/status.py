@@ -33,6 +33,15 @@ def report(
     return _report(core, refused, retained, now, uptime) | {"streams": streams}
 
 
+def live(
+    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
+) -> dict[str, Any]:
+    """The same, but of the streams only what who looks again and again shows: half as much."""
+    glance = Glance(core.view, now)
+    streams = [_live(core, stream, glance, glance.latency(stream)) for stream in core.view.streams]
+    return _report(core, refused, retained, now, uptime) | {"streams": streams}
+
+
 def totals(
     core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
 ) -> dict[str, Any]:
@@ -131,24 +140,31 @@ def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
 def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str, Any]:
     last, sent, latency = stream.last, stream.sent, glance.latency(stream)
     return {
-        "robot": stream.robot,
-        "key": stream.key,
-        "type": stream.information_type.name,
+        **_live(core, stream, glance, latency),
         "schedule": stream.schedule.kind,
         "period": stream.schedule.period,
         "jitter": stream.schedule.jitter,
         "forecast": stream.forecasts,
-        "size": last.size if last else 0,
         "scale": last.scale if last else 0.0,
         "over": stream.schedule.over(core.view.staleness.reported_until(stream.robot, now)),
+        "latency": latency,
+        "last_generated": now - last.t_gen if last else None,
+        "last_forwarded": now - sent.t_sent if sent else None,
+    }
+
+
+def _live(core: Parts, stream: Stream, glance: Glance, latency: float | None) -> dict[str, Any]:
+    """What changes with each sample, and what a stream is called."""
+    return {
+        "robot": stream.robot,
+        "key": stream.key,
+        "type": stream.information_type.name,
+        "size": stream.last.size if stream.last else 0,
         "generated": max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
         "forwarded": stream.forwarded,
         "by_reason": dict(sorted(stream.fates.items())),
         "receivers": core.view.subscribers.count(stream),
-        "latency": latency,
         "age": glance.age(stream, latency),
-        "last_generated": now - last.t_gen if last else None,
-        "last_forwarded": now - sent.t_sent if sent else None,
     }
 
 

@@ -125,3 +125,14 @@ def test_totals_are_those_of_all_streams(make_robot):
     assert {name: value for name, value in totals.items() if name not in ("streams", "types")} == {
         name: value for name, value in status.items() if name != "streams"
     }
+
+
+def test_who_looks_again_and_again_is_told_less_of_each_stream(make_robot):
+    """What `sendworthy top` shows, as the status has it."""
+    talk = make_robot()
+    run(talk, -10.0, 0.0, size=1000)
+    status, live = status_at(talk, 0.0), talk.core.live(0.0)
+    (whole,), (part,) = status["streams"], live["streams"]
+    assert set(whole) > set(part) >= {"robot", "key", "type", "size", "generated", "forwarded", "by_reason", "age"}
+    assert all(whole[name] == value for name, value in part.items())
+    assert {**live, "streams": []} == {**status, "streams": []}
