@@ -238,7 +238,7 @@ class Daemon:
         if listen := self._config.metrics.listen:
             from proxy.metrics.server import MetricsServer  # noqa: PLC0415 - few need it
 
-            read = partial(self._loop.ask, status.read, TUNING.core_wait)
+            read = partial(self._loop.ask, status.totals, TUNING.core_wait)
             opening.callback(MetricsServer(listen, read).close, TUNING.stop_wait)
         executor = SerialExecutor("control")  # of its own: what waits for the mesh must not keep the operator waiting
         opening.callback(executor.close, TUNING.stop_wait)
@@ -248,6 +248,7 @@ class Daemon:
             executor=executor,
             on_loop=self._loop.post,
             status=status.read,
+            live=status.live,
             why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
             switch=self._ordered,
             profile=profiler.start,

@@ -1,6 +1,7 @@
 """What `sendworthy status` shows of a daemon: what its core says, and what its other parts say."""
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,9 +40,20 @@ class DaemonStatus:
 
     def read(self) -> dict[str, Any]:
         """Return the whole status as plain JSON data."""
+        return self._with_parts(self.loop.core.status)
+
+    def live(self) -> dict[str, Any]:
+        """Return the same, but of the streams only what `sendworthy top` shows."""
+        return self._with_parts(self.loop.core.live)
+
+    def totals(self) -> dict[str, Any]:
+        """Return the same, but in place of the streams totals by information type."""
+        return self._with_parts(self.loop.core.totals)
+
+    def _with_parts(self, of_core: Callable[[float], dict[str, Any]]) -> dict[str, Any]:
         self.bridge.flush()
         self.presence.floods.flush(clock.monotonic())
-        status = self.loop.core.status(clock.monotonic())
+        status = of_core(clock.monotonic())
         return status | {"warnings": [*status.get("warnings", ()), *self._warnings()], "daemon": self._describe()}
 
     def _describe(self) -> dict[str, Any]:

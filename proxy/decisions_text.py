@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from proxy.live_streams import MEANT, REASONS
-from proxy.status_table import UNKNOWN, Status, amount, columns, duration, number
+from proxy.quantities import UNKNOWN, Status, amount, columns, duration, number
 
 AT_ONCE = 1e-3
 """What takes no longer happens at once [s]."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from planner.problem import Aggregation
-from proxy.status_table import UNKNOWN, amount, columns, duration, number
+from proxy.quantities import UNKNOWN, amount, columns, duration, number
 from utility_specs.competing import Competitor
 from utility_specs.explaining import (
     AGGREGATIONS,

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from proxy.status_table import UNKNOWN, Status, columns, duration, number, schedule
+from proxy.quantities import UNKNOWN, Status, columns, duration, number, schedule
 from utility_specs.competing import Competitor, ranked, rules
 from utility_specs.lifetimes import integral
 from utility_specs.specs import Specs

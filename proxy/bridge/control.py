@@ -15,12 +15,15 @@ from proxy.errors import ProxyError
 from proxy.profiling.profile import Profile
 from proxy.profiling.request import Request, read
 
+LIVE = b"live"
+"""Asks for that part of the status which `sendworthy top` shows."""
+
 
 class Control:
     """Answers `@sendworthy/<robot>/status` with JSON, takes a mode on `…/mode`, is profiled on `…/profile`.
 
-    On `…/why` it tells the last decisions. `on_loop` runs a function on the loop's thread, where `status`, `why`,
-    `switch` and `profile` are called.
+    On `…/why` it tells the last decisions. `on_loop` runs a function on the loop's thread, where `status`, `live`,
+    `why`, `switch` and `profile` are called. Who asks for the status with the payload `live` hears less of each stream.
     """
 
     def __init__(
@@ -31,6 +34,7 @@ class Control:
         executor: SerialExecutor,
         on_loop: Callable[[Callable[[], None]], None],
         status: Callable[[], dict[str, Any]],
+        live: Callable[[], dict[str, Any]],
         why: Callable[[bytes], dict[str, Any]],
         switch: Callable[[Mode], None],
         profile: Callable[[Request, Callable[[Profile], None]], None],
@@ -38,6 +42,7 @@ class Control:
         self._executor = executor
         self._on_loop = on_loop
         self._status = status
+        self._live = live
         self._why = why
         self._switch = switch
         self._profile = profile
@@ -60,7 +65,8 @@ class Control:
         return app.declare_queryable(key, zenoh.handlers.Callback(receive, indirect=False), complete=True)
 
     def _answer_status(self, key: str, query: zenoh.Query) -> None:
-        self._reply(key, query, json.dumps(self._status()), zenoh.Encoding.APPLICATION_JSON)
+        told = self._live() if bytes(query.payload or b"") == LIVE else self._status()
+        self._reply(key, query, json.dumps(told), zenoh.Encoding.APPLICATION_JSON)
 
     def _answer_why(self, key: str, query: zenoh.Query) -> None:
         try:

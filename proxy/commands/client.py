@@ -12,6 +12,7 @@ import zenoh
 
 from proxy import clock, exit_codes
 from proxy.bridge import keys
+from proxy.bridge.control import LIVE
 from proxy.bridge.fleet import Outcome, read_outcomes
 from proxy.bridge.tuning import TUNING
 from proxy.config_values import endpoint, robot_name
@@ -69,9 +70,12 @@ class Client:
         self._session = session
         self._where = where
 
-    def status(self, robot: str | None) -> list[dict[str, object]]:
-        """Return the status of `robot`, or of all that answer, by name. Raises NoAnswerError."""
-        answers = self._ask(keys.status(robot or "*"), None)
+    def status(self, robot: str | None, *, live: bool = False) -> list[dict[str, object]]:
+        """Return the status of `robot`, or of all that answer, by name. Raises NoAnswerError.
+
+        `live`: of streams only what changes with each sample; a daemon that does not know that tells all.
+        """
+        answers = self._ask(keys.status(robot or "*"), LIVE if live else None)
         try:
             return sorted(map(json.loads, answers), key=lambda status: str(status["robot"]))
         except (ValueError, TypeError, KeyError):

@@ -8,6 +8,7 @@ from typing import Any
 
 from proxy import exit_codes
 from proxy.config_loading import SETTINGS
+from proxy.extras import needs
 
 SHELLS = "bash", "zsh", "fish"
 COMMANDS = argparse._SubParsersAction  # noqa: SLF001 - it has no other name
@@ -45,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         import shtab  # noqa: PLC0415 - an extra
     except ModuleNotFoundError:
-        print("sendworthy completion: shtab is missing: pip install 'sendworthy[completion]'", file=sys.stderr)
+        print(f"sendworthy completion {needs('completion')}", file=sys.stderr)
         return exit_codes.FAILED
     from proxy.cli import parser  # noqa: PLC0415 - which imports this module
 

@@ -17,7 +17,7 @@ from proxy.commands.client import Client, NoAnswerError, add_client_flags, conne
 from proxy.errors import ProxyError
 from proxy.explanation_text import described, ranking
 from proxy.live_streams import competing, known, live_data, streams_of
-from proxy.status_table import Status
+from proxy.quantities import Status
 from utility_specs import Specs, SpecsError
 from utility_specs.competing import Competitor, competitors, typical_sizes
 from utility_specs.errors import QuantityError

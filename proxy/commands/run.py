@@ -14,8 +14,8 @@ from proxy import exit_codes
 from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_loading import SETTINGS, load_config
 from proxy.errors import ConfigError, ProxyError
+from proxy.extras import needs, there
 from proxy.log import set_up_logging
-from proxy.metrics.installed import check_installed
 from proxy.notices import Notices
 from proxy.priority import raise_priority
 from proxy.reloading import Reloading, read_specs
@@ -105,10 +105,12 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
     read = partial(load_config, arguments.config, os.environ, given)
     try:
         config = read()
-        check_installed(config.metrics.listen)
         specs = read_specs(config.specs.path)
     except (ConfigError, SpecsError) as error:
         print(error, file=sys.stderr)
+        return exit_codes.CONFIG
+    if config.metrics.listen and not there("prometheus_client"):  # to load it would take long
+        print(f"metrics.listen {needs('metrics')}", file=sys.stderr)
         return exit_codes.CONFIG
     set_up_logging(config.log, os.environ)
     for outdated in config.outdated:

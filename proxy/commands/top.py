@@ -5,6 +5,7 @@ import sys
 
 from proxy import exit_codes
 from proxy.commands.client import DAEMON, endpoint_flag, robot_flag
+from proxy.extras import needs
 from proxy.top.view import KEYS, View
 
 DESCRIPTION = """\
@@ -59,11 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Show it; return the exit code."""
     try:
         from proxy.top import screen  # noqa: PLC0415 - rich is an extra
-    except ModuleNotFoundError as error:
-        print(
-            f"sendworthy top: {str(error.name).partition('.')[0]} is missing: pip install 'sendworthy[top]'",
-            file=sys.stderr,
-        )
+    except ModuleNotFoundError:
+        print(f"sendworthy top {needs('top')}", file=sys.stderr)
         return exit_codes.FAILED
     view = View(robot=arguments.robot, fleet=arguments.fleet)
     endpoints = list(dict.fromkeys(arguments.connect or [DAEMON]))

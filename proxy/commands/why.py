@@ -11,7 +11,7 @@ from typing import Any
 from proxy import clock, exit_codes
 from proxy.commands.client import Client, NoAnswerError, add_client_flags, connected
 from proxy.decisions_text import again, described, headed
-from proxy.status_table import duration
+from proxy.quantities import duration
 from proxy.why import LAST, Question, QuestionError
 
 DESCRIPTION = """\

@@ -21,7 +21,7 @@ from proxy.core.reactions.mesh_news import MeshNews
 from proxy.core.reactions.own_samples import OwnSamples
 from proxy.core.reactions.retention import Retention
 from proxy.core.reactions.team_limits import TeamLimits
-from proxy.core.status import report
+from proxy.core.status import live, report, totals
 from proxy.core.why import stream_decisions
 from utility_specs import Specs
 
@@ -80,6 +80,14 @@ class Core:
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
         return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+
+    def live(self, now: float) -> dict[str, Any]:
+        """The same, but of the streams only what who looks again and again shows: half as much."""
+        return live(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+
+    def totals(self, now: float) -> dict[str, Any]:
+        """The same, but in place of the streams what became of our samples by information type: that takes little."""
+        return totals(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
 
     @property
     def asked(self) -> Decide | None:

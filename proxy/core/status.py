@@ -1,5 +1,6 @@
 """The core's part of `sendworthy status`: plain JSON data."""
 
+from collections import Counter
 from collections.abc import Collection, Mapping
 from typing import Any
 
@@ -10,7 +11,7 @@ from proxy.core.protocol.messages import tag
 from proxy.core.transit.latency import Latency
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
-from proxy.core.view.warnings import cast_warnings, namesake_warnings, transport_warnings
+from proxy.core.view.warnings import cast_warnings, mode_warnings, namesake_warnings, transport_warnings
 from utility_specs import InformationType
 
 STATUS_VERSION = 1
@@ -28,6 +29,36 @@ def report(
     `refused` counts what was heard and changed nothing, `retained` is what is taken from apps whoever is here.
     """
     glance = Glance(core.view, now)
+    streams = [_stream(core, stream, glance, now) for stream in core.view.streams]
+    return _report(core, refused, retained, now, uptime) | {"streams": streams}
+
+
+def live(
+    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
+) -> dict[str, Any]:
+    """The same, but of the streams only what who looks again and again shows: half as much."""
+    glance = Glance(core.view, now)
+    streams = [_live(core, stream, glance, glance.latency(stream)) for stream in core.view.streams]
+    return _report(core, refused, retained, now, uptime) | {"streams": streams}
+
+
+def totals(
+    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
+) -> dict[str, Any]:
+    """The same, but in place of the streams what became of our samples by information type: that takes little."""
+    streams = Counter(stream.information_type.name for stream in core.view.streams.own())
+    types: dict[str, dict[str, Any]] = {
+        name: {"streams": streams[name], "generated": core.counts.generated[name], "by_reason": {}}
+        for name in sorted({*streams, *core.counts.generated, *(name for name, _ in core.counts.decided)})
+    }
+    for (name, reason), count in sorted(core.counts.decided.items()):
+        types[name]["by_reason"][reason] = count
+    return _report(core, refused, retained, now, uptime) | {"types": types}
+
+
+def _report(
+    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, uptime: float
+) -> dict[str, Any]:
     return {
         "status_version": STATUS_VERSION,
         "robot": core.settings.robot,
@@ -43,15 +74,16 @@ def report(
         "counts": _counts(core),
         "kept": core.kept.copies.described(now) | {"keys": sorted(retained)},
         "decisions": core.gate.decisions.described(now),
-        "budget": _budget(core, glance, now),
+        "budget": _budget(core, now),
         "on_air": {"messages": core.view.traffic.messages, "bytes": core.view.traffic.bytes},
         "digests": core.gossip.account.described(),
-        "streams": [_stream(core, stream, glance, now) for stream in core.view.streams],
+        "streams": [],
         "features": [row for each in core.view.specs.types for row in _features(each)],
         "peers": [_peer(peer, core, now) for peer in core.view.peers.values()],
         "warnings": [
             *namesake_warnings(core.settings, core.view.peers),
             *transport_warnings(core.settings, core.view.peers),
+            *mode_warnings(core.gate.appraisal.mode, core.view.peers, core.budget.limits),
             *core.mismatched.warnings(),
             *cast_warnings(core.budget.limits, core.settings.transport),
             *core.view.clocks.warnings(),
@@ -81,8 +113,10 @@ def _counts(core: Parts) -> dict[str, Any]:
     }
 
 
-def _budget(core: Parts, glance: Glance, now: float) -> list[dict[str, Any]]:
-    prices = glance.prices(core.budget.usable(now), alone=core.budget.alone)
+def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
+    prices = core.gate.appraisal.last_prices(now)
+    if prices is None:
+        prices = Glance(core.view, now).prices(core.budget.usable(now), alone=core.budget.alone)
     adaptive = [k for k, limit in enumerate(core.budget.limits) if limit.least < 1.0]
     return [
         {
@@ -106,24 +140,31 @@ def _budget(core: Parts, glance: Glance, now: float) -> list[dict[str, Any]]:
 def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str, Any]:
     last, sent, latency = stream.last, stream.sent, glance.latency(stream)
     return {
-        "robot": stream.robot,
-        "key": stream.key,
-        "type": stream.information_type.name,
+        **_live(core, stream, glance, latency),
         "schedule": stream.schedule.kind,
         "period": stream.schedule.period,
         "jitter": stream.schedule.jitter,
         "forecast": stream.forecasts,
-        "size": last.size if last else 0,
         "scale": last.scale if last else 0.0,
         "over": stream.schedule.over(core.view.staleness.reported_until(stream.robot, now)),
+        "latency": latency,
+        "last_generated": now - last.t_gen if last else None,
+        "last_forwarded": now - sent.t_sent if sent else None,
+    }
+
+
+def _live(core: Parts, stream: Stream, glance: Glance, latency: float | None) -> dict[str, Any]:
+    """What changes with each sample, and what a stream is called."""
+    return {
+        "robot": stream.robot,
+        "key": stream.key,
+        "type": stream.information_type.name,
+        "size": stream.last.size if stream.last else 0,
         "generated": max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
         "forwarded": stream.forwarded,
         "by_reason": dict(sorted(stream.fates.items())),
         "receivers": core.view.subscribers.count(stream),
-        "latency": latency,
         "age": glance.age(stream, latency),
-        "last_generated": now - last.t_gen if last else None,
-        "last_forwarded": now - sent.t_sent if sent else None,
     }
 
 

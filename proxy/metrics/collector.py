@@ -1,4 +1,4 @@
-"""Reads the metrics off the status whenever Prometheus asks: between two scrapes nothing is done."""
+"""Reads the metrics off the totals of the status whenever Prometheus asks: between two scrapes nothing is done."""
 
 import math
 import threading
@@ -10,7 +10,6 @@ from prometheus_client.core import Metric as Family
 from prometheus_client.registry import Collector
 
 from proxy import clock
-from proxy.metrics.by_type import ByType
 from proxy.metrics.exported import METRICS
 from proxy.metrics.metric import PREFIX, Metric, Status
 
@@ -24,7 +23,6 @@ class StatusCollector(Collector):
 
     def __init__(self, read: Callable[[], Status]) -> None:
         self._read = read
-        self._by_type = ByType()
         self._lock = threading.Lock()
         self._read_at = -math.inf
         self._families: list[Family] = []
@@ -39,7 +37,6 @@ class StatusCollector(Collector):
 
     def _collect(self) -> list[Family]:
         status = self._read()
-        status = status | {"types": self._by_type.take(status)}
         families = (_family(metric, status) for metric in METRICS)
         return [family for family in families if family.samples]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 Status = dict[str, Any]
-"""What `sendworthy status --json` shows."""
+"""What `sendworthy status --json` shows, but in place of the streams `types`: totals by information type."""
 Row = tuple[tuple[str, ...], float]
 """The values of the labels, and the value."""
 PREFIX = "sendworthy_"

@@ -3,7 +3,7 @@
 import math
 
 from proxy.profiling.profile import Profile
-from proxy.status_table import UNKNOWN, columns
+from proxy.quantities import UNKNOWN, columns
 
 
 def table(profile: Profile) -> str:

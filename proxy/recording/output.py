@@ -27,7 +27,7 @@ Taken = tuple[int, Event, Sequence[Any], str, Content | None]
 """An event that the core took in: its number, itself, the commands that followed, the fault, the payload."""
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Written:
     """What was recorded so far."""
 
@@ -38,6 +38,10 @@ class Written:
     missing: int = 0
     problem: str = ""
     """Why nothing is recorded at the moment."""
+
+    def lacking(self, events: int) -> "Written":
+        """Return the same with so many events missing more."""
+        return replace(self, missing=self.missing + events)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +114,7 @@ class Output:
         self._missing.event(number, event)
         if payload is not None:
             self._missing.payload()
-        self.written.missing += 1
+        self.written = self.written.lacking(1)
 
     def flush(self) -> None:
         """Bring to the file what is in hand, and say there what is missing; ask for a head where it is full."""
@@ -120,7 +124,7 @@ class Output:
             self._settle()
         if self._writer is None:
             return
-        self.written.bytes = self._closed_bytes + self._writer.size
+        self.written = replace(self.written, bytes=self._closed_bytes + self._writer.size)
         if self._full and not self._missing:
             self._ask_head()
 
@@ -162,7 +166,7 @@ class Output:
             with suppress(OSError):
                 self._writer.close(reason, self._now)
             self._closed_bytes += self._writer.size
-            self.written.bytes = self._closed_bytes
+            self.written = replace(self.written, bytes=self._closed_bytes)
             self._writer = None
 
     def _begin(self) -> None:
@@ -180,8 +184,7 @@ class Output:
             path.unlink(missing_ok=True)  # nothing is in there
             raise
         self._writer = writer
-        self.written.file = str(path)
-        self.written.files += 1
+        self.written = replace(self.written, file=str(path), files=self.written.files + 1)
 
     def _precede(self, writer: RecordingWriter, event: Event, payload: Content | None) -> None:
         """Write what stands before an event: its specs, its payload."""
@@ -196,7 +199,7 @@ class Output:
     def _lacks(self, other: Missing) -> None:
         """Note that what comes next is missing."""
         self._number += other.events
-        self.written.missing += other.events
+        self.written = self.written.lacking(other.events)
         if self._missing or self._writer is None:
             self._missing.follow(other)
             return
@@ -216,8 +219,7 @@ class Output:
         reason = os.strerror(error.errno) if error.errno else str(error)
         if self.written.problem != reason:
             log.error("recording: %s; the record says what is missing", reason)
-        self.written.problem = reason
-        self.written.missing += self._in_hand.events
+        self.written = replace(self.written.lacking(self._in_hand.events), problem=reason)
         self._missing.follow(self._in_hand)
         self._missing.reason = reason
         self._in_hand = Missing()
@@ -245,7 +247,7 @@ class Output:
         self._last, self._in_hand = self._in_hand, Missing()
         if self.written.problem:
             log.warning("recording goes on; %d events are missing so far", self.written.missing)
-            self.written.problem, self._retry = "", TUNING.retry
+            self.written, self._retry = replace(self.written, problem=""), TUNING.retry
 
 
 def text_of(specs: Specs) -> SpecsText:

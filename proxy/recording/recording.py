@@ -8,13 +8,12 @@ from planner import SearchSettings
 from proxy import clock
 from proxy.bridge.payloads import Payloads
 from proxy.config import Config
+from proxy.extras import needs
 from proxy.loop import Loop
 from proxy.recording.entries import Start
 from proxy.recording.errors import RecordingError
 from proxy.recording.folder import RecordingFolder
 from proxy.runtime import LiveRuntime
-
-WITHOUT = 'recordings need the extra "record": pip install "sendworthy[record]"'
 
 
 class Recording:
@@ -59,7 +58,7 @@ class Recording:
             from proxy.recording.recorder import Recorder  # noqa: PLC0415 - needs it, too
             from proxy.recording.snapshots import taken  # noqa: PLC0415 - what does not record does without
         except ImportError:
-            raise RecordingError(WITHOUT) from None
+            raise RecordingError(f"recording {needs('record')}") from None
         now, runtime = clock.monotonic(), self._live.runtime
         start = replace(
             self._start,

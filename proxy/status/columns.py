@@ -4,7 +4,7 @@ import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from proxy.status_table import Status
+from proxy.quantities import Status
 
 GAP = 2
 """Blanks between columns."""

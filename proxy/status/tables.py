@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 
+from proxy.quantities import UNKNOWN, Status, amount, duration, number, rate, schedule, share
 from proxy.status.columns import Column, Table
-from proxy.status_table import UNKNOWN, Status, amount, duration, number, rate, schedule, share
 
 
 def word(each: Status, name: str) -> str:

@@ -3,11 +3,11 @@
 import textwrap
 from collections.abc import Mapping, Sequence
 
+from proxy.quantities import UNKNOWN, Status, amount, columns, duration, number, share
 from proxy.status.columns import Table, clean, fitted, shortened
 from proxy.status.tables import DENIED, FEATURES, KEPT, LIMITS, PEERS, STREAMS, failing
 from proxy.status.warnings import warnings
 from proxy.status.words import reason
-from proxy.status_table import UNKNOWN, Status, amount, columns, duration, number, share
 from utility_specs import Specs
 
 ALONE = "no other robot is on the mesh; samples that nobody there wants stay here and are not counted"

@@ -1,6 +1,6 @@
 """What in a daemon's status needs attention, in words."""
 
-from proxy.status_table import Status
+from proxy.quantities import Status
 
 _NOT_MALFORMED = (":other version", ":flood", ":unknown")
 

@@ -68,7 +68,7 @@ class Asking:
     def _go_on(self, endpoint: str, client: Client) -> None:
         """Ask until there is no answer. Raises NoAnswerError."""
         while not self._stopped.is_set():
-            statuses = client.status(None)
+            statuses = client.status(None, live=True)
             with self._lock:
                 before = self._known.get(endpoint, {})
                 self._known[endpoint] = {

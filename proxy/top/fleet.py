@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from proxy.status_table import Status
+from proxy.quantities import Status
 from proxy.top.rates import Change
 
 Changes = Mapping[str, Change]

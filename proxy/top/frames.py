@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from proxy.quantities import UNKNOWN, Status, amount, duration, number, share
 from proxy.status.columns import Table, clean, fitted, shortened
 from proxy.status.tables import PEERS
 from proxy.status.text import headline
 from proxy.status.warnings import warnings
-from proxy.status_table import UNKNOWN, Status, amount, duration, number, share
 from proxy.top.fleet import Changes, Robot, namesakes, robots, rows
 from proxy.top.rates import DROPPED, Change
 from proxy.top.tables import FLEET, LIVE

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from proxy.status_table import Status
+from proxy.quantities import Status
 
 DROPPED = "dropped:"
 

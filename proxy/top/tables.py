@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
+from proxy.quantities import UNKNOWN, Status, amount, duration
 from proxy.status.columns import Column, Table
 from proxy.status.tables import PEERS, STREAMS, latency, percent, word
-from proxy.status_table import UNKNOWN, Status, amount, duration
 from proxy.top.rates import DROPPED
 
 REASONS = 2

@@ -20,6 +20,7 @@ from studies.benchmarks.report import Result, Table, machine, write_page
 from studies.benchmarks.speed import measure_speed
 from studies.benchmarks.traffic import measure_traffic
 from studies.benchmarks.view import measure_view
+from studies.benchmarks.watching import measure_watching
 from studies.oracle import OracleUnavailable
 
 RESULTS = Path(__file__).parent.parent / "results"
@@ -38,6 +39,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "view": ("How right the shared view is, and what a team reaches with it", lambda quick: measure_view(quick=quick)),
     "bridge": ("What the bridge costs", lambda quick: measure_bridge(quick=quick)),
     "budget": ("What a daemon costs", lambda quick: measure_budget(quick=quick)),
+    "watching": ("What it costs to watch a daemon", lambda quick: measure_watching(quick=quick)),
     "traffic": ("Real daemons, real traffic", lambda quick: measure_traffic(quick=quick)),
     "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }

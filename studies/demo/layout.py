@@ -31,9 +31,17 @@ class Node:
 
 def lay_out(robots: int) -> tuple[Node, ...]:
     """Give the operator, number 0, and the robots free ports."""
+    (nodes,) = lay_out_teams(robots, 1)
+    return nodes
+
+
+def lay_out_teams(robots: int, teams: int) -> list[tuple[Node, ...]]:
+    """Give each team's operator, number 0, and robots free ports; so many teams can be there at a time."""
     names = [OPERATOR, *(f"r{number}" for number in range(1, robots + 1))]
-    ports = iter(free_ports(2 * len(names)))
-    return tuple(Node(number, name, next(ports), next(ports)) for number, name in enumerate(names))
+    ports = iter(free_ports(2 * len(names) * teams))
+    return [
+        tuple(Node(number, name, next(ports), next(ports)) for number, name in enumerate(names)) for _ in range(teams)
+    ]
 
 
 def pairs(nodes: tuple[Node, ...]) -> Iterator[tuple[Node, Node]]:

@@ -73,15 +73,19 @@ def start_daemons(
     *,
     mode: str = "enforce",
     flags: Sequence[str] = (),
+    own_flags: Mapping[str, Sequence[str]] | None = None,
 ) -> list[Process]:
-    """Start our daemon for each node, with `spec` and these further `flags`; return when they know each other."""
+    """Start our daemon for each node, with `spec` and further `flags`; return when they know each other.
+
+    Each has flags of its own besides, by the node's name.
+    """
     file = folder / "specs.toml"
     file.write_text(spec)
     daemons = []
     for node in nodes:
         config = folder / f"{node.name}.toml"
         config.write_text(_config(node, dials[node.name], file, mode))
-        command = ("-m", "proxy.cli", "run", "--config", str(config), *flags)
+        command = ("-m", "proxy.cli", "run", "--config", str(config), *flags, *(own_flags or {}).get(node.name, ()))
         daemons.append(troupe.start(f"daemon-{node.name}", *command))
     deadline = time.monotonic() + ASSEMBLY
     for node in nodes:

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from proxy import exit_codes
-from studies.extras import needs, there
+from proxy.extras import needs, there
 from studies.foreign.errors import ImportFailedError
 from utility_specs.errors import SpecsError
 
@@ -58,11 +58,11 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         from studies.foreign.importing import make  # noqa: PLC0415 - needs an extra
     except ImportError:
-        print(f"sendworthy import: {needs('record')}", file=sys.stderr)
+        print(f"sendworthy import {needs('record')}", file=sys.stderr)
         return exit_codes.FAILED
     bags = [path for path in arguments.files if path.suffix.lower() not in TABLES]
     if bags and not there("rosbags"):
-        print(f"sendworthy import: for {bags[0]} {needs('ros2')}", file=sys.stderr)
+        print(f"sendworthy import: {bags[0]} {needs('ros2')}", file=sys.stderr)
         return exit_codes.FAILED
     try:
         make(arguments, bags)

@@ -1,5 +1,7 @@
 """What can keep the oracle from answering."""
 
+from proxy.extras import needs
+
 
 class OracleError(Exception):
     """Base of all errors that the oracle raises."""
@@ -9,7 +11,7 @@ class OracleUnavailable(OracleError):  # noqa: N818 - a state of the installatio
     """SciPy is not installed; a report leaves the figure out and says why."""
 
     def __init__(self) -> None:
-        super().__init__('the offline optimum needs SciPy: pip install "sendworthy[study]"')
+        super().__init__(f"the offline optimum {needs('study')}")
 
 
 class OracleFailed(OracleError):  # noqa: N818 - as above

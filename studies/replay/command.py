@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from proxy import exit_codes
-from studies.extras import needs
+from proxy.extras import needs
 from studies.replay.errors import ReplayError
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION, RATE
@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         from studies.replay.replaying import replay  # noqa: PLC0415 - needs an extra
     except ImportError:
-        print(f"sendworthy replay: {needs('record')}", file=sys.stderr)
+        print(f"sendworthy replay {needs('record')}", file=sys.stderr)
         return exit_codes.FAILED
     try:
         return replay(arguments)

@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TextIO
 
 from proxy.recording.errors import RecordingError
@@ -10,18 +9,10 @@ from proxy.recording.reading import RecordingReader
 from studies.replay.same import Sameness, lives, stretches
 
 
-def all_equal(paths: Sequence[Path], output: TextIO) -> bool:
+def all_equal(files: Sequence[RecordingReader], output: TextIO) -> bool:
     """Replay each robot's recording exactly and say there what was found; whether all was the same."""
-    files, alike = [], True
-    for path in paths:
-        try:
-            files.append(RecordingReader(path))
-        except RecordingError as error:
-            print(f"sendworthy replay: {error}", file=sys.stderr)
-            alike = False
-    for life in lives(files):
-        alike = _same(life, output) and alike
-    return alike
+    alike = [_same(life, output) for life in lives(files)]
+    return all(alike)
 
 
 def _same(life: list[RecordingReader], output: TextIO) -> bool:

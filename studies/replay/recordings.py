@@ -34,29 +34,24 @@ class Survey:
 
 
 class Recordings:
-    """Some files, read as one recording. Raises ReplayError where one cannot be read at all."""
+    """Some files, read as one recording."""
 
-    def __init__(self, paths: Sequence[Path]) -> None:
-        self.paths = tuple(paths)
-        try:
-            self.starts: tuple[Start, ...] = tuple(RecordingReader(path).start for path in paths)
-        except RecordingError as error:
-            raise ReplayError(str(error)) from None
+    def __init__(self, files: Sequence[RecordingReader]) -> None:
+        self._files = tuple(files)
 
     def survey(self) -> Survey:
         """Look at everything once. Raises ReplayError where nothing was published."""
         found = Survey()
-        for path in self.paths:
-            reader = RecordingReader(path)
-            self._look(found, reader)
-            found.problems += reader.problems
+        for file in self._files:
+            self._look(found, file)
+            found.problems += file.problems
         if not found.samples:
-            raise ReplayError(f"{', '.join(map(str, self.paths))}: no sample was published in it")
+            raise ReplayError(f"{', '.join(str(file.path) for file in self._files)}: no sample was published in it")
         return found
 
     def told(self, robots: Collection[str]) -> Iterator[Told]:
         """Yield what is told of some robots, in the order of the times of all files [s, wall time]."""
-        readers = (self._timed(path, robots) for path in self.paths)
+        readers = (self._timed(file, robots) for file in self._files)
         return (told for _, told in heapq.merge(*readers, key=lambda each: each[0]))
 
     def _look(self, found: Survey, reader: RecordingReader) -> None:
@@ -70,18 +65,29 @@ class Recordings:
                     found.samples[told.robot] += 1
                     found.first, found.last = min(found.first, told.t), max(found.last, told.t)
 
-    def _timed(self, path: Path, robots: Collection[str]) -> Iterator[tuple[float, Told]]:
+    def _timed(self, file: RecordingReader, robots: Collection[str]) -> Iterator[tuple[float, Told]]:
         """Yield what a file tells, each with a time that never goes back."""
-        reader, last, payload = RecordingReader(path), -float("inf"), None
-        for entry in reader:
+        last, payload = -float("inf"), None
+        for entry in file:
             if isinstance(entry, Payload):
                 payload = entry
                 continue
-            for told in _told(reader.start, entry, payload):
+            for told in _told(file.start, entry, payload):
                 if told.robot in robots:
                     last = max(last, told.t)
                     yield last, told
             payload = None
+
+
+def opened(paths: Sequence[Path]) -> tuple[list[RecordingReader], list[str]]:
+    """Open files; return those that are recordings, and of each other one why it is none."""
+    files, problems = [], []
+    for path in paths:
+        try:
+            files.append(RecordingReader(path))
+        except RecordingError as error:
+            problems.append(str(error))
+    return files, problems
 
 
 def _told(start: Start, entry: Entry, payload: Payload | None) -> Iterator[Told]:

@@ -4,15 +4,13 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 
 from proxy import exit_codes
+from proxy.extras import needs, there
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
-from studies.extras import needs, there
 from studies.oracle import OracleError
 from studies.replay import policies
 from studies.replay.bound import Bound, bound
@@ -23,7 +21,7 @@ from studies.replay.mission import LATENCY, Mission, with_limit
 from studies.replay.outcomes import Outcomes
 from studies.replay.pieces import borders_of
 from studies.replay.progress import Progress
-from studies.replay.recordings import Recordings, Survey
+from studies.replay.recordings import Recordings, Survey, opened
 from studies.replay.report import Flown, Report, report
 from studies.replay.samples import SENT, Fate, Sample, Told
 from studies.replay.specs import specs_of
@@ -45,37 +43,33 @@ def replay(arguments: argparse.Namespace) -> int:
     """Replay, print and write what was asked for; return the exit code. Raises ReplayError, SpecsError or OSError."""
     _check_extras(arguments)
     asked = any(getattr(arguments, name) is not None for name in WHAT_IF)
-    if not asked and not _traffic(arguments.files):
-        output = sys.stderr if str(arguments.json) == "-" else sys.stdout
-        code = exit_codes.OK if all_equal(arguments.files, output) else exit_codes.FAILED
-        if arguments.json is not None or arguments.html is not None:
-            _report(arguments, *_prepared(arguments), exact=True)
-        return code
-    _report(arguments, *_prepared(arguments), exact=False)
-    return exit_codes.OK
+    files, problems = opened(arguments.files)
+    if asked or any(file.start.kind == "traffic" for file in files):
+        if problems:
+            raise ReplayError("; ".join(problems))
+        _report(arguments, *_prepared(arguments, files), exact=False)
+        return exit_codes.OK
+    for problem in problems:
+        _say(f"sendworthy replay: {problem}")
+    output = sys.stderr if str(arguments.json) == "-" else sys.stdout
+    alike = all_equal(files, output)
+    if not problems and (arguments.json is not None or arguments.html is not None):
+        _report(arguments, *_prepared(arguments, files), exact=True)
+    return exit_codes.OK if alike and not problems else exit_codes.FAILED
 
 
 def _check_extras(arguments: argparse.Namespace) -> None:
     """Raise ReplayError where a package is not there that will be needed."""
     if arguments.html is not None and not there("matplotlib"):
-        raise ReplayError(f"for --html {needs('study')}")
+        raise ReplayError(f"--html {needs('study')}")
     flown = arguments.json is not None or arguments.html is not None or any(vars(arguments)[n] for n in WHAT_IF)
     if flown and not arguments.no_bound and not there("scipy"):
-        raise ReplayError(f"for the bound {needs('study')}; --no-bound does without")
+        raise ReplayError(f"the bound {needs('study')}; --no-bound does without")
 
 
-def _traffic(paths: Sequence[Path]) -> bool:
-    """Whether any file holds mere traffic; one that cannot be read is told later."""
-    for path in paths:
-        with suppress(RecordingError):
-            if RecordingReader(path).start.kind == "traffic":
-                return True
-    return False
-
-
-def _prepared(arguments: argparse.Namespace) -> tuple[Recordings, Survey, Mission]:
+def _prepared(arguments: argparse.Namespace, files: Sequence[RecordingReader]) -> tuple[Recordings, Survey, Mission]:
     """Look at the recordings, and return what is to be flown. Raises ReplayError or SpecsError."""
-    recordings = Recordings(arguments.files)
+    recordings = Recordings(files)
     survey = recordings.survey()
     for problem in survey.problems:
         _say(f"sendworthy replay: {problem}")

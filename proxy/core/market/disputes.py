@@ -81,6 +81,16 @@ class Disputes:
         """Return how a stream stands."""
         return self._weighed.get(_place(stream), UNKNOWN)
 
+    def last_prices(self, now: float, limits: tuple[Limit, ...]) -> Amounts | None:
+        """Return what a unit of each limit cost when streams were weighed last; None where that is long ago.
+
+        Or where other limits are in force now.
+        """
+        named = [limit.name for limit in limits]
+        if self._weighed_at < now - TUNING.known or [limit.name for limit in self._limits] != named:
+            return None
+        return (0.0,) * len(limits) if self._market is None else self._market.prices
+
     def standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """Return how a sample of ours stands: undisputed, contested or hopeless."""
         known = self._weighed.get(_place(stream)) or self._weighed_alone(now, stream)

@@ -124,6 +124,7 @@ class OwnSamples:
         scale = rounded(stream.information_type.scale(features))
         generated = Generated(waiting.t_gen, waiting.size, scale, features)
         if count > stream.generated:
+            self._counts.generate(stream.information_type.name, count - stream.generated)
             stream.note_generated(count, generated)
         elif stream.last is not None and stream.last.t_gen == waiting.t_gen:
             stream.renew(generated)

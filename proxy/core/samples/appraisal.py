@@ -5,7 +5,8 @@ import math
 from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.claims import both, rivals
 from proxy.core.market.disputes import Disputes
-from proxy.core.market.standing import Standing
+from proxy.core.market.standing import Amounts, Standing
+from proxy.core.market.tuning import TUNING
 from proxy.core.market.undersubscribed import Undersubscribed
 from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode, in_force
@@ -29,6 +30,8 @@ class Appraisal:
         self.disputes = disputes
         self.all_fits = False
         """Whether there was room for all that may be sent when it was last looked at."""
+        self._looked_at = -math.inf
+        """When that was [s]."""
         self._undersubscribed = Undersubscribed(view)
 
     def set_mode(self, mode: Mode) -> None:
@@ -61,7 +64,7 @@ class Appraisal:
 
     def look_for_room(self, now: float, stream: Stream, waiting: int) -> bool:
         """Return whether the limits have room for all that may be sent: then nothing is gained by dropping a sample."""
-        limits = self.budget.limits
+        limits, self._looked_at = self.budget.limits, now
         if limits:
             self._undersubscribed.advance(now, limits, alone=self.budget.alone)
             self._undersubscribed.note(now, stream)
@@ -75,6 +78,17 @@ class Appraisal:
         """Weigh the streams that compete if it is time to; return how a sample stands among them."""
         self._advance(now, stream)
         return self.disputes.standing(now, stream, sample)
+
+    def last_prices(self, now: float) -> Amounts | None:
+        """Return what a unit of each limit cost when that was worked out last; None where that is long ago.
+
+        While there is room for all that may be sent a unit costs nothing.
+        """
+        if self._looked_at < now - TUNING.known:
+            return None
+        if self.all_fits:
+            return (0.0,) * len(self.budget.limits)
+        return self.disputes.last_prices(now, self.budget.limits)
 
     def lacking_beside_booked(self, now: float, use: Use) -> tuple[str, ...]:
         """Name the limits that have no room for a contested message beside what is booked and not used yet."""

@@ -13,6 +13,10 @@ class Counts:
         self.by_reason: Counter[str] = Counter()
         self.bytes: Counter[str] = Counter()
         """What samples that passed without a decision took on the air, by reason [B]."""
+        self.generated: Counter[str] = Counter()
+        """Samples by the information type that covered them; a stream that is forgotten leaves its part."""
+        self.decided: Counter[tuple[str, str]] = Counter()
+        """What was decided on them, by type and reason."""
         self._queued: dict[int, tuple[str, str]] = {}
         """The keys of samples, and why each was approved, if it was."""
 
@@ -40,6 +44,14 @@ class Counts:
         key, _ = self._queued.pop(sample)
         self.by_reason[reason] += 1
         return key
+
+    def generate(self, type_: str, count: int) -> None:
+        """So many samples of an information type were generated."""
+        self.generated[type_] += count
+
+    def decide(self, type_: str, reason: str, count: int) -> None:
+        """So many samples of an information type were decided on."""
+        self.decided[type_, reason] += count
 
     def passed(self, count: int, reason: str, size: int = 0) -> None:
         """`count` samples went through at once, `size` bytes of the air in all."""

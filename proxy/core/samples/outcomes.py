@@ -39,7 +39,7 @@ class Outcomes:
             if stream.information_type.aggregation is Aggregation.ONCE:
                 self._first[sample.sample] = stream, self._view.subscribers.gaining(stream)
             self._view.traffic.note_sent(stream, stream.forwarded + 1, sent)
-            stream.fates[why.reason] += 1
+            self._settle(stream, why.reason)
         self._count_on_air(stream, sample)
         self._budget.use(now, use, sample.sample)
         return self.pass_on(sample.sample, why.reason)
@@ -48,7 +48,7 @@ class Outcomes:
         """Drop what was decided against; in `shadow` it goes all the same, and only its traffic is announced."""
         self._decisions.refused(why.lacking)
         if stream is not None:
-            stream.fates[why.reason] += 1
+            self._settle(stream, why.reason)
         shadowed = self._appraisal.mode_of(stream) is Mode.SHADOW
         self._log.note(now, sample.key, sample, why, shadowed=shadowed)
         if not shadowed:
@@ -63,7 +63,7 @@ class Outcomes:
 
     def superseded(self, now: float, stream: Stream, count: int) -> None:
         """So many samples of a stream gave way to a newer one before they were taken up."""
-        stream.fates[SUPERSEDED] += count
+        self._settle(stream, SUPERSEDED, count)
         self._log.note(now, stream.key, None, Why(SUPERSEDED), count=count)
 
     def evict(self, now: float, evicted: Iterable[Evicted]) -> list[Command]:
@@ -72,7 +72,7 @@ class Outcomes:
         for each in evicted:
             stream = self._view.streams.known(self._view.settings.robot, each.key)
             if stream is not None:
-                stream.fates[each.reason] += 1
+                self._settle(stream, each.reason)
             self._log.note(now, each.key, None, Why(each.reason))
             commands.append(self._drop(each.sample, each.reason))
         return commands
@@ -97,6 +97,11 @@ class Outcomes:
         if key and self._view.streams.known(self._view.settings.robot, key) is not None:
             self._log.note(now, key, None, Why(reason))
         return key
+
+    def _settle(self, stream: Stream, reason: str, count: int = 1) -> None:
+        """Count what became of samples, for their stream and for its type."""
+        stream.fates[reason] += count
+        self._counts.decide(stream.information_type.name, reason, count)
 
     def _count_on_air(self, stream: Stream | None, sample: Waiting) -> None:
         """Count a sample in what we announce that we put on the air."""

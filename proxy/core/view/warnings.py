@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 
 from planner import Airtime
 from proxy.core.model.limits import Limit
+from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import is_broadcast
 from proxy.core.view.peer import Peer
@@ -18,6 +19,24 @@ def transport_warnings(settings: CoreSettings, peers: Mapping[str, Peer]) -> lis
         for peer in peers.values()
         if peer.transport and peer.transport != ours
     ]
+
+
+def mode_warnings(mode: Mode, peers: Mapping[str, Peer], limits: Iterable[Limit]) -> list[str]:
+    """Say where some robots enforce shared limits and others send everything: those take the room of the first."""
+    if not any(limit.shared for limit in limits):
+        return []
+    if mode is Mode.ENFORCE:
+        return [
+            f"robot {peer.robot} is in mode {peer.mode}: it sends everything, and this robot gives way to it; "
+            "put all in one mode"
+            for peer in peers.values()
+            if peer.mode in (Mode.SHADOW.value, Mode.PASS.value)
+        ]
+    enforcing = sorted(peer.robot for peer in peers.values() if peer.mode == Mode.ENFORCE.value)
+    if not enforcing:
+        return []
+    who, give = ", ".join(enforcing), "give" if len(enforcing) > 1 else "gives"
+    return [f"this robot is in mode {mode.value}: it sends everything, and {who} {give} way to it; put all in one mode"]
 
 
 def namesake_warning(name: str, zid: str, shown: str) -> str:

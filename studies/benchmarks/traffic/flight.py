@@ -73,7 +73,7 @@ def fly(agenda: Agenda, spec: str, *, mode: str = "enforce", flags: Sequence[str
                 daemons = start_routers(troupe, nodes, dials)
             else:
                 daemons = start_daemons(troupe, nodes, dials, spec, folder, mode=mode, flags=flags)
-            applications = _start_applications(troupe, nodes, agenda, folder)
+            applications = start_applications(troupe, nodes, agenda, folder)
             start = time.monotonic() + LEAD
             for application in applications[1:]:
                 application.tell(start)
@@ -101,7 +101,7 @@ def _start_links(troupe: Troupe, nodes: tuple[Node, ...], folder: Path) -> dict[
     return dials
 
 
-def _start_applications(troupe: Troupe, nodes: tuple[Node, ...], agenda: Agenda, folder: Path) -> list[Process]:
+def start_applications(troupe: Troupe, nodes: tuple[Node, ...], agenda: Agenda, folder: Path) -> list[Process]:
     """Start the operator's application and one for each robot, in the order of the nodes; return when all are ready."""
     applications = [_application(troupe, nodes[0], folder, "listen")]
     applications[0].hear(PATIENCE)

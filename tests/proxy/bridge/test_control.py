@@ -5,7 +5,7 @@ import json
 import pytest
 
 from proxy.bridge import keys
-from proxy.bridge.control import Control
+from proxy.bridge.control import LIVE, Control
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 from proxy.profiling.profile import read
@@ -45,6 +45,7 @@ def operator(stack, switched, asked):
         executor=executor,
         on_loop=lambda job: job(),
         status=lambda: {"robot": "r1", "counts": {"in": 3}},
+        live=lambda: {"robot": "r1"},
         why=lambda raw: read_question(raw) and {"streams": [raw.decode()]},
         switch=switched.append,
         profile=take,
@@ -58,6 +59,12 @@ def test_the_status_is_json(operator):
     for robot in ("r1", "*"):
         (answer,) = answers(operator, keys.status(robot))
         assert json.loads(answer) == {"robot": "r1", "counts": {"in": 3}}
+
+
+def test_who_looks_again_and_again_is_told_less(operator):
+    """If it asks for that."""
+    (answer,) = answers(operator, keys.status("r1"), payload=LIVE)
+    assert json.loads(answer) == {"robot": "r1"}
 
 
 def test_a_mode_is_taken_and_confirmed(operator, switched):

@@ -92,7 +92,7 @@ def test_without_its_extra_it_says_what_to_install(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert main(["completion", "bash"]) == exit_codes.FAILED
     assert capsys.readouterr().err == (
-        "sendworthy completion: shtab is missing: pip install 'sendworthy[completion]'\n"
+        'sendworthy completion needs the extra "completion": pip install "sendworthy[completion]"\n'
     )
 
 

@@ -192,7 +192,7 @@ def test_without_rich_it_says_what_to_install(monkeypatch, capsys):
     monkeypatch.delattr(proxy.top, "screen", raising=False)
     monkeypatch.setitem(sys.modules, "rich.console", None)
     assert main(["top"]) == exit_codes.FAILED
-    assert "rich is missing: pip install 'sendworthy[top]'" in capsys.readouterr().err
+    assert 'sendworthy top needs the extra "top": pip install "sendworthy[top]"' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("interval", ["0", "-1", "nan", "often", "1e9"])

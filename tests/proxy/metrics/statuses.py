@@ -49,12 +49,7 @@ LIMIT = {
 def status(**changed):
     """Return what a daemon says that has just started, with some of it `changed`."""
     core = Core(CoreSettings("r1", "z-r1", version="1.2"), Specs.empty(), 0.0)
-    return deepcopy(core.status(3.0) | {"daemon": DAEMON} | changed)
-
-
-def stream(key="a", type_="pose", robot="r1", generated=0, **by_reason):
-    """Return what the status says of a stream."""
-    return {"robot": robot, "key": key, "type": type_, "generated": generated, "by_reason": by_reason}
+    return deepcopy(core.totals(3.0) | {"daemon": DAEMON} | changed)
 
 
 def scraped(of):

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from proxy.metrics.exported import METRICS, UNITS
-from tests.proxy.metrics.statuses import LIMIT, scraped, status, stream
+from tests.proxy.metrics.statuses import LIMIT, scraped, status
 
 
 def test_names_and_labels_are_as_prometheus_wants_them():
@@ -54,8 +54,8 @@ def test_samples_are_told_by_reason():
 
 def test_decisions_are_told_by_information_type():
     """However many keys there are."""
-    streams = [stream(f"pose/{number}", generated=2, forwarded=1, superseded=1) for number in range(50)]
-    found = scraped(status(streams=streams))
+    types = {"pose": {"streams": 50, "generated": 100, "by_reason": {"forwarded": 50, "superseded": 50}}}
+    found = scraped(status(types=types))
     assert {name: value for name, value in found.items() if name[0].startswith("type_")} == {
         ("type_samples_generated_total", "pose"): 100,
         ("type_samples_decided_total", "forwarded", "pose"): 50,

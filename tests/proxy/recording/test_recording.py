@@ -121,8 +121,8 @@ def test_without_the_extra_it_says_which_to_install(robot, monkeypatch):
     for name in ("proxy.recording.output", "proxy.recording.recorder"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.setitem(sys.modules, "proxy.recording.output", None)
-    assert robot.told({"record": "start"}) == 'recordings need the extra "record": pip install "sendworthy[record]"'
-    with pytest.raises(RecordingError, match="need the extra"):
+    assert robot.told({"record": "start"}) == 'recording needs the extra "record": pip install "sendworthy[record]"'
+    with pytest.raises(RecordingError, match="needs the extra"):
         robot.daemon.recording.start(payloads=False)
 
 
@@ -130,7 +130,8 @@ def test_what_is_missing_is_a_warning(robot):
     """As long as it records."""
     robot.told({"record": "start"})
     recording = robot.daemon.recording
-    recording._recorder._output.written.missing = 3
+    output = recording._recorder._output
+    output.written = output.written.lacking(3)
     assert recording.warnings() == ["3 events are missing in the recording"]
     robot.told({"record": "stop"})
     assert recording.warnings() == []

@@ -117,7 +117,7 @@ def test_without_an_extra_it_says_which_to_install(capsys, monkeypatch):
     """That for recordings, or that for bags."""
     monkeypatch.setattr("studies.foreign.command.there", lambda _: False)
     assert main(["import", "bag", "-o", "out.mcap"]) == exit_codes.FAILED
-    assert 'for bag it needs the extra "ros2": pip install "sendworthy[ros2]"' in capsys.readouterr().err
+    assert 'bag needs the extra "ros2": pip install "sendworthy[ros2]"' in capsys.readouterr().err
     monkeypatch.setitem(sys.modules, "studies.foreign.importing", None)
     assert main(["import", "t.csv", "-o", "out.mcap"]) == exit_codes.FAILED
     assert 'pip install "sendworthy[record]"' in capsys.readouterr().err

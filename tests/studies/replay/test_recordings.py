@@ -8,9 +8,10 @@ from planner import Plan
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Drop, Forward
 from proxy.recording.entries import Payload, SpecsText, Start, Traffic
+from proxy.recording.reading import RecordingReader
 from proxy.recording.writing import RecordingWriter
 from studies.replay.errors import ReplayError
-from studies.replay.recordings import Recordings
+from studies.replay.recordings import Recordings, opened
 from studies.replay.samples import Fate, Passed, Sample
 from tests.proxy.recording.lives import START, published
 
@@ -38,7 +39,7 @@ def test_traffic_of_several_files_is_in_order(tmp_path):
     """With the features that were recorded, or the payload."""
     one = traffic(tmp_path / "1.mcap", ("r1", 1.0), ("r1", 3.0))
     other = traffic(tmp_path / "2.mcap", ("r2", 2.0), ("r3", 2.5), payload=b"{}")
-    recordings = Recordings([one, other])
+    recordings = Recordings([RecordingReader(one), RecordingReader(other)])
     found = recordings.survey()
     assert found.samples == {"r1": 2, "r2": 1, "r3": 1}
     assert (found.first, found.last, found.seconds) == (1.0, 3.0, 2.0)
@@ -67,7 +68,7 @@ def test_a_robots_recording_tells_what_became_of_its_samples(tmp_path):
         lambda w: w.happened(ev.SamplesPassed(3.6, "dropped:full", 4, 400)),
         lambda w: w.happened(deleted),
     )
-    recordings = Recordings([path])
+    recordings = Recordings([RecordingReader(path)])
     found = recordings.survey()
     assert (found.samples, found.superseded, found.specs.generation) == ({"r1": 2}, 2, "abc")
     first, fate, second, dropped, passed = recordings.told({"r1"})
@@ -82,16 +83,17 @@ def test_a_robots_recording_tells_what_became_of_its_samples(tmp_path):
 def test_what_cannot_be_replayed_is_told(tmp_path):
     """No recording, or nothing in it; one that is cut off is read as far as it goes."""
     (tmp_path / "no.mcap").write_bytes(b"x")
-    with pytest.raises(ReplayError, match=r"no\.mcap is no MCAP file"):
-        Recordings([tmp_path / "no.mcap"])
-    with pytest.raises(ReplayError, match="no sample was published in it"):
-        Recordings([traffic(tmp_path / "none.mcap")]).survey()
+    files, problems = opened([tmp_path / "no.mcap", traffic(tmp_path / "none.mcap")])
+    assert len(problems) == 1
+    assert "no.mcap is no MCAP file" in problems[0]
+    with pytest.raises(ReplayError, match=r"none\.mcap: no sample was published in it"):
+        Recordings(files).survey()
     path = tmp_path / "cut.mcap"
     with RecordingWriter(path, Start("traffic")) as writer:
         for t in range(10):
             writer.traffic(Traffic("r1", "a", float(t), 10))
             writer.flush()
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 5])
-    found = Recordings([path]).survey()
+    found = Recordings([RecordingReader(path)]).survey()
     assert 0 < found.samples["r1"] <= 10
     assert found.problems

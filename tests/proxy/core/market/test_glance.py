@@ -97,3 +97,42 @@ def test_looking_changes_nothing(make_robot):
     alone, watched = make_robot(), make_robot()
     undisturbed = run(alone, -10.0, 5.0, size=20_000)
     assert undisturbed == run(watched, -10.0, 5.0, size=20_000, look=watched.core.status)
+
+
+def test_prices_are_those_by_which_was_decided_last(make_robot):
+    """Nothing is cleared anew for who looks, unless nothing was decided for a while."""
+    talk = make_robot()
+    run(talk, -10.0, 0.0, size=40_000)
+    disputes, budget = talk.core.gate.appraisal.disputes, talk.core.budget
+    last = disputes.last_prices(0.0, budget.limits)
+    assert last is not None
+    assert [limit["price"] for limit in status_at(talk, 0.0)["budget"]] == list(last)
+    assert disputes.last_prices(0.0, ()) is None
+    assert talk.core.gate.appraisal.last_prices(5.0) is None
+    assert len(status_at(talk, 5.0)["budget"]) == 2
+
+
+def test_totals_are_those_of_all_streams(make_robot):
+    """By information type; they say nothing of each stream, and else the same as the status."""
+    talk = make_robot()
+    run(talk, -10.0, 0.0, size=40_000)
+    status, totals = status_at(talk, 0.0), talk.core.totals(0.0)
+    (stream,) = status["streams"]
+    assert totals["types"] == {
+        "camera": {"streams": 1, "generated": stream["generated"], "by_reason": stream["by_reason"]}
+    }
+    assert totals["streams"] == []
+    assert {name: value for name, value in totals.items() if name not in ("streams", "types")} == {
+        name: value for name, value in status.items() if name != "streams"
+    }
+
+
+def test_who_looks_again_and_again_is_told_less_of_each_stream(make_robot):
+    """What `sendworthy top` shows, as the status has it."""
+    talk = make_robot()
+    run(talk, -10.0, 0.0, size=1000)
+    status, live = status_at(talk, 0.0), talk.core.live(0.0)
+    (whole,), (part,) = status["streams"], live["streams"]
+    assert set(whole) > set(part) >= {"robot", "key", "type", "size", "generated", "forwarded", "by_reason", "age"}
+    assert all(whole[name] == value for name, value in part.items())
+    assert {**live, "streams": []} == {**status, "streams": []}

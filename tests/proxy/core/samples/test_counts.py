@@ -55,3 +55,13 @@ def test_bytes_of_what_passed_are_summed_by_reason():
     counts.passed(2, "passed:bypass", 300)
     counts.passed(1, "passed:bypass", 50)
     assert (counts.by_reason["passed:bypass"], counts.bytes["passed:bypass"]) == (3, 350)
+
+
+def test_what_is_decided_is_counted_by_information_type():
+    """However many streams it covers."""
+    counts = Counts()
+    counts.generate("pose", 3)
+    counts.decide("pose", "forwarded", 1)
+    counts.decide("pose", "dropped:superseded", 2)
+    assert counts.generated == {"pose": 3}
+    assert counts.decided == {("pose", "forwarded"): 1, ("pose", "dropped:superseded"): 2}

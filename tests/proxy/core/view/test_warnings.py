@@ -4,6 +4,7 @@ import pytest
 
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Notice
+from proxy.core.model.mode import Mode
 from proxy.core.model.transport import UNICAST, broadcast
 from proxy.core.protocol.messages import State
 
@@ -58,3 +59,47 @@ def test_airtime_that_counts_other_transmissions_is_named(make_talk, make_specs,
     warnings = talk.core.status(1.0)["warnings"]
     assert bool(warnings) == warned
     assert all("correct the spec" in warning for warning in warnings)
+
+
+SHARED = """
+[[constraint]]
+kind = "throughput"
+limit = "1 Mbit/s"
+window = 0.5
+[[information_type]]
+name = "camera"
+keys = ["robot/*/camera"]
+utility = { kind = "video" }
+"""
+
+
+def modes_of(talk, **modes):
+    for name, mode in modes.items():
+        talk.tell(ev.PeerAppeared(0.0, name, f"z-{name}"))
+        talk.tell(ev.StateHeard(0.1, State(name, f"z-{name}", mode, "")))
+    return [warning for warning in talk.core.status(1.0)["warnings"] if "mode" in warning]
+
+
+def test_a_robot_that_sends_everything_among_others_that_enforce_is_named(make_talk, make_specs):
+    """It would take the whole channel, and the others make room for it."""
+    talk = make_talk(make_specs(text=SHARED))
+    assert modes_of(talk, r2="shadow", r3="enforce") == [
+        "robot r2 is in mode shadow: it sends everything, and this robot gives way to it; put all in one mode"
+    ]
+    assert modes_of(talk, r2="enforce") == []
+
+
+def test_a_robot_that_sends_everything_says_so_itself(make_talk, make_specs):
+    """Where others enforce; while a fleet is tried out in shadow nothing is wrong."""
+    talk = make_talk(make_specs(text=SHARED))
+    talk.tell(ev.ModeChanged(0.0, Mode.PASS))
+    assert modes_of(talk, r2="shadow") == []
+    assert modes_of(talk, r2="enforce", r3="enforce") == [
+        "this robot is in mode pass: it sends everything, and r2, r3 give way to it; put all in one mode"
+    ]
+
+
+def test_modes_that_differ_harm_nobody_without_a_limit_that_all_share(make_talk, make_specs):
+    """Then nobody gives way."""
+    unlimited = SHARED[SHARED.index("[[information_type]]") :]
+    assert modes_of(make_talk(make_specs(text=unlimited)), r2="shadow") == []

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.status_table import amount, duration, rate, schedule, share
+from proxy.quantities import amount, duration, rate, schedule, share
 
 
 @pytest.mark.parametrize(
