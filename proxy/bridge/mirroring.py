@@ -35,8 +35,8 @@ _NOTHING: Mapping[str, bool] = {}
 class Checked(Protocol):
     """Something that looks at links, or at what waits for them, now and then."""
 
-    def check(self, now: float) -> None:
-        """Look."""
+    def check(self, now: float) -> float | None:
+        """Look; return when at the latest to look again [s], if it matters."""
 
 
 class Mirroring:
@@ -118,15 +118,16 @@ class Mirroring:
     def _run(self) -> None:
         again, busy, complaint, links_at = False, False, "", -math.inf
         while not self._stop:
-            woken = self._wake.wait(TUNING.mirroring_interval if again or busy else TUNING.link_check)
+            pause = TUNING.mirroring_interval if again or busy else links_at - clock.monotonic()
+            woken = self._wake.wait(max(pause, 0.0))
             if woken:  # else what came just after the wait would be forgotten
                 self._wake.clear()
             try:
                 self._buffers.refresh()
                 if (now := clock.monotonic()) >= links_at:
                     links_at = now + TUNING.link_check
-                    for links in self._links:
-                        links.check(now)
+                    asked = [links.check(now) for links in self._links]
+                    links_at = min([links_at, *(at for at in asked if at is not None)])
                 passed, gauged = self.flush(), self._gauge()
                 busy = passed or gauged
                 if woken or again:

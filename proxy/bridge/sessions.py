@@ -127,7 +127,11 @@ def mirror_options(mode: str, endpoint: str, zenoh_options: Mapping[str, Any]) -
         "open": AT_ONCE,
         "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
         "timestamping": {"enabled": False},
-        "transport": {"shared_memory": {"enabled": False}, "auth": auth},
+        "transport": {
+            "shared_memory": {"enabled": False},
+            "auth": auth,
+            "link": {"tx": {"lease": TUNING.lease_inside}},
+        },
     }
 
 
@@ -184,7 +188,7 @@ def _lease(endpoints: Iterable[str], zenoh_options: Mapping[str, Any]) -> dict[s
     if "lease" in zenoh_options.get("transport", {}).get("link", {}).get("tx", {}):
         return {}
     seen = all(endpoint.startswith(_TCP) for endpoint in endpoints)
-    return {"lease": TUNING.lease, "keep_alive": TUNING.keep_alive} if seen else {"lease": TUNING.lease_unseen}
+    return {"lease": TUNING.lease if seen else TUNING.lease_unseen}
 
 
 def _dialled(endpoints: Iterable[str], redial: tuple[int, int]) -> dict[str, Any]:

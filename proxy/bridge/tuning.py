@@ -24,7 +24,8 @@ class BridgeTuning:
     """Zenoh's threads that send, for both sides together."""
     threads_receiving: int = 12
     """Those that receive. Whoever publishes with BLOCK to an app that hangs keeps two of them for as long as Zenoh puts
-    up with that app: with so many, five robots that do leave some to the other apps."""
+    up with that app: with so many, five robots that do leave some to the other apps. They share no runtime with those
+    below, which wait on all sockets: an idle daemon would take less, but two such apps held up all others for 4 s."""
     threads_linking: int = 2
     """Those that open and end links."""
 
@@ -32,12 +33,14 @@ class BridgeTuning:
     lease: int = 10_000
     """A link from which Zenoh reads nothing for this long is given up [ms]: a process hangs at its other end. Who
     vanishes is missed sooner, by `silence`."""
-    keep_alive: int = 20
-    """So many times in a lease a link that is idle is used all the same: who vanishes leaves that unanswered."""
+    lease_inside: int = 3_600_000
+    """The lease of a mirror session's link, which is within the process [ms]."""
     lease_unseen: int = 2000
     """The lease where links may not be TCP, so that the kernel does not know who is silent [ms]."""
     silent_robot: float = 2.0
     """A robot whose kernel says nothing for this long, although it should, is gone [s]."""
+    probing: float = 0.25
+    """The kernel probes idle links as often as this part of that time, but once a second at most."""
     redial_router: tuple[int, int] = (100, 200)
     """A router that apps use is dialled again after the first of these times, in the end after the other one [ms]."""
     redial_mesh: tuple[int, int] = (200, 1000)
@@ -77,8 +80,8 @@ class BridgeTuning:
     mirroring_interval: float = 0.1
     """Time between two reports of what passed, as long as something does, and of what links have waiting, where a limit
     follows that [s]."""
-    link_check: float = 0.25
-    """Time between two looks at the links [s]. Ten times a second they took half of all that an idle daemon takes."""
+    link_check: float = 0.5
+    """Time between two looks at the links [s]. Four times a second they took a fifth of what an idle daemon takes."""
     links_listed: float = 5.0
     """Links are listed this often although nobody told of news [s]."""
     long_look: float = 0.01
@@ -131,7 +134,7 @@ class BridgeTuning:
     sample_overhead: int = 2048
     """What a small sample may take of a send buffer beside its bytes, in the worst case [B]."""
     sent_lately: int = 300
-    """A link that sent nothing for so long says nothing of the channel [ms]; it says that it is alive every 500 ms."""
+    """A link that sent nothing for so long says nothing of the channel [ms]."""
     dense_segments: int = 4
     """With fewer segments on their way a round trip is longer than the way: receivers wait before they acknowledge."""
 

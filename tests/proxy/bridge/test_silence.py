@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 
@@ -10,6 +11,7 @@ import pytest
 from proxy import clock
 from proxy.bridge.sessions import mesh_options, open_session
 from proxy.bridge.silence import Answers, Silence, longest_silence, silent_since
+from proxy.bridge.sockets import Sockets
 from proxy.bridge.tuning import TUNING
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
@@ -20,16 +22,18 @@ TX = {"transport": {"link": {"tx": {"lease": 5000}}}}
 @pytest.mark.parametrize(
     ("looks", "silent"),
     [
-        ([(0.0, (True, 7, 0.1)), (1.0, (True, 7, 1.1)), (2.0, (True, 7, 2.1))], 2.0),
-        ([(0.0, (True, 7, 0.1)), (1.0, (True, 7, 0.2)), (2.0, (True, 7, 1.2))], 1.2),
-        ([(0.0, (True, 7, 0.1)), (1.0, (False, 8, 0.9)), (2.0, (True, 8, 1.9))], 0.0),
-        ([(0.0, (False, 7, 9.0)), (1.0, (True, 7, 10.0)), (1.5, (True, 7, 10.5))], 0.5),
-        ([(0.0, (True, 7, 0.1)), (9.0, (True, 8, 8.9))], 0.0),
+        ([(0.0, (0.1, 7, 0.1)), (1.0, (1.1, 7, 1.1)), (2.0, (2.1, 7, 2.1))], 2.0),
+        ([(0.0, (0.1, 7, 0.1)), (1.0, (1.1, 7, 0.2)), (2.0, (2.1, 7, 1.2))], 1.2),
+        ([(0.0, (0.1, 7, 0.1)), (1.0, (None, 8, 0.9)), (2.0, (0.9, 8, 1.9))], 0.9),
+        ([(0.0, (None, 7, 9.0)), (1.0, (0.2, 7, 10.0)), (1.5, (0.7, 7, 10.5))], 0.7),
+        ([(0.0, (None, 7, 9.0)), (1.0, (9.0, 7, 10.0))], 1.0),
+        ([(0.0, (None, 7, 0.1)), (1.0, (0.9, 7, 0.3))], 0.3),
+        ([(0.0, (0.1, 7, 0.1)), (9.0, (8.9, 8, 8.9))], 0.0),
     ],
-    ids=["no answer", "another word", "answered", "asked after long", "looked after long"],
+    ids=["no answer", "another word", "answered", "asked after long", "not asked before", "heard since", "looked late"],
 )
 def test_silence_is_not_to_answer(looks, silent):
-    """It begins with the first look that finds something unanswered; who was not asked or looked at, may answer."""
+    """It begins when something was sent that is not answered; who was not asked or looked at, may answer."""
     since, last = looks[0][0], Answers(*looks[0][1])
     for now, this in looks:
         since, last = silent_since(now, since, last, Answers(*this)), Answers(*this)
@@ -64,7 +68,7 @@ def test_a_robot_that_has_no_processor_is_not_silent(mesh):
         began = clock.monotonic()
 
         def waited():
-            silence.check(clock.monotonic())
+            assert silence.check(clock.monotonic()) > clock.monotonic()
             assert [link.dst for link in session.info.links()] == before
             return clock.monotonic() - began > 1.5 * TUNING.silent_robot
 
@@ -87,6 +91,32 @@ def test_a_link_that_is_silent_ends(mesh, stack):
         return ends.isdisjoint(link.dst for link in session.info.links())
 
     wait_until(ended, what="its end")
+
+
+@pytest.mark.parametrize(("longest", "idle"), [(0.5, 1), (2.0, 1), (60.0, 15)])
+def test_links_that_are_idle_are_probed_by_the_kernel(mesh, stack, longest, idle):
+    """Old and new ones, a few times in what a robot may be silent for; Zenoh says less often that it is alive."""
+    session, endpoint = mesh
+    silence = Silence(session, longest)
+    for links in (1, 2):
+        closing(stack, plain_session("peer", connect=(endpoint,)))
+        wait_until(lambda links=links: len(probed(session)) == links, what="the link")
+        silence.check(clock.monotonic())
+        assert probed(session) == [(1, idle, idle)] * links
+
+
+def probed(session):
+    """For each link of a session whether it is probed, when it is idle for how long, and how often after that [s]."""
+    sockets = Sockets(session)
+    sockets.refresh()
+    found = []
+    for _, number in sockets.ends:
+        borrowed = socket.socket(fileno=number)
+        asked = borrowed.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+        idle = borrowed.getsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE)
+        found.append((asked, idle, borrowed.getsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL)))
+        borrowed.detach()
+    return found
 
 
 @pytest.mark.parametrize(
