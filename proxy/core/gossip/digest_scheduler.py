@@ -13,10 +13,13 @@ from proxy.core.gossip.announcements import Announcements
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.digest_composer import DigestComposer
 from proxy.core.gossip.retransmissions import Retransmissions
+from proxy.core.gossip.state_announcements import StateAnnouncements
 from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface.commands import Command, SendDigest
 from proxy.core.protocol.messages import Digest
+from proxy.core.protocol.split_report import SplitReport
+from proxy.core.protocol.state_codec import pack_state
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
@@ -35,6 +38,7 @@ class DigestScheduler:
         announcements: Announcements,
         composer: DigestComposer,
         news: StreamNews,
+        states: StateAnnouncements,
     ) -> None:
         self._view = view
         self._coordination = coordination
@@ -44,6 +48,7 @@ class DigestScheduler:
         self._announcements = announcements
         self._composer = composer
         self._news = news
+        self._states = states
         self._retransmissions = Retransmissions()
         self.due_at = -math.inf
         """When the next digest is due, as things are since the last event [s]."""
@@ -123,7 +128,8 @@ class DigestScheduler:
         """
         if not self._coordination.formed:
             return self._budget.due_ahead(now, TUNING.first_parts_debt)
-        since = -math.inf if self._coordination.passes_on else self._parts_since
+        exchange = self._coordination.exchange
+        since = -math.inf if exchange is not None and exchange.passes_on else self._parts_since
         return self._budget.due_in_turn(now, since, TUNING.parts_debt, self._account.digest_copies)
 
     @property
@@ -138,6 +144,8 @@ class DigestScheduler:
 
     def _send_news(self, now: float) -> Command:
         """Send a digest, or only the announcement of what was sent where nothing else is due."""
+        if self._parts_changed and (report := self._statement(now)) is not None:
+            return self._state(now, report)
         copies, only_parts, sent_much = self._account.digest_copies, self._only_parts(now), self._sent_much()
         if sent_much and not self._more_is_due(now, copies):
             digest = self._announcement(now)
@@ -146,7 +154,7 @@ class DigestScheduler:
         else:
             digest = self._composer.digest(now, copies, only_parts=only_parts)
             self._capacity.reported(digest)
-            self._coordination.announced(digest)
+            self._coordination.announced(now, digest.split)
             self.urgent = self._parts_changed = False
             if sent_much and self._announcements.overheard:
                 large = {stream.id for stream in self._view.streams.own() if self._announcements.is_large(stream)}
@@ -155,6 +163,23 @@ class DigestScheduler:
         self._messages = self._view.traffic.messages
         self._view.traffic.announced()
         return self._send(now, digest, announces=digest.brief or only_parts)
+
+    def _statement(self, now: float) -> SplitReport | None:
+        """Return what is to be told of parts in a state: in unicast, where every copy costs as much there."""
+        exchange = self._coordination.exchange
+        if exchange is None or not exchange.has_statement:
+            return None
+        if self._view.settings.digests_on_air or not self._states.state.number:
+            return None
+        return self._coordination.announcement(now)
+
+    def _state(self, now: float, report: SplitReport) -> Command:
+        """Tell all of parts in a state."""
+        self._parts_changed, self._sent_at = False, now
+        self._coordination.announced(now, report)
+        command = self._states.tell_parts(report, splits=self._coordination.team.votes_to_split)
+        self._account.sent_parts(now, len(pack_state(command.update or command.state)))
+        return command
 
     def _only_parts(self, now: float) -> bool:
         """Whether a digest tells of parts alone: nobody plans with others' streams where each has its own part."""

@@ -181,7 +181,8 @@ def test_all_digests_of_a_team_are_within_its_allowance_and_none_is_refused(how)
     mission = draw(scenario("mixed"), 0, how)
     team = fly(mission, how, 0)
     rate = allowance_of(mission.specs, how.allowance, how.members)
-    assert 0 < team.digest_bytes <= rate * (WARM_UP + how.seconds + TUNING.announcement_debt)
+    assert any(air.frame is None for air in team.on_air)
+    assert team.digest_bytes <= rate * (WARM_UP + how.seconds + TUNING.announcement_debt)
     assert sum(core.news.refused.total() for core in team.cores.values()) == 0
     assert all(core.counts.conserved for core in team.cores.values())
 
@@ -200,12 +201,31 @@ def test_news_of_parts_go_without_all_other_news(talk):
     talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
     for k in range(20):
         talk.publish(5.3 + 0.1 * k, size=100)
-    bids = [digest for digest in digests(talk, 5.2) if digest.split.bid]
-    assert bids
-    assert all((digest.streams, digest.echoes) == ((), ()) for digest in bids)
+    told = [told.update for told in talk.all(SendState) if told.state.split is not None]
+    assert all((each.streams, each.since) == ((), each.number) for each in told)
+    versions = [each.split.version for each in told if each.split.bid is not None]
+    assert versions[-1] > 0
+    assert versions == sorted(set(versions))
     for k in range(100):
         talk.publish(7.4 + 0.2 * k, size=100)
     assert any(digest.streams for digest in digests(talk, 7.4))
+
+
+def test_where_digests_are_on_the_air_parts_are_told_in_them(make_talk):
+    """There a copy of a state for each robot would take more."""
+    talk = make_talk(transport=broadcast("224.0.0.1:1"), digests_on_air=True, allowance=0.5)
+    talk.want(0.0)
+    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
+    sends(talk, 0.1, size=100)
+    talk.tell(ev.TimePassed(5.0))
+    talk.tell(ev.InterestChanged(5.0, ("robot/op/camera",)))
+    news = StreamDigest(1, 9, 0, 5.0, 0.0, 100, 1.0)
+    talk.tell(ev.DigestHeard(5.05, Digest("op", "zz-op", 5.05, streams=(news,), state=1), 60))
+    talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
+    for k in range(20):
+        talk.publish(5.3 + 0.1 * k, size=100)
+    assert any(digest.split is not None and digest.split.bid for digest in digests(talk, 5.2))
+    assert all(told.state.split is None for told in talk.all(SendState))
 
 
 def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowance(talk):
@@ -218,7 +238,7 @@ def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowan
     talk.publish(5.15, size=100)
     talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
     talk.tell(ev.TimePassed(5.3))
-    assert any(digest.split is not None for digest in digests(talk, 5.15))
+    assert any(told.update.splits is told.state.splits for told in talk.all(SendState) if told.state.split is not None)
 
 
 @pytest.mark.parametrize("coming", ["digest", "state"])
