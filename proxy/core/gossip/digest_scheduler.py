@@ -59,7 +59,9 @@ class DigestScheduler:
         self._apart = 0.0
         """Ordinary news are so far apart at least [s]."""
         self._sent_at = -math.inf
-        """When the last digest went out [s]."""
+        """When the last digest went out, or news of parts did in a state [s]."""
+        self._spoke = False
+        """Whether any digest went out."""
         self._messages = 0
         """Messages that we had put on the air by then."""
 
@@ -85,7 +87,9 @@ class DigestScheduler:
         self._parts_changed |= parts_changed
         commands: list[Command] = []
         digest_at = self._digest_at(now)
-        if digest_at <= now:
+        if digest_at <= now and self._parts_changed and (report := self._statement(now)) is not None:
+            commands += self._state(now, report)
+        elif digest_at <= now:
             commands.append(self._send_news(now))
         elif self._retransmission_at(now) <= now and (again := self._retransmissions.take(now)) is not None:
             commands.append(self._send(now, again, announces=True))
@@ -144,8 +148,6 @@ class DigestScheduler:
 
     def _send_news(self, now: float) -> Command:
         """Send a digest, or only the announcement of what was sent where nothing else is due."""
-        if self._parts_changed and (report := self._statement(now)) is not None:
-            return self._state(now, report)
         copies, only_parts, sent_much = self._account.digest_copies, self._only_parts(now), self._sent_much()
         if sent_much and not self._more_is_due(now, copies):
             digest = self._announcement(now)
@@ -165,21 +167,30 @@ class DigestScheduler:
         return self._send(now, digest, announces=digest.brief or only_parts)
 
     def _statement(self, now: float) -> SplitReport | None:
-        """Return what is to be told of parts in a state: in unicast, where every copy costs as much there."""
+        """Return what is to be told of parts in a state: in unicast, where every copy costs as much there.
+
+        Not where limits follow the channel, of which digests tell: three robots heard nothing of it for 4.4 s so.
+        """
         exchange = self._coordination.exchange
         if exchange is None or not exchange.has_statement:
             return None
-        if self._view.settings.digests_on_air or not self._states.state.number:
+        if self._view.settings.digests_on_air or self._capacity.factors or not self._states.state.number:
             return None
         return self._coordination.announcement(now)
 
-    def _state(self, now: float, report: SplitReport) -> Command:
-        """Tell all of parts in a state."""
+    def _state(self, now: float, report: SplitReport) -> list[Command]:
+        """Tell all of parts in a state.
+
+        A first digest goes beside it, for a robot is heard by its digests: a team that agreed by states alone told none
+        for 17 s, and took none of the samples that it received for those of their robots.
+        """
         self._parts_changed, self._sent_at = False, now
         self._coordination.announced(now, report)
         command = self._states.tell_parts(report, splits=self._coordination.team.votes_to_split)
         self._account.sent_parts(now, len(pack_state(command.update or command.state)))
-        return command
+        if self._spoke:
+            return [command]
+        return [command, self._send(now, self._composer.announcement(now, ()), announces=True)]
 
     def _only_parts(self, now: float) -> bool:
         """Whether a digest tells of parts alone: nobody plans with others' streams where each has its own part."""
@@ -211,7 +222,7 @@ class DigestScheduler:
 
     def _send(self, now: float, digest: Digest, *, announces: bool) -> Command:
         """Send a digest; one that `announces` does not count as ordinary news."""
-        self._sent_at = now
+        self._sent_at, self._spoke = now, True
         self._view.sent_digest(now)
         self._account.sent_digest(now, digest, announces=announces)
         return SendDigest(digest)

@@ -181,8 +181,7 @@ def test_all_digests_of_a_team_are_within_its_allowance_and_none_is_refused(how)
     mission = draw(scenario("mixed"), 0, how)
     team = fly(mission, how, 0)
     rate = allowance_of(mission.specs, how.allowance, how.members)
-    assert any(air.frame is None for air in team.on_air)
-    assert team.digest_bytes <= rate * (WARM_UP + how.seconds + TUNING.announcement_debt)
+    assert 0 < team.digest_bytes <= rate * (WARM_UP + how.seconds + TUNING.announcement_debt)
     assert sum(core.news.refused.total() for core in team.cores.values()) == 0
     assert all(core.counts.conserved for core in team.cores.values())
 
@@ -209,6 +208,15 @@ def test_news_of_parts_go_without_all_other_news(talk):
     for k in range(100):
         talk.publish(7.4 + 0.2 * k, size=100)
     assert any(digest.streams for digest in digests(talk, 7.4))
+
+
+def test_beside_parts_in_a_state_goes_a_first_digest():
+    """As samples are taken for those of a robot only once it told something."""
+    mission = draw(scenario("mixed"), 0, Conditions(robots=4, seconds=5.0, limit=5))
+    team = fly(mission, Conditions(robots=4, seconds=5.0, limit=5), 0)
+    assert all(core.coordination.formed for core in team.cores.values())
+    heard = [peer.digest is not None for core in team.cores.values() for peer in core.view.peers.values()]
+    assert heard == [True] * 20
 
 
 def test_where_digests_are_on_the_air_parts_are_told_in_them(make_talk):
