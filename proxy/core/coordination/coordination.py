@@ -27,8 +27,9 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.bid import UNIT
-from proxy.core.protocol.messages import Digest, tag
+from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.protocol.split_report import SplitReport
+from proxy.core.split.exchange import Exchange
 from proxy.core.split.split import Split
 from proxy.core.view.view import SharedView
 
@@ -96,14 +97,19 @@ class Coordination:
         if self._split is not None:
             self._split.sent(now, uses)
 
-    def heard(self, now: float, digest: Digest) -> None:
-        """A digest of another robot came, newer than all before."""
-        if digest.tag not in self.team.members:
+    def heard(self, now: float, message: Digest | State) -> None:
+        """A digest of another robot came, newer than all before, or a state, which may be of any time."""
+        name = message.tag if isinstance(message, Digest) else tag(message.zid)
+        if name not in self.team.members:
             return
-        sent = self._view.peers[digest.tag].offset.ours(digest.sent)
-        self.team.heard(digest, now - sent)
-        if self._split is not None and digest.split is not None and not digest.brief:
-            self._split.heard(now, digest.tag, digest.split, sent)
+        sent = -math.inf
+        if isinstance(message, Digest):
+            sent = self._view.peers[name].offset.ours(message.sent)
+            self.team.heard(message, now - sent)
+        elif message.since and message.split is not None:
+            self.team.heard_vote(name, splits=message.splits)
+        if self._split is not None and message.split is not None:
+            self._split.heard(now, name, message.split, sent)
 
     def set_members(self, now: float, members: Collection[str]) -> None:
         """These robots take part, and we."""
@@ -173,11 +179,11 @@ class Coordination:
             return None
         return split.announcement(now)
 
-    def announced(self, digest: Digest) -> None:
-        """A digest of ours goes out that is no announcement of samples."""
-        self.told = digest.split
-        if digest.split is not None and self._split is not None:
-            self._split.announced(digest.sent, digest.split)
+    def announced(self, now: float, report: SplitReport | None) -> None:
+        """This goes out in a digest of ours, or in a state."""
+        self.told = report
+        if report is not None and self._split is not None:
+            self._split.announced(now, report)
 
     @property
     def formed(self) -> bool:
@@ -185,9 +191,9 @@ class Coordination:
         return self._split is not None and self._split.agreement.formed
 
     @property
-    def passes_on(self) -> bool:
-        """Whether a robot waits for a slot that we pass on: for us alone."""
-        return self.split_in_force is not None and self.split_in_force.exchange.passes_on
+    def exchange(self) -> Exchange | None:
+        """What we announce of parts, where the team agrees on them."""
+        return None if self.split_in_force is None else self.split_in_force.exchange
 
     def begins(self, now: float) -> bool:
         """Whether a team that splits from the beginning has just begun."""

@@ -78,7 +78,11 @@ class Team:
         """A digest of a member came, which took so long [s]; an announcement holds no vote."""
         self._took.append(took)
         if not digest.brief:
-            (self._votes.add if digest.splits else self._votes.discard)(digest.tag)
+            self.heard_vote(digest.tag, splits=digest.splits)
+
+    def heard_vote(self, name: str, *, splits: bool) -> None:
+        """A member finds that the team has to split, or does not."""
+        (self._votes.add if splits else self._votes.discard)(name)
 
     def news_take(self, waiting: float) -> float:
         """Return what digests take from or to any robot at most, took to us lately, or are `waiting` for now [s].

@@ -68,7 +68,10 @@ class Account:
 
     def heard_state(self, now: float, state: State, size: int) -> None:
         """A state of another robot, of so many bytes, came: an update went to all, a whole state mostly to us alone."""
-        self.heard += self._count(now, size, self.copies if state.since else 1)
+        copies = self.copies if state.since else 1
+        if state.since and state.split is not None:
+            self._budget.heard(now, size, copies)
+        self.heard += self._count(now, size, copies)
 
     def sent_digest(self, now: float, digest: Digest, *, announces: bool) -> None:
         """A digest of ours goes out. Where it is broadcast it carries its whole key, else a number for the key."""
@@ -77,6 +80,11 @@ class Account:
         size, copies = len(pack_digest(digest)) + key, self.digest_copies
         self._budget.sent(now, size, copies, announces=announces)
         self.told += self._count(now, size, copies)
+
+    def sent_parts(self, now: float, size: int) -> None:
+        """An update of our state, of so many bytes, tells all of parts: that is paid for as digests are."""
+        self._budget.sent(now, size, self.copies, announces=True)
+        self.told += self._count(now, size, self.copies)
 
     def sent_other(self, now: float, size: int, copies: int) -> None:
         """A state or a question of ours, of so many bytes, goes out in so many copies."""

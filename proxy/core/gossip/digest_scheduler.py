@@ -13,10 +13,13 @@ from proxy.core.gossip.announcements import Announcements
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.digest_composer import DigestComposer
 from proxy.core.gossip.retransmissions import Retransmissions
+from proxy.core.gossip.state_announcements import StateAnnouncements
 from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface.commands import Command, SendDigest
 from proxy.core.protocol.messages import Digest
+from proxy.core.protocol.split_report import SplitReport
+from proxy.core.protocol.state_codec import pack_state
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
@@ -35,6 +38,7 @@ class DigestScheduler:
         announcements: Announcements,
         composer: DigestComposer,
         news: StreamNews,
+        states: StateAnnouncements,
     ) -> None:
         self._view = view
         self._coordination = coordination
@@ -44,6 +48,7 @@ class DigestScheduler:
         self._announcements = announcements
         self._composer = composer
         self._news = news
+        self._states = states
         self._retransmissions = Retransmissions()
         self.due_at = -math.inf
         """When the next digest is due, as things are since the last event [s]."""
@@ -54,7 +59,9 @@ class DigestScheduler:
         self._apart = 0.0
         """Ordinary news are so far apart at least [s]."""
         self._sent_at = -math.inf
-        """When the last digest went out [s]."""
+        """When the last digest went out, or news of parts did in a state [s]."""
+        self._spoke = False
+        """Whether any digest went out."""
         self._messages = 0
         """Messages that we had put on the air by then."""
 
@@ -80,7 +87,9 @@ class DigestScheduler:
         self._parts_changed |= parts_changed
         commands: list[Command] = []
         digest_at = self._digest_at(now)
-        if digest_at <= now:
+        if digest_at <= now and self._parts_changed and (report := self._statement(now)) is not None:
+            commands += self._state(now, report)
+        elif digest_at <= now:
             commands.append(self._send_news(now))
         elif self._retransmission_at(now) <= now and (again := self._retransmissions.take(now)) is not None:
             commands.append(self._send(now, again, announces=True))
@@ -123,7 +132,8 @@ class DigestScheduler:
         """
         if not self._coordination.formed:
             return self._budget.due_ahead(now, TUNING.first_parts_debt)
-        since = -math.inf if self._coordination.passes_on else self._parts_since
+        exchange = self._coordination.exchange
+        since = -math.inf if exchange is not None and exchange.passes_on else self._parts_since
         return self._budget.due_in_turn(now, since, TUNING.parts_debt, self._account.digest_copies)
 
     @property
@@ -146,7 +156,7 @@ class DigestScheduler:
         else:
             digest = self._composer.digest(now, copies, only_parts=only_parts)
             self._capacity.reported(digest)
-            self._coordination.announced(digest)
+            self._coordination.announced(now, digest.split)
             self.urgent = self._parts_changed = False
             if sent_much and self._announcements.overheard:
                 large = {stream.id for stream in self._view.streams.own() if self._announcements.is_large(stream)}
@@ -155,6 +165,32 @@ class DigestScheduler:
         self._messages = self._view.traffic.messages
         self._view.traffic.announced()
         return self._send(now, digest, announces=digest.brief or only_parts)
+
+    def _statement(self, now: float) -> SplitReport | None:
+        """Return what is to be told of parts in a state: in unicast, where every copy costs as much there.
+
+        Not where limits follow the channel, of which digests tell: three robots heard nothing of it for 4.4 s so.
+        """
+        exchange = self._coordination.exchange
+        if exchange is None or not exchange.has_statement:
+            return None
+        if self._view.settings.digests_on_air or self._capacity.factors or not self._states.state.number:
+            return None
+        return self._coordination.announcement(now)
+
+    def _state(self, now: float, report: SplitReport) -> list[Command]:
+        """Tell all of parts in a state.
+
+        A first digest goes beside it, for a robot is heard by its digests: a team that agreed by states alone told none
+        for 17 s, and took none of the samples that it received for those of their robots.
+        """
+        self._parts_changed, self._sent_at = False, now
+        self._coordination.announced(now, report)
+        command = self._states.tell_parts(report, splits=self._coordination.team.votes_to_split)
+        self._account.sent_parts(now, len(pack_state(command.update or command.state)))
+        if self._spoke:
+            return [command]
+        return [command, self._send(now, self._composer.announcement(now, ()), announces=True)]
 
     def _only_parts(self, now: float) -> bool:
         """Whether a digest tells of parts alone: nobody plans with others' streams where each has its own part."""
@@ -186,7 +222,7 @@ class DigestScheduler:
 
     def _send(self, now: float, digest: Digest, *, announces: bool) -> Command:
         """Send a digest; one that `announces` does not count as ordinary news."""
-        self._sent_at = now
+        self._sent_at, self._spoke = now, True
         self._view.sent_digest(now)
         self._account.sent_digest(now, digest, announces=announces)
         return SendDigest(digest)

@@ -51,6 +51,7 @@ class Gossip:
             budget=self.budget,
             announcements=self.announcements,
             news=self.news,
+            states=self.states,
             composer=DigestComposer(
                 view, coordination, channel.capacity, news=self.news, echoes=echoes, states=self.states
             ),

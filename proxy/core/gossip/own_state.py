@@ -77,6 +77,11 @@ def update_of(announced: State, state: State) -> State | None:
     )
 
 
+def bare(state: State) -> State:
+    """Return an update of a state by nothing."""
+    return State(state.robot, state.zid, "", "", wall_offset=state.wall_offset, number=state.number, since=state.number)
+
+
 def _news(announced: State, state: State) -> tuple[StreamState, ...]:
     before = {stream.id: stream for stream in announced.streams}
     return tuple(s for s in state.streams if s.id not in before or _moved(before[s.id], s))

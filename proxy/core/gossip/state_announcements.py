@@ -6,12 +6,13 @@ from dataclasses import replace
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.announcements import Announcements
-from proxy.core.gossip.own_state import as_announced, differs, shortened, state_of, update_of
+from proxy.core.gossip.own_state import as_announced, bare, differs, shortened, state_of, update_of
 from proxy.core.gossip.state_budget import StateBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface.commands import Command, Notice, SendState
 from proxy.core.model.mode import Mode
 from proxy.core.protocol.messages import State
+from proxy.core.protocol.split_report import SplitReport
 from proxy.core.protocol.state_codec import pack_state
 from proxy.core.view.view import SharedView
 
@@ -75,6 +76,17 @@ class StateAnnouncements:
         """Somebody asked for our state and got it."""
         self._account.sent_other(now, len(pack_state(self.state)), 1)
 
+    def tell_parts(self, report: SplitReport, *, splits: bool) -> SendState:
+        """Return our state with this report on parts, as an update of the same number: it overtakes none.
+
+        The bid is in it if it is another one than we told so before.
+        """
+        before, self.state = self.state, replace(self.state, splits=splits, split=report)
+        told = report
+        if before.split is not None and before.split.version == report.version:
+            told = replace(report, bid=None)
+        return SendState(self.state, replace(bare(self.state), splits=splits, split=told))
+
     def due_at(self, now: float) -> float:
         """When a state may have to go out at the latest [s]."""
         return min(self._push_at, max(self._review_at, self._allowed_at(now)))
@@ -100,6 +112,7 @@ class StateAnnouncements:
         if self.state.number and not differs(self.state, state):
             return []
         state = replace(as_announced(self.state, state), number=self.state.number + 1)
+        state = replace(state, splits=self.state.splits, split=self.state.split)
         update = update_of(self.state, state)
         if update is not None and (until := self._announced_at + self._takes(update)) > now:
             self._review_at = until

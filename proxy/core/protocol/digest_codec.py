@@ -13,7 +13,7 @@ from typing import Any
 from proxy.core.protocol import checked, envelope
 from proxy.core.protocol.errors import MalformedWireError
 from proxy.core.protocol.fixed import CODES, coded, seconds, ticks
-from proxy.core.protocol.messages import Digest, Echo, StreamDigest
+from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest
 from proxy.core.protocol.split_report import SplitReport, read_report, report_fields
 from proxy.core.protocol.tuning import TUNING
 
@@ -27,7 +27,7 @@ def pack_digest(digest: Digest) -> bytes:
         [_stream_fields(sent, stream) for stream in digest.streams],
         [field for echo in digest.echoes for field in _echo_fields(sent, echo)],
         [coded(part) for part in digest.capacity],
-        _split_fields(digest),
+        split_fields(digest),
     ]
     while lists and not lists[-1]:
         lists.pop()
@@ -47,6 +47,7 @@ def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterab
     if len(fields) < 5:
         raise MalformedWireError(f"{len(fields)} fields where 5 are due")
     streams, echoes, capacity, split = [*map(checked.array, fields[5:9]), [], [], [], []][:4]
+    splits, report = read_split(split)
     return Digest(
         robot=robot,
         tag=tag,
@@ -57,8 +58,8 @@ def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterab
         streams=tuple(_stream(at, each) for each in checked.entries(streams, 7, 10 + TUNING.features)),
         echoes=_echoes(at, echoes, own, tuple(sent)),
         capacity=tuple(checked.amount(part, 1.0) for part in capacity),
-        splits=bool(split and checked.count(split[0], 1)),
-        split=_split(split[1:]),
+        splits=splits,
+        split=report,
     )
 
 
@@ -138,16 +139,18 @@ def _news(sent: int, f: list[Any], size: object, scale: float) -> StreamDigest:
     )
 
 
-def _split_fields(digest: Digest) -> list[Any]:
-    """Whether it is due that the team splits, and what is told of parts."""
-    if digest.split is None:
-        return [1] if digest.splits else []
-    return [int(digest.splits), *report_fields(digest.split)]
+def split_fields(message: Digest | State) -> list[Any]:
+    """Return as fields whether it is due that the team splits, and what is told of parts."""
+    if message.split is None:
+        return [1] if message.splits else []
+    return [int(message.splits), *report_fields(message.split)]
 
 
-def _split(f: list[Any]) -> SplitReport | None:
+def read_split(fields: list[Any]) -> tuple[bool, SplitReport | None]:
+    """Return what such fields tell, of which none are as good as a 0."""
+    splits, *report = fields or [0]
     try:
-        return read_report(f) if f else None
+        return bool(checked.count(splits, 1)), read_report(report) if report else None
     except (ValueError, TypeError) as error:
         raise MalformedWireError(f"no report on parts: {error}") from error
 

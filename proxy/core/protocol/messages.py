@@ -132,3 +132,7 @@ class State:
     """Tells the limits that its specs set all robots from others; 0: it does not say."""
     since: int = 0
     """0: this is all. Else only what is new of the streams since the state of that number; the rest is as it was."""
+    splits: bool = False
+    """As in a digest: in unicast what is new of parts goes this way, too."""
+    split: SplitReport | None = None
+    """What the robot said of parts last, where it said so in a state."""

@@ -1,9 +1,11 @@
 """States on the wire, compressed where that is shorter; whatever does not fit is malformed and changes nothing."""
 
 import zlib
+from dataclasses import replace
 from typing import Any
 
 from proxy.core.protocol import checked, envelope
+from proxy.core.protocol.digest_codec import read_split, split_fields
 from proxy.core.protocol.errors import MalformedWireError
 from proxy.core.protocol.fixed import coded, seconds, ticks
 from proxy.core.protocol.messages import State, StreamState
@@ -11,6 +13,9 @@ from proxy.core.protocol.tuning import TUNING
 
 _ZLIB = b"\x78"
 """What is compressed begins with this; no list in msgpack does."""
+
+_UPDATE, _WHOLE = 6, 14
+"""So many fields an update has, and a whole state, before what is told of parts."""
 
 
 def pack_state(state: State) -> bytes:
@@ -21,6 +26,8 @@ def pack_state(state: State) -> bytes:
         fields += [state.mode, state.specs, state.transport]
         fields += [list(state.subscriptions), [_zid_field(origin) for origin in state.origins]]
         fields += [ticks(state.clock_error), state.version, state.limits]
+    if state.split is not None:
+        fields.append(split_fields(state))
     plain = envelope.packed(fields)
     return min(plain, zlib.compress(plain, 9), key=len)
 
@@ -32,8 +39,11 @@ def unpack_state(data: bytes, robot: str) -> State:
     streams = tuple(map(_stream, checked.entries(checked.array(f[4], TUNING.streams), 3, TUNING.entry_fields)))
     if len({stream.id for stream in streams}) < len(streams):
         raise MalformedWireError("two streams of one number")
+    place = _UPDATE if since else _WHOLE
+    splits, report = read_split(checked.array(f[place]) if len(f) > place else [])
     if since:
-        return State(robot, zid, "", "", streams, wall_offset=seconds(wall_offset), number=number, since=since)
+        update = State(robot, zid, "", "", streams, wall_offset=seconds(wall_offset), number=number, since=since)
+        return replace(update, splits=splits, split=report)
     if len(f) < 11:
         raise MalformedWireError(f"{len(f)} fields where 11 are due")
     return State(
@@ -50,6 +60,8 @@ def unpack_state(data: bytes, robot: str) -> State:
         clock_error=_clock_error(f[11]) if len(f) > 11 else 0.0,
         version=checked.text(f[12])[: TUNING.version_text] if len(f) > 12 else "",
         limits=checked.count(f[13], 2**32) if len(f) > 13 else 0,
+        splits=splits,
+        split=report,
     )
 
 

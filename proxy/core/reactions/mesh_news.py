@@ -76,6 +76,7 @@ class MeshNews:
             self.refused[wrong] += 1
             return []
         self._gossip.account.heard_state(event.now, event.state, event.size)
+        self._coordination.heard(event.now, event.state)
         warned, subscriptions = transport_warnings(self._settings, self._view.peers), peer.subscriptions
         if self._view.heard_state(event.now, event.state):
             self._gossip.requests.compare(event.now, name, peer)

@@ -47,16 +47,18 @@ announce the same hash. Parts would then stay as they are, and never grow.
 A large team asks for nothing, as agreeing would take it a minute: each robot keeps its equal part, which nobody has to
 announce. Only who could not send any of its messages in that bids.
 
-Digests are small and few, for each goes to everybody: in a team of ten two digests of each robot take the allowance
-of ten seconds. So a robot announces its bid, and beside it the hash of its table once that holds the bids of all: what
-is lost the first time need not be requested. What is lost then is. A bid that would leave everybody about as it is, or
-only pass on slots so that all together gain less than a tenth, is not announced at all (`proposal.py`). Who passed a
-slot on announces it again when the next turn should long be over. Nor does a robot bid before it knows how often its
-large samples come, or for 1.5 s: of a rhythm so many messages fit in a window as lie before the first that is out of
-it. With ten robots of equal messages (*uniform*) the first table is agreed on after 2 to 5 s, and they reach 95 to
-100 % of a central decider at 20 to 300 ms, 88 to 92 at 1 s.
+Announcements are small and few, for each goes to everybody: in a team of ten two of each robot take the allowance of
+ten seconds. So a robot announces its bid, and then the hash of its table once that holds the bids of all. In unicast
+these two go with its state, as nobody may miss them: in digests, of which 30 % were lost, ten robots with equal
+messages had agreed on nothing after 25 s in one of six flights, nobody sent, and in the mean they reached 41 to 55 %
+of a central decider; now 93 to 96. What is lost all the same is requested. A bid that would leave everybody about as
+it is, or only pass on slots so that all together gain less than a tenth, is not announced at all (`proposal.py`). Who
+passed a slot on announces it again when the next turn should long be over. Nor does a robot bid before it knows how
+often its large samples come, or for 1.5 s: of a rhythm so many messages fit in a window as lie before the first that
+is out of it. With ten robots of equal messages (*uniform*) the first table is agreed on after 2 to 5 s, and they
+reach 95 to 100 % of a central decider at 20 to 300 ms, 88 to 92 at 1 s.
 
 Figures, by simulation. Two robots to a slot use it for 97, 93, 94 and 95 % of the time where news take 0.02, 0.1, 0.3
-and 1 windows. A table is agreed on once each robot has sent one digest after it heard the last change. A digest
+and 1 windows. A table is agreed on once each robot has told it after it heard the last change. A digest
 takes 7 bytes for it, 17 with two slots, 40 with a bid of six segments, which is sent only until all know it.
 """

@@ -24,8 +24,8 @@ class Agreement:
         self.members, self.others = {own}, set[str]()
         """Who takes part, with us and without."""
         self._bids: dict[str, Entry] = {own: (version, ())}
-        self._held: dict[str, tuple[int, int]] = {}
-        """By tag, the names of the newest table of another robot and of that it agreed on."""
+        self._held: dict[str, dict[int, bool]] = {}
+        """By tag, the names of the last tables that another robot had, and whether it agreed on them."""
         self._within: dict[str, tuple[int, float]] = {}
         """By tag, of which table it said that what it sent fits what that gives it, and since when [s]."""
         self._lost_at = -math.inf
@@ -61,9 +61,7 @@ class Agreement:
     def settled(self) -> bool:
         """Whether we have agreed on our newest table, and so has everybody as far as known, so that nobody waits."""
         newest = self.log.newest.name
-        return self.silent or (
-            not self.pending and all(self._held.get(tag, (0, 0))[1] == newest for tag in self.others)
-        )
+        return self.silent or (not self.pending and all(self._held.get(tag, {}).get(newest) for tag in self.others))
 
     @property
     def rivals(self) -> bool:
@@ -147,7 +145,11 @@ class Agreement:
             for tag in gone[: max(0, len(self._bids) - TUNING.bids_kept)]:
                 del self._bids[tag]
             self._form(now)
-        self._held[peer] = announcement.table, announcement.agreed
+        held = self._held.setdefault(peer, {})
+        for name, agreed in ((announcement.table, False), (announcement.agreed, True)):
+            held[name] = held.pop(name, False) or agreed
+        for name in list(held)[: -TUNING.tables_kept]:
+            del held[name]
 
     def settle(self, now: float) -> None:
         """See what has been agreed on."""

@@ -27,7 +27,10 @@ class Exchange:
         self.last_at = now
         """When that was [s]."""
         self._heard_at, self._requests = now, 0
-        """When we last heard what is news, or requested it [s], and how often we did since."""
+        """When we last heard or told what is news, or requested it [s], and how often we did since.
+
+        Not when we told again what others missed: a robot that answered them for ever never asked for what it missed.
+        """
         self._again = False
         """Whether we announce again, because another robot requests it, or a slot was passed on and not taken."""
         self.passes_on = False
@@ -46,7 +49,7 @@ class Exchange:
             return math.inf
         # What most have not said is not lost but late: how long news take is not known at first.
         late = 2.0 if 2 * missed > len(self._agreement.others) else 1.0
-        return max(self._heard_at, self.last_at) + late * self.patience * (1.0 + self._phase) * 2.0**self._requests
+        return self._heard_at + late * self.patience * (1.0 + self._phase) * 2.0**self._requests
 
     def announcement(self, now: float, within: float = math.inf) -> SplitReport:
         """Return what our next digest announces; for so long we kept `within` what our newest table gives us [s]."""
@@ -67,11 +70,14 @@ class Exchange:
 
         A table that lacks bids is no news yet, for nobody else has it; nor is what others know sooner than we.
         """
-        agreement, last, newest = self._agreement, self._last, self._agreement.log.newest
-        if agreement.silent:
+        if self._agreement.silent:
             return False
-        if self._again or now >= self.requests_at:
-            return True
+        return self._again or now >= self.requests_at or self.has_statement
+
+    @property
+    def has_statement(self) -> bool:
+        """Whether others wait to hear of a bid, or that we have everybody's."""
+        agreement, last, newest = self._agreement, self._last, self._agreement.log.newest
         if last is None:
             return len(agreement.members) > 1
         return last.version != agreement.bid[0] or (newest.complete and last.table != newest.name)
@@ -88,6 +94,8 @@ class Exchange:
         """This goes out in a digest."""
         if announcement.missing:
             self._heard_at, self._requests = now, min(self._requests + 1, TUNING.request_doublings)
+        elif self._last is None or (self._last.version, self._last.table) != (announcement.version, announcement.table):
+            self._heard_at = now
         self._last, self.last_at, self._again, self.passes_on = announcement, now, False, False
 
     def heard(self, now: float, announcement: SplitReport, sent: float, unconfirmed: set[str]) -> None:

@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 
 from proxy.core.protocol.bid import Bid, packed
 from proxy.core.split.allocation import RULES, Allocation, allocate
@@ -61,7 +61,7 @@ class Table:
         """What it gives us now [units]: our part, and the slots that we hold."""
         return self.part + sum(turn.slot.size for turn in self.turns if turn.holder == self.own)
 
-    def confirm(self, names: Mapping[str, tuple[int, int]]) -> None:
+    def confirm(self, names: Mapping[str, Container[int]]) -> None:
         """By tag, these are the names of tables that robots have."""
         self.confirmed_by |= {tag for tag, held in names.items() if self.name in held}
 

@@ -1,6 +1,6 @@
 """The tables of one robot as a log: the first entry is the last table agreed on, the last one is the newest."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 
 from proxy.core.protocol.bid import UNIT
 from proxy.core.split.table import Table
@@ -64,7 +64,7 @@ class TableLog:
             if table.name == name:
                 table.announced(now)
 
-    def confirm(self, names: Mapping[str, tuple[int, int]]) -> None:
+    def confirm(self, names: Mapping[str, Container[int]]) -> None:
         """By tag, these are the names of tables that robots have."""
         for table in self._tables:
             table.confirm(names)

@@ -1,5 +1,7 @@
 """Who plans for whom: every robot for all, or each for itself with its part of every limit."""
 
+from dataclasses import replace
+
 import pytest
 
 from proxy.core.coordination.tuning import TUNING
@@ -70,13 +72,32 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     team.say("p1", splits=True, split=SplitReport(1, bid, 1, 0))
     assert team.coordination.part(team.now, 0) == pytest.approx(equal)
     ours = team.coordination.announcement(team.now)
-    team.coordination.announced(Digest("us", "zz-us", team.now, splits=True, split=ours))
+    team.coordination.announced(team.now, ours)
     assert team.coordination.part(team.now, 0) < 0.5 * equal
     team.say("p1", splits=True, split=SplitReport(1, None, ours.table, 0))
     team.look(waiting=99.0)
     assert team.coordination.formed
     assert not team.coordination.forming(team.now)
     assert 0.0 < team.coordination.part(team.now, 0) < 0.5 * equal
+
+
+def test_parts_are_agreed_on_by_states_as_by_digests(make_team):
+    """In any order; a vote counts that comes with news, not one of the time when a whole state was told."""
+    team = make_team(("p1",))
+    team.look()
+    state = State("p1", "p1", "enforce", "", splits=True, split=SplitReport(1, (Segment(9_000, 250),), 1, 0), number=3)
+    team.coordination.heard(team.now, state)
+    assert not team.coordination.team.splits
+    team.coordination.heard(team.now, replace(state, since=3))
+    team.look()
+    assert team.coordination.team.splits
+    ours = team.coordination.announcement(team.now)
+    team.coordination.announced(team.now, ours)
+    team.coordination.heard(team.now, replace(state, since=3, split=SplitReport(1, None, ours.table, ours.table)))
+    team.coordination.heard(team.now, replace(state, since=3))
+    team.look()
+    assert team.coordination.formed
+    assert team.coordination.settled
 
 
 def test_a_team_that_splits_from_the_beginning_begins_by_agreeing(make_team):

@@ -200,12 +200,40 @@ def test_news_of_parts_go_without_all_other_news(talk):
     talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
     for k in range(20):
         talk.publish(5.3 + 0.1 * k, size=100)
-    bids = [digest for digest in digests(talk, 5.2) if digest.split.bid]
-    assert bids
-    assert all((digest.streams, digest.echoes) == ((), ()) for digest in bids)
+    told = [told.update for told in talk.all(SendState) if told.state.split is not None]
+    assert all((each.streams, each.since) == ((), each.number) for each in told)
+    versions = [each.split.version for each in told if each.split.bid is not None]
+    assert versions[-1] > 0
+    assert versions == sorted(set(versions))
     for k in range(100):
         talk.publish(7.4 + 0.2 * k, size=100)
     assert any(digest.streams for digest in digests(talk, 7.4))
+
+
+def test_beside_parts_in_a_state_goes_a_first_digest():
+    """As samples are taken for those of a robot only once it told something."""
+    mission = draw(scenario("mixed"), 0, Conditions(robots=4, seconds=5.0, limit=5))
+    team = fly(mission, Conditions(robots=4, seconds=5.0, limit=5), 0)
+    assert all(core.coordination.formed for core in team.cores.values())
+    heard = [peer.digest is not None for core in team.cores.values() for peer in core.view.peers.values()]
+    assert heard == [True] * 20
+
+
+def test_where_digests_are_on_the_air_parts_are_told_in_them(make_talk):
+    """There a copy of a state for each robot would take more."""
+    talk = make_talk(transport=broadcast("224.0.0.1:1"), digests_on_air=True, allowance=0.5)
+    talk.want(0.0)
+    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
+    sends(talk, 0.1, size=100)
+    talk.tell(ev.TimePassed(5.0))
+    talk.tell(ev.InterestChanged(5.0, ("robot/op/camera",)))
+    news = StreamDigest(1, 9, 0, 5.0, 0.0, 100, 1.0)
+    talk.tell(ev.DigestHeard(5.05, Digest("op", "zz-op", 5.05, streams=(news,), state=1), 60))
+    talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
+    for k in range(20):
+        talk.publish(5.3 + 0.1 * k, size=100)
+    assert any(digest.split is not None and digest.split.bid for digest in digests(talk, 5.2))
+    assert all(told.state.split is None for told in talk.all(SendState))
 
 
 def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowance(talk):
@@ -218,7 +246,7 @@ def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowan
     talk.publish(5.15, size=100)
     talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
     talk.tell(ev.TimePassed(5.3))
-    assert any(digest.split is not None for digest in digests(talk, 5.15))
+    assert any(told.update.splits is told.state.splits for told in talk.all(SendState) if told.state.split is not None)
 
 
 @pytest.mark.parametrize("coming", ["digest", "state"])

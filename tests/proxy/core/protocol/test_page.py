@@ -41,6 +41,8 @@ DIGEST = Digest("r1", "a1b2c3d4", 12.0, 3, 4000, (STREAM,), (ECHO,), 2, (0.5,), 
 STATE = State(
     *("r1", "a1b2c3d4e5", "enforce", "s1", (StreamState(1, "k", "camera", 0.5, 0.01, 1000, "poisson"),)),
     *(("k/**",), 1.7e9, ("a1b2c3d4e5",), "unicast", 4, 0.5, "1.0.0", 77),
+    splits=True,
+    split=REPORT,
 )
 
 
@@ -90,7 +92,7 @@ def test_every_field_is_in_its_place_and_of_its_type(rows, fields):
         (2, Echo, set()),
         (3, SplitReport, set()),
         (5, StreamDigest, {"features"}),
-        (6, State, {"robot"}),
+        (6, State, {"robot", "splits"}),
         (7, StreamState, set()),
     ],
 )
@@ -103,7 +105,8 @@ def test_every_field_has_the_name_that_it_has_in_the_code(number, message, apart
 def test_an_update_has_the_first_fields_of_a_state():
     """As many as the page says."""
     update = plain(pack_state(dataclasses.replace(STATE, since=3)))
-    assert len(update) == 6
+    assert update[:6] == [*plain(pack_state(STATE))[:3], 3, *plain(pack_state(STATE))[4:6]]
+    assert update[6:] == plain(pack_state(STATE))[14:]
     assert "the first six fields alone" in PAGE
 
 

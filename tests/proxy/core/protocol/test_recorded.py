@@ -79,6 +79,9 @@ def test_fields_that_a_later_version_adds_are_left_out(kind, name, version):
         fields += [[]] * (9 - len(fields))
     elif name == "told":
         fields[4] = [[*stream, *STREAM_ENDS[len(stream) :], "new", 1] for stream in fields[4]]
+        fields += [[]] * (15 - len(fields))
+    else:
+        fields += [[]] * (7 - len(fields))
     later = msgpack.packb([version, *fields[1:], ["new"], 5, "text"], use_single_float=True)
     assert meant(read(kind, later), case["means"]) == case["means"]
 

@@ -8,10 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.errors import MalformedWireError
 from proxy.core.protocol.fixed import seconds, ticks
 from proxy.core.protocol.messages import State, StreamState
+from proxy.core.protocol.split_report import SplitReport
 from proxy.core.protocol.state_codec import pack_state, unpack_state
 from proxy.core.protocol.tuning import TUNING
 from tests.proxy.core.protocol.drawn import amount, count, key, name, size, time, zid
@@ -33,13 +35,17 @@ states = st.builds(
     version=name,
     limits=st.integers(0, 2**32),
 )
+bids = st.none() | st.just((Segment(1200, 130),))
+reports = st.builds(SplitReport, st.integers(0, 2**32 - 1), bids, st.integers(1, 2**32 - 1), st.just(0))
 
 
-@given(states)
-def test_a_state_survives_the_wire(state):
-    """What was packed comes back; of an update its streams, its clock and its numbers alone."""
+@given(states, st.none() | reports, st.booleans())
+def test_a_state_survives_the_wire(state, report, splits):
+    """What was packed comes back; of an update its streams, its clock, its numbers and what it tells of parts alone."""
+    state = dataclasses.replace(state, split=report, splits=splits and report is not None)
     assert unpack_state(pack_state(state), "r1") == state
     update = State("r1", state.zid, "", "", state.streams, (), state.wall_offset, number=state.number, since=1)
+    update = dataclasses.replace(update, split=report, splits=state.splits)
     assert unpack_state(pack_state(dataclasses.replace(state, since=1)), "r1") == update
 
 

@@ -99,8 +99,9 @@ class Flight:
         self.mail = [letter for letter in self.mail if letter[0] > self.now]
         for _, number, to, by, told in due:
             together = to in self.splits and self.groups[to] == self.groups.get(by)
-            if together and number > self.heard.get((to, by), 0):
-                self.heard[to, by] = number
+            # Late digests are left out, what comes in a state is not.
+            if together and (number % 2 or number > self.heard.get((to, by), 0)):
+                self.heard[to, by] = max(number, self.heard.get((to, by), 0))
                 self.splits[to].heard(self.clock(to), by, told)
 
     def room(self, name):

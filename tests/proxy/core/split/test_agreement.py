@@ -81,3 +81,17 @@ def test_a_newcomer_that_all_have_seen_uses_the_equal_part_that_they_leave_it():
     assert a.entitled == a.equal == (UNIT - 200) // (len(others) + 1)
     a.log.announced(1.0, a.log.newest.name)
     assert a.entitled == a.log.newest.total < a.equal
+
+
+def test_what_was_said_of_a_table_counts_though_older_news_came_after_it():
+    """And before we had that table ourselves: states come in any order."""
+    one, other, third = robot("a", "bc"), robot("b", "ac"), robot("c", "ab")
+    old = SplitReport(*third.bid, third.log.newest.name, 0)
+    tell(0.1, one, other, third)
+    tell(0.1, other, third)
+    tell(0.2, third, one)
+    one.heard(0.3, "c", old)
+    assert not one.formed
+    tell(0.3, third, other)
+    tell(0.4, other, one)
+    assert one.formed

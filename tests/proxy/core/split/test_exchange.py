@@ -1,5 +1,7 @@
 """What robots announce of the split, and request again."""
 
+from dataclasses import replace
+
 from proxy.core.protocol.bid import Segment
 from proxy.core.split.split import Split
 from tests.proxy.core.split.flight import FLOOR, WINDOW, waits_for_turn
@@ -60,6 +62,22 @@ def test_who_missed_a_digest_asks_and_only_who_is_asked_tells_again():
     for tag in "cdab":
         say(splits, 5.2, tag)
     assert all(split.agreement.formed for split in splits.values())
+
+
+def test_who_is_asked_again_and_again_asks_for_what_it_misses_all_the_same():
+    """Answers are no reason to wait: one of eleven robots answered the others for ever, and none of them sent."""
+    splits = team_of("abc")
+    say(splits, 0.1, "a")
+    say(splits, 0.1, "b")
+    say(splits, 0.1, "c", "a")
+    asked, now = [], 0.2
+    while not asked and now < 20.0:
+        now += 0.5
+        told = splits["b"].announcement(now)
+        splits["a"].heard(now, "b", replace(told, missing=0b001), now)
+        if splits["a"].exchange.has_news(now):
+            asked += [told.missing for told in [say(splits, now, "a", "b", "c")] if told.missing]
+    assert asked == [0b100]
 
 
 def test_who_has_nothing_to_ask_for_says_so_at_once():

@@ -11,6 +11,7 @@ from tests.proxy.core.split.flight import FLOOR, WINDOW, Flight, waits_for_turn
 
 SMALL = (Segment(300, 150),)
 FRAMES = (*SMALL, Segment(4160, 120, 1), Segment(4160, 110, 1), Segment(4160, 100, 2))
+LIGHT = (Segment(1200, 120),)
 STEPS = 500
 some = settings(max_examples=max(1, settings().max_examples // 2))
 seeds = st.integers(0, 10**9)
@@ -83,6 +84,23 @@ def test_nobody_is_silent(seed, robots, loss, delay):
         flight.step()
         flight.happen(number)
         assert min(parts(flight).values()) >= min(UNIT * FLOOR // TUNING.newcomers, UNIT * (1.0 - FLOOR) // 8 // 12)
+
+
+@some
+@given(seeds, st.integers(2, 8), st.floats(0.3, 1.0), st.sampled_from([0.02, 0.2]))
+def test_nobody_is_silent_for_long_however_much_is_lost(seed, robots, loss, delay):
+    """Whose messages fit an equal part sends one after a second and a window at the latest, and the union holds."""
+    flight = Flight(seed, robots, loss=loss, delay=delay, noticed=0.02, bids=lambda _: LIGHT, rest=0.0)
+    last = dict.fromkeys(flight.splits, flight.now)
+    for _ in range(STEPS):
+        flight.now += 0.02
+        flight.exchange()
+        for name in flight.splits:
+            assert flight.now - last[name] <= 1.0 + WINDOW + 0.1
+            if flight.room(name) >= 0.04:
+                flight.send(name, 0.04)
+                last[name] = flight.now
+        assert flight.union() <= 1.0 + 1e-6
 
 
 def test_a_robot_alone_has_everything_once_settled():
