@@ -1,0 +1,101 @@
+"""Who takes part in the study, by name: how each decides, and what of a task matters to it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Protocol
+
+from planner import SearchSettings
+from proxy.core.interface.commands import Command, Decide
+from proxy.core.model.settings import CoreSettings
+from proxy.core.model.transport import UNICAST, broadcast
+from studies.simulation.agenda import Agenda
+from studies.simulation.flights import GROUP
+from studies.simulation.medium import Medium
+from studies.simulation.member import Member
+from studies.simulation.missions import Mission
+from studies.simulation.records import Delivery, OnAir
+from studies.simulation.team import Team
+from studies.study.networks import RATE, Carry
+from studies.study.tasks import Task
+
+
+class Flown(Protocol):
+    """A flight that is over: what was sent to whom, what went on the air, and what decisions took [s]."""
+
+    @property
+    def deliveries(self) -> list[Delivery]:
+        """By receiver."""
+
+    @property
+    def on_air(self) -> list[OnAir]:
+        """In the order of their times."""
+
+    @property
+    def decisions(self) -> list[float]:
+        """Seconds each."""
+
+
+Fly = Callable[[Task, Mission, Carry], Flown]
+
+
+@dataclass(frozen=True, slots=True)
+class Contender:
+    """What it is called in figures and how it flies; `random` ones know no limit: their level is a probability."""
+
+    title: str
+    fly: Fly
+    random: bool = False
+
+
+@dataclass
+class TimedTeam(Team):
+    """A team that notes what its decisions take."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.decisions: list[float] = []
+
+    def _execute(self, member: Member, t: float, command: Command) -> None:
+        begin = perf_counter()
+        super()._execute(member, t, command)
+        if isinstance(command, Decide) and not command.ahead:
+            self.decisions.append(perf_counter() - begin)
+
+
+def _team(search: SearchSettings) -> Fly:
+    def fly(task: Task, mission: Mission, carry: Carry) -> Flown:
+        agenda = Agenda()
+        team = TimedTeam(
+            mission.specs,
+            mission.interests,
+            Medium(RATE),
+            seed=task.seed,
+            iterations=task.iterations,
+            settings=CoreSettings(
+                "",
+                "",
+                transport=UNICAST if task.unicast else broadcast(GROUP),
+                digests_on_air=not task.unicast,
+            ),
+            search=replace(search, exploration=task.exploration),
+            network=carry(agenda),
+            agenda=agenda,
+        )
+        team.run(mission.frames, mission.problem.t_end)
+        return team
+
+    return fly
+
+
+CONTENDERS = {
+    "best": Contender("best mode", _team(SearchSettings(search="best"))),
+    "paper": Contender("paper mode", _team(SearchSettings(search="paper"))),
+}
+"""By name: those that fly."""
+BOUND, CENTRAL = "bound", "central"
+"""Those that do not: the linear programme, and one decider who hears of everything at once."""
+TITLES = {name: each.title for name, each in CONTENDERS.items()} | {
+    BOUND: "offline bound",
+    CENTRAL: "one decides for all",
+}
