@@ -23,8 +23,9 @@ Transport = Literal["unicast", "broadcast"]
 class Conditions:
     """How a mission is flown.
 
-    `limit` counts messages per `window` [s]; ten robots generate 25 in `WINDOW`. With `digests_inside` it is what messages and digests
-    may use together, else what is left to messages. `latency` and `jitter` are seconds, `loss`, `duplication` and
+    `limit` counts messages per `window` [s]; ten robots generate 25 in `WINDOW`. With `digests_inside` it is what
+    messages and digests may use together, else what is left to messages. `latency` and `jitter` are seconds, `loss`,
+    `duplication` and
     `reordering` probabilities; `ways` are those of single pairs. `rate` is that of the medium [B/s]; as it is, no queue
     shows. `rates` are times [s] and rates. With `digests_on_air` a digest is broadcast where samples are. Wall
     clocks are wrong by `clock_error` at most, as their robots know [s]; 0.0: they do not know.

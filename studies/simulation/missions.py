@@ -63,9 +63,7 @@ def of_equal(problem: Problem, how: Conditions, throughput: str = "") -> Mission
     return _mission(problem, [SIZE] * len(problem.messages), carried, how, throughput)
 
 
-def _mission(
-    problem: Problem, sizes: Sequence[int], carried: float, how: Conditions, throughput: str = ""
-) -> Mission:
+def _mission(problem: Problem, sizes: Sequence[int], carried: float, how: Conditions, throughput: str = "") -> Mission:
     keys = [f"r{stream.robot}/{number}" for number, stream in enumerate(problem.streams)]
     frames = tuple(
         Frame(keys[m.stream].split("/")[0], keys[m.stream], m.t_gen, size, {})

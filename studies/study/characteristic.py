@@ -57,10 +57,10 @@ class Characteristic:
         return float(np.searchsorted(self.utilities, utility, "right") / len(self.utilities))
 
     @property
-    def difference(self) -> float:
-        """What the best half of messages is worth as a part of all, less a half: 0 where all are alike."""
-        half = len(self.utilities) // 2
-        return float(self.utilities[-half:].sum() / self.utilities.sum() - 0.5) if half else 0.0
+    def best_half(self) -> float:
+        """What the better half of messages is worth as a part of all: 0.5 where all are alike."""
+        half = (len(self.utilities) + 1) // 2
+        return float(self.utilities[-half:].sum() / self.utilities.sum())
 
 
 def at_random(problem: Problem, seed: int = 0, probabilities: Sequence[float] = PROBABILITIES) -> Floats:

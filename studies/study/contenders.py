@@ -17,7 +17,7 @@ from studies.simulation.missions import Mission
 from studies.simulation.records import Delivery, OnAir
 from studies.simulation.team import Team
 from studies.study.networks import RATE, Carry
-from studies.study.tasks import Task
+from studies.study.tasks import ITERATIONS, Task
 
 
 class Flown(Protocol):
@@ -41,10 +41,14 @@ Fly = Callable[[Task, Mission, Carry], Flown]
 
 @dataclass(frozen=True, slots=True)
 class Contender:
-    """What it is called in figures and how it flies; `random` ones know no limit: their level is a probability."""
+    """What it is called in figures and how it flies, with so many `iterations` where nothing else is said.
+
+    `random` ones know no limit: their level is a probability.
+    """
 
     title: str
     fly: Fly
+    iterations: int = ITERATIONS
     random: bool = False
 
 
@@ -88,9 +92,12 @@ def _team(search: SearchSettings) -> Fly:
     return fly
 
 
+PAPER_ITERATIONS = 1_500
+"""Of the method of the paper in its study."""
+
 CONTENDERS = {
     "best": Contender("best mode", _team(SearchSettings(search="best"))),
-    "paper": Contender("paper mode", _team(SearchSettings(search="paper"))),
+    "paper": Contender("paper mode", _team(SearchSettings(search="paper")), PAPER_ITERATIONS),
 }
 """By name: those that fly."""
 BOUND, CENTRAL = "bound", "central"

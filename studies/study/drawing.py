@@ -52,9 +52,31 @@ SETTINGS: dict[str, Any] = {
 }
 
 
+METADATA: dict[str, dict[str, Any]] = {
+    ".svg": {"Date": None, "Creator": None},
+    ".png": {"Software": None},
+    ".pdf": {"CreationDate": None},
+}
+"""What is left out, so that the same figures make the same files."""
+
+
 @contextmanager
 def figure(folder: Path, name: str, rows: int, columns: int, size: tuple[float, float], **layout: Any) -> Iterator[Any]:
     """Yield a figure and its axes, `[row][column]`, and write it as `name`.svg and `name`.png."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with _drawn([folder / f"{name}.svg", folder / f"{name}.png"], rows, columns, size, **layout) as drawn:
+        yield drawn
+
+
+@contextmanager
+def one_axes(path: Path) -> Iterator[Any]:
+    """Yield the axes of a figure that is written to a file."""
+    with _drawn([path], 1, 1, (6.4, 4.2)) as (_, axes):
+        yield axes[0][0]
+
+
+@contextmanager
+def _drawn(paths: Sequence[Path], rows: int, columns: int, size: tuple[float, float], **layout: Any) -> Iterator[Any]:
     import matplotlib as mpl  # noqa: PLC0415 - belongs to the extra "study"
 
     mpl.use("Agg")
@@ -63,11 +85,12 @@ def figure(folder: Path, name: str, rows: int, columns: int, size: tuple[float, 
     settings: Any = SETTINGS
     with mpl.rc_context(settings):
         drawn, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, layout="constrained", **layout)
-        yield drawn, axes
-        folder.mkdir(parents=True, exist_ok=True)
-        drawn.savefig(folder / f"{name}.svg", metadata={"Date": None, "Creator": None})
-        drawn.savefig(folder / f"{name}.png", dpi=130, metadata={"Software": None})
-        plt.close(drawn)
+        try:
+            yield drawn, axes
+            for path in paths:
+                drawn.savefig(path, dpi=130, metadata=METADATA[path.suffix])
+        finally:
+            plt.close(drawn)
 
 
 def framed(axes: Any) -> None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 from statistics import fmean
 
 from studies.study.contenders import BOUND, CONTENDERS
-from studies.study.programme import COMPARED, Extent, Sweep, agreement_tasks, main_tasks
+from studies.study.programme import COMPARED, Extent, Sweep, agreement_tasks, entered, main_tasks
 from studies.study.results import Mean, Results
 from studies.study.tasks import Task
 
@@ -62,7 +62,7 @@ def shares_by_limit(results: Results, extent: Extent, contender: str, scenario: 
 def ahead_of(results: Results, extent: Extent, one: str, other: str, scenario: str) -> Iterator[tuple[float, Mean]]:
     """Yield by how much one contender is ahead of another at each limit that both flew, mission by mission [shares]."""
     for level, tasks in by_level(extent, other, scenario).items():
-        ahead = results.ahead((task.but(contender=one), task) for task in tasks)
+        ahead = results.ahead((entered(one, task), task) for task in tasks)
         if ahead is not None:
             yield level, ahead
 

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from studies.ns3.network import USUAL
 from studies.study.contenders import BOUND, CENTRAL, CONTENDERS
-from studies.study.tasks import Task
+from studies.study.tasks import ITERATIONS, Task
 
 SCENARIOS = {"most": "most important", "mixed": "mixed", "few": "few important"}
 """As they are called, in the order of Fig. 3: (a), (b), (c)."""
@@ -34,6 +34,7 @@ class Extent:
     slow_limits: tuple[float, ...]
     slow_seeds: int
     sweep_seeds: int
+    sweep_seconds: float
     agreement_limits: tuple[float, ...]
     agreement_seeds: int
     contenders: tuple[str, ...] = ()
@@ -55,6 +56,7 @@ FULL = Extent(
     slow_limits=(2.0, 5.0, 10.0),
     slow_seeds=1,
     sweep_seeds=3,
+    sweep_seconds=100.0,
     agreement_limits=(2.0, 5.0, 10.0, 20.0),
     agreement_seeds=3,
 )
@@ -67,6 +69,7 @@ REDUCED = Extent(
     slow_limits=(5.0,),
     slow_seeds=1,
     sweep_seeds=2,
+    sweep_seconds=40.0,
     agreement_limits=(2.0, 5.0, 12.0),
     agreement_seeds=2,
 )
@@ -79,6 +82,7 @@ QUICK = Extent(
     slow_limits=(),
     slow_seeds=0,
     sweep_seeds=1,
+    sweep_seconds=15.0,
     agreement_limits=(5.0,),
     agreement_seeds=1,
     contenders=("best", "paper", "random", "greedy"),
@@ -117,8 +121,8 @@ class Sweep:
         """Yield every flight with its line and its place on the axis."""
         step = max(1, (len(self.points) + extent.points - 1) // extent.points)
         for line, (x, changes), seed in product(self.lines, self.points[::step], range(extent.sweep_seeds)):
-            settings = {"scenario": "mixed", "level": 5.0, "seconds": extent.seconds} | self.base
-            yield line, x, Task(line.contender, seed=seed, **(settings | changes | line.changes))
+            task = entered(line.contender, Task("", "mixed", 5.0, seed, seconds=extent.sweep_seconds))
+            yield line, x, task.but(**(self.base | changes | line.changes))
 
 
 def _varied(name: str, values: Iterable[float]) -> tuple[tuple[float, dict[str, Any]], ...]:
@@ -205,6 +209,12 @@ SWEEPS = (
 )
 
 
+def entered(contender: str, task: Task) -> Task:
+    """Return the task as a contender flies it, with its own number of iterations."""
+    iterations = CONTENDERS[contender].iterations if contender in CONTENDERS else ITERATIONS
+    return task.but(contender=contender, iterations=iterations)
+
+
 def main_tasks(extent: Extent) -> list[Task]:
     """Return the flights of §4.2."""
     found = []
@@ -215,7 +225,7 @@ def main_tasks(extent: Extent) -> list[Task]:
                 continue
             at_random = name in CONTENDERS and CONTENDERS[name].random
             levels = extent.probabilities if at_random else extent.slow_limits if slow else extent.limits
-            found += [Task(name, scenario, level, seed, seconds=extent.seconds) for level in levels]
+            found += [entered(name, Task("", scenario, level, seed, seconds=extent.seconds)) for level in levels]
     return found
 
 

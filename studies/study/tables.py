@@ -26,8 +26,8 @@ def contender_tables(results: Results, extent: Extent) -> Iterator[Table]:
             f"Share of the bound: {title}",
             ("limit", *(TITLES[name] for name in columns)),
             tuple(rows),
-            "Utility as a share of the bound at the same latency [%], with the 95 % confidence interval of the mean over"
-            " missions; limits in messages per 2.5 s, of 25 that are generated.",
+            "Utility as a share of the bound at the same latency [%], with the 95 % confidence interval of the mean"
+            " over missions; limits in messages per 2.5 s, of 25 that are generated.",
         )
 
 

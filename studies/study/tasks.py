@@ -15,6 +15,10 @@ Aggregations = Literal["most_recent", "sum", "mixed"]
 MISSION = ("scenario", "level", "seed", "robots", "seconds", "latency", "window", "generation", "aggregation")
 """Fields that say which mission is flown: contenders with the same ones can be compared with its bound."""
 
+ITERATIONS = 300
+"""Of a search, where nothing else is said."""
+REAL = ("level", "seconds", "latency", "loss", "window", "exploration", "background")
+
 
 @dataclass(frozen=True, slots=True)
 class Task:
@@ -37,12 +41,16 @@ class Task:
     latency: float = 0.0
     loss: float = 0.0
     window: float = 2.5
-    iterations: int = 300
+    iterations: int = ITERATIONS
     exploration: float = 0.35
     background: float = 0.0
     adaptive: bool = False
     generation: Generation = "periodic"
     aggregation: Aggregations = "most_recent"
+
+    def __post_init__(self) -> None:
+        for name in REAL:  # 5 and 5.0 are the same task, and have to have the same key
+            object.__setattr__(self, name, float(getattr(self, name)))
 
     @property
     def key(self) -> str:

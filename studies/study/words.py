@@ -53,17 +53,16 @@ def figure_3(results: Results, extent: Extent) -> Iterator[str]:
     )
     for scenario, title in SCENARIOS.items():
         found = [
-            f"{100 * best:.0f} % where {100 * sent:.0f} % of messages are sent, random dropping {100 * random:.0f} %"
+            f"{100 * best:.0f} % by {100 * sent:.0f} % of messages (random dropping {100 * random:.0f} %)"
             for sent, best, random in _beside_random(results, extent, scenario, "best")
         ]
         gained = gains_of(results, extent, scenario)
-        levels = ""
+        said = [f"best mode reaches {', '.join(found)} of the maximum"] if found else []
         if any(gained):
-            parts = Characteristic.of(gained).levels
-            levels = " Messages of " + ", ".join(
-                f"{level} utility: {100 * part:.0f} %" for level, part in parts.items()
-            )
-        yield f"*{title}*: best mode reaches {'; '.join(found)} of the maximum.{levels}."
+            parts = Characteristic.of(gained).levels.items()
+            levels = ", ".join(f"{100 * part:.0f} % have {level}" for level, part in parts)
+            said.append(f"of the messages {levels} utility")
+        yield f"*{title}*: {'; '.join(said)}." if said else f"*{title}*: nobody dropped messages at random."
 
 
 def contenders(results: Results, extent: Extent) -> Iterator[str]:
@@ -159,9 +158,9 @@ def beside_the_paper(results: Results, extent: Extent) -> Iterator[str]:
     yield (
         "What differs from the paper by intent. The weights of scenarios (a) and (c) are swapped in its text; here they"
         " go by their characteristic. Its frames went at the lowest basic rate, 1 Mbit/s, for broadcasts do so in ns-3"
-        " unless they are told otherwise; here they go at 5.5 Mbit/s. Its senders start in the same instant and collide;"
-        " here each waits up to a millisecond. Utility is counted after ten seconds of warm-up. Its limits count"
-        " messages in 2.5 s, as here."
+        " unless they are told otherwise; here they go at 5.5 Mbit/s. Its senders start in the same instant and"
+        " collide; here each waits up to a millisecond. Utility is counted after ten seconds of warm-up. Its limits"
+        " count messages in 2.5 s, as here."
     )
 
 
