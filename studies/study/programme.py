@@ -62,15 +62,15 @@ FULL = Extent(
 )
 REDUCED = Extent(
     "reduced",
-    limits=(1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 16.0, 22.0),
-    probabilities=(0.04, 0.08, 0.12, 0.2, 0.32, 0.48, 0.64, 0.88),
+    limits=(1.0, 2.0, 5.0, 10.0, 20.0),
+    probabilities=(0.04, 0.08, 0.2, 0.4, 0.8),
     seeds=2,
-    seconds=100.0,
+    seconds=60.0,
     slow_limits=(5.0,),
     slow_seeds=1,
     sweep_seeds=2,
-    sweep_seconds=40.0,
-    agreement_limits=(2.0, 5.0, 12.0),
+    sweep_seconds=20.0,
+    agreement_limits=(2.0, 5.0, 10.0),
     agreement_seeds=2,
 )
 QUICK = Extent(
