@@ -1,8 +1,8 @@
 """The characteristic of a mission (§4.1): what messages are worth that are sent at random.
 
-Of each message that was received it is the utility it gained per second in which it was of use. Where the newest
-message counts that is until the next one came; where all add up, as long as it is worth anything; where the best one
-counts, as long as it is the best.
+Of each message that was received it is the utility it gained per second in which it was of use: as long as it was worth
+anything and, where the newest message counts, until the next one came; where the best one counts, as long as it was
+that.
 """
 
 from collections import defaultdict
@@ -18,8 +18,10 @@ from studies.study.errors import StudyError
 
 PROBABILITIES = tuple((i + 1) / 30 for i in range(30))
 """With which messages are sent, in one run each."""
-GRID = 400
-"""Into so many pieces a time is cut in which messages add up or compete."""
+GRID = 1_000
+"""Into so many pieces a time is cut in which messages fade or compete."""
+SOONEST = 1e-3
+"""No message is worthless sooner [s]."""
 WORTHLESS = 0.01
 """A message is of no more use when it is worth less than this part of its most."""
 LEVELS = ("low", "medium", "high")
@@ -102,11 +104,12 @@ def _gained(aggregation: Aggregation, received: list[Message], t_end: float) -> 
         case Aggregation.BEST:
             return _best(received, t_end)
         case Aggregation.SUM:
-            ends = np.array([min(m.t_rcv + _life(m, t_end), t_end) for m in received])
+            until = np.full(len(received), t_end)
         case Aggregation.ONCE:
-            ends = np.append(t_end, begins[1:])
+            until = np.append(t_end, begins[1:])
         case Aggregation.MOST_RECENT:
-            ends = np.append(begins[1:], t_end)
+            until = np.append(begins[1:], t_end)
+    ends = np.maximum(begins, np.minimum(until, _worthless_from(received, t_end)))
     used = ends - begins
     return np.where(used > 0.0, _areas(received, begins, ends) / np.where(used > 0.0, used, 1.0), 0.0)
 
@@ -123,12 +126,21 @@ def _areas(messages: Sequence[Message], begins: Floats, ends: Floats) -> Floats:
     return area
 
 
-def _life(message: Message, t_end: float) -> float:
-    """Return how long after its receipt a message is worth anything [s]."""
-    ages = np.linspace(message.t_rcv, t_end, GRID + 1) - message.t_gen
-    values = message.utility.value(ages)
+def _worthless_from(messages: Sequence[Message], t_end: float) -> Floats:
+    """Return from when on each message is worth nothing any more [s]."""
+    lives: dict[MessageUtility, float] = {}
+    for message in messages:
+        if message.utility not in lives:
+            lives[message.utility] = _life(message.utility, max(t_end - message.t_gen, SOONEST))
+    return np.array([m.t_gen + lives[m.utility] for m in messages])
+
+
+def _life(utility: MessageUtility, longest: float) -> float:
+    """Return the age from which on a message is worth nothing, `longest` at most [s]."""
+    ages = np.append(0.0, np.geomspace(SOONEST, max(longest, 2.0 * SOONEST), GRID))
+    values = utility.value(ages)
     worth = np.flatnonzero(values > WORTHLESS * values.max(initial=0.0))
-    return float(ages[min(worth[-1] + 1, GRID)] - ages[0]) if len(worth) else 0.0
+    return float(ages[min(worth[-1] + 1, GRID)]) if len(worth) else 0.0
 
 
 def _best(received: Sequence[Message], t_end: float) -> Floats:

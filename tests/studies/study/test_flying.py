@@ -60,7 +60,7 @@ def test_missions_are_changed_in_what_the_task_says_alone():
     assert short.problem.messages == plain.messages
     mixed = mission_of(TASK.but(aggregation="mixed"))
     assert [s.aggregation for s in mixed.problem.streams] == [Aggregation.SUM, Aggregation.MOST_RECENT] * 2
-    assert [t.aggregation for t in mixed.specs.information_types] == [s.aggregation for s in mixed.problem.streams]
+    assert [t.aggregation for t in mixed.specs.types] == [s.aggregation for s in mixed.problem.streams]
     assert plain.t_end == WARM_UP + TASK.seconds
 
 
