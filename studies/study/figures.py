@@ -15,6 +15,8 @@ from studies.study.programme import SCENARIOS, Extent, Sweep
 from studies.study.results import Results
 
 LETTERS = dict(zip(SCENARIOS, "abc", strict=True))
+ECDF = 401
+"""Points of an eCDF."""
 LEAST = 5.0
 """An axis of shares leaves so much room below what it shows [points]."""
 
@@ -47,7 +49,7 @@ def _characteristic(axes: Any, gained: Sequence[float]) -> None:
     try:
         found = Characteristic.of(gained)
     except StudyError:
-        axes.text(0.5, 0.5, "no message was received", ha="center", transform=axes.transAxes)
+        axes.text(0.5, 0.5, "no message was sent at random", ha="center", transform=axes.transAxes)
         return
     draw_characteristic(axes, found)
 
@@ -58,9 +60,8 @@ def draw_characteristic(axes: Any, found: Characteristic) -> None:
     places = (np.arange(BINS) + 0.5) * width
     bars = 100 * found.histogram()
     axes.bar(places, bars, 0.9 * width, color="#56B4E9", edgecolor="#0072B2", linewidth=0.6, label="histogram")
-    steps = np.concatenate(([0.0], found.utilities))
-    heights = np.concatenate(([0.0], 100 * np.arange(1, len(found.utilities) + 1) / len(found.utilities)))
-    axes.step(steps, heights, where="post", color="#006d4f", linewidth=1.8, label="eCDF")
+    steps = np.linspace(0.0, 1.0, ECDF)
+    axes.plot(steps, [100 * found.below(each) for each in steps], color="#006d4f", linewidth=1.8, label="eCDF")
     axes.set(xlabel="expected utility of messages, by level [part of the greatest]", xlim=(0, 1), ylim=(0, 101))
     for number, (level, part) in enumerate(found.levels.items()):
         axes.axvline(number / len(LEVELS), color="#999999", linewidth=0.7, linestyle=":")

@@ -218,7 +218,7 @@ def entered(contender: str, task: Task) -> Task:
 def main_tasks(extent: Extent) -> list[Task]:
     """Return the flights of §4.2."""
     found = []
-    for scenario, seed in product(SCENARIOS, range(extent.seeds)):
+    for seed, scenario in product(range(extent.seeds), SCENARIOS):
         for name in [BOUND, *extent.flying]:
             slow = name in SLOW
             if slow and seed >= extent.slow_seeds:

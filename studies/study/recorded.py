@@ -133,4 +133,4 @@ def _draw(found: Characteristic, report: Report, path: Path) -> None:
         draw_characteristic(axes, found)
         axes.set_ylabel("messages [%]")
         axes.set_title(f"Characteristic of {', '.join(report['files'][:2])}", fontsize=10, pad=22)
-        axes.legend(loc="center right", framealpha=0.85, edgecolor="none")
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)
