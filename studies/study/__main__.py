@@ -8,6 +8,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from time import monotonic
 
+from studies.extras import needs, there
+from studies.ns3.building import shim
+from studies.ns3.errors import Ns3Unavailable
 from studies.study.costs import plan
 from studies.study.errors import StudyError
 from studies.study.page import write
@@ -34,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     begin = monotonic()
     try:
+        _check(here=bool(missing) and not options.dask)
         outcome = run(tasks, store, jobs=options.jobs, dask=options.dask)
     except StudyError as error:
         print(f"study: {error}", file=sys.stderr)
@@ -49,6 +53,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     write(Results(store), extent, options.page, datetime.now(UTC))
     print(f"{options.page}: written")
     return 1 if outcome.failed else 0
+
+
+def _check(*, here: bool) -> None:
+    """Raise StudyError for what would be missed after hours; where flights are flown here ns-3's shim is compiled."""
+    if not (there("matplotlib") and there("scipy")):
+        raise StudyError(f"for the bound and for figures {needs('study')}")
+    if here:
+        try:
+            shim()
+        except Ns3Unavailable as error:
+            raise StudyError(str(error)) from None
 
 
 def _parser() -> argparse.ArgumentParser:

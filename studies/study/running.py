@@ -83,7 +83,7 @@ def _on_cluster(tasks: Sequence[Task], address: str) -> Finished:
             raise StudyError(f"{address}: the cluster has no workers; start some with `dask worker {address}`")
         futures = client.map(fly_one, tasks, pure=False)
         of = {future.key: task for future, task in zip(futures, tasks, strict=True)}
-        for future in distributed.as_completed(futures):
+        for future in distributed.as_completed(futures, loop=client.loop):
             yield of[future.key], future.result
 
 
