@@ -62,9 +62,9 @@ FULL = Extent(
 )
 REDUCED = Extent(
     "reduced",
-    limits=(1.0, 2.0, 5.0, 10.0, 20.0),
-    probabilities=(0.04, 0.08, 0.2, 0.4, 0.8),
-    seeds=2,
+    limits=(2.0, 5.0, 10.0, 20.0),
+    probabilities=(0.08, 0.2, 0.4, 0.8),
+    seeds=3,
     seconds=60.0,
     slow_limits=(5.0,),
     slow_seeds=1,
@@ -105,7 +105,8 @@ class Line:
 class Sweep:
     """One thing is varied: `points` are what the axis says, and what it changes of the `base`.
 
-    Utility is shown as a share `of` the bound of the same mission, or of the maximum.
+    Utility is shown as a share `of` the bound of the same mission, or of the maximum. Between the ends of `flat` it
+    should be the same.
     """
 
     name: str
@@ -116,6 +117,7 @@ class Sweep:
     base: dict[str, Any] = field(default_factory=dict)
     logarithmic: bool = False
     of: Literal["bound", "maximum"] = "bound"
+    flat: tuple[float, float] | None = None
 
     def tasks(self, extent: Extent) -> Iterator[tuple[Line, float, Task]]:
         """Yield every flight with its line and its place on the axis."""
@@ -159,6 +161,7 @@ SWEEPS = (
         (BEST, ONE),
         tuple((1000 * each, {"latency": round(each - USUAL, 6)}) for each in LATENCIES),
         logarithmic=True,
+        flat=(10.0, 300.0),
     ),
     Sweep(
         "loss", "Loss of frames", "loss [%]", (BEST,), tuple((100 * p, {"loss": p}) for p in (0, 0.01, 0.1, 0.2, 0.3))
@@ -218,7 +221,7 @@ def entered(contender: str, task: Task) -> Task:
 def main_tasks(extent: Extent) -> list[Task]:
     """Return the flights of §4.2."""
     found = []
-    for seed, scenario in product(range(extent.seeds), SCENARIOS):
+    for scenario, seed in product(SCENARIOS, range(extent.seeds)):
         for name in [BOUND, *extent.flying]:
             slow = name in SLOW
             if slow and seed >= extent.slow_seeds:
@@ -262,10 +265,10 @@ def bound_of(task: Task) -> Task:
 
 
 def everything(extent: Extent) -> list[Task]:
-    """Return all flights of the study, each once."""
+    """Return all flights of the study, each once, mission by mission: what is interrupted has some of everything."""
     compared = [task for _, task in agreement_tasks(extent)]
     tasks = [*main_tasks(extent), *compared, *map(bound_of, compared), *sweep_tasks(extent)]
-    return list({task.key: task for task in map(normal, tasks)}.values())
+    return sorted({task.key: task for task in map(normal, tasks)}.values(), key=lambda task: task.seed)
 
 
 def normal(task: Task) -> Task:

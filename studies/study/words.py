@@ -129,11 +129,12 @@ def sweep(results: Results, extent: Extent, varied: Sweep) -> str:
         if not points:
             continue
         low, high = min(points, key=lambda x: points[x].mean), max(points, key=lambda x: points[x].mean)
-        span = points[high].mean - points[low].mean
-        flat = f" It is flat to {100 * CLOSE:g} points." if span <= CLOSE else ""
-        lines.append(
-            f"*{title}*: from {points[low].percent()} % (at {low:g}) to {points[high].percent()} % (at {high:g}).{flat}"
-        )
+        said = f"from {points[low].percent()} % (at {low:g}) to {points[high].percent()} % (at {high:g})"
+        begin, end = varied.flat or (min(points), max(points))
+        within = [points[x].mean for x in points if begin <= x <= end]
+        if within and (varied.flat is not None or max(within) - min(within) <= CLOSE):
+            said += f"; between {begin:g} and {end:g} it moves by {100 * (max(within) - min(within)):.1f} points"
+        lines.append(f"*{title}*: {said}.")
     return " ".join(lines)
 
 
