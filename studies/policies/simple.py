@@ -1,6 +1,8 @@
 """Policies that do not plan."""
 
 import random
+from collections.abc import Callable
+from typing import Protocol, runtime_checkable
 
 from planner import Problem
 from planner.constraints import violations
@@ -44,13 +46,30 @@ def _share(window: Problem, index: int) -> float:
     return max(shares, default=0.0) or 1e-9
 
 
-class RandomSends:
-    """Send what fits with a probability; the same seed draws the same numbers, one a message."""
+@runtime_checkable
+class Draws(Protocol):
+    """A policy that draws random numbers: where many decide, each is dealt its own."""
 
-    def __init__(self, probability: float, seed: int = 0) -> None:
+    def dealt(self, hand: str) -> Callable[[Problem], bool]:
+        """Return the policy with the numbers of this hand."""
+
+
+class RandomSends:
+    """Send what fits with a probability; the same seed draws the same numbers, one a message.
+
+    Without `limited` it sends whether it fits or not: the random dropping of the paper (§4.2).
+    """
+
+    def __init__(self, probability: float, seed: int | str = 0, *, limited: bool = True) -> None:
         self._probability = probability
+        self._seed = seed
+        self._limited = limited
         self._draw = random.Random(seed)
 
     def __call__(self, window: Problem) -> bool:
-        """Draw, and send when the number says so and no constraint forbids it."""
-        return self._draw.random() < self._probability and whenever_it_fits(window)
+        """Draw, and send when the number says so and, if limited, no constraint forbids it."""
+        return self._draw.random() < self._probability and (not self._limited or whenever_it_fits(window))
+
+    def dealt(self, hand: str) -> "RandomSends":
+        """Return the policy with the numbers of this hand."""
+        return RandomSends(self._probability, f"{self._seed} {hand}", limited=self._limited)

@@ -9,8 +9,7 @@ import numpy.typing as npt
 
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.missions import Mission
-from studies.simulation.records import OnAir
-from studies.simulation.team import Team
+from studies.simulation.records import Flown, OnAir
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +30,14 @@ class Usage:
     interval: float
 
 
-def usage(flown: Mission, team: Team, how: Conditions) -> Usage:
+def usage(flown: Mission, flight: Flown, how: Conditions) -> Usage:
     """Count what a flight sent."""
-    messages = [sent for sent in team.on_air if sent.frame is not None]
-    told = [sent for sent in team.on_air if sent.frame is None and sent.t >= WARM_UP]
+    messages = [sent for sent in flight.on_air if sent.frame is not None]
+    told = [sent for sent in flight.on_air if sent.frame is None and sent.t >= WARM_UP]
     digests = sum(sent.digest for sent in told)
     held = _windows(messages, how.window)
     largest = max(frame.size for frame in flown.frames)
-    together = _windows(team.on_air, how.window)
+    together = _windows(flight.on_air, how.window)
     return Usage(
         messages=len(held) / how.seconds,
         exceeding=float(np.mean(held > flown.carried * (1 + 1e-9))) if len(held) else 0.0,
