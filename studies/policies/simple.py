@@ -7,6 +7,7 @@ from typing import Protocol, runtime_checkable
 from planner import Problem
 from planner.constraints import violations
 from planner.evaluation import tabulate_gains
+from studies.policies.ranked import fits_by_rank, share
 
 
 def send_all(_window: Problem) -> bool:
@@ -29,21 +30,8 @@ def by_rank(window: Problem) -> bool:
     gains = tabulate_gains(window)
     worth = dict(zip(opened, gains.gain[gains.start[:-1]].tolist(), strict=True))
     until = window.messages[window.current].t_sent + max((c.window for c in window.constraints), default=0.0)
-    rivals = [i for i in opened if window.messages[i].t_sent <= until and worth[i] > 0]
-    placed: list[int] = []
-    for index in sorted(rivals, key=lambda i: worth[i] / _share(window, i), reverse=True):
-        if not violations(window, [*placed, index]):
-            placed.append(index)
-            if index == window.current:
-                return True
-    return False
-
-
-def _share(window: Problem, index: int) -> float:
-    """Return the greatest share of a limit that a message uses; a little for one that uses none."""
-    limits = [constraint.limit for constraint in window.constraints]
-    shares = [use / limit for use, limit in zip(window.messages[index].use, limits, strict=True) if limit > 0]
-    return max(shares, default=0.0) or 1e-9
+    rivals = (i for i in opened if window.messages[i].t_sent <= until and worth[i] > 0)
+    return fits_by_rank(window, {i: worth[i] / share(window, i) for i in rivals})
 
 
 @runtime_checkable
