@@ -1,38 +1,43 @@
 """Who takes part in the study, by name: how each decides, and what of a task matters to it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
-from typing import Protocol
+from typing import Literal, Protocol
 
-from planner import SearchSettings
+from planner import Problem, SearchSettings
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import UNICAST, broadcast
+from studies.alone.flight import fly_alone
+from studies.central import Policy
+from studies.policies import (
+    FixedRate,
+    Planned,
+    RandomSends,
+    Receding,
+    by_age,
+    by_rank,
+    filling_interval,
+    whenever_it_fits,
+)
+from studies.simulation import records
 from studies.simulation.agenda import Agenda
 from studies.simulation.flights import GROUP
 from studies.simulation.medium import Medium
 from studies.simulation.member import Member
 from studies.simulation.missions import Mission
-from studies.simulation.records import Delivery, OnAir
 from studies.simulation.team import Team
 from studies.study.networks import RATE, Carry
 from studies.study.tasks import ITERATIONS, Task
 
 
-class Flown(Protocol):
-    """A flight that is over: what was sent to whom, what went on the air, and what decisions took [s]."""
+class Flown(records.Flown, Protocol):
+    """A flight that is over, with what decisions took."""
 
     @property
-    def deliveries(self) -> list[Delivery]:
-        """By receiver."""
-
-    @property
-    def on_air(self) -> list[OnAir]:
-        """In the order of their times."""
-
-    @property
-    def decisions(self) -> list[float]:
+    def decisions(self) -> Sequence[float]:
         """Seconds each."""
 
 
@@ -95,9 +100,35 @@ def _team(search: SearchSettings) -> Fly:
 PAPER_ITERATIONS = 1_500
 """Of the method of the paper in its study."""
 
+
+def _alone(fresh: Callable[[Task, Problem], Policy]) -> Fly:
+    """Let each robot decide by a policy and what it heard of the others' messages; nobody tells anything else."""
+
+    def fly(task: Task, mission: Mission, carry: Carry) -> Flown:
+        return fly_alone(mission, partial(fresh, task), carry, seed=task.seed, broadcast=not task.unicast)
+
+    return fly
+
+
+def _planned(search: Literal["best", "paper"]) -> Fly:
+    return _alone(
+        lambda task, _: Planned(SearchSettings(search=search, exploration=task.exploration), task.iterations, task.seed)
+    )
+
+
 CONTENDERS = {
     "best": Contender("best mode", _team(SearchSettings(search="best"))),
     "paper": Contender("paper mode", _team(SearchSettings(search="paper")), PAPER_ITERATIONS),
+    "paper-alone": Contender("the paper's method", _planned("paper"), PAPER_ITERATIONS),
+    "best-alone": Contender("best search, nothing told", _planned("best")),
+    "receding": Contender("receding horizon", _alone(lambda _task, _problem: Receding())),
+    "rank": Contender("by rank", _alone(lambda _task, _problem: by_rank)),
+    "age": Contender("age index", _alone(lambda _task, _problem: by_age)),
+    "fixed-rate": Contender("fixed rate", _alone(lambda _, problem: FixedRate(filling_interval(problem)))),
+    "greedy": Contender("whatever fits", _alone(lambda _task, _problem: whenever_it_fits)),
+    "random": Contender(
+        "random dropping", _alone(lambda task, _: RandomSends(task.level, task.seed, limited=False)), random=True
+    ),
 }
 """By name: those that fly."""
 BOUND, CENTRAL = "bound", "central"

@@ -1,9 +1,8 @@
 """Flies one task and measures it; this is what workers run, here or in a cluster."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from statistics import fmean, median
 from time import process_time
-from typing import cast
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from studies.simulation.conditions import WARM_UP
 from studies.simulation.missions import Mission
 from studies.simulation.records import OnAir
 from studies.simulation.scores import HORIZON, Yardsticks, reached, scored
-from studies.simulation.team import Team
 from studies.study.characteristic import gains, of_runs
 from studies.study.contenders import BOUND, CENTRAL, CONTENDERS, Flown
 from studies.study.missions import mission_of, unlimited
@@ -70,7 +68,7 @@ def measured(task: Task, mission: Mission, flight: Flown) -> Record:
     held = _windows(messages, task.window)
     limit = mission.problem.constraints[0].limit
     return {
-        "utility": reached(mission, cast("Team", flight)),
+        "utility": reached(mission, flight),
         "maximum": _maximum(mission.problem),
         "generated": due,
         "sent": len(sent),
@@ -102,7 +100,7 @@ def _channel(flight: Flown, task: Task) -> Record:
     }
 
 
-def _quantiles(values: list[float]) -> list[float]:
+def _quantiles(values: Sequence[float]) -> list[float]:
     """Return the median and a late one, or nothing of none."""
     return [round(median(values), 7), round(float(np.quantile(values, LATE)), 7)] if values else []
 
