@@ -62,7 +62,7 @@ def draw_characteristic(axes: Any, found: Characteristic) -> None:
     axes.bar(places, bars, 0.9 * width, color="#56B4E9", edgecolor="#0072B2", linewidth=0.6, label="histogram")
     steps = np.linspace(0.0, 1.0, ECDF)
     axes.plot(steps, [100 * found.below(each) for each in steps], color="#006d4f", linewidth=1.8, label="eCDF")
-    axes.set(xlabel="expected utility of messages, by level [part of the greatest]", xlim=(0, 1), ylim=(0, 101))
+    axes.set(xlabel="expected utility [part of the greatest]", xlim=(0, 1), ylim=(0, 101))
     for number, (level, part) in enumerate(found.levels.items()):
         axes.axvline(number / len(LEVELS), color="#999999", linewidth=0.7, linestyle=":")
         place = (number + 0.5) / len(LEVELS)
