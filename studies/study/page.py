@@ -44,8 +44,8 @@ def _sections(results: Results, extent: Extent, folder: Path, now: datetime) -> 
     yield _section(agreement_table(results, extent))
     yield "## Beyond"
     yield (
-        f"Of the scenario mixed, {extent.sweep_seeds} missions of {extent.sweep_seconds:g} s for each point, five messages"
-        " in 2.5 s where nothing else is said; bars are 95 % confidence intervals, which are wide of few missions."
+        f"Of the scenario mixed, {extent.sweep_seeds} missions of {extent.sweep_seconds:g} s for each point, five"
+        " messages in 2.5 s where nothing else is said; bars are 95 % confidence intervals, wide of few missions."
     )
     for sweep in sweeps(extent):
         if any(swept(results, extent, sweep).values()):
