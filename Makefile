@@ -7,7 +7,7 @@ BIN := .venv/bin
 unexport PYTHONDONTWRITEBYTECODE
 
 PACKAGES := planner proxy utility_specs studies
-.PHONY: setup demo test test-full test-system lint bench study qualify transparency man lock clean FORCE
+.PHONY: setup demo test test-full test-system lint bench study study-traffic qualify transparency man lock clean FORCE
 
 setup: .venv/ready
 
@@ -58,9 +58,15 @@ lint: setup
 bench: setup
 	$(BIN)/python -m studies.benchmarks
 
+# The simulation study of the paper and beyond, on ns-3: writes studies/RESULTS.md and its figures anew. It says at first how
+# many hours that takes, keeps what it has flown in build/study and goes on from there. QUICK=1 takes a minute and writes to
+# build/study, DASK=ADDRESS sends the flights to a Dask cluster.
+study: setup .venv/ns3
+	$(BIN)/python -m studies.study $(if $(QUICK),--extent quick --page build/study/quick/RESULTS.md) $(if $(DASK),--dask $(DASK))
+
 # What teams reach on bad networks and with real traffic: writes studies/results/view.md and traffic.md anew. The latter
 # takes hours, and says how many at first.
-study: setup .venv/ns3
+study-traffic: setup
 	$(BIN)/python -m studies.benchmarks view
 	$(BIN)/python -m studies.simulation.traffic --output studies/results/traffic.md
 

@@ -2,14 +2,14 @@
 
 It sees what the planner would see: what was sent before, the current message, and the next ones up to its horizon.
 These are the true ones, so that what it loses against the offline optimum is lost by the decisions alone, not by
-forecasts or a channel; or, with `forecast`, those that a team would expect from periods and means.
+forecasts or a channel; or, with `forecast`, those that a team would expect from the periods and means seen so far.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 
 from planner import Message, Problem
-from studies.forecast import Forecaster
+from studies.forecast import Forecaster, Knowledge
 
 Policy = Callable[[Problem], bool]
 """Decides the current message of a window: send it?"""
@@ -26,13 +26,15 @@ class Uncertain(Problem):
 class CentralDecider:
     """Flies one mission with windows of `horizon` open messages.
 
-    With `forecast` and some `futures` every window is an `Uncertain` one of so many sampled futures.
+    With `forecast` and some `futures` every window is an `Uncertain` one of so many sampled futures. What
+    the forecast knows besides what was seen so far is a yardstick.
     """
 
     mission: Problem
     horizon: int
     forecast: bool = False
     futures: int = 0
+    knowledge: Knowledge = "seen"
     sends: list[int] = field(default_factory=list)
     """What was sent so far, by index in the mission."""
     _last: dict[int, int] = field(default_factory=dict)
@@ -44,7 +46,8 @@ class CentralDecider:
     def __post_init__(self) -> None:
         self._reach = longest_window(self.mission)
         self._life = mean_interval(self.mission)
-        self._forecaster = Forecaster(self.mission, self.futures) if self.forecast else None
+        if self.forecast:
+            self._forecaster = Forecaster(self.mission, self.futures, knowledge=self.knowledge)
 
     def fly(self, policy: Policy) -> tuple[int, ...]:
         """Decide all messages in turn; return the indices of those sent."""
@@ -82,12 +85,16 @@ class CentralDecider:
     def _with(self, index: int, ahead: tuple[Message, ...]) -> Problem:
         """Build the window of the message to decide and the next ones, up to the horizon."""
         mission = self.mission
-        complete = len(ahead) < self.horizon or index + self.horizon >= len(mission.messages)
+        complete = len(ahead) < self.horizon
+        if self._forecaster is None:
+            complete, life = complete or index + self.horizon >= len(mission.messages), self._life
+        else:
+            life = self._forecaster.life(index)
         return replace(
             mission,
             messages=(*self._facts.values(), *ahead),
             current=len(self._facts),
-            t_end=mission.t_end if complete else min(mission.t_end, ahead[-1].t_gen + self._life),
+            t_end=mission.t_end if complete else min(mission.t_end, ahead[-1].t_gen + life),
             goes_on=not complete,
         )
 
@@ -113,4 +120,4 @@ def mean_interval(mission: Problem) -> float:
         for k, constraint in enumerate(mission.constraints)
         if constraint.limit > 0
     )
-    return max(generated, *limited)
+    return max([generated, *limited])

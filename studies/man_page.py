@@ -42,11 +42,16 @@ def _page(whole: argparse.ArgumentParser) -> Iterator[str]:
     yield from (".SH OPTIONS", ".TP", ".B \\-h, \\-\\-help", "tell how it is used; behind a command, how that one is")
     yield from _arguments(whole)
     yield ".SH COMMANDS"
+    yield from _commands(whole)
+    yield from text(whole.epilog, ".SH")
+
+
+def _commands(whole: argparse.ArgumentParser, before: str = "") -> Iterator[str]:
+    """Yield the sections of the commands of a parser, and of theirs."""
     for action in _told(whole):
         if isinstance(action, COMMANDS):
             for name, command in action.choices.items():
-                yield from _command(name, command)
-    yield from text(whole.epilog, ".SH")
+                yield from _command(f"{before}{name}", command)
 
 
 def _command(name: str, command: argparse.ArgumentParser) -> Iterator[str]:
@@ -55,6 +60,7 @@ def _command(name: str, command: argparse.ArgumentParser) -> Iterator[str]:
     yield from text(command.description, ".PP\n.I")
     yield from _arguments(command)
     yield from text(command.epilog, ".PP\n.I")
+    yield from _commands(command, f"{name} ")
 
 
 def _brief(description: str | None) -> str:

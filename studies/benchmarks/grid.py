@@ -16,7 +16,16 @@ from studies.benchmarks.missions import (
 )
 from studies.benchmarks.report import Table
 from studies.central import Policy
-from studies.policies import Contender, FixedRate, RandomSends, by_rank, filling_interval, send_all, whenever_it_fits
+from studies.policies import (
+    Contender,
+    FixedRate,
+    RandomSends,
+    by_age,
+    by_rank,
+    filling_interval,
+    send_all,
+    whenever_it_fits,
+)
 
 RANDOM_SEED = 1
 
@@ -32,6 +41,7 @@ def contenders() -> tuple[Contender, ...]:
         best_mode_knowing(),
         paper_mode(),
         Contender("by rank of marginal utility", partial(_stateless, by_rank)),
+        Contender("by index of the age of information", partial(_stateless, by_age)),
         Contender("fixed rate per stream that fills the limit, when it fits", _fixed_rate),
         Contender("whenever it fits", partial(_stateless, whenever_it_fits)),
         Contender("at random, every second message, when it fits", _random),

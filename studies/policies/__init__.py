@@ -3,6 +3,7 @@
 Some remember what they did: every mission gets a policy of its own. A `Contender` names one and makes it afresh.
 """
 
+from studies.policies.age import by_age
 from studies.policies.contender import Contender
 from studies.policies.fixed_rate import FixedRate, filling_interval
 from studies.policies.planned import Planned
@@ -15,6 +16,7 @@ __all__ = [
     "Planned",
     "RandomSends",
     "Receding",
+    "by_age",
     "by_rank",
     "filling_interval",
     "send_all",

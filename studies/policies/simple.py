@@ -1,10 +1,13 @@
 """Policies that do not plan."""
 
 import random
+from collections.abc import Callable
+from typing import Protocol, runtime_checkable
 
 from planner import Problem
 from planner.constraints import violations
 from planner.evaluation import tabulate_gains
+from studies.policies.ranked import fits_by_rank, share
 
 
 def send_all(_window: Problem) -> bool:
@@ -27,30 +30,34 @@ def by_rank(window: Problem) -> bool:
     gains = tabulate_gains(window)
     worth = dict(zip(opened, gains.gain[gains.start[:-1]].tolist(), strict=True))
     until = window.messages[window.current].t_sent + max((c.window for c in window.constraints), default=0.0)
-    rivals = [i for i in opened if window.messages[i].t_sent <= until and worth[i] > 0]
-    placed: list[int] = []
-    for index in sorted(rivals, key=lambda i: worth[i] / _share(window, i), reverse=True):
-        if not violations(window, [*placed, index]):
-            placed.append(index)
-            if index == window.current:
-                return True
-    return False
+    rivals = (i for i in opened if window.messages[i].t_sent <= until and worth[i] > 0)
+    return fits_by_rank(window, {i: worth[i] / share(window, i) for i in rivals})
 
 
-def _share(window: Problem, index: int) -> float:
-    """Return the greatest share of a limit that a message uses; a little for one that uses none."""
-    limits = [constraint.limit for constraint in window.constraints]
-    shares = [use / limit for use, limit in zip(window.messages[index].use, limits, strict=True) if limit > 0]
-    return max(shares, default=0.0) or 1e-9
+@runtime_checkable
+class Draws(Protocol):
+    """A policy that draws random numbers: where many decide, each is dealt its own."""
+
+    def dealt(self, hand: str) -> Callable[[Problem], bool]:
+        """Return the policy with the numbers of this hand."""
 
 
 class RandomSends:
-    """Send what fits with a probability; the same seed draws the same numbers, one a message."""
+    """Send what fits with a probability; the same seed draws the same numbers, one a message.
 
-    def __init__(self, probability: float, seed: int = 0) -> None:
+    Without `limited` it sends whether it fits or not: the random dropping of the paper (§4.2).
+    """
+
+    def __init__(self, probability: float, seed: int | str = 0, *, limited: bool = True) -> None:
         self._probability = probability
+        self._seed = seed
+        self._limited = limited
         self._draw = random.Random(seed)
 
     def __call__(self, window: Problem) -> bool:
-        """Draw, and send when the number says so and no constraint forbids it."""
-        return self._draw.random() < self._probability and whenever_it_fits(window)
+        """Draw, and send when the number says so and, if limited, no constraint forbids it."""
+        return self._draw.random() < self._probability and (not self._limited or whenever_it_fits(window))
+
+    def dealt(self, hand: str) -> "RandomSends":
+        """Return the policy with the numbers of this hand."""
+        return RandomSends(self._probability, f"{self._seed} {hand}", limited=self._limited)

@@ -54,7 +54,7 @@ def enter_all(mission: Mission, told: Iterator[Told], origin: float) -> Outcomes
 def fly(outcomes: Outcomes, name: str, end: float, progress: Callable[[float], object]) -> None:
     """Let a policy decide everything that was taken in, by `end` [s]; it sends at once."""
     columns, offered = outcomes.columns(), POLICIES[name]
-    problem = _problem(outcomes, columns, end)
+    problem = problem_of(outcomes, columns, end)
     policy, decider = offered.fresh(problem), CentralDecider(problem, offered.known)
     for index in range(len(columns.t)):
         stream, t = outcomes.streams[int(columns.stream[index])], float(columns.t[index])
@@ -67,7 +67,8 @@ def fly(outcomes: Outcomes, name: str, end: float, progress: Callable[[float], o
         progress(t)
 
 
-def _problem(outcomes: Outcomes, columns: Columns, end: float) -> Problem:
+def problem_of(outcomes: Outcomes, columns: Columns, end: float) -> Problem:
+    """Return everything that was taken in as one problem, in which each sample arrives once it is published."""
     mission, streams = outcomes.mission, outcomes.streams
     messages = []
     for index in range(len(columns.t)):

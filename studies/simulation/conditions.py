@@ -23,8 +23,9 @@ Transport = Literal["unicast", "broadcast"]
 class Conditions:
     """How a mission is flown.
 
-    `limit` counts messages per `WINDOW` of 25 that are generated. With `digests_inside` it is what messages and digests
-    may use together, else what is left to messages. `latency` and `jitter` are seconds, `loss`, `duplication` and
+    `limit` counts messages per `window` [s]; ten robots generate 25 in `WINDOW`. With `digests_inside` it is what
+    messages and digests may use together, else what is left to messages. `latency` and `jitter` are seconds, `loss`,
+    `duplication` and
     `reordering` probabilities; `ways` are those of single pairs. `rate` is that of the medium [B/s]; as it is, no queue
     shows. `rates` are times [s] and rates. With `digests_on_air` a digest is broadcast where samples are. Wall
     clocks are wrong by `clock_error` at most, as their robots know [s]; 0.0: they do not know.
@@ -33,6 +34,7 @@ class Conditions:
     coordination: Coordination = "announce"
     transport: Transport = "unicast"
     limit: int = 5
+    window: float = WINDOW
     latency: float = 0.02
     jitter: float = 0.0
     loss: float = 0.0
@@ -65,4 +67,4 @@ class Conditions:
         """Return what the specs allow per window so that `carried` is left to messages [B]."""
         if self.digests_inside:
             return carried
-        return max(carried / (1.0 - self.allowance), carried + MODEL.least_allowance * self.members * WINDOW)
+        return max(carried / (1.0 - self.allowance), carried + MODEL.least_allowance * self.members * self.window)

@@ -1,7 +1,7 @@
 """Missions of the study as a team flies them: what apps publish, who wants it, and the specs for it."""
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
@@ -9,7 +9,7 @@ from typing import Literal
 
 from planner import Constraint, Exponential, Linear, Message, MessageUtility, Polynomial, Problem, Step, Video
 from studies.mixed_workload import ByteLimit, mixed_mission
-from studies.simulation.conditions import WARM_UP, WINDOW, Conditions
+from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.records import Frame
 from studies.workload import SCENARIOS, Scenario, mission
 from utility_specs import Specs, load_specs
@@ -45,20 +45,32 @@ def draw(scenario: Scenario, seed: int, how: Conditions, sizes: Sizes = "equal")
     """Draw a mission: the paper's, or one of mixed sizes; the same seed gives the same one under all conditions."""
     seconds = WARM_UP + how.seconds
     if sizes == "equal":
-        limit = Constraint("messages", WINDOW, float(how.limit))
+        limit = Constraint("messages", how.window, float(how.limit))
         problem = mission(scenario, seed, seconds=seconds, robots=how.robots, latency=how.latency, constraint=limit)
-        carried = (how.limit + SLACK) * SIZE
-    else:
-        share = ByteLimit(how.limit / GENERATED, WINDOW)
-        problem = mixed_mission(scenario, seed, seconds=seconds, latency=how.latency, limit=share)
-        carried = problem.constraints[0].limit
+        return of_equal(problem, how)
+    share = ByteLimit(how.limit / GENERATED, how.window)
+    problem = mixed_mission(scenario, seed, seconds=seconds, latency=how.latency, limit=share)
+    return _mission(problem, [int(m.use[0]) for m in problem.messages], problem.constraints[0].limit, how)
+
+
+def of_equal(problem: Problem, how: Conditions, throughput: str = "") -> Mission:
+    """Return how a team flies a problem of messages of `SIZE` that are limited by their number.
+
+    `throughput` stands in the specs instead of the limit in bytes that is as much.
+    """
+    limit = problem.constraints[0].limit
+    carried = (limit + (SLACK if limit >= 1.0 else 0.0)) * SIZE
+    return _mission(problem, [SIZE] * len(problem.messages), carried, how, throughput)
+
+
+def _mission(problem: Problem, sizes: Sequence[int], carried: float, how: Conditions, throughput: str = "") -> Mission:
     keys = [f"r{stream.robot}/{number}" for number, stream in enumerate(problem.streams)]
     frames = tuple(
-        Frame(keys[m.stream].split("/")[0], keys[m.stream], m.t_gen, SIZE if sizes == "equal" else int(m.use[0]), {})
-        for m in problem.messages
+        Frame(keys[m.stream].split("/")[0], keys[m.stream], m.t_gen, size, {})
+        for m, size in zip(problem.messages, sizes, strict=True)
     )
     gross = how.gross(carried)
-    specs = specs_of(_spec(problem, keys, gross))
+    specs = specs_of(_spec(problem, keys, throughput or f'limit = "{gross / how.window!r} B/s"', how.window))
     return Mission(problem, frames, specs, _interests(how, frames), carried, gross)
 
 
@@ -85,17 +97,21 @@ def _interests(how: Conditions, frames: tuple[Frame, ...]) -> dict[str, tuple[st
     return dict.fromkeys(robots, ("*/*",))
 
 
-def _spec(problem: Problem, keys: list[str], gross: float) -> str:
+def _spec(problem: Problem, keys: list[str], throughput: str, window: float) -> str:
     """Return what an operator would write: of every stream the weight, and how its messages fade on average."""
-    limit = f'[[constraint]]\nkind = "throughput"\nlimit = "{gross / WINDOW!r} B/s"\nwindow = {WINDOW}\n'
+    limit = f'[[constraint]]\nkind = "throughput"\n{throughput}\nwindow = {window}\n'
     streams = [[m for m in problem.messages if m.stream == number] for number in range(len(keys))]
-    types = (_type(number, key, own) for number, (key, own) in enumerate(zip(keys, streams, strict=True)) if own)
+    types = (
+        _type(number, key, own, str(problem.streams[number].aggregation))
+        for number, (key, own) in enumerate(zip(keys, streams, strict=True))
+        if own
+    )
     return "\n".join((limit, *types))
 
 
-def _type(number: int, key: str, own: list[Message]) -> str:
+def _type(number: int, key: str, own: list[Message], aggregation: str) -> str:
     return (
-        f'[[information_type]]\nname = "stream-{number}"\nkeys = ["{key}"]\naggregation = "most_recent"\n'
+        f'[[information_type]]\nname = "stream-{number}"\nkeys = ["{key}"]\naggregation = "{aggregation}"\n'
         f"weight = {own[0].scale!r}\nutility = {utility_table([m.utility for m in own])}\n"
     )
 

@@ -1,6 +1,8 @@
 """What goes into a flight, and what comes out."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,3 +35,15 @@ class OnAir:
     size: int
     frame: Frame | None = None
     digest: bool = False
+
+
+class Flown(Protocol):
+    """A flight as scores see it, whoever decided: what came to each receiver, and what was put on the air."""
+
+    @property
+    def deliveries(self) -> Sequence[Delivery]:
+        """What was sent, by receiver."""
+
+    @property
+    def on_air(self) -> Sequence[OnAir]:
+        """What was sent, all copies together."""

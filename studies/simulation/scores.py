@@ -11,7 +11,7 @@ from studies.oracle import upper_bound
 from studies.policies import Planned
 from studies.simulation.conditions import WARM_UP
 from studies.simulation.missions import OPERATOR, Mission
-from studies.simulation.team import Team
+from studies.simulation.records import Flown
 
 HORIZON = 60
 """Of the central decider [messages]."""
@@ -50,20 +50,20 @@ def scored(problem: Problem, since: float = WARM_UP) -> Problem:
     return replace(problem, messages=tuple(m._replace(t_rcv=max(m.t_rcv, since)) for m in problem.messages))
 
 
-def reached(flown: Mission, team: Team) -> float:
+def reached(flown: Mission, flight: Flown) -> float:
     """What the receivers got, by the mean of those who want a stream [utility·s]."""
     number = {id(frame): i for i, frame in enumerate(flown.frames)}
     received: dict[str, dict[int, float]] = {}
-    for delivery in team.deliveries:
+    for delivery in flight.deliveries:
         if delivery.t_rcv is not None:
             received.setdefault(delivery.receiver, {})[number[id(delivery.frame)]] = delivery.t_rcv
     return sum(_worth(flown, times, receiver) for receiver, times in received.items())
 
 
-def sent(flown: Mission, team: Team) -> frozenset[int]:
+def sent(flown: Mission, flight: Flown) -> frozenset[int]:
     """Return the frames that were sent, by index."""
     number = {id(frame): i for i, frame in enumerate(flown.frames)}
-    return frozenset(number[id(air.frame)] for air in team.on_air if air.frame is not None)
+    return frozenset(number[id(air.frame)] for air in flight.on_air if air.frame is not None)
 
 
 def same_decisions(flown: Mission, one: frozenset[int], other: frozenset[int]) -> float:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from studies.simulation.conditions import WARM_UP, WINDOW, Conditions
+from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.missions import Mission
-from studies.simulation.records import OnAir
-from studies.simulation.team import Team
+from studies.simulation.records import Flown, OnAir
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +30,14 @@ class Usage:
     interval: float
 
 
-def usage(flown: Mission, team: Team, how: Conditions) -> Usage:
+def usage(flown: Mission, flight: Flown, how: Conditions) -> Usage:
     """Count what a flight sent."""
-    messages = [sent for sent in team.on_air if sent.frame is not None]
-    told = [sent for sent in team.on_air if sent.frame is None and sent.t >= WARM_UP]
+    messages = [sent for sent in flight.on_air if sent.frame is not None]
+    told = [sent for sent in flight.on_air if sent.frame is None and sent.t >= WARM_UP]
     digests = sum(sent.digest for sent in told)
-    held = _windows(messages)
+    held = _windows(messages, how.window)
     largest = max(frame.size for frame in flown.frames)
-    together = _windows(team.on_air)
+    together = _windows(flight.on_air, how.window)
     return Usage(
         messages=len(held) / how.seconds,
         exceeding=float(np.mean(held > flown.carried * (1 + 1e-9))) if len(held) else 0.0,
@@ -49,10 +48,10 @@ def usage(flown: Mission, team: Team, how: Conditions) -> Usage:
     )
 
 
-def _windows(sent: Sequence[OnAir]) -> npt.NDArray[np.float64]:
+def _windows(sent: Sequence[OnAir], window: float) -> npt.NDArray[np.float64]:
     """Return the bytes of every closed window that ends with a send after the warm-up."""
     times = np.array([each.t for each in sent], dtype=np.float64)
     sums = np.concatenate(([0.0], np.cumsum([float(each.size) for each in sent])))
-    first = np.searchsorted(times, times - WINDOW, "left")
+    first = np.searchsorted(times, times - window, "left")
     last = np.searchsorted(times, times, "right")
     return np.asarray((sums[last] - sums[first])[times >= WARM_UP])

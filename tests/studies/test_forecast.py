@@ -39,10 +39,10 @@ def test_jittered_streams_are_expected_early_by_their_deviation():
     assert sum(late) / len(late) == pytest.approx(EARLY * 0.1, abs=0.03)
 
 
-def test_slopes_are_means_and_other_utilities_those_of_the_first():
+def test_slopes_are_means_so_far_and_other_utilities_those_of_the_first():
     """Of single messages to come nothing is known."""
     flown = mission(FEW_IMPORTANT, seed=1, seconds=10.0)
-    own = [m for m in flown.messages if m.stream == 4]
+    own = [m for m in flown.messages[:31] if m.stream == 4]
     expected = [m for m in Forecaster(flown).expect(30, 20) if m.stream == 4]
     slope = sum(m.utility.slope for m in own) / len(own)
     assert {type(m.utility) for m in expected} == {Linear}
@@ -52,14 +52,34 @@ def test_slopes_are_means_and_other_utilities_those_of_the_first():
     assert {m.utility for m in Forecaster(mixed).expect(30, 20) if m.stream == first} == {Video()}
 
 
-def test_streams_are_expected_before_they_are_heard():
-    """A stream not heard yet comes somewhere in its first period; one without rhythm is not foreseen."""
+@pytest.mark.parametrize("index", [0, 3, 40, 200])
+def test_what_is_still_to_come_changes_no_forecast(index):
+    """Whatever the rest of a mission will be, what is expected of it now is the same."""
+    flown = mission(FEW_IMPORTANT, seed=3, seconds=40.0)
+    other = mission(FEW_IMPORTANT, seed=4, seconds=40.0)
+    now = flown.messages[index].t_gen
+    rest = tuple(m._replace(use=(3.0,), scale=7.0) for m in other.messages if m.t_gen > now)
+    changed = replace(flown, messages=(*flown.messages[: index + 1], *rest))
+    first, second = Forecaster(flown, futures=3), Forecaster(changed, futures=3)
+    assert first.expect(index, 30) == second.expect(index, 30)
+    assert first.sample(index, 30) == second.sample(index, 30)
+    assert first.life(index) == second.life(index)
+
+
+def test_streams_are_expected_once_they_were_heard_and_by_yardsticks_before():
+    """Specs tell what a stream will carry, hindsight its rhythm, too; one without rhythm it does not foresee."""
     flown = mission(MOST_IMPORTANT, seed=4, seconds=10.0)
-    assert {m.stream for m in Forecaster(flown).expect(0, 10)} == set(range(10))
+    heard = {m.stream for m in flown.messages[:4]}
+    assert {m.stream for m in Forecaster(flown).expect(3, 40)} == heard
+    for knowledge in ("specs", "hindsight"):
+        assert {m.stream for m in Forecaster(flown, knowledge=knowledge).expect(0, 10)} == set(range(10))
+        sampled = Forecaster(flown, 2, knowledge=knowledge).sample(0, 10)
+        assert [{m.stream for m in future} for future in sampled] == [set(range(10))] * 2
     silent = flown.messages[-1].stream
     rare = replace(flown, messages=tuple(m for m in flown.messages[:-1] if m.stream != silent))
     rare = replace(rare, messages=(*rare.messages, flown.messages[-1]))
-    assert silent not in {m.stream for m in Forecaster(rare).expect(5, 50)}
+    assert silent not in {m.stream for m in Forecaster(rare, knowledge="hindsight").expect(5, 50)}
+    assert silent not in {m.stream for m in Forecaster(rare, knowledge="hindsight").expect(len(rare.messages) - 1, 5)}
 
 
 def test_flights_by_forecast_keep_constraints_and_end_with_the_mission():
@@ -97,8 +117,8 @@ def test_futures_spread_evenly_around_what_comes():
     assert sum(late) / len(late) == pytest.approx(0.0, abs=0.03)
 
 
-def test_futures_take_what_messages_use_from_the_whole_stream():
-    """In the mean over futures a message uses what the stream uses in the mean, in each of them another part of it."""
+def test_futures_take_what_messages_use_from_those_seen():
+    """In the mean over futures a message uses what the stream used in the mean, in each of them another part of it."""
     flown = mixed_mission(MIXED, seed=1, seconds=50.0)
     forecaster = Forecaster(flown, futures=8)
     futures, expected = forecaster.sample(100, 20), forecaster.expect(100, 20)

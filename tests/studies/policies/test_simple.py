@@ -68,6 +68,16 @@ def test_random_sends_keep_the_limits_and_their_probability():
     assert not any(RandomSends(1.0)(full()) for _ in range(3))
 
 
+def test_random_sends_may_ignore_the_limits_and_each_hand_draws_its_own():
+    """The random dropping of the paper knows no limit; where many decide, they do not all draw the same."""
+    free = window(first=1.0, second=1.0)
+    assert RandomSends(1.0, limited=False)(full())
+    one, same, other = (RandomSends(0.3, 1, limited=False).dealt(hand) for hand in ("0 r1", "0 r1", "0 r2"))
+    drawn = [one(free) for _ in range(200)]
+    assert drawn == [same(free) for _ in range(200)]
+    assert drawn != [other(free) for _ in range(200)]
+
+
 def test_fixed_rates_need_room_too():
     """A message that is due is dropped when a constraint forbids it."""
     assert not FixedRate(0.1)(full())

@@ -191,13 +191,14 @@ def test_the_commands_of_the_readme(tmp_path, monkeypatch, capsys):
     write_bag(tmp_path / "my_bag")
     Path("utility_specs").symlink_to(Path(__file__).parents[3] / "utility_specs")
     commands = [shlex.split(line, comments=True) for line in block.splitlines()]
-    assert [words[:2] for words in commands] == [["sendworthy", "import"], ["sendworthy", "replay"]]
+    assert [words[:2] for words in commands] == [["sendworthy", each] for each in ("import", "replay", "study")]
     for words in commands:
         assert main(words[1:]) == exit_codes.OK
     shown = capsys.readouterr().out
     assert "my_bag.mcap: 90 samples of my_bag (90) on 3 keys, 2.9 s" in shown
     assert "batteries" in shown
     assert "<svg" in Path("my_bag.html").read_text()
+    assert Path("characteristic.png").exists()
 
 
 def test_quantities_are_short():

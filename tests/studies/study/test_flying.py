@@ -1,0 +1,77 @@
+"""Flights and what is measured of them."""
+
+import json
+
+import pytest
+
+from planner import Aggregation
+from studies.simulation.conditions import WARM_UP
+from studies.study.flying import fly_one
+from studies.study.missions import mission_of
+from studies.study.programme import bound_of
+from studies.study.tasks import Task
+
+TASK = Task("best", "mixed", 5.0, 0, network="own", robots=4, seconds=8.0, iterations=30)
+
+
+def test_a_flight_keeps_to_the_limit_and_below_the_bound():
+    """And its record is JSON."""
+    found, bound = fly_one(TASK), fly_one(bound_of(TASK))
+    assert json.loads(json.dumps(found)) == found
+    assert 0.5 * bound["utility"] < found["utility"] <= bound["utility"] * (1 + 1e-6)
+    assert bound["utility"] < found["maximum"] == bound["maximum"]
+    assert found["worst"] <= 1.0
+    assert found["over"] == 0.0
+    assert found["sent"] < found["generated"]
+    assert found["received"] == pytest.approx(found["sent"])
+    assert found["network"]["arrived"] == 1.0
+    assert 0.003 < found["network"]["delay"][0] < 0.008
+
+
+def test_what_is_lost_is_not_received():
+    """By as much as the loss says, in the mean."""
+    found = fly_one(TASK.but(loss=0.3, level=10.0))
+    assert found["network"]["arrived"] == pytest.approx(0.7, abs=0.15)
+    assert found["received"] == pytest.approx(found["sent"] * found["network"]["arrived"], rel=0.1)
+
+
+def test_one_who_decides_for_all_is_bounded_too():
+    """And sends whole messages."""
+    found, bound = fly_one(TASK.but(contender="central")), fly_one(bound_of(TASK))
+    assert found["utility"] <= bound["utility"] * (1 + 1e-6)
+    assert found["sent"] == int(found["sent"])
+
+
+def test_an_operator_receives_where_messages_go_to_one():
+    """Each of them is received once."""
+    found = fly_one(TASK.but(unicast=True))
+    assert found["received"] == pytest.approx(found["sent"])
+
+
+def test_missions_are_changed_in_what_the_task_says_alone():
+    """So many messages of the same worth, at other times, in other windows, of other streams."""
+    plain = mission_of(TASK).problem
+    aperiodic = mission_of(TASK.but(generation="aperiodic")).problem
+    assert sorted(m.scale for m in aperiodic.messages) == sorted(m.scale for m in plain.messages)
+    assert [m.t_gen for m in aperiodic.messages] != [m.t_gen for m in plain.messages]
+    assert all(m.t_rcv - m.t_gen == pytest.approx(0.004) for m in aperiodic.messages)
+    short = mission_of(TASK.but(window=0.5))
+    assert (short.problem.constraints[0].window, short.problem.constraints[0].limit) == (0.5, 1.0)
+    assert short.problem.messages == plain.messages
+    mixed = mission_of(TASK.but(aggregation="mixed"))
+    assert [s.aggregation for s in mixed.problem.streams] == [Aggregation.SUM, Aggregation.MOST_RECENT] * 2
+    assert [t.aggregation for t in mixed.specs.types] == [s.aggregation for s in mixed.problem.streams]
+    assert plain.t_end == WARM_UP + TASK.seconds
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("scenario", ["few", "mixed", "most"])
+def test_both_networks_let_a_team_reach_the_same(scenario):
+    """Within two points of the bound, where the channel is not saturated."""
+    flights = [
+        fly_one(Task("best", scenario, 5.0, seed, network=network)) for network in ("adhoc", "own") for seed in (0, 1)
+    ]
+    bounds = [fly_one(bound_of(Task("best", scenario, 5.0, seed)))["utility"] for seed in (0, 1)]
+    shares = [sum(flight["utility"] for flight in each) / sum(bounds) for each in (flights[:2], flights[2:])]
+    assert all(flight["network"]["arrived"] > 0.995 for flight in flights)
+    assert abs(shares[0] - shares[1]) < 0.02
