@@ -59,6 +59,10 @@ class Received:
         """Return when the messages at these places are received; never for the place after the last one [s]."""
         return np.append(self.t_rcv, np.inf)[places]
 
+    def rising(self, which: Ints, begin: Floats, until: Floats) -> tuple[Floats, ...]:
+        """Return what they are worth in parts, each of which only rises with `until` [utility·s]."""
+        return (self.worth(which, begin, until),)
+
     def worth(self, which: Ints, begin: Floats, until: Floats) -> Floats:
         """Return what the messages at places `which` are worth to all receivers from `begin` to `until` [utility·s].
 

@@ -33,6 +33,10 @@ class Shown(Received):
         """Return what the messages at places `which` are worth to all receivers, less what they lose [utility·s]."""
         return super().worth(which, begin, until) - self.lost(which, begin, until)
 
+    def rising(self, which: Ints, begin: Floats, until: Floats) -> tuple[Floats, ...]:
+        """Return what they are worth, and what they lose [utility·s]."""
+        return super().worth(which, begin, until), self.lost(which, begin, until)
+
     def lost(self, which: Ints, begin: Floats, until: Floats) -> Floats:
         """Return what they lose to all receivers from `begin` to `until`, as they see it [utility·s]."""
         streams = self.stream[which]
