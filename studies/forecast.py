@@ -1,7 +1,8 @@
 """Forecasts of a mission's next messages from what a team would know: periods and means (§4.2).
 
 Of every stream the mean period, the mean slope and use, and how far single messages deviate from period and use are
-known, not when it began: its phase is the mean of what it generated so far.
+known, not when it began: its phase is the mean of what it generated so far. The next messages have the scale of the
+last one.
 
 One forecast says when and what messages are *expected*. Several *futures* together say how they may deviate: of every
 message to come the deviations are spread evenly over the futures (Latin hypercube sampling), so that a handful will do.
@@ -45,6 +46,8 @@ class _Rhythm:
     """What messages of the stream use, in ascending order of each constraint, one row a message."""
     phases: list[float] = field(default_factory=list)
     """When the stream would have begun, by each message seen [s]."""
+    scale: float | None = None
+    """That of the last message seen, which is expected of the next ones."""
 
     def expect(self, now: float, most: int) -> Floats:
         """Return when the next `most` are expected after now; a late message is due at once."""
@@ -70,7 +73,8 @@ class _Rhythm:
         m = self.typical
         t_sent = t_gen + (m.t_sent - m.t_gen)
         t_rcv = t_sent + (m.t_rcv - m.t_sent)
-        return Message(m.stream, t_gen, t_sent, t_rcv, m.utility, m.scale, m.use if use is None else use)
+        scale = m.scale if self.scale is None else self.scale
+        return Message(m.stream, t_gen, t_sent, t_rcv, m.utility, scale, m.use if use is None else use)
 
     def _means(self, now: float, most: int) -> Floats:
         """Return when the next ones would come without jitter."""
@@ -118,6 +122,7 @@ class Forecaster:
             rhythm = self._rhythms.get(message.stream)
             if rhythm is not None:
                 rhythm.phases.append(message.t_gen - rhythm.period * len(rhythm.phases))
+                rhythm.scale = message.scale
         self._seen = max(self._seen, index + 1)
         return self._mission.messages[index].t_gen
 
