@@ -18,7 +18,8 @@ best when a unit of each constraint has a price. That gives, in closed form,
 
     objective = U up to t_c + Σ worth of the last message of each stream − Σ charges of the messages sent
 
-That is for `most_recent`. With `sum` every message goes on to earn what it has left after the window. With `once` the
+That is for `most_recent`. With `current` m also loses what it shows in excess of the newest message generated, as long
+as it is kept. With `sum` every message goes on to earn what it has left after the window. With `once` the
 first does, less what the stream would earn by sending its first message after the window. With `best`, and where the
 caller defines the aggregation, what was received goes on to earn up to the time `until`: when the stream, sending as
 often as it pays, will have replaced it.
@@ -32,7 +33,8 @@ import numpy as np
 from planner.aggregations.custom import alone
 from planner.columns import Columns
 from planner.errors import ProblemError
-from planner.problem import Aggregation, AggregationModel, Problem
+from planner.excess import Excess
+from planner.problem import MARKOVIAN, Aggregation, AggregationModel, Problem
 from planner.received import integrals
 from planner.steady import INTERVALS, Steady, clearing_prices
 from planner.utility import Floats, Ints
@@ -167,7 +169,11 @@ def _worth(problem: Problem, columns: Columns, rent: Floats, interval: Floats, a
     later = interval[of, None] * np.concatenate((np.zeros(1), INTERVALS))
     begin = np.maximum(t_c - t_gen, 0.0)[:, None]
     end = np.concatenate((begin + soonest + later, np.maximum(problem.t_end - t_gen, 0.0)[:, None]), axis=1)
-    area = _areas(problem, np.arange(len(of)), begin, np.maximum(end, begin)) * columns.scale[:, None]
+    end = np.maximum(end, begin)
+    area = _areas(problem, np.arange(len(of)), begin, end) * columns.scale[:, None]
+    if any(stream.aggregation is Aggregation.CURRENT for stream in problem.streams):
+        lost = Excess(problem).finally_lost() * columns.share.sum(axis=1)[of]
+        area -= lost[:, None] * (end - begin)
     worth = (area[:, :-1] - rent[of, None] * later).max(axis=1) - area[:, -1]
     return np.where(t_rcv < problem.t_end, worth, 0.0)
 
@@ -209,7 +215,7 @@ def _until(problem: Problem, steady: Steady, net: Floats, interval: Floats, afte
 def _others(problem: Problem) -> Iterator[tuple[int, Aggregation | AggregationModel]]:
     """Yield the streams whose message received last is not all that counts."""
     for kind, streams in problem.columns.kinds:
-        if kind is not Aggregation.MOST_RECENT:
+        if not (isinstance(kind, Aggregation) and kind in MARKOVIAN):
             for stream in streams:
                 yield stream, kind
 

@@ -1,11 +1,12 @@
 """U of a plan by the definition (§2.2), message by message: what the tables of a search must add up to."""
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from planner.aggregations.custom import Guarded
-from planner.problem import Aggregation, AggregationModel, Message, Problem
+from planner.problem import Aggregation, AggregationModel, Latest, Message, Problem
 
 CELLS = 4_000
 """Into so many pieces the time of a stream is cut to integrate the best of its messages."""
@@ -23,7 +24,29 @@ def utility(problem: Problem, sends: Iterable[int]) -> float:
             arrived = [m._replace(t_rcv=m.t_rcv + receiver.delay) for m in received]
             before_end = [m for m in arrived if m.t_rcv < problem.t_end]
             total += receiver.share * _aggregated(stream.aggregation, before_end, problem.t_end)
+            if stream.aggregation is Aggregation.CURRENT:
+                total -= receiver.share * _lost(_generated(problem, number), before_end, problem.t_end)
     return total
+
+
+def _generated(problem: Problem, stream: int) -> list[Latest]:
+    """Return what is generated of a stream, sent or not, in order."""
+    known = problem.streams[stream].newest
+    all_known = [Latest(m.t_gen, m.scale) for m in problem.messages if m.stream == stream]
+    return sorted(all_known if known is None else [known, *all_known], key=lambda one: one.t_gen)
+
+
+def _lost(generated: Sequence[Latest], received: Sequence[Message], t_end: float) -> float:
+    """Return what messages lose that one receiver is shown while the newest one generated has a smaller scale."""
+    lost = 0.0
+    times = sorted({t for t, _ in generated} | {m.t_rcv for m in received} | {t_end})
+    for begin, end in pairwise(times):
+        shown = [m for m in received if m.t_rcv <= begin]
+        if shown and end <= t_end:
+            newest = [scale for t, scale in generated if t <= begin][-1]
+            worth = float(shown[-1].utility.value(np.zeros(1))[0])
+            lost += worth * max(0.0, shown[-1].scale - newest) * (end - begin)
+    return lost
 
 
 def _aggregated(aggregation: Aggregation | AggregationModel, received: Sequence[Message], t_end: float) -> float:
@@ -72,4 +95,5 @@ STANDARD: dict[Aggregation, Callable[[Sequence[Message], float], float]] = {
     Aggregation.BEST: _best,
     Aggregation.SUM: _sum,
     Aggregation.ONCE: _once,
+    Aggregation.CURRENT: _most_recent,
 }

@@ -14,11 +14,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from planner.aggregations import best, custom, independent, most_recent, once
+from planner.aggregations import best, current, custom, independent, most_recent, once
 from planner.aggregations.part import Part, join
 from planner.beyond import Beyond
 from planner.errors import PlannerError, ProblemError
-from planner.problem import Aggregation, Problem
+from planner.problem import MARKOVIAN, Aggregation, Problem
 from planner.received import Received
 from planner.utility import Flags, Floats, Ints
 
@@ -40,7 +40,7 @@ class Gains:
     facts: float
     """U of the messages that are known to be sent [utility·s]."""
     everything: float
-    """U(M) of Eq. 2: all messages of the window received [utility·s]."""
+    """U(M) of Eq. 2: all messages of the window received; of `current` without what is lost [utility·s]."""
     aim: Floats
     """What each of the gains adds to what the search maximises: U, or the objective of beyond.py [utility·s]."""
     aim_facts: float
@@ -77,6 +77,7 @@ BY_WORTH: dict[Aggregation, Standard] = {
     Aggregation.MOST_RECENT: most_recent.tabulate,
     Aggregation.SUM: independent.tabulate,
     Aggregation.ONCE: once.tabulate,
+    Aggregation.CURRENT: current.tabulate,
 }
 """The aggregations whose messages leave behind what each is worth beyond the window."""
 
@@ -103,7 +104,7 @@ class _Tabulation:
         streams, stream = np.flatnonzero(present), (np.cumsum(present) - 1)[of]
         markovian = np.zeros(len(problem.streams), dtype=np.bool_)
         for kind, members in problem.columns.kinds:
-            markovian[members] = kind is Aggregation.MOST_RECENT
+            markovian[members] = isinstance(kind, Aggregation) and kind in MARKOVIAN
         return Gains(
             stream=stream,
             start=np.concatenate(([0], np.cumsum(part.states))),

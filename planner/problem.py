@@ -29,6 +29,13 @@ class Aggregation(StrEnum):
     """The utilities of all that was received add up."""
     ONCE = "once"
     """The utility is that of the message received first; nothing after it is worth anything."""
+    CURRENT = "current"
+    """The utility is that of the message received last, less what is lost while its scale exceeds that of the newest
+    message generated, sent or not (Markovian)."""
+
+
+MARKOVIAN = frozenset({Aggregation.MOST_RECENT, Aggregation.CURRENT})
+"""The aggregations of whose messages the one received last is all that counts."""
 
 
 class Message(NamedTuple):
@@ -80,13 +87,25 @@ class Receiver:
     share: float = 1.0
 
 
+class Latest(NamedTuple):
+    """When the newest sample of a stream was generated that is known [s], and its scale."""
+
+    t_gen: float
+    scale: float
+
+
 @dataclass(frozen=True, slots=True)
 class Stream:
-    """The samples of one key from one robot. What nobody receives is worth nothing."""
+    """The samples of one key from one robot. What nobody receives is worth nothing.
+
+    With `current` every message of the problem counts as generated at its `t_gen`, sent or not. `newest` adds the
+    newest sample so far where that is no message: it was dropped, say.
+    """
 
     robot: int
     aggregation: Aggregation | AggregationModel = Aggregation.MOST_RECENT
     receivers: tuple[Receiver, ...] = (Receiver(),)
+    newest: Latest | None = None
 
 
 @dataclass(frozen=True, slots=True)

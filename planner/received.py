@@ -49,9 +49,19 @@ class Received:
         same_after = (after < count) & (self.stream[np.minimum(after, count - 1)] == self.stream)
         return np.where(same_before, before, -1), np.where(same_after, after, count)
 
+    def next_received(self) -> Ints:
+        """Return the place after each in its stream; the count after the last."""
+        count = len(self.stream)
+        last = np.append(self.stream[1:] != self.stream[:-1], np.ones(1, dtype=np.bool_))
+        return np.where(last, count, np.arange(1, count + 1))
+
     def until(self, places: Ints) -> Floats:
         """Return when the messages at these places are received; never for the place after the last one [s]."""
         return np.append(self.t_rcv, np.inf)[places]
+
+    def rising(self, which: Ints, begin: Floats, until: Floats) -> tuple[Floats, ...]:
+        """Return what they are worth in parts, each of which only rises with `until` [utility·s]."""
+        return (self.worth(which, begin, until),)
 
     def worth(self, which: Ints, begin: Floats, until: Floats) -> Floats:
         """Return what the messages at places `which` are worth to all receivers from `begin` to `until` [utility·s].

@@ -45,6 +45,11 @@ def _check_stream(name: str, stream: Stream) -> None:
     for receiver in stream.receivers:
         _require(f"{name}: a receiver's delay", receiver.delay, Real)
         _require(f"{name}: a receiver's share", receiver.share, Real)
+    if stream.newest is not None:
+        if not (isinstance(stream.newest, tuple) and len(stream.newest) == 2):
+            raise ProblemError(f"{name}: newest must be a time and a scale, or None, not {stream.newest!r}")
+        for number in stream.newest:
+            _require(f"{name}: newest", number, Real)
 
 
 def _check_message(name: str, message: Message) -> None:

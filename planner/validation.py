@@ -1,8 +1,11 @@
 """Refuses problems that have no meaning, naming what is wrong and where."""
 
+import math
+
 from planner.errors import ProblemError
+from planner.excess import initial
 from planner.finite import finite
-from planner.problem import Aggregation, AggregationModel, Message, Problem
+from planner.problem import Aggregation, AggregationModel, Message, Problem, Stream
 from planner.shape import check_shape
 
 MAX_MESSAGES = 16_384
@@ -62,11 +65,20 @@ def _check_streams(problem: Problem) -> None:
                 f"stream {index}: aggregation must be one of {', '.join(Aggregation)} or have the methods empty,"
                 f" add and value, not {stream.aggregation!r}"
             )
+        _check_newest(index, stream)
         for receiver in stream.receivers:
             if not (finite(receiver.delay) and receiver.delay >= 0):
                 raise ProblemError(f"stream {index}: a receiver's delay must be >= 0 s, not {receiver.delay}")
             if not (finite(receiver.share) and receiver.share >= 0):
                 raise ProblemError(f"stream {index}: a receiver's share must be >= 0, not {receiver.share}")
+
+
+def _check_newest(index: int, stream: Stream) -> None:
+    if stream.newest is None:
+        return
+    t_gen, scale = stream.newest
+    if not (finite(t_gen) and finite(scale) and scale >= 0):
+        raise ProblemError(f"stream {index}: newest must be a finite time and a scale >= 0, not {t_gen}, {scale}")
 
 
 def _check_messages(problem: Problem) -> None:
@@ -82,6 +94,10 @@ def _check_messages(problem: Problem) -> None:
         if not (finite(m.scale) and m.scale >= 0):
             raise ProblemError(f"message {index}: scale must be a finite number >= 0, not {m.scale}")
         _check_use(f"message {index}", m.use)
+        if problem.streams[m.stream].aggregation is Aggregation.CURRENT and not math.isfinite(initial(m.utility)):
+            raise ProblemError(
+                f"message {index}: its utility has no limit at the age 0: `current` needs one, to know what is lost"
+            )
     keys = [(m.t_gen, problem.streams[m.stream].robot, m.stream) for m in problem.messages]
     for index in range(1, len(keys)):
         if keys[index] < keys[index - 1]:

@@ -101,6 +101,8 @@ def _sample(decision: Status) -> str:
     if size is None:
         return ""
     value = f", worth {number(worth)} in its first second" if worth is not None else ""
+    if ends := (decision.get("search") or {}).get("ends"):
+        value += f", and it ends a loss of {number(ends)} a second: what was sent last shows too much"
     when = "" if held is None else f"; decided {_after(held)}"
     which = "the last one has " if decision.get("count", 1) > 1 else ""
     return f"{which}{amount(size, 'B')}{value}{when}"

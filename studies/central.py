@@ -8,7 +8,7 @@ forecasts or a channel; or, with `forecast`, those that a team would expect from
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 
-from planner import Message, Problem
+from planner import Aggregation, Latest, Message, Problem, Stream
 from studies.forecast import Forecaster, Knowledge
 
 Policy = Callable[[Problem], bool]
@@ -39,6 +39,9 @@ class CentralDecider:
     """What was sent so far, by index in the mission."""
     _last: dict[int, int] = field(default_factory=dict)
     _facts: dict[int, Message] = field(default_factory=dict)
+    _newest: dict[int, Latest] = field(default_factory=dict)
+    """By stream of `current`: the newest message generated so far."""
+    _seen: int = 0
     _reach: float = 0.0
     _life: float = 0.0
     _forecaster: Forecaster | None = None
@@ -73,6 +76,7 @@ class CentralDecider:
         sent = self.mission.messages
         kept = {i for i in self._facts if sent[i].t_sent >= still_counted} | set(self._last.values())
         self._facts = {i: self._facts[i] for i in sorted(kept)}
+        self._watch(index)
         current, count = self.mission.messages[index], self.horizon - 1
         if self._forecaster is None:
             return self._with(index, self.mission.messages[index : index + self.horizon])
@@ -81,6 +85,19 @@ class CentralDecider:
             return expected
         futures = (self._with(index, (current, *future)) for future in self._forecaster.sample(index, count))
         return Uncertain(**{f.name: getattr(expected, f.name) for f in fields(expected)}, futures=tuple(futures))
+
+    def _watch(self, index: int) -> None:
+        """Take in what was generated before message `index`."""
+        for message in self.mission.messages[self._seen : index]:
+            if self.mission.streams[message.stream].aggregation is Aggregation.CURRENT:
+                self._newest[message.stream] = Latest(message.t_gen, message.scale)
+        self._seen = max(self._seen, index)
+
+    def _streams(self) -> tuple[Stream, ...]:
+        streams = self.mission.streams
+        if not self._newest:
+            return streams
+        return tuple(replace(s, newest=self._newest.get(at, s.newest)) for at, s in enumerate(streams))
 
     def _with(self, index: int, ahead: tuple[Message, ...]) -> Problem:
         """Build the window of the message to decide and the next ones, up to the horizon."""
@@ -92,6 +109,7 @@ class CentralDecider:
             life = self._forecaster.life(index)
         return replace(
             mission,
+            streams=self._streams(),
             messages=(*self._facts.values(), *ahead),
             current=len(self._facts),
             t_end=mission.t_end if complete else min(mission.t_end, ahead[-1].t_gen + life),

@@ -14,7 +14,8 @@ from studies.outlook import PRIOR, Outlook, mean_utility
 class Hindsight:
     """One stream of which all is known but when it began: the mean of what it generated so far tells that.
 
-    Before its first message it is expected in the middle of its first period, or at once when that is over.
+    Before its first message it is expected in the middle of its first period, or at once when that is over. The next
+    messages have the scale of the last one.
     """
 
     def __init__(self, typical: Message, period: float, jitter: float, uses: Floats) -> None:
@@ -28,6 +29,7 @@ class Hindsight:
     def observe(self, message: Message) -> None:
         """Take in the next message."""
         self._phases.append(message.t_gen - self._period * self.number)
+        self._typical = self._typical._replace(scale=message.scale)
         self.number += 1
 
     def outlook(self) -> Outlook:

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_val
 from planner import Message, Problem, SearchSettings, Stream, start
 from planner.errors import ProblemError
 from planner.problem import Aggregation, AggregationModel
-from planner.utility import MessageUtility
+from planner.utility import MessageUtility, Power
 from utility_specs.imports import imported
 
 METHODS = ("empty", "add", "value")
@@ -46,7 +46,8 @@ def _form(value: Any) -> str:
 
 
 AnyAggregation = Annotated[
-    Annotated[Literal["most_recent", "best", "sum", "once"], Tag("name")] | Annotated[PythonAggregation, Tag("table")],
+    Annotated[Literal["most_recent", "best", "sum", "once", "current"], Tag("name")]
+    | Annotated[PythonAggregation, Tag("table")],
     Discriminator(_form),
 ]
 """One of the planner's own by name, or a table for one of the operator's."""
@@ -55,9 +56,13 @@ AnyAggregation = Annotated[
 def aggregation_of(said: str | PythonAggregation, utility: MessageUtility) -> Aggregation | AggregationModel:
     """Return what the planner combines samples by; raises ProblemError when a class fails.
 
-    A class is tried with nothing received, and with samples of this `utility`.
+    A class is tried with nothing received, and with samples of this `utility`. `current` needs one with a first value.
     """
     if isinstance(said, str):
+        if said == Aggregation.CURRENT and isinstance(utility, Power):
+            raise ProblemError(
+                '"current" needs a utility that is finite at the age 0, to know what is lost; "power" is not'
+            )
         return Aggregation(said)
     _try(said.model, utility)
     return said.model

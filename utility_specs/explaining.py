@@ -29,6 +29,7 @@ AGGREGATIONS: Mapping[Aggregation, str] = {
     Aggregation.BEST: "the best of all that a robot received counts, so this one counts where none is worth more",
     Aggregation.SUM: "all that a robot received count, added up, so none takes this one's place",
     Aggregation.ONCE: "only the first that a robot received counts, so this one is worth nothing after another one",
+    Aggregation.CURRENT: "only the newest that a robot received counts, less what it shows too much once less is true",
 }
 
 

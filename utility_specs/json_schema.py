@@ -6,11 +6,12 @@ from typing import Any
 from utility_specs.schema import SpecFile
 
 MEANINGS = {
-    ("most_recent", "best", "sum", "once"): (
+    ("most_recent", "best", "sum", "once", "current"): (
         "What the sample received last is worth; a newer one supersedes one that waits.",
         "The greatest worth of all that were received.",
         "All that were received, added up.",
         "What the sample received first is worth; nothing after it counts.",
+        "What the sample received last is worth, less what it shows in excess of the newest one made, sent or not.",
     ),
     ("last", "mean", "trend", "auto"): (
         "As in the last sample.",

@@ -73,6 +73,11 @@ def integral(utility: MessageUtility, until: float) -> float:
     return float(utility.integral(np.zeros(1), np.full(1, until))[0])
 
 
+def initial(utility: MessageUtility) -> float:
+    """Return the value at the age 0 [1/s]."""
+    return _at(utility, 0.0)
+
+
 def sampled(utility: MessageUtility, start: float, until: float, count: int) -> Floats:
     """Return the values at so many ages at equal distances."""
     import numpy as np

@@ -132,7 +132,8 @@ class InformationTypeTable(Table):
     deletes: Deletes = Field(default="bypass", description="bypass: deletes always pass; decide: the planner decides")
     queries: Queries = Field(default="pass", description="pass: queries cross; drop: those for these keys do not")
     aggregation: AnyAggregation = Field(
-        default="most_recent", description="how samples of a key combine: most_recent, best, sum, once, or a class"
+        default="most_recent",
+        description="how samples of a key combine: most_recent, best, sum, once, current, or a class",
     )
     utility: AnyUtilityTable = Field(description="the worth of a sample by its age")
     features: Annotated[

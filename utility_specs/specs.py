@@ -12,7 +12,7 @@ import zenoh
 
 from planner.errors import ProblemError
 from planner.measures import Measure
-from planner.problem import Aggregation, AggregationModel
+from planner.problem import MARKOVIAN, Aggregation, AggregationModel
 from planner.utility import Custom, MessageUtility
 from utility_specs.errors import ExpressionError
 from utility_specs.expressions import Expression
@@ -127,7 +127,7 @@ class InformationType:
     @property
     def markovian(self) -> bool:
         """Whether only the sample received last counts (§3.2.2), so that a newer one supersedes all before it."""
-        return self.aggregation is Aggregation.MOST_RECENT
+        return isinstance(self.aggregation, Aggregation) and self.aggregation in MARKOVIAN
 
     @property
     def needs_payload(self) -> bool:

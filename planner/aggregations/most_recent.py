@@ -36,12 +36,11 @@ def tabulate(received: Received, worth: Floats | None) -> Part:
     of, state = entries(number + 1)
     sent_before = np.where(state > 0, in_order[first[of] + np.maximum(state, 1) - 1], -1)
     before = np.maximum(sent_before, fact_before[opened[of]])
-    next_received = np.append(np.where(received.stream[1:] == received.stream[:-1], places[1:], count), count)
     facts = np.flatnonzero(received.fact)
 
     which = np.concatenate((opened, np.maximum(before, 0), places, facts))
     begin = received.t_rcv[np.concatenate((opened, opened[of], places, facts))]
-    until = np.concatenate((fact_after[opened], fact_after[opened[of]], next_received, fact_after[facts]))
+    until = np.concatenate((fact_after[opened], fact_after[opened[of]], received.next_received(), fact_after[facts]))
     each = received.worth(which, begin, received.until(until))
     own, lost, everything, known = np.split(each, np.cumsum((len(opened), len(of), count)))
     gain = own[of] - np.where(before >= 0, lost, 0.0)

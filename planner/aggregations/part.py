@@ -27,7 +27,7 @@ class Part:
     aim_facts: float
     """The same, of what the search maximises [utility·s]."""
     everything: float
-    """U(M) of Eq. 2: all messages of these streams received [utility·s]."""
+    """U(M) of Eq. 2: all messages of these streams received; of `current` without what is lost [utility·s]."""
     exact: bool = True
     """Whether no state stands for another one that there was no room for."""
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "excess.h"
 #include "steady.h"
 #include "window.h"
 
@@ -35,9 +36,11 @@ class LookBeyond {
   public:
     explicit LookBeyond(const Window& window)
         : window_(window),
+          excess_(window),
           mean_(window.streams()),
           t_rcv_(window.messages()),
           scale_(window.messages()),
+          share_(window.streams(), 0.0),
           beyond_{std::vector<double>(window.messages(), 0.0),
                   std::vector<double>(window.use.size(), 0.0),
                   std::vector<double>(window.messages(), 0.0),
@@ -86,18 +89,17 @@ class LookBeyond {
     // Take all receivers of a message together: when they get it, and what it is worth.
     void take_receivers_together() {
         std::vector<double> late(window_.streams(), 0.0);
-        std::vector<double> total(window_.streams(), 0.0);
         for (std::int32_t at = 0; at < window_.streams(); ++at) {
             for (auto r = window_.stream[at].receiver_start; r < window_.stream[at + 1].receiver_start; ++r) {
                 late[at] += window_.receiver[r].delay * window_.receiver[r].share;
-                total[at] += window_.receiver[r].share;
+                share_[at] += window_.receiver[r].share;
             }
-            late[at] /= total[at] > 0.0 ? total[at] : 1.0;
+            late[at] /= share_[at] > 0.0 ? share_[at] : 1.0;
         }
         for (std::int32_t at = 0; at < window_.messages(); ++at) {
             const Message& m = window_.message[at];
             t_rcv_[at] = m.t_rcv + late[m.stream];
-            scale_[at] = m.scale * total[m.stream];
+            scale_[at] = m.scale * share_[m.stream];
         }
     }
 
@@ -204,6 +206,7 @@ class LookBeyond {
                 return area(m, begin, begin + kLongest * mean.interval) * scale_[at];
             }
             case Aggregation::most_recent:
+            case Aggregation::current:
                 break;
         }
         if (t_rcv_[at] >= window_.t_end) return 0.0;
@@ -211,16 +214,18 @@ class LookBeyond {
         const double soonest = begin + std::max(mean.coming - t_c_, 0.0);
         const Integral integral(window_.utility[m.utility], begin);
         const double rent = beyond_.rent[m.stream];
-        double most = integral.to(soonest) * scale_[at];
+        const double lost = excess_.finally_lost(at) * share_[m.stream];  // a second
+        const auto earned_by = [&](double end) { return integral.to(end) * scale_[at] - lost * (end - begin); };
+        double most = earned_by(soonest);
         bool finite = true;  // the greatest of numbers may be finite where one of them is not
         for (const double interval : kInterval) {
             const double later = mean.interval * interval;
-            const double earned = integral.to(soonest + later) * scale_[at] - rent * later;
+            const double earned = earned_by(soonest + later) - rent * later;
             finite = finite && std::isfinite(earned);
             most = std::max(most, earned);
         }
         if (!finite) return std::numeric_limits<double>::quiet_NaN();
-        return most - integral.to(std::max(window_.t_end - m.t_gen, 0.0)) * scale_[at];
+        return most - earned_by(std::max(window_.t_end - m.t_gen, begin));
     }
 
     // Of `once`: the first message takes the place of the one that would be sent after the window.
@@ -257,9 +262,11 @@ class LookBeyond {
     }
 
     const Window& window_;
+    Excess excess_;
     std::vector<Mean> mean_;     // [stream]
     std::vector<double> t_rcv_;  // [message]: when its receivers get it in the mean
     std::vector<double> scale_;  // [message]: what all its receivers together multiply its utility by
+    std::vector<double> share_;  // [stream]: all its receivers together
     std::vector<Steady> steady_;
     std::vector<double> use_;  // [steady * constraints + k]: the mean
     double t_c_ = 0.0;

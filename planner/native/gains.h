@@ -54,6 +54,7 @@ class TabulateGains {
             if (receipts_.count(stream) == 0) continue;
             switch (window_.stream[stream].aggregation) {
                 case Aggregation::most_recent:
+                case Aggregation::current:
                     if (!most_recent(stream, gains)) return false;
                     break;
                 case Aggregation::sum:
@@ -112,7 +113,7 @@ class TabulateGains {
             const std::int32_t at = order[place];
             const std::int32_t after = fact_after_[place];
             const double begin = message(at).t_rcv;
-            gains.everything += receipts_.worth(at, begin, receipt(place + 1 < count ? order[place + 1] : kNobody));
+            gains.everything += receipts_.unspoilt(at, begin, receipt(place + 1 < count ? order[place + 1] : kNobody));
             if (message(at).sent) {
                 const double worth = receipts_.worth(at, begin, receipt(after));
                 gains.facts += worth;
@@ -208,7 +209,7 @@ class TabulateGains {
         for (std::int32_t stream = 0; stream < window_.streams(); ++stream) {
             if (number[stream] == 0) continue;
             number[stream] = streams++;
-            gains.markovian.push_back(window_.stream[stream].aggregation == Aggregation::most_recent);
+            gains.markovian.push_back(is_markovian(window_.stream[stream].aggregation));
         }
         gains.after.reserve(entries_.size());
         gains.gain.reserve(entries_.size());

@@ -48,7 +48,7 @@ class Reader {
 
   private:
     static constexpr Py_ssize_t kFields = 8;      // of a message
-    static constexpr std::int8_t kAggregations = 4;
+    static constexpr std::int8_t kAggregations = 5;
     static constexpr Py_ssize_t kMost = 1 << 20;  // of anything: a window of more is a mistake
 
     template <class Read>
@@ -132,9 +132,18 @@ class Reader {
         }
         if (at >= kAggregations || static_cast<std::size_t>(at) == aggregations_.size()) return false;
         read.aggregation = static_cast<Aggregation>(at);
+        const nanobind::object newest = stream.attr("newest");
+        if (!newest.is_none() && !read_newest(newest.ptr(), read)) return false;
         window.stream.push_back(read);
         const nanobind::object receivers = stream.attr("receivers");
         return all(receivers.ptr(), [&](PyObject* each) { return read_receiver(each, window); });
+    }
+
+    static bool read_newest(PyObject* object, Stream& stream) {
+        if (!PyTuple_Check(object) || PyTuple_GET_SIZE(object) != 2) return false;
+        stream.has_newest = true;
+        return number(PyTuple_GET_ITEM(object, 0), stream.newest.t_gen) &&
+               number(PyTuple_GET_ITEM(object, 1), stream.newest.scale);
     }
 
     bool read_receiver(PyObject* object, Window& window) const {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "excess.h"
 #include "window.h"
 
 namespace sendworthy {
@@ -16,7 +17,7 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 class Receipts {
   public:
     explicit Receipts(const Window& window)
-        : window_(window), start_(window.stream.size(), 0), message_(window.messages()) {
+        : window_(window), excess_(window), start_(window.stream.size(), 0), message_(window.messages()) {
         for (const Message& m : window.message) start_[m.stream + 1] += 1;
         for (std::size_t at = 1; at < start_.size(); ++at) start_[at] += start_[at - 1];
         std::vector<std::int32_t> next(start_.begin(), start_.end());
@@ -35,9 +36,15 @@ class Receipts {
     const std::int32_t* end(std::int32_t stream) const { return message_.data() + start_[stream + 1]; }
     std::int32_t count(std::int32_t stream) const { return start_[stream + 1] - start_[stream]; }
 
-    // What a message is worth to all receivers from `begin` to `until` on the clock of t_rcv; a receiver with a delay
-    // sees both later, but nothing after t_end.
+    // What a message is worth to all receivers from `begin` to `until` on the clock of t_rcv, less what is lost where it
+    // is one of `current`; a receiver with a delay sees both later, but nothing after t_end.
     double worth(std::int32_t at, double begin, double until) const {
+        const bool loses = window_.stream[window_.message[at].stream].aggregation == Aggregation::current;
+        return unspoilt(at, begin, until) - (loses ? lost(at, begin, until) : 0.0);
+    }
+
+    // The same where nothing is lost.
+    double unspoilt(std::int32_t at, double begin, double until) const {
         const Message& m = window_.message[at];
         double total = 0.0;
         for (auto r = window_.stream[m.stream].receiver_start; r < window_.stream[m.stream + 1].receiver_start; ++r) {
@@ -50,6 +57,17 @@ class Receipts {
     }
 
   private:
+    double lost(std::int32_t at, double begin, double until) const {
+        const Message& m = window_.message[at];
+        double total = 0.0;
+        for (auto r = window_.stream[m.stream].receiver_start; r < window_.stream[m.stream + 1].receiver_start; ++r) {
+            const Receiver& receiver = window_.receiver[r];
+            const double end = std::min(until + receiver.delay, window_.t_end);
+            total += receiver.share * excess_.lost(at, begin + receiver.delay, end);
+        }
+        return total;
+    }
+
     // Nearly always they are in order, but for a fact that came late.
     template <class Iterator>
     void in_order(Iterator begin, Iterator end) {
@@ -61,6 +79,7 @@ class Receipts {
     }
 
     const Window& window_;
+    Excess excess_;
     std::vector<std::int32_t> start_;
     std::vector<std::int32_t> message_;
 };

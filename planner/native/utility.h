@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace sendworthy {
 
@@ -24,6 +25,21 @@ struct Utility {
         : kind(kind), first(first), second(second), third(third) {
         if (kind == UtilityKind::linear) this->third = first / second;
         if (kind == UtilityKind::video) this->third = std::log(second / first);
+    }
+
+    // The value at the age 0; infinite where it has no limit.
+    double initial() const {
+        switch (kind) {
+            case UtilityKind::video:
+                return 1.0;
+            case UtilityKind::power:
+                return std::numeric_limits<double>::infinity();
+            case UtilityKind::table:
+            case UtilityKind::custom:
+                return std::max(points[count], 0.0);
+            default:
+                return first;
+        }
     }
 
     // The antiderivative at an age, 0 at the age 0; of all kinds but exponential.

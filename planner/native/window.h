@@ -12,7 +12,16 @@
 
 namespace sendworthy {
 
-enum class Aggregation : std::int8_t { most_recent, best, sum, once };
+enum class Aggregation : std::int8_t { most_recent, best, sum, once, current };
+
+// Whether of the messages of a stream the one received last is all that counts.
+inline bool is_markovian(Aggregation kind) { return kind == Aggregation::most_recent || kind == Aggregation::current; }
+
+// When the newest sample of a stream was generated that is known, and its scale.
+struct Latest {
+    double t_gen;
+    double scale;
+};
 
 struct Receiver {
     double delay;
@@ -23,6 +32,8 @@ struct Stream {
     std::int64_t robot;
     Aggregation aggregation;
     std::int32_t receiver_start;  // up to the next stream's
+    bool has_newest = false;
+    Latest newest{};
 };
 
 struct Message {
@@ -70,6 +81,7 @@ struct Window {
         const auto receives = [](const Receiver& r) { return amount(r.delay) && amount(r.share); };
         return std::all_of(constraint.begin(), constraint.end(), limits) &&
                std::all_of(receiver.begin(), receiver.end(), receives) &&
+               std::all_of(stream.begin(), stream.end(), [](const Stream& s) { return newest_valid(s); }) &&
                std::all_of(use.begin(), use.end(), amount) &&
                std::all_of(traffic_use.begin(), traffic_use.end(), amount) &&
                std::all_of(traffic_sent.begin(), traffic_sent.end(), [](double t) { return std::isfinite(t); }) &&
@@ -81,12 +93,18 @@ struct Window {
 
     static bool amount(double value) { return std::isfinite(value) && value >= 0.0; }
 
+    static bool newest_valid(const Stream& s) {
+        return !s.has_newest || (std::isfinite(s.newest.t_gen) && amount(s.newest.scale));
+    }
+
     bool messages_valid() const {
         for (std::size_t at = 0; at < message.size(); ++at) {
             const Message& m = message[at];
             if (m.stream < 0 || m.stream >= streams() || !amount(m.scale)) return false;
             if (!(std::isfinite(m.t_gen) && std::isfinite(m.t_rcv))) return false;
             if (!(m.t_gen <= m.t_sent && m.t_sent <= m.t_rcv)) return false;
+            const bool current = stream[m.stream].aggregation == Aggregation::current;
+            if (current && !std::isfinite(utility[m.utility].initial())) return false;
             if (at > 0 && before(m, message[at - 1])) return false;
         }
         return true;

@@ -105,6 +105,7 @@ def _search(searched: Searched) -> dict[str, Any]:
         "difference": None if with_it is None or without is None else with_it - without,
         "lead": lead,
         "earns": plan.earns,
+        "ends": searched.ends,
         "price": sum(plan.prices),
         "prices": dict(zip(searched.constraints, plan.prices, strict=False)),
         "binding": list(plan.binding),

@@ -98,7 +98,10 @@ def _mixed(count: int) -> list[Problem]:
 def of_all_kinds(seed: int, streams: int, each: int, aggregations: tuple[Aggregation, ...]) -> Problem:
     """Draw a window of `streams` with `each` so many messages to decide, two limits, one to three receivers."""
     draw = random.Random(seed)
-    kinds = tuple(Stream(at % 8, draw.choice(aggregations), _receivers(draw)) for at in range(streams))
+    kinds = tuple(
+        Stream(at % 8, _fitting(draw.choice(aggregations), utility), _receivers(draw))
+        for at, utility in zip(range(streams), cycle(UTILITIES), strict=False)
+    )
     messages = [
         message
         for at, utility in zip(range(streams), cycle(UTILITIES), strict=False)
@@ -118,6 +121,12 @@ def of_all_kinds(seed: int, streams: int, each: int, aggregations: tuple[Aggrega
         t_start=-10.0,
         t_end=ordered[-1].t_rcv + 1.0,
     )
+
+
+def _fitting(aggregation: Aggregation, utility: MessageUtility) -> Aggregation:
+    """Return an aggregation, but for `current`, which needs a utility that is finite at the age 0."""
+    lacks = aggregation is Aggregation.CURRENT and isinstance(utility, Power)
+    return Aggregation.MOST_RECENT if lacks else aggregation
 
 
 def _receivers(draw: random.Random) -> tuple[Receiver, ...]:

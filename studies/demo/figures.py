@@ -34,7 +34,13 @@ def _figures(recording: Recording) -> Figures:
     classes: Figures = {}
     for name, red in (("red", True), ("other", False)):
         classes |= _of_class(recording.feeds, name, red=red)
-    return classes | _of_medium(recording) | _of_utility(recording, classes) | _of_checks(recording)
+    return (
+        classes
+        | _of_ends(recording.feeds)
+        | _of_medium(recording)
+        | _of_utility(recording, classes)
+        | _of_checks(recording)
+    )
 
 
 def _of_class(feeds: Sequence[Feed], name: str, *, red: bool) -> Figures:
@@ -50,6 +56,12 @@ def _of_class(feeds: Sequence[Feed], name: str, *, red: bool) -> Figures:
         f"staleness_p50_{name}": _percentile(staleness, 50),
         f"staleness_p95_{name}": _percentile(staleness, 95),
     }
+
+
+def _of_ends(feeds: Sequence[Feed]) -> Figures:
+    """How soon the operator sees that something red is gone [s], and how long all screens show it nevertheless [s]."""
+    ends = np.concatenate([feed.ends() for feed in feeds])
+    return {"end_p95": _percentile(ends, 95), "false_red": sum(feed.false_red() for feed in feeds)}
 
 
 def _of_medium(recording: Recording) -> Figures:

@@ -23,7 +23,7 @@ ASSEMBLY = 20.0
 """How long the nodes may take to find each other [s]."""
 
 SURVEILLANCE = """\
-# What a camera frame is worth to the operator: more when it shows something red (Eq. 9).
+# What a camera frame is worth to the operator: more when it shows something red (Eq. 9), as long as that is there.
 version = 1
 
 [[constraint]]
@@ -34,7 +34,7 @@ window = {window}
 [[information_type]]
 name = "camera"
 keys = ["robot/*/camera"]
-aggregation = "most_recent"
+aggregation = "current"
 weight = 1.0
 utility = {{ kind = "video" }}
 scale = "1 + 10 * red"

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner import Message, Problem, Stream
+from planner import Aggregation, Message, Problem, Stream
 from planner.measures import Throughput
 from planner.utility import Video
 from studies.demo.recording import Recording
@@ -57,7 +57,7 @@ def _problem(recording: Recording, frames: list[tuple[float, int, int]]) -> Prob
         for t_gen, stream, i in frames
     )
     return Problem(
-        streams=tuple(Stream(robot) for robot in range(len(feeds))),
+        streams=tuple(Stream(robot, Aggregation.CURRENT) for robot in range(len(feeds))),
         messages=messages,
         current=0,
         constraints=(Throughput(run.limit / 8, run.window).constraint("throughput"),),

@@ -8,6 +8,7 @@ import numpy as np
 
 from planner.utility import Flags, Floats, Ints, Video
 from studies.demo.events import Counts, Event, Links, Publish, Receive, Run, Serve
+from studies.shown import excess
 
 ALPHA = 10.0
 """How much more red is worth: the scale of a frame is 1 + α × its red fraction (Eq. 9)."""
@@ -64,8 +65,25 @@ class Feed:
         now = np.searchsorted(self.t_gen, times, side="right") - 1
         return times - self.t_gen[shown], self.sees_red[now]
 
+    def ends(self) -> Floats:
+        """How long after the robot's last red frame of each time the screen showed a later one [s].
+
+        What it did not show by the end of the run counts up to that.
+        """
+        over = np.flatnonzero(self.sees_red[:-1] & ~self.sees_red[1:]) + 1
+        shown = [self.t_rcv[self.frame >= first] for first in over]
+        return np.array([min(t, default=self.end) for t in shown]) - self.t_gen[over]
+
+    def false_red(self) -> float:
+        """How long the screen showed red where the robot saw none [s]."""
+        times = np.arange(0.0, self.end, 1.0 / LOOKS)
+        times = times[times >= self.t_rcv.min(initial=self.end)]
+        shown = self.frame[np.searchsorted(self.t_rcv, times, side="right") - 1] if len(times) else self.frame[:0]
+        now = np.searchsorted(self.t_gen, times, side="right") - 1
+        return float((self.sees_red[shown] & ~self.sees_red[now]).sum()) / LOOKS
+
     def utility(self) -> float:
-        """Return what the screen was worth over the run, by Eq. 9 and `most_recent` [utility·s]."""
+        """Return what the screen was worth over the run, by Eq. 9 and `current` [utility·s]."""
         return self._worth(self.frame, self.t_rcv)
 
     def utility_undelayed(self) -> float:
@@ -75,7 +93,11 @@ class Feed:
     def _worth(self, frame: Ints, t_rcv: Floats) -> float:
         until = np.append(t_rcv, self.end)[1:]
         born = self.t_gen[frame]
-        return float((self.scale[frame] * Video().integral(t_rcv - born, until - born)).sum())
+        worth = float((self.scale[frame] * Video().integral(t_rcv - born, until - born)).sum())
+        if not len(frame):
+            return worth
+        _, _, lost = excess((t_rcv, self.scale[frame]), (self.t_gen, self.scale), self.end)
+        return worth - float(lost.sum())
 
 
 @dataclass(frozen=True, slots=True)

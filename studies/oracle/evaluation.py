@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from planner import Aggregation, Problem
+from planner.aggregations.current import Shown
 from planner.received import Received
 from studies.oracle.aggregations import best, custom, independent, most_recent, once
 from studies.oracle.aggregations.best import Ranks, no_ranks
@@ -31,6 +32,9 @@ def _paths(problem: Problem, recent: Collection[int]) -> Iterator[Part]:
     markovian = _received(problem, {*_streams(problem, Aggregation.MOST_RECENT), *recent})
     if markovian is not None:
         yield most_recent.build(markovian)
+    current = _received(problem, _streams(problem, Aggregation.CURRENT))
+    if current is not None:
+        yield most_recent.build(Shown.of(current))
     for kind, build in ((Aggregation.SUM, independent.build), (Aggregation.ONCE, once.build)):
         received = _received(problem, _streams(problem, kind))
         if received is not None:

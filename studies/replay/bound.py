@@ -190,7 +190,8 @@ class _Pieces:
         t_rcv = float(columns.t[index]) + self._mission.latency
         if stream.aggregation is Aggregation.SUM:
             return self._added(index, use, end)
-        return self._made(index, t_rcv, use) if t_rcv < end else None
+        # What comes too late still is the newest there is.
+        return self._made(index, t_rcv, use) if t_rcv < end or stream.aggregation is Aggregation.CURRENT else None
 
     def _made(self, index: int, t_rcv: float, use: tuple[float, ...]) -> Message:
         columns = self._columns

@@ -14,6 +14,8 @@ from planner import Aggregation, Message, Problem, Stream
 from planner.definition import utility
 from planner.utility import Flags, Floats, Ints
 from studies.replay.outcomes import Columns, Outcomes
+from studies.shown import excess
+from utility_specs.lifetimes import initial
 
 LENGTH = 100.0
 """Of a piece [s]."""
@@ -51,17 +53,19 @@ class Gains:
         by_stream = np.argsort(self.columns.stream, kind="stable")
         starts = np.searchsorted(self.columns.stream[by_stream], np.arange(len(self.outcomes.streams) + 1))
         for number, stream in enumerate(self.outcomes.streams):
-            own = by_stream[starts[number] : starts[number + 1]]
-            own = own[came[own]]
+            every = by_stream[starts[number] : starts[number + 1]]
+            own = every[came[every]]
             own = own[np.argsort(t_rcv[own], kind="stable")]
             if stream.covering is not None and len(own):
                 gained[:, number] = self._of_stream(own, t_rcv[own], stream.aggregation)
+                if stream.aggregation is Aggregation.CURRENT:
+                    gained[:, number] -= self._lost(every, own, t_rcv[own])
         return gained
 
     def _of_stream(self, own: Ints, times: Floats, aggregation: object) -> Floats:
         """Return what samples of a stream gain that are received at these times, in order."""
         match aggregation:
-            case Aggregation.MOST_RECENT:
+            case Aggregation.MOST_RECENT | Aggregation.CURRENT:
                 return self._shown(own, times)
             case Aggregation.ONCE:
                 return self._shown(own[:1], times[:1])
@@ -79,6 +83,20 @@ class Gains:
         ends = np.append(begins[1:], self.borders[-1])
         shown = own[np.searchsorted(times, begins, side="right") - 1]
         return self._by_piece(begins, self.worth(shown, begins, ends))
+
+    def _lost(self, every: Ints, own: Ints, times: Floats) -> Floats:
+        """What those of all samples of a stream show too much that are received at these times, in order."""
+        columns = self.columns
+        made = every[np.argsort(columns.t_gen[every], kind="stable")]
+        begins, which, shown = excess(
+            (times, columns.scale[own]),
+            (columns.t_gen[made], columns.scale[made]),
+            float(self.borders[-1]),
+            self.borders,
+        )
+        kinds, at = np.unique(columns.worth[own[which]], return_inverse=True)
+        each = np.array([initial(self.outcomes.utility(kind)) for kind in kinds.tolist()])
+        return self._by_piece(begins, each[at] * shown)
 
     def _best(self, own: Ints, times: Floats) -> Floats:
         """At any time that sample counts which is worth most."""
@@ -131,7 +149,8 @@ def undominated(outcomes: Outcomes, columns: Columns, samples: Ints) -> Ints:
     """Return those of a stream's samples that may be worth more than all newer ones at some time, oldest first.
 
     One of the same utility that is newer and has no smaller scale is worth as much at least, where the utility only
-    falls with age. Of others all are kept.
+    falls with age; with `current` one of the same scale, for one of a greater scale may show too much. Of others all
+    are kept.
     """
     if not len(samples):
         return samples
@@ -141,6 +160,10 @@ def undominated(outcomes: Outcomes, columns: Columns, samples: Ints) -> Ints:
         places = np.flatnonzero(columns.worth[samples] == kind)
         if len(places) > 1 and falls(outcomes, kind):
             scales = columns.scale[samples[places]]
+            if outcomes.streams[int(columns.stream[samples[0]])].aggregation is Aggregation.CURRENT:
+                keep[places] = False
+                keep[places[len(scales) - 1 - np.unique(scales[::-1], return_index=True)[1]]] = True
+                continue
             newer = np.maximum.accumulate(scales[::-1])[::-1]
             keep[places[:-1]] = scales[:-1] > newer[1:]
     return samples[keep]

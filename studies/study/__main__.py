@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from time import monotonic
 
-from studies.extras import needs, there
+from proxy.extras import needs, there
 from studies.ns3.building import shim
 from studies.ns3.errors import Ns3Unavailable
 from studies.study.costs import plan
@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _check(*, here: bool) -> None:
     """Raise StudyError for what would be missed after hours; where flights are flown here ns-3's shim is compiled."""
     if not (there("matplotlib") and there("scipy")):
-        raise StudyError(f"for the bound and for figures {needs('study')}")
+        raise StudyError(f"a study, for its bound and its figures, {needs('study')}")
     if here:
         try:
             shim()

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from proxy import exit_codes
-from studies.extras import needs
+from proxy.extras import needs
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION
 
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         from studies.study.errors import StudyError  # noqa: PLC0415
         from studies.study.recorded import characteristic  # noqa: PLC0415
     except ImportError:
-        print(f"sendworthy study: {needs('record')}", file=sys.stderr)
+        print(f"sendworthy study {needs('record')}", file=sys.stderr)
         return exit_codes.FAILED
     try:
         characteristic(arguments)

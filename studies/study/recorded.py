@@ -3,13 +3,15 @@
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from planner import Problem
-from studies.extras import needs, there
+from proxy.extras import needs, there
+from proxy.recording.reading import RecordingReader
 from studies.replay.flight import TAIL
 from studies.replay.mission import LATENCY, Mission
 from studies.replay.policies import enter_all, problem_of
@@ -40,8 +42,9 @@ def characteristic(arguments: argparse.Namespace) -> None:
         if picture.suffix not in PICTURES:
             raise StudyError(f"{picture}: a picture is a file of {', '.join(PICTURES)}")
         if not there("matplotlib"):
-            raise StudyError(f"for --picture {needs('study')}")
-    recordings = Recordings(arguments.files)
+            raise StudyError(f"--picture {needs('study')}")
+    files = tuple(RecordingReader(path) for path in arguments.files)
+    recordings = Recordings(files)
     survey = recordings.survey()
     for problem in survey.problems:
         print(f"sendworthy study: {problem}", file=sys.stderr)
@@ -51,7 +54,7 @@ def characteristic(arguments: argparse.Namespace) -> None:
         LATENCY if arguments.latency is None else arguments.latency,
     )
     found = Characteristic.of(at_random(_problem(recordings, survey, mission), arguments.seed))
-    report = _report(found, recordings, survey, mission)
+    report = _report(found, files, survey, mission)
     to_output = arguments.json is not None and str(arguments.json) == "-"
     if arguments.json is not None:
         text = json.dumps(report, indent=2, allow_nan=False) + "\n"
@@ -80,10 +83,10 @@ def _problem(recordings: Recordings, survey: Survey, mission: Mission) -> Proble
     return problem_of(outcomes, outcomes.columns(), survey.seconds + TAIL)
 
 
-def _report(found: Characteristic, recordings: Recordings, survey: Survey, mission: Mission) -> Report:
+def _report(found: Characteristic, files: Sequence[RecordingReader], survey: Survey, mission: Mission) -> Report:
     return {
         "version": VERSION,
-        "files": [path.name for path in recordings.paths],
+        "files": [file.path.name for file in files],
         "robots": list(mission.robots),
         "samples": survey.samples.total(),
         "seconds": survey.seconds,

@@ -8,7 +8,7 @@ from importlib import import_module
 from multiprocessing import get_context
 from typing import Any
 
-from studies.extras import needs, there
+from proxy.extras import needs, there
 from studies.ns3.errors import Ns3Unavailable
 from studies.oracle import OracleUnavailable
 from studies.replay.progress import Progress
@@ -72,7 +72,7 @@ def _here(tasks: Sequence[Task], jobs: int) -> Finished:
 def _on_cluster(tasks: Sequence[Task], address: str) -> Finished:
     """Send the tasks to a Dask cluster whose workers have this package. Raises StudyError."""
     if not there("distributed"):
-        raise StudyError(f"for --dask {needs('cluster')}")
+        raise StudyError(f"--dask {needs('cluster')}")
     distributed: Any = import_module("distributed")
     try:
         client = distributed.Client(address, timeout="10s", set_as_default=False)

@@ -166,6 +166,11 @@ REDUCTIONS = ("off", "paper", "exact")
 LEAST = (0.0, 5e-324, 2e-322, 1e-300, 1.0, 1e100)
 
 
+def defined(aggregation, utility):
+    """Whether streams may be of both: what `current` takes off needs a value at the age 0."""
+    return not (aggregation is Aggregation.CURRENT and isinstance(utility, Power))
+
+
 def mixture(pairs, scales, gaps, *, goes_on=True):
     """A stream for each (aggregation, utility), with messages that follow each other at these `gaps` [s]."""
     messages, now = [], 0.0
@@ -186,12 +191,18 @@ def test_every_pair_of_aggregations_and_utilities_has_tables():
     """What one stream of a problem is never stands in the way of another."""
     for one, other in itertools.product(AGGREGATIONS, AGGREGATIONS):
         for pair in itertools.combinations(UTILITIES, 2):
+            if not (defined(one, pair[0]) and defined(other, pair[1])):
+                continue
             problem = mixture([(one, pair[0]), (other, pair[1])], (1.0,), (0.0, 0.1, 0.1, 0.1))
             assert math.isfinite(tabulate(problem, beyond=True).gains.everything)
 
 
 @given(
-    st.lists(st.tuples(st.sampled_from(AGGREGATIONS), st.sampled_from(UTILITIES)), min_size=1, max_size=5),
+    st.lists(
+        st.tuples(st.sampled_from(AGGREGATIONS), st.sampled_from(UTILITIES)).filter(lambda pair: defined(*pair)),
+        min_size=1,
+        max_size=5,
+    ),
     st.lists(st.sampled_from(LEAST), min_size=1, max_size=3),
     st.lists(st.sampled_from((0.0, 1e-9, 0.1, 0.5)), min_size=5, max_size=12),
     st.sampled_from([SearchSettings(search="best"), *(SearchSettings("paper", reduction=r) for r in REDUCTIONS)]),

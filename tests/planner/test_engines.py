@@ -12,6 +12,8 @@ from tests.planner.windows import MARKOVIAN, stale_window, window
 from tests.seeds import seeds
 
 REDUCTIONS = ("off", "paper", "exact")
+CURRENT = (Aggregation.CURRENT,) * 2
+"""Twice, for several receivers and newest samples that are no message."""
 
 
 def both(problem, settings) -> tuple[Search, Search]:
@@ -56,7 +58,7 @@ def test_same_tree_while_subtrees_move(reduction, exploration):
 @given(
     st.integers(0, 2**32),
     st.sampled_from([("best", "off"), *(("paper", reduction) for reduction in REDUCTIONS)]),
-    st.sampled_from([MARKOVIAN, tuple(Aggregation), (Aggregation.BEST, Aggregation.ONCE), (Aggregation.SUM,)]),
+    st.sampled_from([MARKOVIAN, tuple(Aggregation), (Aggregation.BEST, Aggregation.ONCE), (Aggregation.SUM,), CURRENT]),
 )
 def test_same_tree_on_any_window(seed, mode, aggregations):
     """Whatever the window, the mode and the aggregations."""

@@ -14,6 +14,7 @@ from planner import (
     Aggregation,
     Constraint,
     Exponential,
+    Latest,
     Linear,
     Message,
     Power,
@@ -43,6 +44,8 @@ AMOUNTS = st.sampled_from((0.0, 0.5, 1.0, 2.0, 7.0)) | st.floats(0.01, 10.0)
 GAPS = st.sampled_from((0.0, 1e-9, 0.1, 0.5)) | st.floats(0.0, 2.0)
 """Round numbers, so that times are equal and windows just full; and any."""
 
+NEWEST = st.none() | st.builds(Latest, st.sampled_from((-3.0, 0.0, 1.0)) | st.floats(-5.0, 30.0), AMOUNTS)
+
 ENDLESS = st.sampled_from(
     (Step(1.0, 1e9), Table(((0.0, 1.0),)), Power(0.5), Linear(1.0, 1e-9), Exponential(1.0, 1e9), Video(0.1, 1e6))
 )
@@ -55,7 +58,8 @@ def problems(draw):
     count, limits = draw(st.integers(1, 6)), draw(st.integers(0, 3))
     receivers = st.lists(st.builds(Receiver, GAPS, AMOUNTS), max_size=3).map(tuple)
     streams = tuple(
-        Stream(draw(st.integers(0, 2)), draw(st.sampled_from(Aggregation)), draw(receivers)) for _ in range(count)
+        Stream(draw(st.integers(0, 2)), draw(st.sampled_from(Aggregation)), draw(receivers), draw(NEWEST))
+        for _ in range(count)
     )
     of_stream = [draw(utilities | ENDLESS) for _ in range(count)]
     latency = [draw(GAPS) for _ in range(count)]
@@ -66,6 +70,8 @@ def problems(draw):
         stream, sent = draw(st.integers(0, count - 1)), draw(st.booleans())
         late = draw(GAPS) if sent else 0.0
         function = draw(utilities) if draw(st.booleans()) else of_stream[stream]
+        if streams[stream].aggregation is Aggregation.CURRENT and isinstance(function, Power):
+            function = Linear(1.0, 0.5)
         messages.append(
             Message(
                 stream, now, now + late / 2, now + late + latency[stream], function, draw(AMOUNTS), draw(uses), sent

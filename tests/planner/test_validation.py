@@ -109,7 +109,7 @@ def test_all_errors_are_planner_errors():
         (Stream(0, receivers=(Receiver(delay=-0.1),)), "stream 1: a receiver's delay must be >= 0 s, not -0.1"),
         (Stream(0, receivers=(Receiver(delay=math.inf),)), "delay must be"),
         (Stream(0, receivers=(Receiver(), Receiver(share=math.nan))), "a receiver's share must be >= 0, not nan"),
-        (Stream(0, "newest"), "aggregation must be one of most_recent, best, sum, once or have the methods"),
+        (Stream(0, "newest"), "aggregation must be one of most_recent, best, sum, once, current or have the methods"),
     ],
 )
 def test_bad_streams_are_refused(stream, says):

@@ -9,6 +9,7 @@ from planner import (
     Aggregation,
     AggregationModel,
     Constraint,
+    Latest,
     Linear,
     Message,
     Problem,
@@ -85,7 +86,8 @@ def _stream(seed: int, robot: int, aggregations: Sequence[Aggregation | Aggregat
     receivers = tuple(
         Receiver(draw.choice((0.0, 0.1, 0.35)), draw.choice((0.5, 1.0, 2.0))) for _ in range(draw.randint(1, 3))
     )
-    return Stream(robot, aggregations[(seed + robot) % len(aggregations)], receivers)
+    newest = Latest(draw.uniform(-1.0, 2.0), draw.choice((0.0, 0.5, 3.0))) if draw.random() < 0.5 else None
+    return Stream(robot, aggregations[(seed + robot) % len(aggregations)], receivers, newest)
 
 
 def crowded(count: int) -> Problem:
@@ -153,7 +155,7 @@ def objective(problem: Problem, sends: Iterable[int]) -> float:
         received = [i for i, m in enumerate(problem.messages) if m.stream == number and (m.sent or i in chosen)]
         received.sort(key=lambda i: problem.messages[i].t_rcv)
         match stream.aggregation:
-            case Aggregation.MOST_RECENT:
+            case Aggregation.MOST_RECENT | Aggregation.CURRENT:
                 total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received[-1:]])
             case Aggregation.SUM:
                 total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received])

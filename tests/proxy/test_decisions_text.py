@@ -179,3 +179,10 @@ def test_the_same_again_is_one_line():
     assert list(again(DROPPED, 12, "now", 100)) == [
         "now: 12 more: DROPPED: others are worth more for what is left (dropped:planner)"
     ]
+
+
+def test_what_a_sample_ends_is_said():
+    """With `current`: what was sent last shows too much."""
+    ending = {**DROPPED, "search": {**SEARCH, "ends": 4.0}}
+    assert "and it ends a loss of 4 a second: what was sent last shows too much" in text(ending, 200)
+    assert "ends a loss" not in text({**DROPPED, "search": {**SEARCH, "ends": 0.0}}, 200)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from planner import Constraint
+from planner import Aggregation, Constraint
 from planner.constraints import violations
 from planner.validation import check_problem
 from studies.central import CentralDecider, Uncertain, longest_window, mean_interval
@@ -83,3 +83,16 @@ def test_futures_share_what_is_known():
             assert future.messages[future.current] == message
         if whenever_it_fits(window):
             decider.send(index)
+
+
+def test_windows_know_the_newest_message_of_each_stream_of_current():
+    """It may have been dropped, so that it is no fact."""
+    flown = mission(MIXED, seed=0, seconds=10.0)
+    flown = replace(flown, streams=tuple(replace(s, aggregation=Aggregation.CURRENT) for s in flown.streams))
+    decider = CentralDecider(flown, horizon=15)
+    assert all(stream.newest is None for stream in decider.window(0).streams)
+    window = decider.window(40)
+    before = flown.messages[:40]
+    for at, stream in enumerate(window.streams):
+        assert stream.newest == max(((m.t_gen, m.scale) for m in before if m.stream == at), default=None)
+    check_problem(window)

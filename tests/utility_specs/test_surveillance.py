@@ -5,6 +5,7 @@ from importlib.resources import as_file, files
 
 import pytest
 
+from planner import Aggregation
 from planner.airtime import Airtime
 from planner.measures import Energy, Messages, Throughput
 from planner.utility import Video
@@ -21,6 +22,7 @@ def test_it_is_eq_9(specs):
     """U_vid times 1 + 10 times the fraction of red, on 2 Mbit/s in windows of half a second."""
     camera = specs.match("robot/r1/camera")
     assert camera.utility == Video()
+    assert camera.aggregation is Aggregation.CURRENT
     assert (camera.scale({"red": 0.0}), camera.scale({"red": 0.35}), camera.scale({"red": 1.0})) == (
         1.0,
         4.5,

@@ -59,7 +59,7 @@ def test_every_aggregation_in_the_table_loads(row, tmp_path, monkeypatch):
     (tmp_path / "x.toml").write_text(spec(f"utility = {{ kind = 'video' }}\naggregation = {row}"))
     (loaded,) = load_specs(tmp_path / "x.toml").types
     assert row in (f'"{loaded.aggregation}"', f'{{ python = "soundings:{type(loaded.aggregation).__name__}" }}')
-    assert loaded.markovian == (row == '"most_recent"')
+    assert loaded.markovian == (row in ('"most_recent"', '"current"'))
 
 
 def test_no_aggregation_is_missing():

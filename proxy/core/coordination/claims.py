@@ -29,9 +29,9 @@ from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans, use_of
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Stream, excess
 from proxy.core.view.view import SharedView
-from utility_specs.lifetimes import integral
+from utility_specs.lifetimes import initial, integral
 
 Claim = tuple[float, str]
 """What a byte of a stream gains by how long nothing of it was sent; of equal ones the robot's name tells."""
@@ -152,9 +152,12 @@ def _taken_by_new(now: float, view: SharedView, stream: Stream, limits: tuple[Li
 
 
 def claim(now: float, stream: Stream) -> Claim:
-    """Return the claim of a stream."""
+    """Return the claim of a stream: of `current` it gains by what it ends, too."""
     since = max(0.0, now - (stream.began if stream.sent is None else stream.sent.t_sent))
-    gain = stream.newest.scale * integral(stream.information_type.utility, since)
+    utility, over = stream.information_type.utility, excess(stream)
+    gain = stream.newest.scale * integral(utility, since)
+    if over > 0.0:
+        gain += over * initial(utility) * since
     return gain / max(1.0, stream.sizes.announced or stream.sizes.mean), stream.robot
 
 

@@ -19,7 +19,7 @@ from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed,
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Stream, excess
 from proxy.core.view.view import SharedView
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ class Disputes:
         if known.standing is not Standing.PRICED:
             return known.standing
         due = stream.sent is None or sample.t_gen - stream.sent.t_gen >= known.apart - 0.5 * known.interval
-        return Standing.UNDISPUTED if due else Standing.HOPELESS
+        return Standing.UNDISPUTED if due or known.relieves(excess(stream)) else Standing.HOPELESS
 
     def _weighed_alone(self, now: float, stream: Stream) -> Weighed:
         """Return how a stream stands that is new, at the prices that there are."""

@@ -24,6 +24,7 @@ from planner.utility.base import told_apart
 from proxy.core.market.standing import Amounts, Row, Standing, Weighed, reserve
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
+from proxy.core.view.stream import excess
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +60,7 @@ class Market:
                 float(cost[at]),
                 float(marginal[at, 0]),
                 float(marginal[at, -1]),
+                row.relief,
             )
             for at, row in enumerate(rows)
         ]
@@ -88,7 +90,7 @@ class Market:
 
 
 def _steady(rows: Sequence[Row]) -> Steady:
-    """Return what each stream earns by the interval between its sends."""
+    """Return what each stream earns by the interval between its sends: also that nothing is lost once it has sent."""
     kinds = [row.stream.information_type for row in rows]
     each = [kind.utility_of(row.stream.newest.features) for kind, row in zip(kinds, rows, strict=True)]
     utilities, which = told_apart(each)
@@ -100,4 +102,5 @@ def _steady(rows: Sequence[Row]) -> Steady:
     for at, kind in enumerate(kinds):
         if kind.aggregation in (Aggregation.SUM, Aggregation.ONCE):
             area[at] = area[at, -1]
-    return Steady(np.arange(len(rows)), area / apart, 1.0 / apart, np.array([row.use for row in rows]))
+    lost = np.array([row.relief and row.relief * min(excess(row.stream), TUNING.most_scale) for row in rows])[:, None]
+    return Steady(np.arange(len(rows)), area / apart + lost, 1.0 / apart, np.array([row.use for row in rows]))

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
+from planner import Aggregation
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Stream
+from utility_specs.lifetimes import initial
 
 Amounts = tuple[float, ...]
 
@@ -29,6 +31,7 @@ class Weighed:
 
     It generates every `interval`, and is expected to send every `apart` [s]; without end when nothing of it pays.
     The room of a sample costs so much; one earns `least` where all are sent, `most` where hardly any is [utility·s].
+    Each unit of its excess loses it `relief` a second until it sends, where it is one of `current` [1/s].
     """
 
     standing: Standing
@@ -38,6 +41,11 @@ class Weighed:
     cost: float = 0.0
     least: float = 0.0
     most: float = 0.0
+    relief: float = 0.0
+
+    def relieves(self, excess: float) -> bool:
+        """Whether a sample pays by ending that so much too much is shown, until the stream would send anyhow."""
+        return excess > 0.0 and self.relief * excess * min(self.apart, TUNING.longest * self.interval) > self.cost
 
 
 UNKNOWN = Weighed(Standing.CONTESTED, 0.0, 0.0, 0.0)
@@ -46,7 +54,8 @@ UNKNOWN = Weighed(Standing.CONTESTED, 0.0, 0.0, 0.0)
 class Row(NamedTuple):
     """A stream as it is weighed: its mean `interval`, the `age` of its samples at receipt [s], what a sample uses.
 
-    Of each limit it uses the mean and, where sizes vary, the deviation. `scale` counts all receivers.
+    Of each limit it uses the mean and, where sizes vary, the deviation. `scale` counts all receivers, and so does what
+    each unit of excess loses a second in a stream of `current`, `relief` [1/s].
     """
 
     stream: Stream
@@ -55,6 +64,7 @@ class Row(NamedTuple):
     scale: float
     use: Amounts
     deviation: Amounts
+    relief: float = 0.0
 
     def small(self, limits: Sequence[Limit]) -> bool:
         """Whether its messages are small by all limits."""
@@ -77,7 +87,13 @@ def row_of(now: float, stream: Stream, audience: Audience, copies: int, limits: 
         stream.newest.scale * audience.share,
         use,
         tuple([m - u for m, u in zip(more, use, strict=True)]),
+        _relief(stream, audience.share),
     )
+
+
+def _relief(stream: Stream, share: float) -> float:
+    kind = stream.information_type
+    return initial(kind.utility) * share if kind.aggregation is Aggregation.CURRENT else 0.0
 
 
 def reserve(

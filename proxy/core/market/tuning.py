@@ -37,6 +37,8 @@ class MarketTuning:
     """Of a stream that generated fewer samples nobody knows how far apart they are."""
     rate_samples: int = 8
     """Of a stream that generated fewer samples nobody can say how often it does."""
+    longest: float = 300.0
+    """What a stream loses by what it shows too much counts up to so many of its intervals: none sends more seldom."""
     most_scale: float = 1e100
     """What is worth more counts as this, so that all sums are finite."""
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from heapq import nlargest
 from typing import NamedTuple, Self
 
-from planner import MessageUtility, Plan, Problem
+from planner import Aggregation, Message, MessageUtility, Plan, Problem
 from proxy.core.samples.tuning import TUNING
 from proxy.core.window.candidates import Candidate
-from utility_specs.lifetimes import integral
+from utility_specs.lifetimes import initial, integral
 
 
 class Rival(NamedTuple):
@@ -42,6 +42,7 @@ class Searched:
 
     `this` is the stream of the sample with its other messages, `rivals` are other streams, and there are `more`. The
     search was `cut` when it ended for want of time. Its window held so many messages, `held`, and `full` of itself.
+    With `current` the sample `ends` a loss of so much a second: what was sent last shows too much by now.
     """
 
     plan: Plan
@@ -53,6 +54,7 @@ class Searched:
     cut: bool
     held: int
     full: int
+    ends: float = 0.0
 
     @classmethod
     def of(
@@ -74,4 +76,13 @@ class Searched:
         others = [(of in sent, message.scale, of) for of, message in first.items() if message is not current]
         kept = tuple([rival(of) for _, _, of in nlargest(TUNING.rivals, others)])
         names, more = tuple([constraint.name for constraint in problem.constraints]), len(others) - len(kept)
-        return cls(plan, names, rival(current.stream), kept, more, asked, cut, len(opened), full)
+        ends = _ended(problem, current) * candidates[current.stream].audience.share
+        return cls(plan, names, rival(current.stream), kept, more, asked, cut, len(opened), full, ends)
+
+
+def _ended(problem: Problem, current: Message) -> float:
+    """Return what a receiver loses a second by what the last message sent shows in excess of the current one."""
+    if problem.streams[current.stream].aggregation is not Aggregation.CURRENT:
+        return 0.0
+    last = [m for m in problem.messages if m.sent and m.stream == current.stream][-1:]
+    return sum(initial(m.utility) * max(0.0, m.scale - current.scale) for m in last)

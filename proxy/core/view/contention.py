@@ -7,7 +7,7 @@ So what is asked of streams is kept in rows, and worked out anew only for stream
 from collections.abc import Container
 
 from proxy.core.view.staleness import Staleness
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Stream, at_stake
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers
 
@@ -103,4 +103,5 @@ class Contention:
         self._wanted[row] = gaining > 0
         self._last[row], self._patience[row], self._next[row] = stream.schedule.prospect()
         if last is not None:
-            self._cheapness[row] = -last.scale * gaining / max(last.size * self._subscribers.copies(stream), 1)
+            copies = self._subscribers.copies(stream)
+            self._cheapness[row] = -at_stake(stream, last.scale) * gaining / max(last.size * copies, 1)

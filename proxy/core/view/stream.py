@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import NamedTuple
 
+from planner import Aggregation
 from proxy.core.forecast.features import SCALE, Outlook
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.forecast.schedule import Schedule
@@ -249,3 +250,19 @@ def usual_scale(stream: Stream) -> float:
     """Return the value of a sample of which nothing more is known, as it travels."""
     kind = stream.information_type
     return rounded(kind.scale(kind.completed({})))
+
+
+def at_stake(stream: Stream, scale: float) -> float:
+    """Return the value factor of what a sample of a `scale` changes, whatever it is worth by itself.
+
+    Of `current` that is at least that of what was sent last: a sample of less worth ends what that one shows too much.
+    """
+    if stream.sent is None or stream.information_type.aggregation is not Aggregation.CURRENT:
+        return scale
+    return max(scale, stream.sent.scale)
+
+
+def excess(stream: Stream) -> float:
+    """Return how much more what was sent last shows than the newest sample; 0 unless that is a loss (`current`)."""
+    scale = stream.newest.scale
+    return at_stake(stream, scale) - scale

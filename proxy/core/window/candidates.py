@@ -5,7 +5,7 @@ from heapq import heapify, heappop, heapreplace
 
 from planner import Aggregation
 from proxy.core.view.audience import Audience
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Stream, at_stake
 from proxy.core.window.guarantees import owed
 from proxy.core.window.tuning import TUNING
 
@@ -34,7 +34,7 @@ class Candidate:
     def worth(self) -> float:
         """Value per byte on the air."""
         last = self.stream.newest
-        return last.scale * self.audience.share / max(last.size * self.copies, 1)
+        return at_stake(self.stream, last.scale) * self.audience.share / max(last.size * self.copies, 1)
 
     @property
     def standard(self) -> bool:

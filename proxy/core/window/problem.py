@@ -7,7 +7,7 @@ from itertools import islice
 from operator import attrgetter
 from typing import NamedTuple
 
-from planner import Aggregation, Message, Problem, Traffic
+from planner import Aggregation, Latest, Message, Problem, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.model.limits import Limits, longest_window, use_of
 from proxy.core.model.waiting import Waiting
@@ -75,10 +75,7 @@ def problem(now: float, started: float, contents: Contents, limits: Limits) -> P
     traffic = [Traffic(t, each) for t, each in (*limits.others, *limits.sent) if t >= since]
     traffic += [Traffic(max(m.t_gen, now), use(m.size, m.of.copies, m.of.own)) for m in demanded]
     return Problem(
-        streams=tuple(
-            PlannerStream(robots[c.stream.robot], c.stream.information_type.aggregation, c.audience.receivers)
-            for c in candidates
-        ),
+        streams=tuple([_stream(c, robots[c.stream.robot]) for c in candidates]),
         messages=tuple(messages),
         current=next(place for place, message in enumerate(messages) if message is current),
         constraints=limits.union,
@@ -86,6 +83,13 @@ def problem(now: float, started: float, contents: Contents, limits: Limits) -> P
         t_start=min(started, messages[0].t_gen),
         t_end=t_sent + last.audience.slowest + max(last.stream.mean_interval, TUNING.shortest_life),
     )
+
+
+def _stream(c: Candidate, robot: int) -> PlannerStream:
+    """Return a stream for the planner; of `current` its newest sample counts, sent or not."""
+    kind, last = c.stream.information_type.aggregation, c.stream.newest
+    newest = Latest(last.t_gen, last.scale) if kind is Aggregation.CURRENT else None
+    return PlannerStream(robot, kind, c.audience.receivers, newest)
 
 
 def _facts(c: Candidate, now: float, nothing: tuple[float, ...]) -> list[Message]:

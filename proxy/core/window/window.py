@@ -24,7 +24,7 @@ from proxy.core.coordination.claims import claim
 from proxy.core.market.disputes import Disputes
 from proxy.core.model.limits import Limits
 from proxy.core.model.waiting import Waiting
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Stream, at_stake
 from proxy.core.view.view import SharedView
 from proxy.core.window.candidates import Candidate, thin
 from proxy.core.window.forecast import forecast
@@ -123,9 +123,13 @@ def _competing(waiting: Iterable[Waiting], ours: Mapping[str, Candidate]) -> lis
     """Return the samples that are weighed beside the current one; of a model of the operator's the most valuable."""
     chosen: list[Waiting] = []
     count: Counter[str] = Counter()
-    for w in sorted(waiting, key=lambda w: (-w.scale, w.t_gen, w.sample)):
+    for w in sorted(waiting, key=lambda w: (-_at_stake(w, ours.get(w.key)), w.t_gen, w.sample)):
         of = ours.get(w.key)
         count[w.key] += 1
         if of is not None and (of.standard or count[w.key] <= TUNING.messages_of_a_model):
             chosen.append(w)
     return chosen
+
+
+def _at_stake(waiting: Waiting, of: Candidate | None) -> float:
+    return waiting.scale if of is None else at_stake(of.stream, waiting.scale)

@@ -12,6 +12,8 @@ node 0 and ends at the empty node n:
 
 The empty nodes keep the network small and exact: a message needs no arcs to those received after its life.
 Messages known to be sent lie on every path: no arc leads past them.
+
+`current` is the same, of messages that also lose: one that shows too much to the end has arcs to all that come.
 """
 
 from dataclasses import dataclass
@@ -98,13 +100,14 @@ def _direct(count: Ints) -> tuple[Ints, Ints]:
 
 
 def _death(received: Received, last: Ints) -> Ints:
-    """Return for each message the first place of its stream where it has nothing left, else the end."""
+    """Return for each message the first place of its stream where it has nothing left to gain or lose, or the end."""
     place = np.arange(len(last))
-    whole = _whole(received, place)
+    whole = received.rising(place, received.t_rcv, np.full(len(place), np.inf))
     low, high = place + 1, last.copy()
     while (open_ := np.flatnonzero(low < high)).size:
         middle = (low[open_] + high[open_]) // 2
-        over = _worth(received, open_, middle) >= whole[open_]
+        parts = received.rising(open_, received.t_rcv[open_], received.t_rcv[middle])
+        over = np.all([part >= complete[open_] for part, complete in zip(parts, whole, strict=True)], axis=0)
         high[open_[over]] = middle[over]
         low[open_[~over]] = middle[~over] + 1
     return low

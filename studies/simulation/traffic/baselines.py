@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner import Aggregation
+from planner.problem import MARKOVIAN
 from studies.simulation.agenda import Agenda
 from studies.simulation.medium import Medium
 from studies.simulation.records import Delivery, OnAir
@@ -167,7 +167,7 @@ class Simple:
     def _publish(self, index: int, t: float) -> None:
         problem, sender = self.mission.problem, self._senders[self.mission.frames[index].robot]
         stream = problem.messages[index].stream
-        if problem.streams[stream].aggregation is Aggregation.MOST_RECENT:
+        if problem.streams[stream].aggregation in MARKOVIAN:
             sender.waiting = [i for i in sender.waiting if problem.messages[i].stream != stream]
         sender.waiting.append(index)
         self._send(sender, t)

@@ -22,7 +22,7 @@ ALL_WAYS = (("random", 5), ("mixed", 4))
 """Workloads and robots that are flown under all combinations of latency and loss."""
 ONE_WAY = (
     *(("mixed", robots) for robots in (1, 2, 8)),
-    *(("cameras", robots) for robots in (4, 8)),
+    *((name, robots) for name in ("cameras", "cameras-current") for robots in (4, 8)),
     *((f"{UNIFORM}{scenario}", 10) for scenario in ("few", "mixed", "most")),
     ("crowd", 50),
 )
@@ -198,6 +198,6 @@ def _cost(task: Task) -> float:
     return factor * COSTS.get(task.cell.workload, COST_UNIFORM)
 
 
-COSTS = {"mixed": 0.11, "random": 0.02, "cameras": 0.02, "crowd": 0.06}
+COSTS = {"mixed": 0.11, "random": 0.02, "cameras": 0.02, "cameras-current": 0.02, "crowd": 0.06}
 COST_UNIFORM = 0.003
 """Of a second of one robot under a central decider, on a 2 GHz core [s]; twice that in *crowd* where all hear all."""

@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from planner import Aggregation, Constraint, Message, Problem, Stream
+from planner.utility import Floats
 from proxy.core.model.tuning import TUNING as MODEL
 from studies.simulation import conditions, missions
 from studies.simulation.missions import OPERATOR, scenario, specs_of
@@ -28,7 +30,7 @@ RED_LASTS, RED_PAUSES, RED_AMOUNT = (3.0, 6.0), (2.0, 8.0), (0.2, 0.6)
 """An event [s], the time to the next one [s], and the part of the image that is red then; all uniformly drawn."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Mission:
     """What a team flies, frame by frame; `problem` has the same messages in the same order, with their true utility.
 
@@ -51,6 +53,14 @@ class Mission:
     def allowed(self) -> float:
         """What the whole team may tell each other, all copies and framing counted [B/s]."""
         return max(ALLOWANCE * self.limit / self.window, MODEL.least_allowance * len(self.interests))
+
+    @cached_property
+    def generated(self) -> dict[int, tuple[Floats, Floats]]:
+        """By stream when its samples are generated [s], and their scales."""
+        made: dict[int, list[Message]] = {}
+        for message in self.problem.messages:
+            made.setdefault(message.stream, []).append(message)
+        return {of: (np.array([m.t_gen for m in own]), np.array([m.scale for m in own])) for of, own in made.items()}
 
     @property
     def robots(self) -> list[str]:

@@ -8,11 +8,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from planner import Aggregation, Message, Problem
+from planner import Aggregation, Message
 from planner.utility import Flags, Floats
+from studies.shown import excess
 from studies.simulation.missions import OPERATOR
 from studies.simulation.records import Delivery, OnAir
 from studies.simulation.traffic.missions import WARM_UP, Mission
+from utility_specs.lifetimes import initial
 
 DRAWS = 20
 """So many draws of what is lost on the air."""
@@ -105,22 +107,33 @@ def worth(mission: Mission, times: dict[int, float]) -> float:
     for index, t_rcv in times.items():
         message = mission.problem.messages[index]
         streams[message.stream].append(message._replace(t_rcv=max(t_rcv, message.t_rcv, WARM_UP)))
-    return sum(_worth(mission.problem, stream, received) for stream, received in streams.items())
+    return sum(_worth(mission, stream, received) for stream, received in streams.items())
 
 
-def _worth(problem: Problem, stream: int, received: list[Message]) -> float:
-    """Return what the samples of one stream are worth, most recent ones or the sum of all."""
+def _worth(mission: Mission, stream: int, received: list[Message]) -> float:
+    """Return what the samples of one stream are worth: most recent or current ones, or the sum of all."""
+    problem = mission.problem
     received = sorted((m for m in received if m.t_rcv < problem.t_end), key=lambda m: m.t_rcv)
     if not received:
         return 0.0
     begins = np.array([m.t_rcv for m in received])
     ends = np.append(begins[1:], problem.t_end)
-    if problem.streams[stream].aggregation == Aggregation.SUM:
+    kind = problem.streams[stream].aggregation
+    if kind == Aggregation.SUM:
         ends[:] = problem.t_end
-    return sum(
+    whole = sum(
         float(np.sum(scales * utility.integral(ages, until)))
         for utility, scales, ages, until in _by_utility(received, begins, ends)
     )
+    return whole - (_lost(mission, stream, received) if kind is Aggregation.CURRENT else 0.0)
+
+
+def _lost(mission: Mission, stream: int, received: list[Message]) -> float:
+    """Return what is lost while one stream of `current` shows too much."""
+    begins, scales = np.array([m.t_rcv for m in received]), np.array([m.scale for m in received])
+    _, which, shown = excess((begins, scales), mission.generated[stream], mission.problem.t_end)
+    each = zip(which.tolist(), shown.tolist(), strict=True)
+    return float(sum(initial(received[at].utility) * lost for at, lost in each if lost))
 
 
 def _by_utility(received: Sequence[Message], begins: Floats, ends: Floats) -> list[tuple[Any, Floats, Floats, Floats]]:

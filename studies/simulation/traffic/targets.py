@@ -16,7 +16,7 @@ SOON, LATE, SELDOM = 0.1, 0.3, 0.01
 """Latencies up to the first [s] and losses up to the last are ordinary; from the second latency on news are late."""
 MAY_EXCEED = 1.1
 """By so many limits, or by one message, windows may."""
-CONTESTED = ("random", "cameras", "crowd")
+CONTESTED = ("random", "cameras", "cameras-current", "crowd")
 
 
 @dataclass(frozen=True, slots=True)

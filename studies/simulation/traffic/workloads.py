@@ -1,7 +1,7 @@
 """Workloads of what robots really send, by name: what each robot of a team publishes, and the limit for all."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from planner import Exponential, Linear, Polynomial, Step, Video
 from studies.simulation.traffic.kinds import Kind
@@ -79,6 +79,12 @@ def cameras(robots: int = 4) -> Workload:
     return Workload("cameras", ((RED_CAMERA,),) * robots, 2.7 * MBIT, 0.95)
 
 
+def current_cameras(robots: int = 4) -> Workload:
+    """The same, where what an image shows is worth less than nothing when it is no longer there."""
+    camera = replace(RED_CAMERA, aggregation="current")
+    return replace(cameras(robots), name="cameras-current", robots=((camera,),) * robots)
+
+
 def crowd(robots: int = 50) -> Workload:
     """Many robots with small streams of all rates."""
     return Workload("crowd", (CROWD,) * robots, 2 * MBIT, 0.5)
@@ -88,6 +94,7 @@ WORKLOADS: dict[str, Callable[[int], Workload]] = {
     "mixed": mixed,
     "random": random,
     "cameras": cameras,
+    "cameras-current": current_cameras,
     "crowd": crowd,
 }
 """All but *uniform*, which is the equal messages of the simulation study (§4.2)."""

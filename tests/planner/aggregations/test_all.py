@@ -1,6 +1,7 @@
 """What all aggregations have in common: their tables add up to the utility by the definition."""
 
 import random
+from dataclasses import replace
 
 import pytest
 
@@ -11,7 +12,14 @@ from tests.planner.models import Coverage, Newest
 from tests.planner.windows import objective, open_messages, optimum, window
 from tests.seeds import seeds
 
-EXACT = (Aggregation.MOST_RECENT, Aggregation.SUM, Aggregation.ONCE, Newest(), Coverage())
+EXACT = (
+    Aggregation.MOST_RECENT,
+    Aggregation.SUM,
+    Aggregation.ONCE,
+    Aggregation.CURRENT,
+    Newest(),
+    Coverage(),
+)
 DISCRETE = 2e-3
 """What cutting time into cells may cost, as a part of the utility."""
 
@@ -74,10 +82,17 @@ def test_mixed_aggregations_add_up(seed):
 
 @pytest.mark.parametrize("seed", seeds(30))
 def test_everything_is_the_utility_of_all_messages(seed):
-    """U(M) of Eq. 2, whatever the aggregation."""
+    """U(M) of Eq. 2, whatever the aggregation; of `current` nothing is taken off, so that scores have a scale."""
     problem = window(seed, robots=2 + seed % 4, horizon=9, aggregations=(*Aggregation, Newest()))
+    unspoilt = replace(
+        problem,
+        streams=tuple(
+            replace(s, aggregation=Aggregation.MOST_RECENT) if s.aggregation is Aggregation.CURRENT else s
+            for s in problem.streams
+        ),
+    )
     tables = tabulate(problem)
-    assert tables.gains.everything == pytest.approx(utility(problem, open_messages(problem)), rel=DISCRETE, abs=1e-4)
+    assert tables.gains.everything == pytest.approx(utility(unspoilt, open_messages(problem)), rel=DISCRETE, abs=1e-4)
     assert tables.gains.facts == pytest.approx(utility(problem, []), rel=DISCRETE, abs=1e-4)
 
 
@@ -98,7 +113,7 @@ def test_best_mode_finds_the_optimum(engine, aggregation):
 @pytest.mark.parametrize("seed", seeds(40))
 def test_gains_add_up_to_the_objective(seed):
     """What streams leave behind at the end of the window counts, each as its aggregation has it."""
-    kinds = (Aggregation.SUM, Aggregation.ONCE, Aggregation.MOST_RECENT, Newest())
+    kinds = (Aggregation.SUM, Aggregation.CURRENT, Aggregation.ONCE, Aggregation.MOST_RECENT, Newest())
     problem = window(seed, robots=4, horizon=9, constraints=seed % 3, aggregations=kinds)
     for sends in plans(problem, seed):
         _, aim = added_up(problem, sends, beyond=True)
@@ -109,7 +124,7 @@ def test_gains_add_up_to_the_objective(seed):
 @pytest.mark.parametrize("seed", seeds(12))
 def test_best_mode_finds_the_optimum_of_its_objective(seed, engine):
     """Also where the mission goes on, whatever the aggregations."""
-    kinds = (Aggregation.SUM, Aggregation.ONCE, Aggregation.MOST_RECENT, Newest())
+    kinds = (Aggregation.SUM, Aggregation.CURRENT, Aggregation.ONCE, Aggregation.MOST_RECENT, Newest())
     problem = window(seed, robots=3, horizon=7, constraints=1 + seed % 2, aggregations=kinds)
     search = start(problem, SearchSettings(engine=engine))
     search.run(5000)

@@ -85,12 +85,31 @@ def test_staleness_is_the_age_of_what_is_shown_when_one_looks():
 
 
 def test_utility_is_the_integral_of_what_is_shown():
-    """Eq. 9: video utility, scaled by 1 + 10 × red, from each receipt to the next or the end."""
+    """Eq. 9: video utility, scaled by 1 + 10 × red, from each receipt to the next or the end; nothing red is gone."""
     gained = worth(1.0, 0.5, 2.1) + worth(4.0, 0.1, 2.0)
     ideal = 2 * worth(1.0, 0.0, 1.0) + 2 * worth(4.0, 0.0, 1.0)
     found = of(HANDMADE)
     assert found["utility"] == pytest.approx(gained, rel=1e-4)
     assert found["utility_share"] == pytest.approx(gained / ideal, rel=1e-4)
+
+
+def test_red_that_is_gone_is_lost_until_a_later_frame_is_shown():
+    """It is gone at 2 s, and the frame that says so arrives at 3.5; a screen that never says so counts to the end."""
+    events = [
+        RUN,
+        *(published(number, float(number), red=0.3 if number < 2 else 0.0) for number in range(4)),
+        received(1, 1.5, 1.0),
+        received(3, 3.5, 3.0),
+    ]
+    found = of(events)
+    assert found["end_p95"] == pytest.approx(1.5)
+    assert found["false_red"] == pytest.approx(1.5)
+    assert found["utility"] == pytest.approx(worth(4.0, 0.5, 2.5) + worth(1.0, 0.5, 1.0) - 3.0 * 1.5, rel=1e-4)
+    never = of(events[:-1])
+    assert never["end_p95"] == pytest.approx(2.0)
+    assert never["false_red"] == pytest.approx(2.0)
+    assert of(HANDMADE)["end_p95"] is None
+    assert of(HANDMADE)["false_red"] == 0.0
 
 
 def test_the_optimum_takes_what_the_limit_allows():

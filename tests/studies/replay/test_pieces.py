@@ -15,12 +15,11 @@ def test_all_pieces_together_are_worth_what_the_definition_says(aggregation):
     outcomes = entered(mission(spec(aggregation)), samples(), lambda number: number % 3 != 1)
     columns = outcomes.columns()
     gained = Gains(outcomes, columns, np.array([0.0, 3.3, 3.4, 11.0, 21.0])).of(columns.t_rcv)
-    facts = tuple(
-        Message(0, t, t, r, outcomes.utility(0), s, (), sent=True)
+    every = tuple(
+        Message(0, t, t, t if np.isnan(r) else r, outcomes.utility(0), s, (), sent=not np.isnan(r))
         for t, r, s in zip(columns.t, columns.t_rcv, columns.scale, strict=True)
-        if not np.isnan(r)
     )
-    whole = Problem((Stream(0, Aggregation(aggregation)),), facts, 0, (), (), t_start=0.0, t_end=21.0)
+    whole = Problem((Stream(0, Aggregation(aggregation)),), every, 0, (), (), t_start=0.0, t_end=21.0)
     tolerance = 1e-3 if aggregation == "best" else 1e-9  # best is integrated step by step
     assert gained.shape == (4, 1)
     assert gained.sum() == pytest.approx(utility(whole, ()), rel=tolerance)

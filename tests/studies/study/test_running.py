@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from studies.extras import there
+from proxy.extras import there
 from studies.study.errors import StudyError
 from studies.study.running import run
 from studies.study.store import Store

@@ -258,3 +258,16 @@ def test_news_take_as_long_as_most_of_the_last_digests_did(view):
         late = 0.03 if count % 2 else 0.0
         view.heard_digest(11.0 + count + late, Digest("r2", tag("z2"), 11.0 + count))
     assert news_take(view) == pytest.approx(before + 0.03, abs=1e-3)
+
+
+def test_a_claim_grows_by_what_a_sample_ends(make_specs):
+    """With `current`; the worth of the sample alone counts otherwise."""
+    claims = []
+    for aggregation in ("most_recent", "current"):
+        spec = f'aggregation = "{aggregation}"\nname = "camera"\nkeys = ["robot/*/camera"]\nutility.kind = "video"\n'
+        view = SharedView(CoreSettings("r1", "z1"), make_specs(text=f"[[information_type]]\n{spec}"))
+        stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
+        stream.note_sent(1, Sent(8.0, 8.0, SIZE, 6.0))
+        stream.note_generated(1, Generated(9.9, SIZE, 1.0))
+        claims.append(claim(10.0, stream)[0])
+    assert claims[1] - claims[0] == pytest.approx(5.0 * 2.0 / SIZE)

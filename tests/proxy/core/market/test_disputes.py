@@ -10,6 +10,7 @@ from proxy.core.market.standing import Standing
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.view.tuning import TUNING as VIEW
 from tests.proxy.core.talk import only
+from tests.proxy.core.window.views import plan_of
 
 SPEC = """
 [[constraint]]
@@ -260,3 +261,44 @@ def test_a_late_decision_leaves_small_samples_their_room(talk):
     (late,) = only(talk.tell(ev.DecisionLate(3.02, decide.ticket)))
     assert late.reason == "dropped:fallback"
     assert talk.core.budget.free(3.02)[0] > FRAME
+
+
+ENDING = """
+[[constraint]]
+kind = "throughput"
+limit = "16 kbit/s"
+window = 0.5
+[[information_type]]
+name = "finding"
+keys = ["robot/*/finding/*"]
+aggregation = "{aggregation}"
+utility = {{ kind = "linear", slope = 1.0 }}
+scale = "red"
+features.red = {{ kind = "color_fraction", color = "red" }}
+"""
+
+
+@pytest.mark.parametrize(("aggregation", "at_once"), [("most_recent", False), ("current", True)])
+def test_that_something_is_gone_is_sent_at_once(make_talk, make_specs, aggregation, at_once):
+    """Twenty small streams of 10 Hz of which the limit carries some; what one of them found is gone at 6 s."""
+    talk = make_talk(make_specs(text=ENDING.format(aggregation=aggregation)))
+    talk.want(-0.5, keys=("robot/**",))
+    told = []
+    for step in range(100):
+        for number in range(20):
+            now = 0.01 + 0.1 * step + 0.004 * number
+            red = 1.0 if number == 0 and step < 60 else 0.05
+            searched(talk, now, talk.publish(now, f"robot/r1/finding/{number}", size=40, red=red)[1])
+            stream = talk.core.view.streams.known("r1", "robot/r1/finding/0")
+            if step >= 60 and stream.sent.t_gen > 6.0:
+                told.append(now)
+    assert (bool(told) and told[0] < 6.3) is at_once
+    assert stream.forwarded < stream.generated
+
+
+def searched(talk, now, said):
+    """Let the planner answer what is to be decided; return what was commanded."""
+    found = list(said)
+    for decide in only(said, Decide):
+        found += searched(talk, now, talk.tell(ev.DecisionReady(now, decide.ticket, plan_of(decide.problem))))
+    return found

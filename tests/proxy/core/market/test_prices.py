@@ -2,12 +2,12 @@
 
 import pytest
 
-from planner import Throughput
+from planner import Aggregation, Throughput
 from proxy.core.market.prices import Market
 from proxy.core.market.standing import Row, Standing, interval_of, reserve
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
-from proxy.core.view.stream import Generated, Stream
+from proxy.core.view.stream import Generated, Sent, Stream
 
 LIMIT = Limit("throughput", 0.5, 62_500.0, Throughput(62_500.0, 0.5))
 TYPES = """
@@ -31,6 +31,12 @@ keys = ["chatter"]
 weight = 0.0001
 utility = { kind = "linear", slope = 1.0 }
 [[information_type]]
+name = "finding"
+keys = ["finding"]
+aggregation = "current"
+weight = 0.0001
+utility = { kind = "linear", slope = 1.0 }
+[[information_type]]
 name = "vital"
 keys = ["vital"]
 weight = 0.0001
@@ -44,12 +50,15 @@ def make_row(make_specs):
     """A stream of a key as it is weighed."""
     specs = make_specs(text=TYPES)
 
-    def make(key, rate, size, *, generated=20, deviation=0.0, scale=None):
+    def make(key, rate, size, *, generated=20, deviation=0.0, scale=None, shown=None):
         kind = specs.match(key)
         stream = Stream(1, "r1", key, kind)
         for count in range(generated):
             stream.note_generated(count + 1, Generated(count / rate, size, kind.scale({}) if scale is None else scale))
-        return Row(stream, 1.0 / rate, 0.0, stream.newest.scale, (float(size),), (deviation,))
+        if shown is not None:
+            stream.note_sent(1, Sent(0.0, 0.0, size, shown))
+        relief = 1.0 if kind.aggregation is Aggregation.CURRENT else 0.0
+        return Row(stream, 1.0 / rate, 0.0, stream.newest.scale, (float(size),), (deviation,), relief)
 
     return make
 
@@ -114,3 +123,22 @@ def test_a_new_stream_generates_no_more_than_as_many_again(make_row):
     assert interval_of(9.0, make_row("odometry", 20.0, 116).stream, 0.5) == pytest.approx(0.05)
     seldom = make_row("odometry", 100.0, 116, generated=2).stream  # twice in so long
     assert interval_of(seldom.began + 8.0, seldom, 0.5) == pytest.approx(8.0 / 4)
+
+
+def test_what_shows_too_much_is_not_hopeless(make_row):
+    """What is worth next to nothing pays by what it ends; what has nothing to end does not."""
+    cameras = [make_row("camera", 10.0, 26_000) for _ in range(4)]
+    rows = make_row("finding", 5.0, 20_000), make_row("finding", 5.0, 20_000, shown=5.0), *cameras
+    assert standings(*rows)[:2] == [Standing.HOPELESS, Standing.CONTESTED]
+
+
+def test_a_sample_of_a_priced_stream_pays_out_of_turn_where_it_ends_enough(make_row):
+    """What is lost until the stream would send anyhow is compared with what its room costs."""
+    rows = [make_row("finding", 20.0, 1_000, scale=1.0) for _ in range(20)]
+    (one, *_) = weighed(*rows)
+    assert one.standing is Standing.PRICED
+    assert one.relief == 1.0
+    enough = one.cost / one.apart
+    assert [one.relieves(part * enough) for part in (0.0, 0.9, 1.1)] == [False, False, True]
+    (other, *_) = weighed(*[make_row("odometry", 20.0, 1_000) for _ in range(20)])
+    assert not other.relieves(1e9)

@@ -1,10 +1,13 @@
 """What is kept of a decision by a search."""
 
+import pytest
+
 from planner import Plan
 from proxy.core.samples.searched import Searched
 from proxy.core.samples.tuning import TUNING
+from proxy.core.view.stream import Sent
 from proxy.core.window.window import WindowBuilder
-from tests.proxy.core.window.views import add_stream, make_view, sample, union
+from tests.proxy.core.window.views import add_stream, aggregated, make_view, sample, union
 
 
 def test_the_streams_that_matter_most_are_kept(make_specs):
@@ -23,3 +26,14 @@ def test_the_streams_that_matter_most_are_kept(make_specs):
     assert (len(searched.rivals), searched.more) == (TUNING.rivals, 3)
     assert (searched.this.robot, searched.asked, searched.cut, searched.full) == ("r1", 300, True, full)
     assert searched.held == sum(not each.sent for each in problem.messages) - 1
+
+
+@pytest.mark.parametrize(("aggregation", "ends"), [('"most_recent"', 0.0), ('"current"', 4.0)])
+def test_what_a_sample_ends_is_kept(make_specs, aggregation, ends):
+    """What was sent last is worth 5, and nothing is left of it but 1."""
+    view, stream = aggregated(make_specs, aggregation)
+    stream.note_sent(1, Sent(9.9, 9.9, 1000, 5.0, {"red": 1.0}))
+    problem, full, candidates = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())
+    plan = Plan(True, (problem.current,), 1.0, None, 9, 1)
+    searched = Searched.of(plan, problem, candidates, full, 300, cut=False)
+    assert searched.ends == pytest.approx(ends)

@@ -227,3 +227,21 @@ def test_a_stream_that_is_silent_for_long_by_its_own_measure_competes_no_more(vi
     assert not view.contention.competes(102.2, stream)
     view.gone("z-r2")
     assert list(view.streams) == []
+
+
+@pytest.mark.parametrize(("aggregation", "first"), [("most_recent", "r2"), ("current", "r1")])
+def test_what_a_sample_ends_counts_as_its_worth(tmp_path, aggregation, first):
+    """Where a window has places for few: what still shows too much is among them with `current`."""
+    path = tmp_path / "spec.toml"
+    spec = f'aggregation = "{aggregation}"\nname = "a"\nkeys = ["*/a"]\nutility.kind = "video"\n'
+    path.write_text(f"[[information_type]]\n{spec}")
+    view = SharedView(CoreSettings("r1", "z-r1"), load_specs(path))
+    view.subscribers.set_own(("**",))
+    for robot, scale in (("r1", 0.0), ("r2", 1.0), ("r3", 0.5)):
+        stream = view.streams.touch(0.0, robot, f"{robot}/a")
+        stream.matching = True
+        for number in range(10):
+            stream.note_generated(number + 1, Generated(0.1 * number, 100, scale))
+    view.streams.known("r1", "r1/a").note_sent(1, Sent(0.1, 0.1, 100, 5.0))
+    worthiest = view.contention.chosen(0.95, 2)
+    assert first in [stream.robot for stream in worthiest]

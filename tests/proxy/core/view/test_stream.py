@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.view.stream import Generated, Sent, Stream
+from proxy.core.view.stream import Generated, Sent, Stream, at_stake, excess
 from proxy.core.view.tuning import TUNING
 from tests.proxy.core.view.met import CAMERA
 
@@ -118,3 +118,19 @@ def test_who_was_not_reached_after_all_is_reached_by_the_next_sample(view):
     assert stream.reached == {"z-r3"}
     stream.reach(names)
     assert stream.reached == set(names)
+
+
+@pytest.mark.parametrize(("aggregation", "over"), [("most_recent", 0.0), ("current", 3.0)])
+def test_what_was_sent_last_may_show_too_much(make_specs, aggregation, over):
+    """With `current` a sample of less worth has at stake what it ends; nothing before anything was sent."""
+    text = TRENDING.format(forecast='{ features = "last" }') + f'aggregation = "{aggregation}"\n'
+    (covering,) = make_specs(text=text).types
+    stream = Stream(1, "r1", "robot/r1/camera", covering)
+    stream.note_generated(1, Generated(0.0, 100, 4.0))
+    assert (excess(stream), at_stake(stream, 1.0)) == (0.0, 1.0)
+    stream.note_sent(1, Sent(0.0, 0.0, 100, 4.0))
+    assert excess(stream) == 0.0
+    stream.note_generated(2, Generated(1.0, 100, 1.0))
+    assert (excess(stream), at_stake(stream, 1.0), at_stake(stream, 9.0)) == (over, 1.0 + over, 9.0)
+    stream.note_sent(2, Sent(1.0, 1.0, 100, 1.0))
+    assert excess(stream) == 0.0

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from planner import Receiver, SearchSettings, start
+from planner import Latest, Receiver, SearchSettings, start
 from planner.measures import Energy, Messages
 from proxy.core.model.limits import Limit, Limits
 from proxy.core.protocol.messages import Echo, State
@@ -215,3 +215,24 @@ def test_others_use_nothing_of_our_energy(make_specs):
     assert uses == {(0, (1000.0, 1.0, 1.0)), (1, (1000.0, 1.0, 0.0))}
     assert [t.use for t in problem.traffic] == [(1000.0, 1.0, 1.0)]
     start(problem, SearchSettings()).run(10)
+
+
+@pytest.mark.parametrize(("aggregation", "newest"), [('"most_recent"', None), ('"current"', Latest(9.9, 1.0))])
+def test_the_planner_is_told_of_the_newest_sample_where_it_counts(make_specs, aggregation, newest):
+    """Whether it was sent, or dropped; and of the last one sent, which is what receivers show."""
+    view, stream = aggregated(make_specs, aggregation)
+    stream.note_sent(1, Sent(9.4, 9.4, 1000, 5.0))
+    stream.note_generated(1000, Generated(9.9, 1000, 1.0))
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())[0]
+    assert problem.streams[0].newest == newest
+    assert [(m.t_gen, m.scale) for m in problem.messages if m.sent] == [(9.4, 5.0)]
+
+
+def test_a_frame_that_ends_an_event_is_worth_a_frame_that_begins_one(make_specs):
+    """Whatever it shows itself: with `most_recent` the old one is left on the screen."""
+    for aggregation, sends in (('"most_recent"', False), ('"current"', True)):
+        view, stream = aggregated(make_specs, aggregation)
+        stream.note_sent(1, Sent(9.9, 9.9, 1000, 5.0))
+        stream.note_generated(1000, Generated(10.0, 1000, 0.1))
+        problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0, scale=0.1), (), union())[0]
+        assert plan_of(problem).send is sends

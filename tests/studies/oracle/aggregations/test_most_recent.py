@@ -2,9 +2,15 @@
 
 from dataclasses import replace
 
+import numpy as np
+import pytest
+from hypothesis import given
+
 from planner import Aggregation, Linear, Receiver
+from planner.definition import utility
+from studies.oracle import optimum, upper_bound
 from studies.oracle.aggregations.most_recent import build, build_network
-from tests.studies.oracle.problems import of_kind, one_stream, received
+from tests.studies.oracle.problems import best_by_trying, of_kind, one_stream, received, small_problems
 
 
 def arcs_of(problem):
@@ -83,3 +89,12 @@ def test_the_column_of_a_message_joins_its_two_nodes():
     }
     assert own == {(1, -1.0), (1 + 5, 1.0)}
     assert part.supply.tolist() == [0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0]
+
+
+@given(small_problems())
+def test_messages_of_current_lose_what_they_show_too_much(problem):
+    """The integer optimum is that of trying everything, and no fraction is worth less."""
+    current = replace(problem, streams=tuple(replace(s, aggregation=Aggregation.CURRENT) for s in problem.streams))
+    best = best_by_trying(current)
+    assert utility(current, np.flatnonzero(optimum(current).sends > 0.5).tolist()) == pytest.approx(best, abs=1e-6)
+    assert upper_bound(current).bound >= best - 1e-6 * max(1.0, abs(best))

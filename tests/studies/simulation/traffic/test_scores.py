@@ -58,6 +58,17 @@ def test_utility_is_the_planners(mission):
     assert score(mission, Flight(), 0.0).utility == 0.0
 
 
+def test_red_that_is_no_longer_there_is_lost():
+    """Of cameras of `current`, as the planner's definition has it; the same flight gains more by most recent frames."""
+    flown_over = {name: draw(name, 2, 5, WARM_UP + 20.0, latency=LATENCY) for name in ("cameras-current", "cameras")}
+    reached = {}
+    for name, over in flown_over.items():
+        every = range(0, len(over.frames), 17)
+        reached[name] = score(over, flown(over, every), 0.0).utility
+        assert reached[name] == pytest.approx(utility(scored(over.problem, WARM_UP), every))
+    assert reached["cameras-current"] < reached["cameras"]
+
+
 def test_what_is_lost_is_drawn_alike_for_all(mission):
     """Two flights that send the same are worth the same, whatever was lost on their ways."""
     every = range(len(mission.frames))
