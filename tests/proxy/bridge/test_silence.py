@@ -98,11 +98,14 @@ def test_links_that_are_idle_are_probed_by_the_kernel(mesh, stack, longest, idle
     """Old and new ones, a few times in what a robot may be silent for; Zenoh says less often that it is alive."""
     session, endpoint = mesh
     silence = Silence(session, longest)
+
+    def all_probed(links):
+        silence.check(clock.monotonic())
+        return probed(session) == [(1, idle, idle)] * links
+
     for links in (1, 2):
         closing(stack, plain_session("peer", connect=(endpoint,)))
-        wait_until(lambda links=links: len(probed(session)) == links, what="the link")
-        silence.check(clock.monotonic())
-        assert probed(session) == [(1, idle, idle)] * links
+        wait_until(lambda links=links: all_probed(links), what="the link and its probes")
 
 
 def probed(session):

@@ -38,7 +38,7 @@ def script(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("words", "completed"),
     [
-        ("st", "status"),
+        ("sta", "status"),
         ("status --js", "--json"),
         ("mode ", "pass shadow enforce"),
         ("run --planner.it", "--planner.iterations"),
