@@ -54,7 +54,9 @@ Window read_window() {
     window.goes_on = number() != 0;
     fill(window.stream, [] {
         const auto robot = number(), aggregation = number(), receiver_start = number();
-        return Stream{robot, static_cast<Aggregation>(aggregation), receiver_start};
+        const bool has_newest = number() != 0;
+        const double t_gen = real(), scale = real();
+        return Stream{robot, static_cast<Aggregation>(aggregation), receiver_start, has_newest, Latest{t_gen, scale}};
     });
     fill(window.receiver, [] {
         const double delay = real(), share = real();

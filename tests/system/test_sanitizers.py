@@ -63,25 +63,25 @@ def windows():
         drawn(seed, robots=4, horizon=12, constraints=1 + seed % 3, aggregations=tuple(Aggregation))
         for seed in range(20)
     ]
-    several = [replace(problem, messages=tuple(of_kinds(problem.messages))) for problem in mixed]
+    several = [replace(problem, messages=tuple(of_kinds(problem))) for problem in mixed]
     return [*collected[::EVERY], *mixed, *several, crowded(40)]
 
 
-def of_kinds(messages):
-    """The messages with utilities of all kinds."""
-    kinds = cycle(
-        (
-            Linear(1.0, 0.3),
-            Video(a1=3.0),
-            Exponential(1.0, 0.5),
-            Step(1.0, 0.7),
-            Polynomial(1.0, 2.0, 3.0),
-            Power(0.5),
-            Table(((0.0, 1.0), (1.0, 0.2))),
-            Custom(lambda age, _: 1.0 / (1.0 + age)),
-        )
+def of_kinds(problem):
+    """Its messages with utilities of all kinds; those of `current` need one that is finite at first."""
+    finite = (
+        Linear(1.0, 0.3),
+        Video(a1=3.0),
+        Exponential(1.0, 0.5),
+        Step(1.0, 0.7),
+        Polynomial(1.0, 2.0, 3.0),
+        Table(((0.0, 1.0), (1.0, 0.2))),
+        Custom(lambda age, _: 1.0 / (1.0 + age)),
     )
-    return [m._replace(utility=utility) for m, utility in zip(messages, kinds, strict=False)]
+    kinds, finite_kinds = cycle((*finite, Power(0.5))), cycle(finite)
+    for message in problem.messages:
+        is_current = problem.streams[message.stream].aggregation is Aggregation.CURRENT
+        yield message._replace(utility=next(finite_kinds if is_current else kinds))
 
 
 def test_plans_are_those_of_the_module_and_memory_is_clean(kernel, windows):
@@ -110,12 +110,16 @@ def exported(window, iterations, nodes, mode):
     """A problem as the executable reads it."""
     receivers = [receiver for stream in window.streams for receiver in stream.receivers]
     starts = accumulate((len(stream.receivers) for stream in window.streams), initial=0)
-    streams = [*((stream.robot, list(Aggregation).index(stream.aggregation)) for stream in window.streams), (0, 0)]
+    streams = [(stream.robot, list(Aggregation).index(stream.aggregation)) for stream in window.streams]
+    newest = [(0, 0, 0) if s.newest is None else (1, *(value.hex() for value in s.newest)) for s in window.streams]
     utilities = list({id(m.utility): m.utility for m in window.messages}.values())
     place = {id(utility): number for number, utility in enumerate(utilities)}
     lines = [
         f"{window.current} {window.t_start.hex()} {window.t_end.hex()} {int(window.goes_on)}",
-        table((*stream, start) for stream, start in zip(streams, starts, strict=True)),
+        table(
+            (*stream, start, *latest)
+            for stream, start, latest in zip([*streams, (0, 0)], starts, [*newest, (0, 0, 0)], strict=True)
+        ),
         table((receiver.delay.hex(), receiver.share.hex()) for receiver in receivers),
         str(len(utilities)),
         *map(function, utilities),
