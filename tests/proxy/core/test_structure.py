@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -38,9 +39,14 @@ def package_of(source: Path) -> str:
     return source.relative_to(CORE).parts[0].removesuffix(".py")
 
 
+@cache
+def parsed(source: Path) -> ast.Module:
+    return ast.parse(source.read_text())
+
+
 def imported(source: Path) -> Iterator[str]:
     """Yield the packages of the core that a file imports, for types alone included."""
-    for node in ast.walk(ast.parse(source.read_text())):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("proxy.core"):
             parts = node.module.split(".")
             yield from parts[2:3] or [alias.name for alias in node.names]
@@ -83,13 +89,14 @@ def test_files_of_a_package_have_no_circles(source):
             todo += modules_imported(module)
 
 
+@cache
 def modules_imported(module: str) -> list[str]:
     """Return the modules of the core that one imports."""
     source = CORE.parent.parent / f"{module.replace('.', '/')}.py"
     if not source.exists():
         return []
     found = []
-    for node in ast.walk(ast.parse(source.read_text())):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("proxy.core"):
             found += [f"{node.module}.{alias.name}" for alias in node.names] + [node.module]
     return found
@@ -98,7 +105,7 @@ def modules_imported(module: str) -> list[str]:
 @ALL
 def test_classes_are_small(source):
     """A class with more methods is two things."""
-    for node in ast.walk(ast.parse(source.read_text())):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.ClassDef):
             methods = sum(isinstance(each, ast.FunctionDef) for each in node.body)
             assert methods <= MOST_METHODS, f"{node.name} has {methods} methods"
@@ -113,4 +120,4 @@ def test_files_are_short(source):
 @ALL
 def test_nobody_writes_the_fields_of_others(source):
     """An object's fields are its own: others call its methods, or take what it returns."""
-    assert not list(foreign_writes(ast.parse(source.read_text())))
+    assert not list(foreign_writes(parsed(source)))

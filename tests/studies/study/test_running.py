@@ -53,6 +53,7 @@ def test_a_flight_that_fails_ends_no_study(tmp_path):
 
 
 @pytest.mark.skipif(not there("distributed"), reason="needs the extra cluster")
+@pytest.mark.full
 def test_where_no_cluster_is_that_is_said(tmp_path):
     """With its address."""
     with pytest.raises(StudyError, match=r"tcp://127\.0\.0\.1:9: no Dask scheduler answers there"):
