@@ -29,7 +29,7 @@ from studies.simulation.medium import Medium
 from studies.simulation.member import Member
 from studies.simulation.missions import Mission
 from studies.simulation.team import Team
-from studies.study.networks import RATE, Carry
+from studies.study.networks import Carry, own_rate
 from studies.study.tasks import ITERATIONS, Task
 
 
@@ -78,7 +78,7 @@ def _team(search: SearchSettings) -> Fly:
         team = TimedTeam(
             mission.specs,
             mission.interests,
-            Medium(RATE),
+            Medium(own_rate(task)),
             seed=task.seed,
             iterations=task.iterations,
             settings=CoreSettings(

@@ -14,8 +14,8 @@ from studies.simulation.medium import Medium
 from studies.simulation.network import Arrive, Network, OverMedium
 from studies.study.tasks import Task
 
-RATE = 500_000.0
-"""That of our own medium [B/s]: 2,048 B take 4.1 ms, as they do in ns-3 with everything that frames need."""
+BROADCAST_RATE, UNICAST_RATE = 500_000.0, 1_250_000.0
+"""Those of our own medium [B/s]: 2,048 B take 4.1 and 1.6 ms, as they do in ns-3 with everything that frames need."""
 NEIGHBOUR = "neighbour"
 """Who sends what is no business of the team."""
 PACKET = 1_000
@@ -33,12 +33,17 @@ def network(task: Task, robots: Sequence[str]) -> Iterator[Carry]:
     """Make the network of a task, for one flight. Raises Ns3Unavailable."""
     everybody = [*robots, NEIGHBOUR] if task.background else list(robots)
     if task.network == "own":
-        medium = Medium(RATE, 0.0, task.loss, jitter=JITTER / 2, seed=task.seed)
+        medium = Medium(own_rate(task), 0.0, task.loss, jitter=JITTER / 2, seed=task.seed)
         yield partial(_beside, task, partial(OverMedium, medium))
         return
     channel = replace(CHANNELS[task.network], loss=task.loss)
     with _ONE_RADIO, Radio(len(everybody), channel, task.seed) as radio:
         yield partial(_beside, task, lambda agenda: Ns3Network(radio, agenda, everybody, task.seed))
+
+
+def own_rate(task: Task) -> float:
+    """Return the rate of our own medium for what a task sends [B/s]."""
+    return UNICAST_RATE if task.unicast else BROADCAST_RATE
 
 
 def usual_delay(task: Task) -> float:
