@@ -155,7 +155,6 @@ void connect(const ns3::NetDeviceContainer& installed, int robots) {
     internet.Install(channel->nodes);
     ns3::Ipv4AddressHelper network("10.1.0.0", "255.255.0.0");
     const auto interfaces = network.Assign(installed);
-    ns3::NeighborCacheHelper().PopulateNeighborCache();
     for (int robot = 0; robot < robots; robot++) {
         channel->addresses.push_back(interfaces.GetAddress(robot));
         auto socket = ns3::Socket::CreateSocket(channel->nodes.Get(robot), ns3::UdpSocketFactory::GetTypeId());
@@ -198,6 +197,9 @@ void radio_open(int robots, const char* standard, const char* rate, double stren
         Simulator::Stop(Seconds(kAssociation));
         Simulator::Run();
     }
+    // Who associates forgets whom it knew, and one question for an address that is lost would make a robot unreachable for
+    // minutes, as none is here: robots have met before.
+    ns3::NeighborCacheHelper().PopulateNeighborCache();
     if (loss > 0.0) lose(installed, loss);
     channel->ready = Simulator::Now().GetSeconds();
 }

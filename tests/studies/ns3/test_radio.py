@@ -85,6 +85,15 @@ def test_by_way_of_an_access_point_a_message_is_on_the_air_twice():
     assert arrivals[0].at > 0.2 + 2 * frame * 8 / 24e6
 
 
+def test_by_way_of_an_access_point_nobody_asks_for_addresses():
+    """Robots have met before: a first message takes no longer than a second one."""
+    with Radio(2, INFRASTRUCTURE) as radio:
+        for number in range(2):
+            radio.send(float(number), 0, 1, 2048, number)
+        first, second = heard(radio, 5.0)
+    assert first.at == pytest.approx(second.at - 1.0, abs=5e-4)
+
+
 def test_two_at_a_time_are_refused():
     """ns-3 has one simulator a process."""
     with Radio(2), pytest.raises(RuntimeError, match="one channel at a time"):
