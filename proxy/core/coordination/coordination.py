@@ -9,7 +9,8 @@ operator configures who needs the limit kept at any latency, and what a team cha
 announcements cost too much, or, in unicast, where large samples of all come seldom (`team.py`). As changing over takes
 what is left of the allowance, a team begins so until each robot knows how often its own come; who joins robots that
 plan for all does so at once. In between, who still plans for all counts only what it knows the others to have sent, not
-their parts.
+their parts. Where no agreement comes about, for one robot hears nothing of another or says what nobody else does, all
+plan for all and try again later (`patience.py`); but in a team whose operator asked for `split`.
 
 A large team would take a minute to agree on parts. There each robot has an equal one, which nobody has to announce, and
 may use more of it than it is (`overbooking.py`); where an operator asked for `split`, an equal part and no more. Fifty
@@ -22,6 +23,7 @@ from collections.abc import Callable, Collection, Sequence
 
 from proxy.core.coordination.demands import bid
 from proxy.core.coordination.overbooking import Overbooking
+from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
@@ -52,11 +54,18 @@ class Coordination:
         """Since when parts are agreed on that take in what all ask for [s]."""
         self._established = self.team.strict
         """Whether that was so for a window; until then all have equal parts, or what tables give them."""
+        self._patience = Patience()
 
     @property
     def _overbooks(self) -> bool:
         """Whether we may use more than our part of a window, as seldom all use theirs at one moment."""
         return self._split is not None and self.team.quiet and not self.team.strict
+
+    @property
+    def _is_pending(self) -> bool:
+        """Whether robots have yet to agree on parts."""
+        split = self.split_in_force
+        return split is not None and bool(split.agreement.others) and split.agreement.pending and not self.team.quiet
 
     @property
     def split_in_force(self) -> Split | None:
@@ -157,6 +166,7 @@ class Coordination:
             self.team.judge(now, limits, waiting, announcing, asked=asked)
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.robots)
+        self.team.stuck = self._patience.is_over(now, self.team.news_take(waiting), pending=self._is_pending)
         split = self.split_in_force
         if split is not None and not self._did_split:
             split.exchange.begin()

@@ -39,6 +39,8 @@ class Team:
         """Whether several robots have something to send."""
         self.must_announce = False
         """Whether others have to hear of what we send, as far as we know."""
+        self.stuck = False
+        """Whether parts were not agreed on for so long that all plan for all in the meantime."""
         self.varied = False
         """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""
 
@@ -47,7 +49,7 @@ class Team:
         """Whether each robot has a part of every limit."""
         if self.strict or (self.undecided and self.members):
             return True
-        return self.rivals and (self.votes_to_split or bool(self._votes))
+        return not self.stuck and self.rivals and (self.votes_to_split or bool(self._votes))
 
     @property
     def begins_split(self) -> bool:

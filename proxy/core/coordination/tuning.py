@@ -43,6 +43,16 @@ class CoordinationTuning:
     """Sizes vary that deviate by more than this part of their mean."""
     forming_time: float = 5.0
     """A team that begins has so long to agree on parts before all other announcements go on [s]."""
+    agreement_time: float = 6.0
+    """Robots that have not agreed on parts for so long [s]..."""
+    agreement_news: float = 20.0
+    """... and so many times as long as news take never will: one of them hears nothing of another, or says what nobody
+    else does. They plan for all instead. Of ten robots with equal messages and room for two none had a part for one as
+    long as one of them agreed with nobody, and the team sent nothing for the whole minute of a flight..."""
+    retry_time: float = 60.0
+    """... and try again so much later [s], and each time in vain twice as late..."""
+    longest_retry: float = 960.0
+    """... up to this."""
     whole_part: float = 0.95
     """Who has so much of a limit may take it all for a message that is larger."""
 

@@ -9,10 +9,12 @@ import pytest
 from planner import SearchSettings
 from proxy.core.interface.events import TimePassed
 from proxy.core.model.settings import CoreSettings
+from studies.simulation.agenda import Agenda
 from studies.simulation.conditions import Conditions
 from studies.simulation.flights import fly
 from studies.simulation.medium import Medium
 from studies.simulation.missions import draw, scenario
+from studies.simulation.network import OverMedium
 from studies.simulation.team import Frame, Team
 from utility_specs import load_specs
 
@@ -118,6 +120,32 @@ def test_a_stream_that_begins_with_samples_close_together_is_sent(specs, coordin
     flight = team(specs, settings=CoreSettings("", "", coordination=coordination))
     sent = Counter(d.frame.robot for d in flight.run(frames, 8.0))
     assert sent["r1"] > 0.8 * max(sent[robot] for robot in ("r2", "r3", "r4"))
+
+
+class OneWay(OverMedium):
+    """Nothing that r3 sends comes to r4."""
+
+    def send(self, t, size, sender, receivers, arrive, *, broadcast):
+        heard = [receiver for receiver in receivers if (sender, receiver) != ("r3", "r4")]
+        super().send(t, size, sender, heard, arrive, broadcast=broadcast)
+
+    def reliable(self, t, size, sender, receiver, arrive):
+        if (sender, receiver) != ("r3", "r4"):
+            super().reliable(t, size, sender, receiver, arrive)
+
+
+@pytest.mark.full
+def test_a_robot_that_agrees_with_nobody_silences_nobody():
+    """Ten robots have parts that hold no message until they agree on turns; one of them hears nothing of another."""
+    how = Conditions(limit=5, seconds=20.0)
+    mission = draw(scenario("mixed"), 0, how)
+    medium, agenda = Medium(how.rate, how.latency), Agenda()
+    search = SearchSettings(search="best")
+    network = OneWay(medium, agenda)
+    flight = Team(mission.specs, mission.interests, medium, search=search, network=network, agenda=agenda)
+    flight.run(mission.frames, 30.0)
+    sent = [air.t for air in flight.on_air if air.frame is not None and air.t >= 15.0]
+    assert len(sent) > 0.6 * 15.0 / how.window * how.limit
 
 
 @pytest.mark.full
