@@ -1,0 +1,52 @@
+"""Whether the specs are right, and the disk has room for the recordings."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from proxy.config import RecordConfig
+from proxy.doctor.finding import Finding, finding, fine
+from utility_specs.check import Report
+from utility_specs.loader import holds_specs
+
+
+def specs(path: Path) -> Iterator[Finding]:
+    """Check the specs as `sendworthy check` does."""
+    if not holds_specs(path):
+        yield fine("specs", f"none in {path}: everything passes")
+        return
+    report = Report.on([path])
+    for error in report.errors:
+        yield finding("specs", f"{error}: correct it")
+    if not report.errors:
+        types = sum(len(file.types) for file in report.files)
+        warned = f", {len(report.warnings)} warnings (sendworthy check {path})" * bool(report.warnings)
+        yield fine("specs", f"{types} information type{'s' * (types != 1)} in {path}{warned}")
+
+
+def recordings(record: RecordConfig, robot: str) -> Iterator[Finding]:
+    """Look whether what the recordings of `robot` may take still fits, besides what they take already."""
+    there = _existing(record.folder)
+    free = shutil.disk_usage(there).free
+    taken = sum(file.stat().st_size for file in record.folder.glob(f"{robot}-*.mcap")) if there == record.folder else 0
+    wanted = record.disk_bytes - taken
+    amounts = f"may grow by {_mb(wanted)}, and {_mb(free)} are free at {there}"
+    if not record.on:
+        yield fine("recordings", f"off ({_mb(free)} are free at {there})")
+    elif wanted > free:
+        yield finding("recordings", f"they {amounts}: make room, or lower record.disk_bytes")
+    else:
+        yield fine("recordings", f"they {amounts}")
+
+
+def _existing(folder: Path) -> Path:
+    """Return a folder, or the nearest one above it that is there."""
+    place = Path(os.path.abspath(folder))  # noqa: PTH100 - links stay as they are
+    while not place.is_dir() and place != place.parent:
+        place = place.parent
+    return folder if place == Path(os.path.abspath(folder)) else place  # noqa: PTH100
+
+
+def _mb(size: int) -> str:
+    return f"{max(size, 0) / 1e6:.0f} MB"
