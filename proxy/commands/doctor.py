@@ -1,4 +1,4 @@
-"""`sendworthy doctor`: is this robot fit, and what is to be done about it?"""
+"""`sendworthy doctor`: whether this robot is fit, and what to do about it."""
 
 import argparse
 import json

@@ -1,6 +1,5 @@
 """Whether the specs are right, and the disk has room for the recordings."""
 
-import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -27,13 +26,13 @@ def specs(path: Path) -> Iterator[Finding]:
 
 def recordings(record: RecordConfig, robot: str) -> Iterator[Finding]:
     """Look whether what the recordings of `robot` may take still fits, besides what they take already."""
-    there = _existing(record.folder)
-    free = shutil.disk_usage(there).free
-    taken = sum(file.stat().st_size for file in record.folder.glob(f"{robot}-*.mcap")) if there == record.folder else 0
+    place = _existing(record.folder)
+    free = shutil.disk_usage(place).free
+    taken = sum(file.stat().st_size for file in record.folder.glob(f"{robot}-*.mcap"))
     wanted = record.disk_bytes - taken
-    amounts = f"may grow by {_mb(wanted)}, and {_mb(free)} are free at {there}"
+    amounts = f"may grow by {_mb(wanted)}, and {_mb(free)} are free at {place}"
     if not record.on:
-        yield fine("recordings", f"off ({_mb(free)} are free at {there})")
+        yield fine("recordings", f"off ({_mb(free)} are free at {place})")
     elif wanted > free:
         yield finding("recordings", f"they {amounts}: make room, or lower record.disk_bytes")
     else:
@@ -42,10 +41,8 @@ def recordings(record: RecordConfig, robot: str) -> Iterator[Finding]:
 
 def _existing(folder: Path) -> Path:
     """Return a folder, or the nearest one above it that is there."""
-    place = Path(os.path.abspath(folder))  # noqa: PTH100 - links stay as they are
-    while not place.is_dir() and place != place.parent:
-        place = place.parent
-    return folder if place == Path(os.path.abspath(folder)) else place  # noqa: PTH100
+    place = folder.absolute()
+    return next(each for each in (place, *place.parents) if each.is_dir())
 
 
 def _mb(size: int) -> str:

@@ -1,7 +1,6 @@
 """Whether the ports of this robot are free, or those of its own daemon."""
 
 import errno
-import os
 import re
 import socket
 from collections.abc import Iterable, Iterator
@@ -77,7 +76,7 @@ def _holder(port: int) -> str:
     sockets = {f"socket:[{inode}]" for inode in _inodes(port)}
     for each in Path("/proc").glob("[0-9]*/fd/*"):
         with suppress(OSError):  # it has ended meanwhile, or belongs to another user
-            if os.readlink(each) in sockets:
+            if str(each.readlink()) in sockets:
                 process = each.parent.parent
                 return f", {(process / 'comm').read_text().strip()} (pid {process.name}),"
     return ""

@@ -15,18 +15,10 @@ Status = dict[str, Any]
 
 def team(status: Status, config: Config | None) -> Iterator[Finding]:
     """Look at everything that the daemon here knows. Without a `config` it is compared with none."""
-    others = [each for each in status["peers"] if each["version"] not in {None, status["version"]}]
     told = warnings(status)
     yield from _daemon(status, config, [text for text in told if CURE not in text])
     yield from _applications(status, [text for text in told if CURE in text])
-    for peer in others:
-        yield finding(
-            "versions", f"{peer['robot']} runs {peer['version']}, here {status['version']}: install one on all robots"
-        )
-    if not others:
-        yield fine("versions", f"{_robots(status['peers'])} with {status['version']}, as here")
-    if all(peer["takes_part"] for peer in status["peers"]):
-        yield fine("limits", "all robots have the same" if status["peers"] else "no other robot has any")
+    yield from _peers(status["version"], status["peers"])
 
 
 def applications(mesh_interface: str) -> Iterator[Finding]:
@@ -78,8 +70,18 @@ def _here(place: str) -> bool:
     return "/127." in place or "/[::1]" in place or on_this_host(place)
 
 
-def _robots(peers: Sequence[Status]) -> str:
-    return f"{len(peers)} other robot{'s' * (len(peers) != 1)}"
+def _peers(here: str, peers: Sequence[Status]) -> Iterator[Finding]:
+    """Compare versions and limits; of limits that differ the daemon warns itself."""
+    if not peers:
+        yield fine("other robots", "none is known")
+        return
+    others = [peer for peer in peers if peer["version"] not in {None, here}]
+    for peer in others:
+        yield finding("versions", f"{peer['robot']} runs {peer['version']}, here {here}: install one on all robots")
+    if not others:
+        yield fine("versions", f"{here} on all {len(peers) + 1} robots")
+    if all(peer["takes_part"] for peer in peers):
+        yield fine("limits", f"the same on all {len(peers) + 1} robots")
 
 
 def alone(why: str) -> Iterator[Finding]:
