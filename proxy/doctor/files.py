@@ -20,7 +20,7 @@ def specs(path: Path) -> Iterator[Finding]:
         yield finding("specs", f"{error}: correct it")
     if not report.errors:
         types = sum(len(file.types) for file in report.files)
-        warned = f", {len(report.warnings)} warnings (sendworthy check {path})" * bool(report.warnings)
+        warned = f", warnings: {len(report.warnings)} (sendworthy check {path})" * bool(report.warnings)
         yield fine("specs", f"{types} information type{'s' * (types != 1)} in {path}{warned}")
 
 

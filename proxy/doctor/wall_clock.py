@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from proxy.clock import kernel_error
 from proxy.config import Config
@@ -12,9 +12,9 @@ from proxy.doctor.programs import asked
 _CURE = "sudo timedatectl set-ntp true, or sudo apt install chrony"
 
 
-def wall_clock(config: Config) -> Iterator[Finding]:
+def wall_clock(config: Config, kernel: Callable[[], float] = kernel_error) -> Iterator[Finding]:
     """Ask the kernel, then chrony, which may not have told the kernel."""
-    error, promised = kernel_error(), config.clock.error
+    error, promised = kernel(), config.clock.error
     if math.isfinite(error):
         yield fine("clock", f"synchronised, wrong by {error * 1e3:.3g} ms at most, as the kernel knows")
     elif re.search(r"Leap status\s*: Normal", asked("chronyc", "-n", "tracking") or ""):
