@@ -12,8 +12,8 @@ from proxy.config_loading import SETTINGS, Layered, load_layered
 
 LAYERS = f"""\
 The configuration is {STANDARD}, or the file of --config; the files conf.d/*.toml beside it, by name; variables
-SENDWORTHY_…; and flags. The later wins, key by key, also inside app.zenoh and mesh.zenoh: mesh.zenoh.mode is
-SENDWORTHY_MESH__ZENOH__MODE (two underscores for each dot) and --mesh.zenoh.mode.
+SENDWORTHY_…; and flags. The later wins, key by key, also inside app.zenoh and mesh.zenoh. A flag is two dashes and the
+key, a variable the key in capitals, with two underscores for each dot: SENDWORTHY_MESH__ZENOH__MODE is mesh.zenoh.mode.
 """
 
 

@@ -11,7 +11,7 @@ DESCRIPTION = f"""\
 Looks at this robot, with its daemon or without: the configuration, the ports, the interface of the radio, multicast
 on it, the power save of Wi-Fi, the clock, the specs, room for recordings; with the daemon also at its warnings,
 applications around it, and the versions and limits of the other robots. Says in one line each what is, and where it is
-not fine what to do. Nothing is changed, and nothing goes on the air.
+not fine what to do. Nothing is changed, and the messages that try multicast do not leave this host.
 
 {LAYERS}"""
 EXAMPLES = """\

@@ -1,4 +1,4 @@
-"""Whether this host can send to a multicast group on an interface, and hear itself: nothing goes on the air."""
+"""Whether this host can send to a multicast group on an interface, and hear itself: the message does not leave it."""
 
 import os
 import socket
