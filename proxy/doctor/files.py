@@ -28,7 +28,7 @@ def recordings(record: RecordConfig, robot: str) -> Iterator[Finding]:
     """Look whether what the recordings of `robot` may take still fits, besides what they take already."""
     place = _existing(record.folder)
     free = shutil.disk_usage(place).free
-    taken = sum(file.stat().st_size for file in record.folder.glob(f"{robot}-*.mcap"))
+    taken = sum(map(_size, record.folder.glob(f"{robot}-*.mcap")))
     wanted = record.disk_bytes - taken
     amounts = f"may grow by {_mb(wanted)}, and {_mb(free)} are free at {place}"
     if not record.on:
@@ -42,7 +42,21 @@ def recordings(record: RecordConfig, robot: str) -> Iterator[Finding]:
 def _existing(folder: Path) -> Path:
     """Return a folder, or the nearest one above it that is there."""
     place = folder.absolute()
-    return next(each for each in (place, *place.parents) if each.is_dir())
+    return next(each for each in (place, *place.parents) if _seen(each) or each == each.parent)
+
+
+def _seen(folder: Path) -> bool:
+    try:
+        return folder.is_dir()
+    except OSError:  # within a folder that this user may not look into
+        return False
+
+
+def _size(file: Path) -> int:
+    try:
+        return file.stat().st_size
+    except OSError:  # the daemon has just removed it
+        return 0
 
 
 def _mb(size: int) -> str:

@@ -1,6 +1,7 @@
 """Whether the ports of this robot are free, or those of its own daemon."""
 
 import errno
+import os
 import re
 import socket
 from collections.abc import Iterable, Iterator
@@ -74,10 +75,9 @@ def _port(endpoint: str) -> Port | None:
 def _holder(port: int) -> str:
     """Return which process listens on a port of TCP, as far as this user may see that."""
     sockets = {f"socket:[{inode}]" for inode in _inodes(port)}
-    for each in Path("/proc").glob("[0-9]*/fd/*"):
+    for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # it has ended meanwhile, or belongs to another user
-            if str(each.readlink()) in sockets:
-                process = each.parent.parent
+            if sockets.intersection(map(os.readlink, (process / "fd").iterdir())):
                 return f", {(process / 'comm').read_text().strip()} (pid {process.name}),"
     return ""
 

@@ -14,7 +14,7 @@ from proxy.errors import SessionError
 
 def radio(mesh: MeshConfig, *, running: bool) -> Iterator[Finding]:
     """Look at the interfaces of `mesh`. While a daemon is `running`, nothing is sent to where it hears samples."""
-    found = [*_unclear(mesh), *(text for name in _named(mesh) for text in _unusable(name))]
+    found = [*_unclear(mesh), *(text for name in _named(mesh) for text in _unusable(name, mesh))]
     usable = [interface for name in _candidates(mesh) if (interface := Interface.of(name)) and interface.up]
     yield from (finding("interface", text) for text in found)
     if not found:
@@ -48,7 +48,7 @@ def _unclear(mesh: MeshConfig) -> Iterator[str]:
         yield "there is none that is up and has an address: bring up the radio, or name it in mesh.interface"
 
 
-def _unusable(name: str) -> Iterator[str]:
+def _unusable(name: str, mesh: MeshConfig) -> Iterator[str]:
     """Say what is wrong with an interface that is named, or with an address that stands in its place."""
     interface = Interface.of(name)
     if interface is None:
@@ -59,7 +59,7 @@ def _unusable(name: str) -> Iterator[str]:
         yield f"{name} is down: sudo ip link set dev {name} up"
     elif not interface.running:
         yield f"{name} has no carrier: have it join the network of the robots"
-    elif not interface.address:
+    elif mesh.scouts and not interface.address:
         yield f"{name} has no IPv4 address: sudo ip address add 10.0.0.1/24 dev {name}, say"
 
 

@@ -28,6 +28,14 @@ def test_one_that_is_not_there_is_a_finding():
     assert text.startswith("there is no nope0 (but lo")
 
 
+def test_a_named_interface_needs_an_address_only_where_others_are_looked_for(monkeypatch):
+    """Zenoh looks for them in IPv4."""
+    monkeypatch.setattr(looked.Interface, "of", lambda name, of=looked.Interface.of: replace(of(name), address=False))
+    assert interfaces(replace_mesh(interface="lo")) == [(State.FINE, "lo: up")]
+    ((state, text),) = interfaces(MeshConfig(interface="lo"))
+    assert (state, "sudo ip address add" in text) == (State.FINDING, True)
+
+
 def test_an_address_may_stand_in_its_place():
     """If it is one of this host."""
     assert interfaces(replace_mesh(interface="127.0.0.1"))[0][0] == State.FINE
