@@ -7,7 +7,7 @@ from proxy.commands.client import DAEMON, NoAnswerError, connected
 from proxy.config import Config
 from proxy.config_loading import Layered
 from proxy.doctor.files import recordings, specs
-from proxy.doctor.finding import Finding, finding, fine, unknown
+from proxy.doctor.finding import Finding, finding, fine, mistake, unknown
 from proxy.doctor.ports import ports
 from proxy.doctor.radio import radio
 from proxy.doctor.team import Status, alone, applications, team
@@ -24,7 +24,7 @@ def examine(read: Callable[[], Layered], where: str | None) -> Iterator[Finding]
     try:
         layered = read()
     except ConfigError as error:
-        yield from (finding("configuration", f"{problem}: correct it") for problem in error.problems)
+        yield from (mistake("configuration", problem) for problem in error.problems)
         yield unknown("robot", "what depends on the configuration is looked at when that is right")
         status = _asked(where or DAEMON, None)
         yield from alone(status) if isinstance(status, str) else team(status, None)

@@ -2,10 +2,11 @@
 
 import shutil
 from collections.abc import Iterator
+from fnmatch import fnmatch
 from pathlib import Path
 
 from proxy.config import RecordConfig
-from proxy.doctor.finding import Finding, finding, fine
+from proxy.doctor.finding import Finding, finding, fine, mistake, unknown
 from utility_specs.check import Report
 from utility_specs.loader import holds_specs
 
@@ -16,8 +17,7 @@ def specs(path: Path) -> Iterator[Finding]:
         yield fine("specs", f"none in {path}: everything passes")
         return
     report = Report.on([path])
-    for error in report.errors:
-        yield finding("specs", f"{error}: correct it")
+    yield from (mistake("specs", error) for error in report.errors)
     if not report.errors:
         types = sum(len(file.types) for file in report.files)
         warned = f", warnings: {len(report.warnings)} (sendworthy check {path})" * bool(report.warnings)
@@ -28,7 +28,13 @@ def recordings(record: RecordConfig, robot: str) -> Iterator[Finding]:
     """Look whether what the recordings of `robot` may take still fits, besides what they take already."""
     place = _existing(record.folder)
     free = shutil.disk_usage(place).free
-    taken = sum(map(_size, record.folder.glob(f"{robot}-*.mcap")))
+    try:
+        taken = sum(_size(file) for file in record.folder.iterdir() if fnmatch(file.name, f"{robot}-*.mcap"))
+    except FileNotFoundError:
+        taken = 0
+    except OSError as error:
+        yield unknown("recordings", f"{record.folder}: {error.strerror}: run it with sudo")
+        return
     wanted = record.disk_bytes - taken
     amounts = f"may grow by {_mb(wanted)}, and {_mb(free)} are free at {place}"
     if not record.on:

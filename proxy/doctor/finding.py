@@ -1,10 +1,15 @@
 """What was found out about one thing."""
 
+import errno
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
 from proxy import exit_codes
+
+_BARRED = f"cannot be read: {os.strerror(errno.EACCES)}"
+"""How messages end about what another user could read."""
 
 
 class State(StrEnum):
@@ -40,6 +45,14 @@ def finding(check: str, text: str) -> Finding:
 def unknown(check: str, text: str) -> Finding:
     """Return that it could not be looked at."""
     return Finding(check, State.UNKNOWN, text)
+
+
+def mistake(check: str, problem: object) -> Finding:
+    """Return that a file has to be corrected, or could not be looked at by this user."""
+    text = str(problem)
+    return (
+        unknown(check, f"{text}: run it with sudo") if text.endswith(_BARRED) else finding(check, f"{text}: correct it")
+    )
 
 
 def exit_code(found: Iterable[Finding]) -> int:

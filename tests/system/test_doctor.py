@@ -1,15 +1,18 @@
 """`sendworthy doctor` on hosts of their own, whose interface is down, does no multicast, or has a firewall."""
 
 import json
+import subprocess
 
 import pytest
 
-from tests.system.network import RADIO, ip
+from tests.system.network import RADIO, ROOT, ip
 from tests.system.robots import SENDWORTHY
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
 
+ORDINARY = ("setpriv", "--bounding-set", "-dac_override,-dac_read_search")
+"""Starts a program that may read no more than the modes of files say, as everybody but root."""
 SCOUTING, SAMPLES = "224.0.0.225:7448", "224.0.0.226:7449"
 
 
@@ -74,3 +77,22 @@ def test_broadcast_goes_on(start):
     after = robot.status()
     assert (after["malformed"], after["warnings"]) == (before["malformed"], before["warnings"])
     assert robot.log().count("\n") == 1, "nothing but that it has started"
+
+
+def test_what_only_others_may_see_could_not_be_looked_at(tmp_path):
+    """That is no finding: an operator without sudo is told to take it."""
+    config, own = tmp_path / "sendworthy.toml", tmp_path / "own"
+    config.write_text(f'[specs]\npath = "{own}/specs.d"\n[record]\non = true\nfolder = "{own}/recordings"\n')
+    own.mkdir(mode=0o000)
+
+    def barred():
+        words = ("doctor", "--json", "--config", str(config), "--connect", "tcp/127.0.0.1:1")
+        done = subprocess.run([*ORDINARY, *SENDWORTHY, *words], cwd=ROOT, capture_output=True, text=True, check=False)
+        assert done.stderr == ""
+        return {each["check"]: each["text"] for each in json.loads(done.stdout) if each["state"] == "unknown"}
+
+    found = barred()
+    assert found["specs"] == f"{own}/specs.d: cannot be read: Permission denied: run it with sudo"
+    assert found["recordings"] == f"{own}/recordings: Permission denied: run it with sudo"
+    config.chmod(0o000)
+    assert barred()["configuration"] == f"{config}: cannot be read: Permission denied: run it with sudo"

@@ -1,8 +1,11 @@
 """What was found out."""
 
+from pathlib import Path
+
 import pytest
 
-from proxy.doctor.finding import exit_code, finding, fine, unknown
+from proxy.doctor.finding import exit_code, finding, fine, mistake, unknown
+from utility_specs.errors import SpecProblem
 
 
 @pytest.mark.parametrize(
@@ -17,6 +20,13 @@ from proxy.doctor.finding import exit_code, finding, fine, unknown
 def test_the_exit_code_is_that_of_the_worst(found, code):
     """Something to do is more than something that could not be seen."""
     assert exit_code(found) == code
+
+
+def test_what_this_user_may_not_read_is_no_mistake():
+    """The daemon may."""
+    barred = SpecProblem(Path("a.toml"), None, "", "cannot be read: Permission denied")
+    assert mistake("specs", barred) == unknown("specs", f"{barred}: run it with sudo")
+    assert mistake("specs", "a.toml:1: no") == finding("specs", "a.toml:1: no: correct it")
 
 
 def test_it_is_one_line():
