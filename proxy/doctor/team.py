@@ -86,4 +86,5 @@ def _peers(here: str, peers: Sequence[Status]) -> Iterator[Finding]:
 
 def alone(why: str) -> Iterator[Finding]:
     """Say what cannot be looked at without a daemon."""
-    yield unknown("daemon", f"{why} (sudo systemctl start sendworthy); only a running one knows of other robots")
+    start = "start it (sudo systemctl restart sendworthy), for only a running one knows of other robots"
+    yield unknown("daemon", f"{why.partition(';')[0]}: {start}")

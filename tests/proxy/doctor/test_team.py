@@ -91,6 +91,6 @@ def test_a_daemon_that_is_not_what_is_installed_and_configured_is_a_finding():
 
 def test_without_a_daemon_it_is_said_what_is_missing():
     """And how to start one."""
-    (found,) = alone("no daemon answers")
+    (found,) = alone("no daemon answers; is it running?")
     assert found.state == State.UNKNOWN
-    assert found.text.startswith("no daemon answers (sudo systemctl start sendworthy)")
+    assert found.text.startswith("no daemon answers: start it (sudo systemctl restart sendworthy)")
