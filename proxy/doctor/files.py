@@ -32,8 +32,11 @@ def recordings(record: RecordConfig, robot: str) -> Iterator[Finding]:
         taken = sum(_size(file) for file in record.folder.iterdir() if fnmatch(file.name, f"{robot}-*.mcap"))
     except FileNotFoundError:
         taken = 0
-    except OSError as error:
+    except PermissionError as error:
         yield unknown("recordings", f"{record.folder}: {error.strerror}: run it with sudo")
+        return
+    except OSError as error:
+        yield finding("recordings", f"{record.folder}: {error.strerror}: correct record.folder")
         return
     wanted = record.disk_bytes - taken
     amounts = f"may grow by {_mb(wanted)}, and {_mb(free)} are free at {place}"

@@ -94,5 +94,8 @@ def test_what_only_others_may_see_could_not_be_looked_at(tmp_path):
     found = barred()
     assert found["specs"] == f"{own}/specs.d: cannot be read: Permission denied: run it with sudo"
     assert found["recordings"] == f"{own}/recordings: Permission denied: run it with sudo"
+    (tmp_path / "conf.d").mkdir(mode=0o000)
+    assert barred()["configuration"] == f"{tmp_path}/conf.d: cannot be read: Permission denied: run it with sudo"
+    (tmp_path / "conf.d").rmdir()
     config.chmod(0o000)
     assert barred()["configuration"] == f"{config}: cannot be read: Permission denied: run it with sudo"

@@ -33,6 +33,16 @@ def test_no_specs_are_fine(tmp_path):
     assert (found.state, found.text) == (State.FINE, f"none in {tmp_path}/specs.d: everything passes")
 
 
+def test_a_folder_that_is_none_is_a_finding(tmp_path):
+    """Nothing could be recorded there."""
+    (tmp_path / "recordings").touch()
+    (found,) = recordings(RecordConfig(on=True, folder=tmp_path / "recordings"), "r1")
+    assert (found.state, found.text) == (
+        State.FINDING,
+        f"{tmp_path}/recordings: Not a directory: correct record.folder",
+    )
+
+
 LARGE = 1 << 43
 """More than there is on a disk, and no more than a file can be."""
 

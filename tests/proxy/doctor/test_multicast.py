@@ -17,6 +17,14 @@ def test_a_message_that_comes_back_is_fine():
     assert (found.state, found.text) == (State.FINE, f"lo: a message to {group} is heard")
 
 
+def test_a_message_that_does_not_come_back_is_a_finding(monkeypatch):
+    """Here since IPv6 keeps no copy for this host on loopback, or is not there at all."""
+    monkeypatch.setattr("proxy.doctor.multicast._WAIT", 0.1)
+    found = multicast(LOOPBACK, f"[ff02::226]:{free_port()}")
+    assert found.state == State.FINDING
+    assert found.text.endswith("or set mesh.scouting = false and name the robots in mesh.connect")
+
+
 def test_an_interface_that_does_none_is_a_finding():
     """With what switches it on."""
     found = multicast(Interface.of("lo"), "224.0.0.225:7448")

@@ -67,6 +67,11 @@ def test_an_address_of_another_host_is_a_finding():
     """As is a name that nobody knows."""
     state, text = look(f"tcp/192.0.2.1:{free_port()}")
     assert (state, "this host has no such address" in text) == (State.FINDING, True)
+    state, text = look(f"tcp/[fe80::1]:{free_port()}")
+    assert (state, "nobody can listen there" in text or "this host has no such address" in text) == (
+        State.FINDING,
+        True,
+    )
     state, text = look(f"tcp/nobody.invalid:{free_port()}")
     assert (state, "the host has no address here" in text) == (State.FINDING, True)
 
