@@ -26,7 +26,22 @@ GROUP = "sendworthy.commands"
 WITHOUT_COMMAND = ("-h", "--help", "--version")
 """Flags that stand in place of a command; all others follow one."""
 BUILT_IN = (
-    *("run", "learn", "check", "schema", "explain", "why", "status", "top", "mode", "profile", "push", "record"),
+    *(
+        "run",
+        "config",
+        "doctor",
+        "learn",
+        "check",
+        "schema",
+        "explain",
+        "why",
+        "status",
+        "top",
+        "mode",
+        "profile",
+        "push",
+        "record",
+    ),
     "completion",
 )
 
@@ -36,6 +51,8 @@ examples:
   sendworthy check specs.d/*.toml                  are these utility specs right?
   sendworthy run --config sendworthy.toml          run the daemon of this robot
   sendworthy run --robot r1 --mode shadow          the same without a file
+  sendworthy config                                what is configured, and where
+  sendworthy doctor                                is this robot fit, and what to do about it?
   sendworthy status                                what the daemon here does
   sendworthy top                                   the same live, for all robots
   sendworthy mode enforce                          switch it live

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from proxy.config import Config, settings
+from proxy.config_secrets import without_secrets
 
 LIVE = frozenset({("mode",), ("specs", "path"), ("log", "level")})
 """Keys that may change while the daemon runs."""
@@ -26,8 +27,9 @@ class Change:
 
     @property
     def refusal(self) -> str:
-        """Say that it cannot, with both values."""
-        before, after = (json.dumps(value, ensure_ascii=False) for value in (self.before, self.after))
+        """Say that it cannot, with both values but for secrets."""
+        values = (without_secrets(value, self.path) for value in (self.before, self.after))
+        before, after = (json.dumps(value, ensure_ascii=False) for value in values)
         return f"cannot change while the daemon runs: {before} is in force, not {after}; restart it"
 
 

@@ -1,4 +1,4 @@
-"""The layers of the configuration: what the file says, under the environment, under the flags.
+"""The layers of the configuration: what the files say, under the environment, under the flags.
 
 Variables and flags are text, read as TOML values (`true`, `500`, `["tcp/10.0.0.2:7500"]`); what is no
 TOML is a string, and so is everything for a setting that takes text: `--robot 7` names the robot "7".
@@ -15,7 +15,7 @@ KeyPath = tuple[str | int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """One value from outside the file; `origin` is the variable or flag, as a message names it."""
+    """One value from outside the files; `origin` is the variable or flag, as a message names it."""
 
     path: tuple[str, ...]
     text: str
@@ -24,13 +24,13 @@ class Override:
 
 @dataclass(slots=True)
 class Layers:
-    """The merged values, and where each of them came from when not from the file."""
+    """The merged values, and where each of them came from when not from a file."""
 
     values: dict[str, Any]
     origins: dict[KeyPath, str] = field(default_factory=dict)
 
     def put(self, override: Override, *, takes_text: bool) -> None:
-        """Lay `override` on top. Where the file has a value in place of a table, the file's mistake stays."""
+        """Lay `override` on top. Where a file has a value in place of a table, the file's mistake stays."""
         value = read_value(override.text, takes_text=takes_text)
         nested: Any = value
         for key in reversed(override.path):
@@ -40,7 +40,7 @@ class Layers:
             self.origins[path] = override.origin
 
     def origin(self, path: KeyPath) -> str | None:
-        """Return the variable or flag that set `path` or what it is a part of; None: the file did."""
+        """Return the variable or flag that set `path` or what it is a part of; None: a file did, or none."""
         return next((name for known, name in self.origins.items() if path[: len(known)] == known), None)
 
 

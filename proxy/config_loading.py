@@ -1,19 +1,20 @@
-"""Reads the configuration: defaults, under the file, under the environment, under the flags.
+"""Reads the configuration: defaults, under the files, under the environment, under the flags.
 
 All mistakes are reported at once, each with its file, line and key, its variable or its flag.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from proxy.config import Config, SpecsConfig, settings
+from proxy.config_files import ConfigFiles
 from proxy.config_layers import Layers, Override, flags, variables
 from proxy.errors import ConfigError
-from utility_specs.errors import TomlError
+from utility_specs.errors import SpecProblem
 from utility_specs.loader import holds_specs
 from utility_specs.suggestions import hint
 from utility_specs.toml_lines import KeyPath
@@ -28,41 +29,58 @@ RENAMED = {"auto": "announce", "overhear": "announce", "shares": "split"}
 """What older versions called the ways of coordination."""
 
 
-def load_config(path: Path | None, environ: Mapping[str, str], overrides: Mapping[str, str]) -> Config:
-    """Read the file (None: none), `SENDWORTHY_…` of `environ`, and flags by key (`{"mode": "shadow"}`).
+@dataclass(frozen=True, slots=True)
+class Layered:
+    """A configuration, and the layers that it is made of."""
 
-    Relative paths of the file, and default ones, are relative to the file. Raises ConfigError.
+    config: Config
+    files: ConfigFiles
+    layers: Layers
+
+
+def load_config(path: Path | None, environ: Mapping[str, str], overrides: Mapping[str, str]) -> Config:
+    """Read the file (None: none) and its `conf.d`, `SENDWORTHY_…` of `environ`, and flags (`{"mode": "shadow"}`).
+
+    Relative paths of the files, and default ones, are relative to the main file. Raises ConfigError.
     """
-    found: list[_Mistake] = []
-    source = _read(path, found)
-    layers = Layers(source.data)
+    return load_layered(path, environ, overrides).config
+
+
+def load_layered(path: Path | None, environ: Mapping[str, str], overrides: Mapping[str, str]) -> Layered:
+    """Do the same, and return the layers too. Raises ConfigError."""
+    files = ConfigFiles.read(path)
+    layers = Layers(files.values)
+    problems = _Problems(files, layers, [])
+    for problem in files.unread:
+        problems.found.append(problems.in_file(problem))
     for override in [*variables(environ), *flags(overrides)]:
-        _apply(override, layers, found)
-    problems = _Problems(replace(source, data=layers.values), layers, found)
+        _apply(override, layers, problems)
     outdated = tuple(_brought_up_to_date(layers, problems))
     config = _validated(layers.values, problems, outdated)
     _check_zenoh(layers.values, problems)
-    specs = _specs_path(source.path.parent, layers, problems)
+    specs = _specs_path(files.folder, layers, problems)
     if config is None or problems.found:
         raise ConfigError(problems.sorted())
-    recordings = _recordings(source.path.parent, layers, environ, config.record.folder)
-    return config.model_copy(
+    recordings = _recordings(files.folder, layers, environ, config.record.folder)
+    resolved = config.model_copy(
         update={
             "specs": config.specs.model_copy(update={"path": specs}),
             "record": config.record.model_copy(update={"folder": recordings}),
         }
     )
+    return Layered(resolved, files, layers)
 
 
-_Mistake = tuple[int, str]
-"""The line of the file, and what is wrong there."""
+_Mistake = tuple[tuple[int, int], str]
+"""The number of the file with the line, and what is wrong there."""
+_AFTER_THE_FILES = (1 << 30, 0)
 
 
 @dataclass(frozen=True, slots=True)
 class _Problems:
-    """Collects mistakes in the merged values of `layers`; those of the file come first, by line."""
+    """Collects mistakes in the merged values of `layers`; those of the files come first, by line."""
 
-    source: TomlSource
+    files: ConfigFiles
     layers: Layers
     found: list[_Mistake]
 
@@ -74,38 +92,27 @@ class _Problems:
         """Return a message with the place in the merged values that it is about."""
         origin = self.layers.origin(path)
         if origin is None:
-            problem = self.source.problem(path, message)
-            return problem.line or 0, str(problem)
-        label = self.source.label(path)
+            return self.in_file(self.files.problem(path, message, self.layers.values))
+        label = TomlSource(Path(), self.layers.values).label(path)
         place = "" if origin == f"--{label}" else f"{label}: "
-        return _AFTER_THE_FILE, f"{origin}: {place}{message}"
+        return _AFTER_THE_FILES, f"{origin}: {place}{message}"
+
+    def in_file(self, problem: SpecProblem) -> _Mistake:
+        """Return a problem of a file as a mistake."""
+        return (self.files.number_of(problem.file), problem.line or 0), str(problem)
 
     def sorted(self) -> tuple[str, ...]:
-        return tuple(text for _, text in sorted(self.found, key=lambda problem: problem[0]))
+        return tuple(text for _, text in sorted(self.found, key=lambda mistake: mistake[0]))
 
 
-_AFTER_THE_FILE = 1 << 30
-
-
-def _read(path: Path | None, found: list[_Mistake]) -> TomlSource:
-    """Read the file; without one, nothing is set and relative paths are relative to the working directory."""
-    if path is None:
-        return TomlSource(Path("sendworthy.toml"), {})
-    try:
-        return TomlSource.read(path)
-    except TomlError as error:
-        found.append((0, str(error)))
-        return TomlSource(path, {})
-
-
-def _apply(override: Override, layers: Layers, found: list[_Mistake]) -> None:
+def _apply(override: Override, layers: Layers, problems: _Problems) -> None:
     """Lay a variable or flag on top, if it names a setting or something inside an open table."""
     setting = SETTINGS.get(override.path)
     inside = next((s for s in SETTINGS.values() if s.takes_table and override.path[: len(s.path)] == s.path), None)
     if setting is None and inside is None:
         key = ".".join(override.path)
         suggestion = hint(key, (s.key for s in SETTINGS.values()), "known keys")
-        found.append((_AFTER_THE_FILE, f"{override.origin}: unknown key {key}{suggestion}"))
+        problems.found.append((_AFTER_THE_FILES, f"{override.origin}: unknown key {key}{suggestion}"))
     else:
         layers.put(override, takes_text=setting is not None and setting.takes_text)
 

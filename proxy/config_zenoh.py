@@ -9,6 +9,7 @@ from typing import Any
 
 import zenoh
 
+from proxy.config_secrets import without_secrets
 from utility_specs.suggestions import hint
 
 ZenohPath = tuple[str, ...]
@@ -38,7 +39,7 @@ def _missing_files(path: ZenohPath, value: Any) -> Iterator[tuple[ZenohPath, str
     elif path[-1].endswith(_FILES) and isinstance(value, str):
         with suppress(OSError):  # who may not look whether it is there cannot say that it is not
             if not Path(value).exists():
-                yield path, f"{value} does not exist"
+                yield path, f"{without_secrets(value)} does not exist"
 
 
 def _refusal(path: ZenohPath, value: Any) -> str | None:

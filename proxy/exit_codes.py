@@ -5,6 +5,8 @@ FAILED = 1
 """A check failed, or nobody answered."""
 USAGE = 2
 """The command line makes no sense."""
+NOT_SEEN = 2
+"""Nothing is wrong as far as could be looked, but not everything could be looked at (`sendworthy doctor`)."""
 UNAVAILABLE = 69
 """The daemon cannot run here now: a port is in use (sysexits' EX_UNAVAILABLE)."""
 CONFIG = 78

@@ -13,13 +13,13 @@ from typing import Any
 
 from proxy.config import Config
 from proxy.config_changes import Change, changes
+from proxy.config_files import ConfigFiles, watched
 from proxy.errors import ConfigError
 from proxy.pushed import Folder
 from proxy.watching import FileWatch
 from utility_specs import Specs, SpecsError, load_specs
-from utility_specs.errors import SpecProblem, TomlError
+from utility_specs.errors import SpecProblem
 from utility_specs.loader import holds_specs
-from utility_specs.toml_source import TomlSource
 
 log = logging.getLogger(__name__)
 
@@ -42,8 +42,8 @@ def read_specs(path: Path) -> Specs:
 class Reloading:
     """Reads configuration and specs anew when files change or somebody asks.
 
-    `read` reads the configuration, which the file `file` may hold; `apply` puts in force what changed, and returns when
-    it is, or raises TimeoutError when it will be later. From any thread.
+    `read` reads the configuration, which the file `file` may hold, with the folder `conf.d` beside it. `apply` puts in
+    force what changed, and returns when it is, or raises TimeoutError when it will be later. From any thread.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Reloading:
 
     def watched(self) -> list[Path]:
         """Return what is watched. Specs may move: then the configuration changes, too."""
-        own = [] if self._file is None else [self._file]
+        own = [] if self._file is None else watched(self._file)
         return [*own, self.loaded.config.specs.path]
 
     def _reload(self, why: str) -> None:
@@ -131,12 +131,9 @@ class Reloading:
         return Loaded(config, specs), changed
 
     def _at(self, path: tuple[str, ...], message: str) -> SpecProblem:
-        """Return the problem at a key, which the file need not hold: it may have been removed."""
-        file = self._file or Path("sendworthy.toml")
-        try:
-            return TomlSource.read(file).problem(path, message)
-        except TomlError:
-            return TomlSource(file, {}).problem(path, message)
+        """Return the problem at a key, which no file need hold: it may have been removed."""
+        files = ConfigFiles.read(self._file)
+        return files.problem(path, message, files.values)
 
 
 def _told(change: Change) -> str:

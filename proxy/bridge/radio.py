@@ -4,6 +4,8 @@ import fcntl
 import ipaddress
 import socket
 import struct
+from dataclasses import dataclass
+from typing import Self
 
 from proxy.errors import SessionError
 
@@ -31,6 +33,28 @@ def multicast_interfaces() -> list[str]:
     """Return the interfaces that are up, have a carrier and can do multicast; never loopback."""
     wanted = _UP | _RUNNING | _MULTICAST
     return [name for _, name in socket.if_nameindex() if _flags(name) & (wanted | _LOOPBACK) == wanted]
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """What the kernel says of a network interface."""
+
+    name: str
+    index: int
+    up: bool
+    running: bool
+    multicast: bool
+    address: bool
+
+    @classmethod
+    def of(cls, name: str) -> Self | None:
+        """Ask for one; None when there is none of that name."""
+        index = {known: number for number, known in socket.if_nameindex()}.get(name)
+        if index is None:
+            return None
+        flags = _flags(name)
+        up, running, multicast = (bool(flags & flag) for flag in (_UP, _RUNNING, _MULTICAST))
+        return cls(name, index, up, running, multicast, _has_address(name))
 
 
 class Scouted:

@@ -5,14 +5,13 @@ import gc
 import logging
 import os
 import sys
-from collections import deque
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 
 from proxy import exit_codes
+from proxy.commands.config_flags import LAYERS, add_config_flags, reader
 from proxy.config import BridgeConfig, Config, MeshConfig
-from proxy.config_loading import SETTINGS, load_config
+from proxy.config_files import standard
 from proxy.errors import ConfigError, ProxyError
 from proxy.extras import needs, there
 from proxy.log import set_up_logging
@@ -33,15 +32,13 @@ PAUSE = 0.2
 FEEDS = 3
 """How often systemd hears of us in the time after which it would give up on us."""
 
-DESCRIPTION = """\
-Runs the daemon of this robot until SIGTERM or Ctrl-C. Utility specs that change are put in force at once, all of
-them or, where there is any mistake, none; SIGHUP has them read in any case. Of the configuration `mode`,
-`log.level` and `specs.path` may change while it runs.
+DESCRIPTION = f"""\
+Runs the daemon of this robot until SIGTERM or Ctrl-C. Utility specs and files of the configuration that change are put
+in force at once, all of them or, where there is any mistake, none; SIGHUP has them read in any case. Of the
+configuration `mode`, `log.level` and `specs.path` may change while it runs.
 
-Every key of the configuration is also a flag and an environment variable; flags win over variables,
-variables over the file, the file over the defaults. `planner.iterations` is --planner.iterations and
-SENDWORTHY_PLANNER__ITERATIONS, and so is every key of Zenoh in app.zenoh and mesh.zenoh. Values are written as in TOML;
-text needs no quotes.
+{LAYERS}
+Values of variables and flags are written as in TOML; text needs no quotes. `sendworthy config` prints the result.
 """
 EXAMPLES = """\
 examples:
@@ -69,27 +66,8 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("--config", metavar="FILE", type=Path, help="the configuration (TOML)")
-    keys = parser.add_argument_group("keys of the configuration")
-    for setting in SETTINGS.values():
-        keys.add_argument(
-            f"--{setting.key}", metavar="VALUE", dest=setting.key, help=setting.description.replace("%", "%%")
-        )
-    parser.set_defaults(run=run, further=further, inside={})
-
-
-def further(arguments: argparse.Namespace, words: Sequence[str]) -> list[str]:
-    """Take flags of keys inside open tables, `--app.zenoh.scouting.delay 0`; return all other words."""
-    others, left = [], deque(words)
-    tables = tuple(f"--{setting.key}." for setting in SETTINGS.values() if setting.takes_table)
-    while left:
-        flag, equals, value = left.popleft().partition("=")
-        if flag.startswith(tables):
-            follows = not equals and left and not left[0].startswith("--")
-            arguments.inside[flag.removeprefix("--")] = left.popleft() if follows else value
-        else:
-            others.append(f"{flag}{equals}{value}")
-    return others
+    add_config_flags(parser, listed=True)
+    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -100,11 +78,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
     """Run the daemon until it is `asked` to stop; return the exit code."""
-    flags = {setting.key: getattr(arguments, setting.key) for setting in SETTINGS.values()}
-    given = {key: text for key, text in flags.items() if text is not None} | arguments.inside
-    read = partial(load_config, arguments.config, os.environ, given)
+    layered = reader(arguments)
     try:
-        config = read()
+        config = layered().config
         specs = read_specs(config.specs.path)
     except (ConfigError, SpecsError) as error:
         print(error, file=sys.stderr)
@@ -118,7 +94,7 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
     if not raise_priority():  # before there are other threads: each takes after the one that starts it
         log.debug("not allowed to raise the priority of the daemon: beside busy processes it hears and decides late")
     try:
-        closed = serve(config, specs, asked, arguments.config, read)
+        closed = serve(config, specs, asked, standard(arguments.config), lambda: layered().config)
     except ProxyError as error:
         log.error("%s", error)
         return exit_codes.UNAVAILABLE

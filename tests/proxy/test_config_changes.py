@@ -41,3 +41,14 @@ def test_a_refusal_has_both_values():
     """And says what to do."""
     (change,) = changes(Config(robot="r1"), Config(robot="r2"))
     assert change.refusal == 'cannot change while the daemon runs: "r1" is in force, not "r2"; restart it'
+
+
+def test_a_refusal_tells_no_secret():
+    """It stands in the log, and in the status that everybody on the robot can read."""
+    before, after = (
+        Config(robot="r1", mesh=MeshConfig(zenoh={"transport": {"auth": {"usrpwd": {"user": "r1", "password": word}}}}))
+        for word in ("old word", "new word")
+    )
+    (change,) = changes(before, after)
+    assert '"user": "r1"' in change.refusal
+    assert "word" not in change.refusal.replace("password", "")

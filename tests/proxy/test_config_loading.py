@@ -78,16 +78,20 @@ def test_what_is_up_to_date_is_not_told_of(load):
 @settings(max_examples=40)
 @given(
     file=st.none() | st.integers(1, 9999),
+    further=st.lists(st.integers(1, 9999), max_size=2),
     variable=st.none() | st.integers(1, 9999),
     flag=st.none() | st.integers(1, 9999),
 )
-def test_the_highest_layer_that_speaks_decides(tmp_path_factory, file, variable, flag):
+def test_the_highest_layer_that_speaks_decides(tmp_path_factory, file, further, variable, flag):
     """Whatever subset of the layers sets a key, the highest of them has its way."""
     path = tmp_path_factory.mktemp("config") / "sendworthy.toml"
     path.write_text("" if file is None else f"planner.iterations = {file}")
+    (path.parent / "conf.d").mkdir()
+    for number, value in enumerate(further):
+        (path.parent / "conf.d" / f"{number}.toml").write_text(f"planner.iterations = {value}")
     environ = {} if variable is None else {"SENDWORTHY_PLANNER__ITERATIONS": str(variable)}
     flags = {} if flag is None else {"planner.iterations": str(flag)}
-    expected = next((n for n in (flag, variable, file) if n is not None), 300)
+    expected = next((n for n in (flag, variable, *further[::-1], file) if n is not None), 300)
     assert load_config(path, environ, flags).planner.iterations == expected
 
 
@@ -346,6 +350,29 @@ def test_all_mistakes_are_reported_at_once_in_the_order_of_the_file(problems):
         "--mode",
         "SENDWORTHY_LOG__LEVEL",
     ]
+
+
+def test_mistakes_of_all_files_come_in_the_order_of_the_files(problems, tmp_path):
+    """Each with its own line; what a later file replaces is not looked at."""
+    (tmp_path / "conf.d").mkdir()
+    (tmp_path / "conf.d" / "b.toml").write_text('[planner]\nsearch = "bad"\n[mesh.zenoh]\nmod = "peer"')
+    (tmp_path / "conf.d" / "a.toml").write_text("\n\nrobto = 1\n[log]\nlevel = 'info'")
+    found = problems("mode = 'fast'\nplanner.search = 1\nlog.level = 3", {"SENDWORTHY_ROBOT": "a/b"})
+    assert [problem.split(": ")[0] for problem in found] == [
+        "sendworthy.toml:1",
+        "conf.d/a.toml:3",
+        "conf.d/b.toml:2",
+        "conf.d/b.toml:4",
+        "SENDWORTHY_ROBOT",
+    ]
+
+
+def test_paths_are_relative_to_the_main_file_in_whichever_they_stand(load, tmp_path):
+    """So a file of conf.d may name what is beside the main one."""
+    (tmp_path / "conf.d").mkdir()
+    (tmp_path / "conf.d" / "a.toml").write_text('specs.path = "mine"\nrecord.folder = "drive"')
+    config = load("")
+    assert (config.specs.path, config.record.folder) == (tmp_path / "mine", tmp_path / "drive")
 
 
 def test_a_flag_mends_a_mistake_of_the_file(load):

@@ -48,6 +48,13 @@ def test_files_that_are_named_must_be_there(tmp_path):
     assert list(zenoh_problems({"transport": {"link": {"tls": {"root_ca_certificate": "x" * 300}}}})) == []
 
 
+def test_a_key_that_stands_in_place_of_its_file_is_not_repeated():
+    """Messages go into logs."""
+    pem = "-----BEGIN PRIVATE KEY-----\nhush\n-----END PRIVATE KEY-----"
+    ((path, message),) = zenoh_problems({"transport": {"link": {"tls": {"listen_private_key": pem}}}})
+    assert (path[-1], message) == ("listen_private_key", "(not shown) does not exist")
+
+
 def test_a_key_below_what_is_no_table_is_unknown():
     """There is nothing that could have been meant."""
     ((path, message),) = zenoh_problems({"mode": {"router": {"x": 1}}})

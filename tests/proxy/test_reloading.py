@@ -223,3 +223,41 @@ def test_a_busy_daemon_is_told_all_the_same(files, monkeypatch, caplog):
     files.specs.write_text(SPECS.replace("1.0", "2.0"))
     assert files.looked() == {"done": 1, "refused": 0, "problems": []}
     assert "the daemon is busy and will do it later" in caplog.text
+
+
+def test_files_of_conf_d_are_taken_up_when_they_come_change_and_go(files):
+    """As the main file is; also when there was no such folder before."""
+    further = files.config.parent / "conf.d" / "10-mode.toml"
+    further.parent.mkdir()
+    further.write_text('mode = "shadow"\n')
+    assert files.looked() == {"done": 1, "refused": 0, "problems": []}
+    assert files.reloading.loaded.config.mode == "shadow"
+    further.write_text('mode = "pass"\n')
+    assert files.looked()["done"] == 2
+    assert files.reloading.loaded.config.mode == "pass"
+    further.unlink()
+    assert files.looked()["done"] == 3
+    assert files.reloading.loaded.config.mode == "enforce"
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ('\nmode = "fast"\n', ':2: mode: unknown "fast"'),
+        ("mode =\n", ":1: not valid TOML"),
+        ('mode = "pass"\nrobot = "r2"\n', ':2: robot: cannot change while the daemon runs: "r1" is in force, not "r2"'),
+    ],
+)
+def test_a_bad_file_of_conf_d_changes_nothing_and_is_named(files, text, problem):
+    """The last good state stays as a whole, whatever else changed meanwhile."""
+    further = files.config.parent / "conf.d" / "10-mode.toml"
+    further.parent.mkdir()
+    further.write_text(text)
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    state = files.looked()
+    assert (state["done"], state["refused"]) == (0, 1)
+    assert state["problems"][0].startswith(f"{further}{problem}")
+    assert (files.reloading.loaded.config.mode, files.weight) == ("enforce", 1.0)
+    further.unlink()
+    assert files.looked()["problems"] == []
+    assert files.weight == 2.0

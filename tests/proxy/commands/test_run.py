@@ -202,6 +202,24 @@ def test_sighup_has_everything_read_again(start, tmp_path):
     assert daemon.status()["mode"] == "shadow"
 
 
+def test_files_of_conf_d_count_at_the_start_and_while_it_runs(start, tmp_path):
+    """They win over the main file; one that comes later is in force at once, and a wrong one changes nothing."""
+    config, further = tmp_path / "sendworthy.toml", tmp_path / "conf.d"
+    further.mkdir()
+    config.write_text('robot = "r1"\nmode = "pass"\n')
+    (further / "10-name.toml").write_text('robot = "r2"\n')
+    daemon = start("--config", str(config))
+    assert "robot r2, mode pass" in daemon.wait_for("sendworthy ")
+    with daemon.paused():
+        (further / "20-mode.toml").write_text('mode = "shadow"\n')
+    assert ", mode shadow" in daemon.wait_for("files changed: ")
+    assert daemon.status()["mode"] == "shadow"
+    with daemon.paused():
+        (further / "30-bad.toml").write_text('\n[mesh.zenoh]\nmod = "peer"\n')
+    assert f"{further}/30-bad.toml:3: mesh.zenoh.mod: unknown key of Zenoh" in daemon.wait_for("nothing is reloaded")
+    assert daemon.status()["mode"] == "shadow"
+
+
 def test_systemd_hears_what_it_waits_for(start, tmp_path):
     """Ready when samples can come, alive again and again, reloading and ready again, stopping."""
     specs = specs_file(tmp_path)
