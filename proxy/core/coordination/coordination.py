@@ -23,7 +23,6 @@ from collections.abc import Callable, Collection, Sequence
 
 from proxy.core.coordination.demands import bid
 from proxy.core.coordination.overbooking import Overbooking
-from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
@@ -54,18 +53,11 @@ class Coordination:
         """Since when parts are agreed on that take in what all ask for [s]."""
         self._established = self.team.strict
         """Whether that was so for a window; until then all have equal parts, or what tables give them."""
-        self._patience = Patience()
 
     @property
     def _overbooks(self) -> bool:
         """Whether we may use more than our part of a window, as seldom all use theirs at one moment."""
         return self._split is not None and self.team.quiet and not self.team.strict
-
-    @property
-    def _is_pending(self) -> bool:
-        """Whether robots have yet to agree on parts."""
-        split = self.split_in_force
-        return split is not None and bool(split.agreement.others) and split.agreement.pending and not self.team.quiet
 
     @property
     def split_in_force(self) -> Split | None:
@@ -162,11 +154,14 @@ class Coordination:
         due = now >= self._due or self.team.undecided
         if due:
             self._due = now + TUNING.interval
-            asked = self.split_in_force is not None and self.split_in_force.agreement.rivals
+            split = self.split_in_force
+            asked = split is not None and split.agreement.rivals
+            self.team.wait(
+                now, waiting, pending=split is not None and split.agreement.pending and not split.agreement.quiet
+            )
             self.team.judge(now, limits, waiting, announcing, asked=asked)
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.robots)
-        self.team.stuck = self._patience.is_over(now, self.team.news_take(waiting), pending=self._is_pending)
         split = self.split_in_force
         if split is not None and not self._did_split:
             split.exchange.begin()

@@ -4,6 +4,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Collection
 
+from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, changes_plans, exceeds, shortest_window, use_of
@@ -39,8 +40,7 @@ class Team:
         """Whether several robots have something to send."""
         self.must_announce = False
         """Whether others have to hear of what we send, as far as we know."""
-        self.stuck = False
-        """Whether parts were not agreed on for so long that all plan for all in the meantime."""
+        self._patience, self._stuck = Patience(), False
         self.varied = False
         """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""
 
@@ -49,7 +49,7 @@ class Team:
         """Whether each robot has a part of every limit."""
         if self.strict or (self.undecided and self.members):
             return True
-        return not self.stuck and self.rivals and (self.votes_to_split or bool(self._votes))
+        return not self._stuck and self.rivals and (self.votes_to_split or bool(self._votes))
 
     @property
     def begins_split(self) -> bool:
@@ -93,6 +93,11 @@ class Team:
         late they say themselves.
         """
         return max(self._view.staleness.longest_way, min(self._took, default=0.0), waiting)
+
+    def wait(self, now: float, waiting: float, *, pending: bool) -> None:
+        """Robots have yet to agree on parts, or not; where that takes too long all plan for all in the meantime."""
+        agreeing = pending and bool(self.members) and not self.large
+        self._stuck = self._patience.is_over(now, self.news_take(waiting), pending=agreeing)
 
     def judge(
         self,
