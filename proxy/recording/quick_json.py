@@ -28,7 +28,8 @@ class _UntoldError(Exception):
 
 def line(event: Event, commands: Sequence[Any]) -> bytes | None:
     """Return an event with the commands that followed, as such or described; None where it is left to `json_data`."""
-    count = _of_class(type(event))
+    kind: Any = type(event)
+    count = _of_class(kind)
     if count is None:
         return None
     try:
@@ -43,13 +44,13 @@ def line(event: Event, commands: Sequence[Any]) -> bytes | None:
     return made
 
 
-def told(kind: type) -> bool:
+def told(kind: Any) -> bool:
     """Whether events or commands of a class are not left to `json_data` beforehand."""
     return _of_class(kind) is not None
 
 
 def _command(command: Any) -> bytes:
-    kind = type(command)
+    kind: Any = type(command)
     count, data = _of_class(kind), _encode(command)
     if count is None or ((nulls := data.count(b"null")) and nulls != count(command)):
         raise _UntoldError
