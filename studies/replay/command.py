@@ -63,6 +63,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     add("--seed", metavar="N", type=int, help="of the searches (default: 0)")
     add("--json", metavar="FILE", type=Path, help="write the figures here; - is standard output")
     add("--html", metavar="FILE", type=Path, help="write a page with plots here, which needs no other file")
+    add("--python", action="store_true", help="run the Python that the recorded specs name: for files that you trust")
     add("--no-bound", action="store_true", help="do not compute the offline bound")
     parser.set_defaults(run=run)
 

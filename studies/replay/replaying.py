@@ -52,7 +52,7 @@ def replay(arguments: argparse.Namespace) -> int:
     for problem in problems:
         _say(f"sendworthy replay: {problem}")
     output = sys.stderr if str(arguments.json) == "-" else sys.stdout
-    alike = all_equal(files, output)
+    alike = all_equal(files, output, python=arguments.python)
     if not problems and (arguments.json is not None or arguments.html is not None):
         _report(arguments, *_prepared(arguments, files), exact=True)
     return exit_codes.OK if alike and not problems else exit_codes.FAILED
@@ -94,7 +94,7 @@ def _specs(arguments: argparse.Namespace, survey: Survey) -> Specs:
         specs = load_set(arguments.specs).specs
     elif survey.specs is not None:
         try:
-            specs = specs_of(survey.specs)
+            specs = specs_of(survey.specs, python=arguments.python)
         except RecordingError as error:
             raise ReplayError(f"{error}; --specs names others") from None
     else:
