@@ -77,9 +77,10 @@ def as_borne(specs: Specs, borne: Borne) -> tuple[Specs, list[str]]:
         if spec.least < 1.0:
             part = next(parts)
             fixed.append(ConstraintSpec(spec.name, _scaled(spec.measure, part.mean)))
+            percent = [f"{100 * each:.0f}" for each in (part.mean, part.least, part.most)]
             notes.append(
-                f"the limit {spec.name} was adaptive, and is fixed here at the {part.mean:.0%} of its ceiling that the"
-                f" channel bore in the mean ({part.least:.0%} to {part.most:.0%})"
+                f"the limit {spec.name} was adaptive, and is fixed here at the {percent[0]} % of its ceiling that the"
+                f" channel bore in the mean ({percent[1]} to {percent[2]} %)"
             )
         else:
             fixed.append(spec)

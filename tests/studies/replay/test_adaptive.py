@@ -36,8 +36,8 @@ def test_limits_are_fixed_at_what_the_channel_bore_in_the_mean():
     assert specs.constraints[1].measure.fraction == pytest.approx(0.25)
     assert specs.constraints[2] == specs_of(AIRTIME).constraints[2]
     assert notes[0] == (
-        "the limit throughput was adaptive, and is fixed here at the 70% of its ceiling that the channel bore in the"
-        " mean (20% to 100%)"
+        "the limit throughput was adaptive, and is fixed here at the 70 % of its ceiling that the channel bore in the"
+        " mean (20 to 100 %)"
     )
 
 
