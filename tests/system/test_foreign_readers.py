@@ -40,7 +40,7 @@ class Zsh:
         self._pid, self._terminal = pty.fork()
         if not self._pid:
             os.chdir(self._folder)
-            os.execvpe("zsh", ["zsh", "-f", "-i"], {**os.environ, "TERM": "dumb", "PS1": "% ", "HOME": self._folder})
+            os.execvpe("zsh", ["zsh", "-f", "-i"], {**os.environ, "TERM": "dumb", "HOME": self._folder})  # noqa: S606
         return self
 
     def __exit__(self, *_):
