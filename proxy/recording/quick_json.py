@@ -1,4 +1,4 @@
-"""Events and what followed as JSON, by msgspec: the same data as by `json_data`, in less than a tenth of the time.
+"""Events and what followed as JSON, by msgspec: the same data as by `json_data`, in a fifth of the time or less.
 
 msgspec writes `null` for a number that is not finite, too, and bytes in another way. So a line with more of these words
 than values that are None is left to `json_data`, as is a class of which that cannot be told. Needs the extra `record`.
