@@ -2,10 +2,25 @@
 
 import importlib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 from utility_specs.suggestions import hint, quoted
+
+_refusal: ContextVar[str] = ContextVar("refusal", default="")
+"""Why nothing is imported; empty: it is."""
+
+
+@contextmanager
+def nothing_imported(refusal: str) -> Iterator[None]:
+    """Refuse what specs name in Python while they are read in here: for specs that a stranger may have written."""
+    token = _refusal.set(refusal)
+    try:
+        yield
+    finally:
+        _refusal.reset(token)
 
 
 def imported(path: str, what: str = "function") -> Callable[..., Any]:
@@ -16,6 +31,8 @@ def imported(path: str, what: str = "function") -> Callable[..., Any]:
     """
     if not re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*", path):
         raise ValueError(f'{quoted(path)} is not the path of a {what}; write "package.module:name"')
+    if refusal := _refusal.get():
+        raise ValueError(f"{quoted(path)} is not imported: {refusal}")
     where, name = path.split(":")
     try:
         module = importlib.import_module(where)

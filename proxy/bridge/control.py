@@ -17,6 +17,7 @@ from proxy.profiling.request import Request, read
 
 LIVE = b"live"
 """Asks for that part of the status which `sendworthy top` shows."""
+_compact = json.JSONEncoder(check_circular=False, separators=(",", ":")).encode
 
 
 class Control:
@@ -66,7 +67,7 @@ class Control:
 
     def _answer_status(self, key: str, query: zenoh.Query) -> None:
         told = self._live() if bytes(query.payload or b"") == LIVE else self._status()
-        self._reply(key, query, json.dumps(told), zenoh.Encoding.APPLICATION_JSON)
+        self._reply(key, query, _compact(told), zenoh.Encoding.APPLICATION_JSON)
 
     def _answer_why(self, key: str, query: zenoh.Query) -> None:
         try:

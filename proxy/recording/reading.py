@@ -1,21 +1,13 @@
 """Reads recordings, entry by entry, as far as they go. Needs the extra `record`."""
 
 import json
-import struct
-import zlib
 from collections.abc import Generator, Iterator
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
-import zstandard
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Header, Message
-from mcap.stream_reader import breakup_chunk
-from mcap.writer import MCAP0_MAGIC
+from mcap.records import Channel, Message
 
 from proxy.core.interface.events import Event, SpecsChanged
 from proxy.recording.entries import (
@@ -42,10 +34,9 @@ from proxy.recording.entries import (
 )
 from proxy.recording.errors import RecordingError
 from proxy.recording.json_data import read, reading
-from proxy.recording.tuning import TUNING
+from proxy.recording.mcap_reading import DAMAGED, in_chunk, is_mcap, profile_of, records
 from utility_specs import Specs
 
-_RECORD = struct.Struct("<BQ")
 _ENTRIES: dict[str, Any] = {SPECS: SpecsText, TRAFFIC: Traffic, GAP: Gap, END: End}
 
 
@@ -115,7 +106,7 @@ class RecordingReader:
             with self.path.open("rb") as file:
                 self._check(file)
                 channels: dict[int, Channel] = {}
-                for opcode, data in self._records(file):
+                for opcode, data in records(self.path, file, self.problems):
                     if opcode == Opcode.CHUNK:
                         yield from self._unpacked(data, channels)
                     elif opcode == Opcode.HEADER:
@@ -125,89 +116,31 @@ class RecordingReader:
 
     def _check(self, file: IO[bytes]) -> None:
         """Raise RecordingError for what is no MCAP file."""
-        magic = file.read(len(MCAP0_MAGIC))
-        if not magic:
+        if is_mcap(file):
+            return
+        if not file.tell():
             raise RecordingError(f"{self.path} is empty")
-        if magic != MCAP0_MAGIC:
-            raise RecordingError(f"{self.path} is no MCAP file; `sendworthy import` reads ROS 2 bags and CSV files")
+        raise RecordingError(f"{self.path} is no MCAP file; `sendworthy import` reads ROS 2 bags and CSV files")
 
     def _check_header(self, data: bytes) -> None:
-        try:
-            profile = Header.read(_stream(data)).profile
-        except (McapError, struct.error, UnicodeDecodeError):
-            profile = ""
+        profile = profile_of(data)
         if profile != PROFILE:
             other = f' but of "{profile}"' if profile else ""
             raise RecordingError(
                 f"{self.path} is no recording of Sendworthy{other}; `sendworthy import` makes one of a ROS 2 bag"
             )
 
-    def _records(self, file: IO[bytes]) -> Iterator[tuple[int, bytes]]:
-        """Yield kind and content of the records, up to the end of the data, or of what is there."""
-        while True:
-            at = file.tell()
-            head = file.read(_RECORD.size)
-            if len(head) < _RECORD.size:
-                if head:
-                    self._cut(at)
-                return
-            opcode, length = _RECORD.unpack(head)
-            if opcode == Opcode.DATA_END:
-                return
-            if not opcode or length > TUNING.record:
-                self.problems.append(f"{self.path} is damaged at byte {at:,} and is read up to there")
-                return
-            data = file.read(length)
-            if len(data) < length:
-                self._cut(at)
-                return
-            yield opcode, data
-
-    def _cut(self, at: int) -> None:
-        self.problems.append(f"{self.path} is cut off in the middle of a record, and is read up to byte {at:,}")
-
     def _unpacked(self, data: bytes, channels: dict[int, Channel]) -> Iterator[Raw]:
         """Yield the messages of a chunk, and note its channels; a damaged chunk is left out."""
         try:
-            for record in breakup_chunk(_chunk(data)):
+            for record in in_chunk(data):
                 if isinstance(record, Channel):
                     channels[record.id] = record
                 elif isinstance(record, Message) and record.channel_id in channels:
                     channel = channels[record.channel_id]
                     yield Raw(channel.topic, channel.metadata.get("key", ""), record.sequence, record.data)
-        except (McapError, RecordingError, ValueError, struct.error, zstandard.ZstdError) as error:
+        except DAMAGED as error:
             self.problems.append(f"{self.path}: a chunk is damaged and left out: {error}")
-
-
-def _chunk(data: bytes) -> Chunk:
-    """Return a chunk with its messages unpacked; raises RecordingError, or what the library does."""
-    chunk = Chunk.read(_stream(data))
-    if chunk.uncompressed_size > TUNING.record:
-        raise RecordingError(f"it claims to hold {chunk.uncompressed_size:,} bytes")
-    raw = chunk.data
-    if chunk.compression == "zstd":
-        if zstandard.get_frame_parameters(raw).content_size not in (
-            chunk.uncompressed_size,
-            zstandard.CONTENTSIZE_UNKNOWN,
-        ):
-            raise RecordingError("it holds another number of bytes than it says")
-        raw = zstandard.ZstdDecompressor().decompress(raw, chunk.uncompressed_size)
-    elif chunk.compression:
-        raise RecordingError(f'it is packed by "{chunk.compression}", which no recording is')
-    if chunk.uncompressed_crc not in (0, zlib.crc32(raw)):
-        raise RecordingError("its checksum is wrong")
-    return Chunk(
-        compression="",
-        data=raw,
-        message_end_time=chunk.message_end_time,
-        message_start_time=chunk.message_start_time,
-        uncompressed_crc=0,
-        uncompressed_size=len(raw),
-    )
-
-
-def _stream(data: bytes) -> ReadDataStream:
-    return ReadDataStream(BytesIO(data))
 
 
 def _entry(raw: Raw) -> Entry | None:

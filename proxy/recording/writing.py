@@ -7,7 +7,6 @@ from typing import Any, Self
 
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.interface.events import Event
-from proxy.recording.common_events import common
 from proxy.recording.entries import (
     END,
     EVENTS,
@@ -28,6 +27,7 @@ from proxy.recording.entries import (
 )
 from proxy.recording.json_data import plain, schema, text
 from proxy.recording.mcap_file import McapFile
+from proxy.recording.quick_json import line
 from proxy.recording.tuning import TUNING
 
 _KINDS: Mapping[str, type] = {START: Start, SPECS: SpecsText, TRAFFIC: Traffic, GAP: Gap, END: End}
@@ -77,11 +77,11 @@ class RecordingWriter:
 
     def happened(self, event: Event, commands: Sequence[Command | dict[str, Any]] = (), fault: str = "") -> None:
         """Write the next event, and the commands that followed, as such or `described`, or the fault that it made."""
-        line = None if fault else common(event, commands)
-        if line is None:
-            line = text(_told(event, commands, fault))
+        data = None if fault else line(event, commands)
+        if data is None:
+            data = text(_told(event, commands, fault)).encode()
         kind = type(event)
-        self._add(self._events.get(kind) or self._event_channel(kind), event.now, line.encode())
+        self._add(self._events.get(kind) or self._event_channel(kind), event.now, data)
         self.number += 1
 
     def traffic(self, traffic: Traffic) -> None:

@@ -4,8 +4,9 @@ Keys are those that `rmw_zenoh` gives topics, so that specs for a robot hold for
 `<domain>/<topic>/<type>/<hash of the type>`. A message's time is when it was recorded.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from studies.foreign.arrived import Arrived
 from studies.foreign.csv_files import is_key
+from studies.foreign.cut_bags import CutFile, files_of
 from studies.foreign.errors import ImportFailedError
 
 UNKNOWN_HASH = "TypeHashNotSupported"
@@ -44,42 +46,67 @@ class Bag:
         except PermissionError:
             raise
         except FileNotFoundError as error:
-            raise ImportFailedError(self._lacks(error)) from None
+            yield from self._cut(self._lacks(error))
+            return
         except Exception as error:  # noqa: BLE001 - a broken file makes rosbags fail in any way
-            mended = "; `mcap recover` mends a file that was cut off" if self.path.suffix == ".mcap" else ""
-            raise ImportFailedError(f"{self.path} is no ROS 2 bag that can be read: {_worded(error)}{mended}") from None
+            yield from self._cut(f"{self.path} is no ROS 2 bag that can be read: {_worded(error)}")
+            return
         try:
             yield from self._messages(reader)
         finally:
             reader.close()
 
+    def _cut(self, refusal: str) -> Iterator[Arrived]:
+        """Yield the messages of a bag that rosbags refuses. Raises ImportFailedError where none can be read."""
+        files = [CutFile(path) for path in files_of(self.path)] if self.path.exists() else []
+        yield from self._arrived(chain.from_iterable(each.messages() for each in files))
+        total = sum(each.count for each in files)
+        if not total:
+            raise ImportFailedError(refusal)
+        self.problems += [each.problem for each in files if each.problem] or [
+            f"{refusal.rstrip('.')}; its files hold {total:,} messages all the same"
+        ]
+
     def _lacks(self, error: FileNotFoundError) -> str:
         if not self.path.exists():
             return f"{self.path} does not exist"
         if self.path.is_dir():
-            return f"{self.path} is no bag: metadata.yaml is not in it; a file of it can be named instead"
+            return f"{self.path} is no whole bag: metadata.yaml is not in it"
         return f"{self.path}: {_worded(error)}"
 
     def _messages(self, reader: Reader) -> Iterator[Arrived]:
-        named: dict[int, tuple[str, str]] = {}
-        messages, count, last = iter(reader.messages()), 0, -1
-        while True:
-            try:
-                connection, at, data = next(messages)
-            except StopIteration:
-                break
-            except Exception as error:  # noqa: BLE001 - as above
-                self.problems.append(f"{self.path} is damaged: {_worded(error)}")
-                break
-            if connection.id not in named:
-                named[connection.id] = self._named(connection)
-            robot, key = named[connection.id]
-            last, count = max(last, at), count + 1
-            yield Arrived(last / 1e9, robot, key, len(data), payload=bytes(data))
+        count = 0
+        for arrived in self._arrived(self._undamaged(reader)):
+            count += 1
+            yield arrived
         if 0 < count < reader.message_count:
             self.problems.append(f"{self.path}: only {count:,} of {reader.message_count:,} messages could be read")
         if not count:
             raise ImportFailedError(f"{self.path} holds no message" if not self.problems else self.problems.pop())
+
+    def _undamaged(self, reader: Reader) -> Iterator[tuple[Any, int, bytes]]:
+        """Yield what can be read."""
+        messages = iter(reader.messages())
+        while True:
+            try:
+                message = next(messages)
+            except StopIteration:
+                return
+            except Exception as error:  # noqa: BLE001 - as above
+                self.problems.append(f"{self.path} is damaged: {_worded(error)}")
+                return
+            yield message
+
+    def _arrived(self, messages: Iterable[tuple[Any, int, bytes]]) -> Iterator[Arrived]:
+        named: dict[tuple[str, str], tuple[str, str]] = {}
+        last = -1
+        for connection, at, data in messages:
+            place = connection.topic, connection.msgtype
+            if place not in named:
+                named[place] = self._named(connection)
+            robot, key = named[place]
+            last = max(last, at)
+            yield Arrived(last / 1e9, robot, key, len(data), payload=bytes(data))
 
     def _named(self, connection: Any) -> tuple[str, str]:
         """Return the robot and the key of a topic."""

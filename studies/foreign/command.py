@@ -15,7 +15,7 @@ Makes a recording of traffic that others recorded, for `sendworthy replay` to fl
 ROS 2 bags (rosbag2, as MCAP or sqlite3): the folder, or a file of it. Each bag is one robot, named after its file
 unless --robot names it; with --by-namespace the first word of a topic is the robot. Keys are those of rmw_zenoh, as in
 utility_specs/ros2.toml, or the topics themselves with --topics-as-keys. Payloads are kept, so that any specs can be
-tried; with --specs only the features that these know.
+tried; with --specs only the features that these know. What was cut off is read as far as it goes.
 
 CSV (.csv, .tsv, .txt): the columns t_gen [s], robot, key, size [B]. Other columns of numbers become features of the
 same name, and columns of text are ignored.

@@ -15,9 +15,10 @@ Drives the daemon's core through what a recording holds, and says whether it dec
 many iterations as then, and each command is compared. Files of one robot that follow each other are one recording.
 
 With other specs, limits, robots or another policy, and for what `sendworthy import` made of a ROS 2 bag or a CSV file,
-the traffic is flown anew in simulation: each robot has the core of a daemon, and one operator wants everything. It
-prints by type what was sent and what it was worth, beside the offline bound: what somebody could have gained at most
-who knew all samples beforehand. The bound takes about ten seconds for every 100 s of traffic.
+the traffic is flown anew in simulation: each robot has the core of a daemon, and one operator wants everything.
+Adaptive limits are fixed at what the channel bore in the mean when it was recorded. By type it prints what was sent and
+what it was worth, beside the offline bound: what somebody could have gained at most who knew all samples beforehand.
+The bound takes about ten seconds for every 100 s of traffic.
 """
 EXAMPLES = """\
 examples:
@@ -60,9 +61,11 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     )
     add("--iterations", metavar="N", type=_count, help="of each search (default: 300)")
     add("--latency", metavar="TIME", type=_duration, help="to the operator (default: 10 ms)")
+    add("--loss", metavar="PART", type=_part, help="what is lost on the way to the operator, such as 0.05 (default: 0)")
     add("--seed", metavar="N", type=int, help="of the searches (default: 0)")
     add("--json", metavar="FILE", type=Path, help="write the figures here; - is standard output")
     add("--html", metavar="FILE", type=Path, help="write a page with plots here, which needs no other file")
+    add("--python", action="store_true", help="run the Python that the recorded specs name: for files that you trust")
     add("--no-bound", action="store_true", help="do not compute the offline bound")
     parser.set_defaults(run=run)
 
@@ -96,6 +99,16 @@ def _duration(text: str) -> float:
         return DURATION.parse(text)
     except QuantityError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _part(text: str) -> float:
+    try:
+        part = float(text)
+    except ValueError:
+        part = -1.0
+    if not 0.0 <= part < 1.0:
+        raise argparse.ArgumentTypeError(f"{text} is no part from 0 to less than 1")
+    return part
 
 
 def _count(text: str) -> int:

@@ -9,17 +9,17 @@ from proxy.recording.reading import RecordingReader
 from studies.replay.same import Sameness, lives, stretches
 
 
-def all_equal(files: Sequence[RecordingReader], output: TextIO) -> bool:
+def all_equal(files: Sequence[RecordingReader], output: TextIO, *, python: bool = False) -> bool:
     """Replay each robot's recording exactly and say there what was found; whether all was the same."""
-    alike = [_same(life, output) for life in lives(files)]
+    alike = [_same(life, output, python=python) for life in lives(files)]
     return all(alike)
 
 
-def _same(life: list[RecordingReader], output: TextIO) -> bool:
+def _same(life: list[RecordingReader], output: TextIO, *, python: bool) -> bool:
     """Replay one robot's life exactly and say what was found; whether all was the same."""
     equal = True
     try:
-        for found in stretches(life):
+        for found in stretches(life, python=python):
             _tell(life[0].start.robot, found, output)
             equal = equal and found.equal
     except RecordingError as error:

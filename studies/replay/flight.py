@@ -12,7 +12,7 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide, Drop, Forward
 from proxy.core.model.settings import CoreSettings
 from studies.replay.mission import Mission
-from studies.replay.outcomes import Outcomes
+from studies.replay.outcomes import LOST, Outcomes
 from studies.replay.samples import Fate, Passed, Sample, Told
 from studies.simulation.medium import Medium
 from studies.simulation.member import Member
@@ -35,7 +35,7 @@ class Flight(Team):
         super().__init__(
             mission.specs,
             {**dict.fromkeys(mission.robots, ()), mission.operator: ("**",)},
-            Medium(mission.rate, mission.latency),
+            Medium(mission.rate, mission.latency, mission.loss, seed=seed),
             seed=seed,
             iterations=iterations,
             settings=CoreSettings("", ""),
@@ -136,7 +136,8 @@ class Flight(Team):
     def _send(self, member: Member, t: float, number: int, frame: Frame, reason: str) -> None:
         """Send a sample to the operator."""
         operator = self.mission.operator
-        (arrival,) = self.medium.unicast(t, frame.size, member.robot, (operator,))[operator]
-        self.outcomes.send(number, t - LEAD, arrival - LEAD, reason)
+        arrivals = self.medium.unicast(t, frame.size, member.robot, (operator,))[operator]
+        self.outcomes.send(number, t - LEAD, arrivals[0] - LEAD if arrivals else LOST, reason)
         stamp = member.clock.wall_time(t)
-        self.agenda.at(arrival, partial(self._hear, self.members[operator], frame, member.zid, stamp))
+        for arrival in arrivals:
+            self.agenda.at(arrival, partial(self._hear, self.members[operator], frame, member.zid, stamp))

@@ -36,11 +36,15 @@ class Limit:
 
 @dataclass(frozen=True)
 class Mission:
-    """The `robots` whose traffic is flown by these specs to one operator, who wants everything `latency` [s] away."""
+    """The `robots` whose traffic is flown by these specs to one operator, who wants everything `latency` [s] away.
+
+    So large a part of what is sent to him is lost as `loss`.
+    """
 
     specs: Specs
     robots: tuple[str, ...]
     latency: float = LATENCY
+    loss: float = 0.0
 
     @cached_property
     def limits(self) -> tuple[Limit, ...]:

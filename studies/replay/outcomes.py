@@ -15,7 +15,7 @@ from studies.replay.mission import UNCOVERED, Mission, features_of, lacking, uti
 from studies.replay.samples import Fate, Sample
 from utility_specs import InformationType
 
-NOT = float("nan")
+NOT = LOST = float("nan")
 """When a sample was sent or received that was not."""
 UNDECIDED = "undecided"
 """What became of samples that still waited when the recording ended."""
@@ -124,7 +124,7 @@ class Outcomes:
         return self.streams[self._ints["stream"][number]]
 
     def send(self, number: int, t: float, arrival: float, reason: str) -> None:
-        """The sample was sent at `t` [s], and arrives."""
+        """The sample was sent at `t` [s], and arrives, or is `LOST`."""
         self._floats["t_sent"][number], self._floats["t_rcv"][number] = t, arrival
         self.settle(number, reason)
 

@@ -1,13 +1,14 @@
 """Policies that do not plan as the daemon does, flown over recorded traffic for comparison."""
 
 from collections.abc import Callable, Iterator
+from random import Random
 from typing import NamedTuple
 
 from planner import Message, Problem, Receiver, Step, Stream
 from studies.central import CentralDecider, Policy
 from studies.policies import FixedRate, by_rank, filling_interval, send_all, whenever_it_fits
 from studies.replay.mission import Mission
-from studies.replay.outcomes import Columns, Outcomes
+from studies.replay.outcomes import LOST, Columns, Outcomes
 from studies.replay.samples import Fate, Sample, Told
 
 PLANNER = "planner"
@@ -51,10 +52,11 @@ def enter_all(mission: Mission, told: Iterator[Told], origin: float) -> Outcomes
     return outcomes
 
 
-def fly(outcomes: Outcomes, name: str, end: float, progress: Callable[[float], object]) -> None:
-    """Let a policy decide everything that was taken in, by `end` [s]; it sends at once."""
+def fly(outcomes: Outcomes, name: str, end: float, progress: Callable[[float], object], seed: int = 0) -> None:
+    """Let a policy decide everything that was taken in, by `end` [s]; it sends at once. `seed` says what is lost."""
     columns, offered = outcomes.columns(), POLICIES[name]
     problem = problem_of(outcomes, columns, end)
+    mission, draw = outcomes.mission, Random(seed)
     policy, decider = offered.fresh(problem), CentralDecider(problem, offered.known)
     for index in range(len(columns.t)):
         stream, t = outcomes.streams[int(columns.stream[index])], float(columns.t[index])
@@ -62,7 +64,8 @@ def fly(outcomes: Outcomes, name: str, end: float, progress: Callable[[float], o
             outcomes.settle(index, f"dropped:{name}")
         else:
             decider.send(index)
-            arrival = t + outcomes.mission.latency + float(columns.size[index]) / outcomes.mission.rate
+            lost = draw.random() < mission.loss
+            arrival = LOST if lost else t + mission.latency + float(columns.size[index]) / mission.rate
             outcomes.send(index, t, arrival, "forwarded" if stream.planned else "passed")
         progress(t)
 

@@ -10,6 +10,7 @@ from proxy.core.interface.events import DecisionReady, SamplePublished, SamplesP
 from proxy.recording.entries import Entry, Happened, Payload, SpecsText, Start, Traffic
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
+from studies.replay.adaptive import Borne
 from studies.replay.errors import ReplayError
 from studies.replay.samples import SENT, Fate, Passed, Sample, Told
 
@@ -26,6 +27,7 @@ class Survey:
     specs: SpecsText | None = None
     """Those in force at the beginning."""
     problems: list[str] = field(default_factory=list)
+    borne: Borne = field(default_factory=Borne)
 
     @property
     def seconds(self) -> float:
@@ -60,6 +62,9 @@ class Recordings:
                 found.specs = entry
             if isinstance(entry, Happened) and isinstance(entry.event, SamplePublished):
                 found.superseded += entry.event.superseded
+            if isinstance(entry, Happened):
+                for command in entry.commands:
+                    found.borne.note(reader.start.robot, entry.event.now, command)
             for told in _told(reader.start, entry, None):
                 if isinstance(told, Sample):
                     found.samples[told.robot] += 1

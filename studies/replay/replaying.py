@@ -13,6 +13,7 @@ from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
 from studies.oracle import OracleError
 from studies.replay import policies
+from studies.replay.adaptive import as_borne
 from studies.replay.bound import Bound, bound
 from studies.replay.errors import ReplayError
 from studies.replay.exact import all_equal
@@ -35,7 +36,7 @@ NAMED = 5
 """So many keys are named in an error."""
 
 
-WHAT_IF = ("specs", "limit", "robots", "policy", "iterations", "latency", "seed")
+WHAT_IF = ("specs", "limit", "robots", "policy", "iterations", "latency", "loss", "seed")
 """Arguments with which traffic is flown anew."""
 
 
@@ -47,14 +48,14 @@ def replay(arguments: argparse.Namespace) -> int:
     if asked or any(file.start.kind == "traffic" for file in files):
         if problems:
             raise ReplayError("; ".join(problems))
-        _report(arguments, *_prepared(arguments, files), exact=False)
+        _report(arguments, *_prepared(arguments, files, exact=False), exact=False)
         return exit_codes.OK
     for problem in problems:
         _say(f"sendworthy replay: {problem}")
     output = sys.stderr if str(arguments.json) == "-" else sys.stdout
-    alike = all_equal(files, output)
+    alike = all_equal(files, output, python=arguments.python)
     if not problems and (arguments.json is not None or arguments.html is not None):
-        _report(arguments, *_prepared(arguments, files), exact=True)
+        _report(arguments, *_prepared(arguments, files, exact=True), exact=True)
     return exit_codes.OK if alike and not problems else exit_codes.FAILED
 
 
@@ -67,7 +68,9 @@ def _check_extras(arguments: argparse.Namespace) -> None:
         raise ReplayError(f"the bound {needs('study')}; --no-bound does without")
 
 
-def _prepared(arguments: argparse.Namespace, files: Sequence[RecordingReader]) -> tuple[Recordings, Survey, Mission]:
+def _prepared(
+    arguments: argparse.Namespace, files: Sequence[RecordingReader], *, exact: bool
+) -> tuple[Recordings, Survey, Mission]:
     """Look at the recordings, and return what is to be flown. Raises ReplayError or SpecsError."""
     recordings = Recordings(files)
     survey = recordings.survey()
@@ -75,7 +78,11 @@ def _prepared(arguments: argparse.Namespace, files: Sequence[RecordingReader]) -
         _say(f"sendworthy replay: {problem}")
     robots = _robots(arguments.robots, survey)
     latency = LATENCY if arguments.latency is None else arguments.latency
-    return recordings, survey, Mission(_specs(arguments, survey), robots, latency)
+    specs = _specs(arguments, survey)
+    if not exact:
+        specs, notes = as_borne(specs, survey.borne)
+        survey.problems += notes
+    return recordings, survey, Mission(specs, robots, latency, arguments.loss or 0.0)
 
 
 def _robots(wanted: Sequence[str] | None, survey: Survey) -> tuple[str, ...]:
@@ -94,7 +101,7 @@ def _specs(arguments: argparse.Namespace, survey: Survey) -> Specs:
         specs = load_set(arguments.specs).specs
     elif survey.specs is not None:
         try:
-            specs = specs_of(survey.specs)
+            specs = specs_of(survey.specs, python=arguments.python)
         except RecordingError as error:
             raise ReplayError(f"{error}; --specs names others") from None
     else:
@@ -114,7 +121,7 @@ def _fly(
         on_air = float(flight.told_on_air()[1].sum())
     else:
         outcomes = policies.enter_all(mission, told, survey.first)
-        policies.fly(outcomes, arguments.policy, survey.seconds + TAIL, progress)
+        policies.fly(outcomes, arguments.policy, survey.seconds + TAIL, progress, arguments.seed or 0)
         on_air = 0.0
     progress.end()
     return outcomes, on_air
@@ -200,7 +207,9 @@ def _headed(arguments: argparse.Namespace, mission: Mission, *, exact: bool) -> 
         "iterations": arguments.iterations or ITERATIONS,
         "seed": arguments.seed or 0,
         "latency": mission.latency,
-        "about": f"Traffic of {names}, {how}, to one operator {1000 * mission.latency:g} ms away.",
+        "loss": mission.loss,
+        "about": f"Traffic of {names}, {how}, to one operator {1000 * mission.latency:g} ms away"
+        + (f", {mission.loss:.3g} of it lost." if mission.loss else "."),
     }
 
 

@@ -90,7 +90,8 @@ def _counted(flown: Flown, own: Flags, over: Flags, searches: Iterable[list[floa
         "violations": int((over & own).sum()),
         "decisions": int(took[1]),
         "seconds_per_decision": float(took[0] / took[1]) if took[1] else 0.0,
-        "age": _age((columns.t_rcv - columns.t_gen)[sent]),
+        "lost": int(np.isnan(columns.t_rcv[sent]).sum()),
+        "age": _age((columns.t_rcv - columns.t_gen)[sent & ~np.isnan(columns.t_rcv)]),
         "reasons": {reasons[fate]: count for fate, count in fates.most_common()},
     }
 

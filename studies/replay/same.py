@@ -52,15 +52,17 @@ class Sameness:
 class SameReplay:
     """Drives the core that a recording begins with, or the first that there is a snapshot of.
 
-    Raises RecordingError where that cannot be built. `specs` are those that the recording had before, by generation.
+    Raises RecordingError where that cannot be built. `specs` are those that the recording had before, by generation;
+    the `python` that they name runs only where that is wanted.
     """
 
-    def __init__(self, begin: Start, specs: Mapping[str, SpecsText] | None = None) -> None:
+    def __init__(self, begin: Start, specs: Mapping[str, SpecsText] | None = None, *, python: bool = False) -> None:
         if begin.kind != "robot" or begin.settings is None:
             raise RecordingError("it holds mere traffic: nothing was decided that could be compared")
         self._begin = begin
         self._search = begin.search or SearchSettings()
         self._core: Core | None = None
+        self._python = python
         self._specs = dict(specs or {})
         self._asked: dict[int, Decide] = {}
         self.found = Sameness(begin.number, begin.now)
@@ -72,7 +74,7 @@ class SameReplay:
 
     def next(self) -> "SameReplay":
         """Return the replay that goes on with the next snapshot."""
-        return SameReplay(replace(self._begin, whole=False), self._specs)
+        return SameReplay(replace(self._begin, whole=False), self._specs, python=self._python)
 
     def take(self, entry: Entry) -> bool:
         """Take in what comes next; whether it can go on."""
@@ -140,7 +142,7 @@ class SameReplay:
     def _loaded(self, generation: str) -> Any:
         if generation not in self._specs:
             raise RecordingError(f"the specs {generation} are not in the recording")
-        return specs_of(self._specs[generation])
+        return specs_of(self._specs[generation], python=self._python)
 
     def _event(self, event: Event) -> Event:
         """Return an event as it was handed to the core, with the plan that is found now."""
@@ -167,12 +169,12 @@ class SameReplay:
         self.found.difference = f"{where} has {what}: {_differing(then, now)}"
 
 
-def stretches(files: Sequence[RecordingReader]) -> Iterator[Sameness]:
+def stretches(files: Sequence[RecordingReader], *, python: bool = False) -> Iterator[Sameness]:
     """Replay the files of a life in their order; yield what was found up to each place where the replay ended.
 
     It goes on with the next snapshot. Raises RecordingError where there is nothing to begin with.
     """
-    replay, ended = SameReplay(files[0].start), False
+    replay, ended = SameReplay(files[0].start, python=python), False
     for entry in chain.from_iterable(files):
         if not replay.take(entry):
             yield replay.found

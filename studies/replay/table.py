@@ -68,6 +68,8 @@ def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
 def _findings(report: Report) -> list[str]:
     limits = ", ".join(f"{each['name']}: {limit_text(each)}" for each in report["limits"]) or "none"
     lines = [f"limits: {limits}; exceeded in {report['violations']:,} windows"]
+    if report["lost"]:
+        lines.append(f"{report['lost']:,} of the {report['forwarded']:,} samples sent were lost on the way")
     if report["decisions"]:
         each = 1000 * report["seconds_per_decision"]
         lines.append(f"{report['decisions']:,} searches of {each:.2f} ms on average; the other samples needed none")

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from utility_specs.imports import imported
+from utility_specs.imports import imported, nothing_imported
 
 
 def test_a_function_is_found_by_its_path():
@@ -52,3 +52,13 @@ def test_a_name_that_is_no_function_is_refused(path, says):
     """With what is there instead."""
     with pytest.raises(ValueError, match=says):
         imported(path)
+
+
+def test_nothing_is_imported_of_specs_that_a_stranger_may_have_written(tmp_path, monkeypatch):
+    """Not even a module that is there; afterwards everything is again."""
+    (tmp_path / "hostile_module.py").write_text("raise RuntimeError('it ran')")
+    monkeypatch.syspath_prepend(tmp_path)
+    for path in ("hostile_module:f", "os:system"):
+        with nothing_imported("who knows"), pytest.raises(ValueError, match=f'^"{path}" is not imported: who knows$'):
+            imported(path)
+    assert imported("math:sqrt")(4.0) == 2.0

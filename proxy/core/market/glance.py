@@ -23,20 +23,25 @@ class Glance:
         self._lost = view.paths.mean_loss()
         self._fans: dict[str, Fan] = {}
         self._looked: dict[tuple[str, int, tuple[str, ...]], Audience] = {}
+        self._latencies: dict[tuple[str, int, tuple[str, ...]], float | None] = {}
 
     def latency(self, stream: Stream) -> float | None:
         """Return what the last sample of a stream takes to those that want it, in the mean [s]; None if nobody does."""
         wanting = self._view.subscribers.of(stream)
-        audience = self._audience(stream, wanting)
-        return audience.mean if wanting and audience.share > 0.0 else None
+        place = stream.robot, stream.last.size if stream.last else 0, wanting
+        if place not in self._latencies:
+            audience = self._audience(stream, wanting)
+            self._latencies[place] = audience.mean if wanting and audience.share > 0.0 else None
+        return self._latencies[place]
 
     def age(self, stream: Stream, latency: float | None) -> float | None:
         """Return how old the newest sample that should have arrived is now [s]; None if none has, or none is wanted."""
         if latency is None:
             return None
-        there = (sent for sent in reversed(stream.recent) if sent.t_sent + latency <= self._now)
-        newest = next(there, None)
-        return None if newest is None else self._now - newest.t_gen
+        for sent in reversed(stream.recent):
+            if sent.t_sent + latency <= self._now:
+                return self._now - sent.t_gen
+        return None
 
     def prices(self, limits: tuple[Limit, ...], *, alone: bool) -> Amounts:
         """Return what a unit of each limit costs now [utility·s]: what the last unit earns when streams use them up.

@@ -33,17 +33,36 @@ def test_a_daemon_that_hangs_is_given_up(stand_in):
     assert str(refused.value) == f"no daemon answers at {where} within 2 s"
 
 
-def test_what_is_no_status_is_no_answer(stand_in):
+STRANGE = (
+    "hello",
+    '{"robot":"r1","streams":{"rows":[[1]]}}',
+    '{"robot":"r1","streams":{"columns":["key","type"],"rows":[["a"]]}}',
+)
+
+
+@pytest.mark.parametrize("told", STRANGE)
+def test_what_is_no_status_is_no_answer(stand_in, told):
     """A stranger on our key does not crash the command."""
 
     def answer(query):
-        query.reply("@sendworthy/r1/status", "hello")
+        query.reply("@sendworthy/r1/status", told)
         query.drop()
 
     where = stand_in({"@sendworthy/*/status": answer})
     with connected(where) as client, pytest.raises(NoAnswerError) as refused:
-        client.status(None)
+        client.status(None, live=True)
     assert str(refused.value) == f"what answers at {where} is no daemon of this version"
+
+
+def test_streams_are_tables_also_where_they_come_as_rows(stand_in):
+    """As `top` hears of them."""
+
+    def answer(query):
+        query.reply("@sendworthy/r1/status", '{"robot":"r1","streams":{"columns":["key","size"],"rows":[["a",3]]}}')
+        query.drop()
+
+    with connected(stand_in({"@sendworthy/*/status": answer})) as client:
+        assert client.status(None, live=True) == [{"robot": "r1", "streams": [{"key": "a", "size": 3}]}]
 
 
 def test_samples_are_what_is_put_until_the_time_is_over(stand_in):

@@ -167,7 +167,9 @@ def chunk_ends(data):
     ("packing", "size", "data", "message"),
     [
         (b"zstd", TUNING.record + 1, b"", "claims to hold 67,108,865 bytes"),
-        (b"lz4", 10, b"xxxx", 'packed by "lz4"'),
+        (b"lz4", 10, b"xxxx", "another number of bytes than it says"),
+        (b"lz4", 10, bytes(16), "LZ4F"),
+        (b"bz2", 10, b"xxxx", 'packed by "bz2"'),
         (b"", 4, b"xxxx", "checksum is wrong"),
     ],
 )

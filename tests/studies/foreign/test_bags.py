@@ -4,7 +4,7 @@ import pytest
 
 from studies.foreign.bags import Bag
 from studies.foreign.errors import ImportFailedError
-from tests.studies.foreign.rosbags_written import write_bag
+from tests.studies.foreign.rosbags_written import write_bag, write_small_chunks
 from tests.utility_specs.features.test_cdr import STORE, battery
 
 HASH = STORE.hash_rihs01("sensor_msgs/msg/BatteryState")
@@ -46,12 +46,51 @@ def test_a_robot_may_be_a_namespace_and_a_key_the_topic(tmp_path):
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 @pytest.mark.parametrize("keep", [0, 50, 1000])
-def test_a_bag_that_is_cut_off_is_refused_or_read_as_far_as_it_goes(tmp_path, storage, keep):
+def test_a_bag_of_which_next_to_nothing_is_there_is_refused(tmp_path, storage, keep):
     """With a message, whatever rosbags makes of it."""
     (path,) = (each for each in write_bag(tmp_path / "bag", storage).iterdir() if each.suffix != ".yaml")
     path.write_bytes(path.read_bytes()[:keep])
     with pytest.raises(ImportFailedError, match=r"bag\.\w+ is no ROS 2 bag that can be read: \w"):
         read(path)
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+@pytest.mark.parametrize("single", [True, False])
+def test_a_bag_that_is_cut_off_is_read_as_far_as_it_goes(tmp_path, storage, single):
+    """The file, or the folder that lost its description; one warning says how much is missing."""
+    if storage == "mcap":
+        folder = write_small_chunks(tmp_path / "bag")
+    else:
+        folder = write_bag(tmp_path / "bag", storage, messages=200)
+        (folder / "metadata.yaml").unlink()
+    (path,) = folder.iterdir()
+    whole, _ = read(path)
+    size = path.stat().st_size
+    path.write_bytes(path.read_bytes()[: size // 2])
+    found, problems = read(path if single else folder)
+    assert 0.2 * len(whole) < len(found) < 0.7 * len(whole)
+    assert found == whole[: len(found)]
+    (problem,) = problems
+    assert problem.startswith(f"{path} ")
+    assert f"{size // 2:,}" in problem
+    assert f"{len(found):,} messages could be read, up to 2023-11-14 22:" in problem
+
+
+def test_a_bag_that_lacks_only_its_index_is_read_to_its_end(tmp_path):
+    """And a folder without its description: nothing is missing, but something is wrong."""
+    folder = write_bag(tmp_path / "bag")
+    path = folder / "bag.mcap"
+    whole, _ = read(path)
+    (folder / "metadata.yaml").unlink()
+    found, problems = read(folder)
+    assert found == whole
+    assert problems == [
+        f"{folder} is no whole bag: metadata.yaml is not in it; its files hold {len(whole)} messages all the same"
+    ]
+    path.write_bytes(path.read_bytes()[:-20])
+    found, problems = read(path)
+    assert found == whole
+    assert "File end magic is invalid; its files hold 90 messages all the same" in problems[0]
 
 
 def test_a_bag_that_is_damaged_is_read_up_to_there(tmp_path):

@@ -38,6 +38,18 @@ def test_what_is_worth_most_goes_within_the_limit():
     assert flight.told_on_air()[1].sum() > 0
 
 
+def test_what_is_lost_is_sent_in_vain():
+    """About so much of it: it counts for the limit, and nobody gains by it. The same seed loses the same."""
+    lossy = replace(mission(), loss=0.4)
+    flights = [Flight(lossy, iter(samples(seconds=60)), iterations=50, seed=seed, origin=100.0) for seed in (1, 1, 2)]
+    one, same, other = (flight.fly(lambda _: None).columns() for flight in flights)
+    lost = np.isnan(one.t_rcv[one.sent])
+    assert 50 <= one.sent.sum() <= 61
+    assert 0.2 < lost.mean() < 0.6
+    assert np.array_equal(one.t_rcv, same.t_rcv, equal_nan=True)
+    assert not np.array_equal(one.t_rcv, other.t_rcv, equal_nan=True)
+
+
 def test_the_same_traffic_is_decided_alike():
     """Whatever the recording's clock began with."""
     one, other = (flown(samples(start=start), origin=start)[0] for start in (100.0, 1.5e9))

@@ -98,6 +98,33 @@ def test_other_limits_robots_and_policies_are_tried():
     assert narrow == again
 
 
+@pytest.mark.usefixtures("place")
+@pytest.mark.parametrize("policy", ["planner", "fits"])
+def test_loss_is_tried(policy, capsys):
+    """What is sent in vain is counted, and the bound still holds."""
+    _, kept = replay("--specs", "spec.toml", "--policy", policy)
+    capsys.readouterr()
+    _, found = replay("--specs", "spec.toml", "--policy", policy, "--loss", "0.3")
+    told = capsys.readouterr().out
+    assert "10 ms away, 0.3 of it lost." in told
+    assert f"{found['lost']} of the {found['forwarded']} samples sent were lost on the way" in told
+    assert kept["lost"] == 0
+    assert 0 < found["lost"] < found["forwarded"]
+    assert found["utility"] < 0.95 * kept["utility"]
+    assert found["utility"] < found["bound"]
+    assert found["loss"] == 0.3
+
+
+@pytest.mark.usefixtures("place")
+def test_adaptive_limits_are_not_guessed(capsys):
+    """Mere traffic says nothing of the channel; a throughput of one's own does."""
+    text = Path("spec.toml").read_text()
+    Path("adaptive.toml").write_text(text.replace('limit = "8 kbit/s"', 'limit = "adaptive"\nceiling = "80 kbit/s"'))
+    assert replay("--specs", "adaptive.toml", "--no-bound")[0] == exit_codes.FAILED
+    assert "the limit throughput is adaptive" in capsys.readouterr().err
+    assert replay("--specs", "adaptive.toml", "--no-bound", "--limit", "8 kbit/s")[1]["violations"] == 0
+
+
 def test_the_page_needs_nothing_else(place):
     """One file without anything from elsewhere, whatever names are in it."""
     (place / "traffic.mcap").rename("<b>.mcap")
@@ -144,7 +171,10 @@ def test_what_cannot_be_flown_is_told(capsys, arguments, code, message):
     assert message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("arguments", [["--limit", "2"], ["--iterations", "0"], ["--latency", "x"], ["--policy", "y"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [["--limit", "2"], ["--iterations", "0"], ["--latency", "x"], ["--loss", "1"], ["--loss", "x"], ["--policy", "y"]],
+)
 def test_senseless_arguments_are_refused(arguments, capsys):
     """Before anything is read."""
     with pytest.raises(SystemExit):
