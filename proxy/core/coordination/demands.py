@@ -1,5 +1,6 @@
 """What this robot asks for of what robots share, made of its streams."""
 
+import math
 from collections.abc import Iterator, Sequence
 from functools import partial
 
@@ -36,7 +37,7 @@ def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: fl
         mean = sum(parts) / len(parts)
         variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.sizes.mean, 1.0))
         period = stream.schedule.period if stream.schedule.kind == "periodic" else 0.0
-        yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share), variance, period)
+        yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share, period), variance, period)
 
 
 def _late(view: SharedView, stream: Stream, audience: Audience) -> bool:
@@ -46,14 +47,23 @@ def _late(view: SharedView, stream: Stream, audience: Audience) -> bool:
     )
 
 
-def _value(stream: Stream, share: float, rate: float) -> float:
-    """Return the utility per second of so many messages per second.
+def _value(stream: Stream, share: float, period: float, rate: float) -> float:
+    """Return the utility per second of so many messages per second, which lie whole periods apart if there are any.
+
+    Where they were taken to be evenly apart, a second message in a window seemed worth as much as the first: ten robots
+    with equal messages reached 91.0, 95.8 and 98.7 % of a central decider (most important, mixed, few), and reach 92.9,
+    96.2 and 99.4 now (20 ms, unicast, three seeds).
 
     As if they were received at once. Each robot learns at another moment how long they take: where bids depended on it
     all changed theirs then, and ten robots whose news took 1 s agreed for 20 s anew. Frames of four robots with cameras
     take 50 % of the limit at 1 s since they do not, and took 40.
     """
     kind, like = stream.information_type, stream.newest
-    lasting = kind.aggregation in (Aggregation.SUM, Aggregation.ONCE)
-    until = TUNING.worthless if lasting else 1.0 / max(rate, 1.0 / TUNING.worthless)
-    return integral(kind.utility_of(like.features), until) * like.scale * share * rate
+    utility, lasting = kind.utility_of(like.features), kind.aggregation in (Aggregation.SUM, Aggregation.ONCE)
+    apart = TUNING.worthless if lasting else min(1.0 / max(rate, 1.0 / TUNING.worthless), TUNING.worthless)
+    if lasting or not period:
+        return integral(utility, apart) * like.scale * share * rate
+    periods = max(1, math.floor(apart / period))
+    later = min(1.0, max(0.0, apart / period - periods))
+    each = (1.0 - later) * integral(utility, periods * period) + later * integral(utility, (periods + 1) * period)
+    return each * like.scale * share * rate

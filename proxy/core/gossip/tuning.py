@@ -44,8 +44,11 @@ class GossipTuning:
     # What may be spent ahead of time, saved and owed.
     announcement_debt: float = 5.0
     """Ahead of time on announcements [s]."""
-    retransmission_debt: float = 1.0
-    """Ahead of time on announcing again [s]."""
+    retransmission_debt: float = 2.5
+    """Ahead of time on announcing again [s]. With 1 s, where 30 % of all that is broadcast was lost, a fifth of the
+    repetitions never went out and some a second late, as ordinary news had taken their room: 16 % of the windows of ten
+    robots with equal messages, most important, were over the limit, now 10 (five seeds). With 5 s it was 6 (three),
+    but five robots with samples of random sizes told 117 % of what they may in 20 s instead of 108."""
     first_parts_debt: float = 10.0
     """Ahead of time on the first agreement on parts [s]."""
     parts_debt: float = 0.5

@@ -33,7 +33,9 @@ part is more than that table gives, and its parts sum to at most the whole. A lo
 delay an agreement; until then, room stays unused.
 
 Two teams that meet have no table in common. Each reserves equal parts for the other as soon as it sees them, so
-the union exceeds a limit only until each has seen all of the other, and one window more.
+the union exceeds a limit only until each has seen all of the other, and one window more. One that is back after a
+moment may have seen nothing of it, and reserves nothing. So who agreed on a table without it has the kept part of a
+newcomer until both agree on one.
 
 A newcomer has agreed on nothing. At first it uses a kept part: the floor divided by `newcomers`. When it has been there
 for so long that all must have seen it, it uses the equal part that they leave it. It agrees on its first table when it

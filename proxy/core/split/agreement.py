@@ -11,6 +11,30 @@ from proxy.core.split.tuning import TUNING
 from proxy.core.split.turns import Turn
 
 
+class _Returns:
+    """Who is back so soon that it may have noticed nothing, and goes on with what it had."""
+
+    def __init__(self, settle_time: float) -> None:
+        self._settle_time = settle_time
+        self._lost: dict[str, float] = {}
+        """By tag, when each that is gone was lost sight of [s]."""
+        self._unaware: set[str] = set()
+
+    def note(self, now: float, before: set[str], members: set[str]) -> None:
+        """The members have been others until now: some are lost, some that were lost are back.
+
+        It takes up to the time to settle until a robot sees that another one is gone, and as long until it is back.
+        """
+        since = now - 2.0 * self._settle_time
+        self._lost = {tag: at for tag, at in self._lost.items() if at > since}
+        self._unaware = (self._unaware & members) | (self._lost.keys() & (members - before))
+        self._lost |= dict.fromkeys(before - members, now)
+
+    def awaits(self, agreed: Table, *, quiet: bool) -> bool:
+        """Whether one of them has not agreed yet on what we agreed on; equal parts need no agreement."""
+        return not quiet and bool(self._unaware - agreed.bidders)
+
+
 class Agreement:
     """One robot's side of the agreement.
 
@@ -30,6 +54,7 @@ class Agreement:
         """By tag, of which table it said that what it sent fits what that gives it, and since when [s]."""
         self._lost_at = -math.inf
         """When a robot was lost sight of last [s]."""
+        self._returns = _Returns(self._settle_time)
         self.known_by: set[str] = set()
         """Who has our bid."""
         self.newcomer = True
@@ -77,7 +102,13 @@ class Agreement:
 
     @property
     def entitled(self) -> int:
-        """What all tables that count give us now [units]; a newcomer has at most an equal part."""
+        """What all tables that count give us now [units]; a newcomer has at most an equal part.
+
+        Who agreed on a table without a robot that is back, and may have noticed nothing, has no more than a newcomer
+        until it agrees on one with it: else the two used parts of tables that they never had together (1.35 limits).
+        """
+        if self._returns.awaits(self.log.agreed, quiet=self.quiet):
+            return min(self._kept, self.log.total)
         if not self.newcomer:
             return self.log.total
         return min(self.equal, self.log.total) if self._seen else self._kept
@@ -85,6 +116,8 @@ class Agreement:
     @property
     def exclusive(self) -> int:
         """What they give us without slots [units]."""
+        if self._returns.awaits(self.log.agreed, quiet=self.quiet):
+            return min(self._kept, self.log.part)
         return min(self.equal, self.log.part) if self.newcomer else self.log.part
 
     @property
@@ -125,6 +158,7 @@ class Agreement:
         self.known_by &= self.members
         self._held = {tag: names for tag, names in self._held.items() if tag in self.members}
         self._within = {tag: entry for tag, entry in self._within.items() if tag in self.members}
+        self._returns.note(now, before, self.members)
         agreed = self.log.agreed.entries
         if (self.members - before) and (unknown := self.members - agreed.keys()):
             self.log.reserve(self._table(agreed | dict.fromkeys(unknown), counts=True))

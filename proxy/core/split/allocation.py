@@ -10,7 +10,7 @@ from operator import itemgetter
 from proxy.core.protocol.bid import QUARTERS, UNIT, Bid, Segment, density_of
 from proxy.core.split.tuning import TUNING
 
-RULES = 3
+RULES = 4
 """Counts how parts are made of bids: robots that do it another way never agree with us."""
 
 Bids = Mapping[str, Bid | None]

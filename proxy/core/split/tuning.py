@@ -42,7 +42,7 @@ class SplitTuning:
     """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
     spare_deviations: float = 3.0
     """Room beside the mean is asked for as so many standard deviations of what is generated in a window..."""
-    spare_levels: int = 8
+    spare_levels: int = 2 * STEPS
     """... at so many levels less: half of the windows use some of it, one in a hundred all. With four robots of *mixed*
     traffic 83 % of small samples were sent where it was room for one message more, and 99 so."""
     divisible_segments: int = 3

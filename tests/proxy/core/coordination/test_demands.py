@@ -83,3 +83,29 @@ def test_what_comes_too_late_asks_for_nothing(make_view):
     end = late.lifetimes.end(late.streams.known("r1", "robot/r1/camera").information_type.utility)
     peer.outbound.latency = Latency(TUNING.too_late * end)
     assert asked(late) == ()
+
+
+FADING = """
+[[constraint]]
+kind = "throughput"
+limit = "10 kB/s"
+window = 2.5
+
+[[information_type]]
+name = "camera"
+keys = ["*/*/camera"]
+utility = { kind = "linear", slope = 0.7 }
+"""
+
+
+def test_messages_of_a_rhythm_lie_whole_periods_apart(make_specs):
+    """Two of three samples of 1 Hz are not 1.5 s apart, but one and two: the second in a window is worth less."""
+    view = SharedView(CoreSettings("r1", "z1"), make_specs(text=FADING))
+    view.add_peer(0.0, "r2", "z2")
+    stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
+    stream.matching = True
+    for count in range(20):
+        stream.note_generated(count + 1, Generated(count - 20.0, 4_000, 1.0))
+    levels = [segment.level for segment in bid(view, 0.0, limits_of(view.specs, 0.02, 2))]
+    assert levels[0] > levels[-1]
+    assert levels.count(levels[0]) == 3  # the quarters of one slot

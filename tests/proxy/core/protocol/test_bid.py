@@ -34,8 +34,8 @@ def test_what_is_no_segment_is_refused(wrong):
 
 
 def test_levels_grow_with_value_and_stay_in_a_byte():
-    """Four levels double the value; nothing is worth level 0."""
-    assert level_of(2.0) - level_of(1.0) == 4
+    """Eight levels double the value; nothing is worth level 0."""
+    assert level_of(2.0) - level_of(1.0) == 8
     assert (level_of(0.0), level_of(1e-300), level_of(1e300)) == (0, 0, 255)
 
 

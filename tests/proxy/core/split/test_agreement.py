@@ -42,6 +42,25 @@ def test_who_comes_has_an_equal_part_left_before_anybody_agrees():
     assert a.entitled == (UNIT - 200) // 2
 
 
+def test_who_is_back_soon_may_have_noticed_nothing():
+    """It holds what it had until it agrees anew, so the other has no more than a newcomer; later it has noticed."""
+    a, b = robot("a", "b"), robot("b", "a")
+    agree(0.1, a, b)
+    a.set_members(2.0, "")
+    a.settle(2.0)
+    assert a.entitled == UNIT - 200
+    a.set_members(2.5, "b")
+    a.settle(2.5)
+    assert a.entitled == 200 // TUNING.newcomers
+    agree(2.6, a, b)
+    assert a.entitled + b.entitled == UNIT - 200
+    a.set_members(3.0, "")
+    a.settle(3.0)
+    a.set_members(5.1, "b")
+    a.settle(5.1)
+    assert a.entitled == (UNIT - 200) // 2
+
+
 def test_memory_is_bounded():
     """Of tables and of bids of robots that are gone."""
     a, b = robot("a", "b"), robot("b", "a")

@@ -131,7 +131,7 @@ def test_a_part_or_slot_carries_a_message_that_fits():
     assert not allocation.carries("d", bids["b"])
 
 
-LOW, HIGH = (Segment(6000, 100, 2),), (Segment(6000, 116, 2),)
+LOW, HIGH = (Segment(6000, 100, 2),), (Segment(6000, 132, 2),)
 
 
 def test_slots_are_worth_what_their_robots_gain_by_them():

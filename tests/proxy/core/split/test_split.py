@@ -53,8 +53,12 @@ def test_the_union_holds_under_loss_delay_repetition_and_reordering(seed, robots
 
 @some
 @given(seeds, st.integers(1, 5), st.floats(0.0, 0.5), st.sampled_from([0.02, 0.2, 1.2]), st.sampled_from([0.05, 0.9]))
+@example(seed=308966, robots=2, loss=0.0, delay=1.2, noticed=0.9)
 def test_the_union_holds_whoever_comes_goes_parts_and_meets(seed, robots, loss, delay, noticed):
-    """Beyond the limit only from when two teams meet until each has seen all of the other, and one window more."""
+    """Beyond the limit only from when two teams meet until each has seen all of the other, and one window more.
+
+    In the example one robot loses sight of the other for a moment, which notices nothing.
+    """
     flight = Flight(seed, robots, loss=loss, delay=delay, noticed=noticed)
     for number in range(STEPS):
         flight.step()
