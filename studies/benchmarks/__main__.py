@@ -9,6 +9,7 @@ from pathlib import Path
 from studies.benchmarks.bridge import measure_bridge
 from studies.benchmarks.budget import measure_budget
 from studies.benchmarks.designs import measure_designs
+from studies.benchmarks.foresight import measure_foresight
 from studies.benchmarks.grid import measure_grid
 from studies.benchmarks.iterations import measure_iterations
 from studies.benchmarks.latency import measure_latency
@@ -35,6 +36,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "mixed": ("What missions of mixed sizes reach", lambda quick: measure_mixed(quick=quick)),
     "latency": ("What missions reach with latency", lambda quick: measure_latency(quick=quick)),
     "iterations": ("What more iterations give", lambda quick: measure_iterations(quick=quick)),
+    "foresight": ("What forecasts that know the future are worth", lambda quick: measure_foresight(quick=quick)),
     "receding": ("Beside the exact receding-horizon optimiser", lambda quick: measure_receding(quick=quick)),
     "view": ("How right the shared view is, and what a team reaches with it", lambda quick: measure_view(quick=quick)),
     "bridge": ("What the bridge costs", lambda quick: measure_bridge(quick=quick)),
