@@ -4,9 +4,7 @@ The study's forecasts know what was seen so far. They once took period, slope an
 this says what that was worth.
 """
 
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -14,7 +12,7 @@ from statistics import fmean
 
 from planner.constraints import violations
 from planner.definition import utility
-from studies.benchmarks.missions import HORIZON, ITERATIONS, Point, best_mode, points
+from studies.benchmarks.missions import HORIZON, ITERATIONS, Point, best_mode, on_all_cores, points
 from studies.benchmarks.quality import RuleBrokenError
 from studies.benchmarks.report import Table
 from studies.oracle import upper_bound
@@ -55,13 +53,8 @@ def measure_foresight(*, quick: bool) -> list[Table]:
     SciPy.
     """
     seeds, seconds = (1, 12.0) if quick else (10, 100.0)
-    where = product(points()[: len(SCENARIOS) if quick else None], range(seeds))
-    job = partial(fly, seconds=seconds)
-    if quick:
-        flown = [job(place) for place in where]
-    else:
-        with ProcessPoolExecutor(os.cpu_count()) as pool:
-            flown = list(pool.map(job, where))
+    where = list(product(points()[: len(SCENARIOS) if quick else None], range(seeds)))
+    flown = on_all_cores(partial(fly, seconds=seconds), where, alone=quick)
     return [_table([one for of_mission in flown for one in of_mission], seeds, seconds)]
 
 
