@@ -23,9 +23,6 @@ from studies.workload import SCENARIOS
 BUDGETS = (300, 1_500)
 """Iterations of a decision: those of the grid, and the paper's."""
 
-ALL = 100_000
-"""A horizon that holds every message of a mission."""
-
 MANY = 30_000
 """More iterations than the arena has room for."""
 
@@ -41,18 +38,19 @@ Fresh = Callable[[Problem, int], Policy]
 class Form:
     """Paper mode as it is, or with something to the letter.
 
-    What is `slow`, because only the Python engine does it, flies one mission of a point, and with the least budget.
+    Without a horizon all messages of the mission are in the tree. What is `slow`, because only the Python engine does
+    it, flies one mission of a point, and with the least budget.
     """
 
     name: str
     fresh: Fresh
-    horizon: int = HORIZON
+    horizon: int | None = HORIZON
     slow: bool = False
 
     def fly(self, flown: Problem, iterations: int) -> tuple[int, ...]:
         """Return what is sent of a mission; raise RuleBrokenError when that breaks a constraint."""
         contender = Contender(self.name, partial(_of_iterations, self.fresh, iterations))
-        sends, _ = contender.fly(flown, self.horizon)
+        sends, _ = contender.fly(flown, self.horizon or len(flown.messages))
         broken = violations(flown, sends)
         if broken:
             raise RuleBrokenError(f"{self.name}: {broken[0]}")
@@ -87,14 +85,14 @@ def forms() -> tuple[Form, ...]:
             _literal(search=DescendantsAlone),
             slow=True,
         ),
-        Form(f"a tree of {HORIZON} messages → of all to the mission's end", _as_it_is(), ALL),
+        Form(f"a tree of {HORIZON} messages → of all to the mission's end", _as_it_is(), None),
         _reduced(eq7),
         _reduced(exact),
-        Form("U, ψ and the tree all to the letter, reduction off", letter(), ALL),
+        Form("U, ψ and the tree all to the letter, reduction off", letter(), None),
         Form(
             "U, ψ and the tree all to the letter, reduction paper",
             letter(settings=eq7),
-            ALL,
+            None,
         ),
     )
 

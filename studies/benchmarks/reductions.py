@@ -169,8 +169,8 @@ def _counts_table() -> Table:
         tuple(rows),
         "Ten Markovian streams that generate in turn, regularly. The paper's count is that of §3.2.1, its r one more"
         " than may be sent: it is exact at the levels k − 1, k and k + 1, and too high beyond. Eq. 8 as printed is too"
-        " low: nothing received yet is a state, too, hence n_p + 1. Where a window is no longer than the period of a stream"
-        " (k ≤ 10), the last messages say what it holds, and Eq. 7 is exact, as the paper's third footnote says.",
+        " low: nothing received yet is a state, too, hence n_p + 1. Where a window is no longer than the period of a"
+        " stream (k ≤ 10), the last messages say what it holds, and Eq. 7 is exact, as the third footnote says.",
     )
 
 
