@@ -134,21 +134,24 @@ class Extent:
         """Return the missions by point and seed."""
         return list(product(where[: self.points], range(self.seeds)))
 
+    def missions(self) -> str:
+        """Say how many missions of a point there are, and of what length."""
+        return f"{self.seeds} mission{'s' if self.seeds > 1 else ''} of {self.seconds:g} s"
+
     def said(self, *, quick: bool = False) -> str:
         """Say it in a note."""
         where = "the tightest limit" if quick else "each limit of the grid"
-        missions = "1 mission" if self.seeds == 1 else f"{self.seeds} missions"
-        return f"{missions} of {self.seconds:g} s of each scenario at {where}"
+        return f"{self.missions()} of each scenario at {where}"
 
 
-FULL, FEW = Extent(2, 25.0), Extent(1, 15.0)
+FULL, FEW = Extent(1, 25.0), Extent(1, 15.0)
 QUICK = Extent(1, 2.0, len(SCENARIOS))
 
 
 def measure_deviations(*, quick: bool) -> list[Table]:
     """Fly the grid with every form of paper mode; return a table for each budget, one of the arena, one of sizes.
 
-    `quick` takes seconds instead of half an hour. Raises OracleUnavailable without SciPy.
+    `quick` takes seconds instead of minutes. Raises OracleUnavailable without SciPy.
     """
     extent, few = (QUICK, QUICK) if quick else (FULL, FEW)
     found = []
@@ -156,7 +159,7 @@ def measure_deviations(*, quick: bool) -> list[Table]:
         job = partial(fly, catalogue=forms, iterations=budget, seconds=extent.seconds)
         found.append(_worth_table(_flown(job, points(), extent, alone=quick), budget, extent.said(quick=quick)))
     job = partial(fly, catalogue=arenas, iterations=MANY, seconds=few.seconds)
-    found.append(_arena_table(_flown(job, points(), few, alone=quick), few.said(quick=quick)))
+    found.append(_arena_table(_flown(job, points()[-len(SCENARIOS) :], few, alone=quick), few))
     job = partial(fly, catalogue=sizes, iterations=BUDGETS[0], seconds=extent.seconds)
     found.append(_sizes_table(_flown(job, points("mixed"), extent, alone=quick), extent.said(quick=quick)))
     return found
@@ -241,7 +244,7 @@ def _shares(flown: Sequence[Flight], scenario: int) -> list[float]:
     return [one.share for one in _of_scenario(flown, scenario)]
 
 
-def _arena_table(flown: Sequence[Flight], said: str) -> Table:
+def _arena_table(flown: Sequence[Flight], extent: Extent) -> Table:
     bounded, free = _by_form(flown).values()
     rows = [
         (own[0].form, *(f"{100 * fmean(_shares(own, n)):.2f}" for n in range(len(SCENARIOS))))
@@ -251,7 +254,8 @@ def _arena_table(flown: Sequence[Flight], said: str) -> Table:
         f"The arena, {MANY:,} iterations",
         ("form", *(scenario.name for scenario in SCENARIOS)),
         tuple(rows),
-        f"Share of the offline bound [%]; {said}. The bound on nodes is worth {_more(bounded, free).percent(2)} points."
+        f"Share of the offline bound [%]; {extent.missions()} of each scenario at {flown[0].point.limit_name()}. The"
+        f" bound on nodes is worth {_more(bounded, free).percent(2)} points."
         f" An iteration makes two nodes at most: up to {PAPER.max_nodes // 2:,} iterations the arena changes nothing.",
     )
 
