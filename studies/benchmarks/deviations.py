@@ -144,7 +144,7 @@ class Extent:
         return f"{self.missions()} of each scenario at {where}"
 
 
-FULL, FEW = Extent(1, 25.0), Extent(1, 15.0)
+FULL, FEW = Extent(2, 25.0), Extent(1, 15.0)
 QUICK = Extent(1, 2.0, len(SCENARIOS))
 
 
