@@ -151,7 +151,7 @@ QUICK = Extent(1, 2.0, len(SCENARIOS))
 def measure_deviations(*, quick: bool) -> list[Table]:
     """Fly the grid with every form of paper mode; return a table for each budget, one of the arena, one of sizes.
 
-    `quick` takes seconds instead of minutes. Raises OracleUnavailable without SciPy.
+    `quick` takes seconds instead of a quarter of an hour. Raises OracleUnavailable without SciPy.
     """
     extent, few = (QUICK, QUICK) if quick else (FULL, FEW)
     found = []

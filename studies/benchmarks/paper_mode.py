@@ -6,5 +6,5 @@ from studies.benchmarks.report import Figure, Table
 
 
 def measure_paper_mode(*, quick: bool) -> list[Table | Figure]:
-    """Measure both; `quick` takes seconds instead of minutes. Raises OracleUnavailable without SciPy."""
+    """Measure both; `quick` takes seconds instead of a quarter of an hour. Raises OracleUnavailable without SciPy."""
     return [*measure_deviations(quick=quick), *measure_reductions(quick=quick)]
