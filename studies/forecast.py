@@ -3,7 +3,7 @@
 A stream is expected once its first message was seen, with the mean period of the others; after its second one with its
 own. Nothing is known of a whole mission beforehand but when it ends. Two yardsticks know more: `specs` also the streams
 that will be, with the weight, fading and size of each, but not their periods; `hindsight` also the period, the
-deviations and the means of the whole mission.
+deviations and the means of the whole mission. `results/foresight.md` says what they would be worth.
 
 One forecast says when and what messages are *expected*. Several *futures* together say how they may deviate: of every
 message to come the deviations are spread evenly over the futures (Latin hypercube sampling), so that a handful will do.

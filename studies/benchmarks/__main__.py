@@ -9,11 +9,13 @@ from pathlib import Path
 from studies.benchmarks.bridge import measure_bridge
 from studies.benchmarks.budget import measure_budget
 from studies.benchmarks.designs import measure_designs
+from studies.benchmarks.foresight import measure_foresight
 from studies.benchmarks.grid import measure_grid
 from studies.benchmarks.iterations import measure_iterations
 from studies.benchmarks.latency import measure_latency
 from studies.benchmarks.memory import measure_memory
 from studies.benchmarks.mixed import measure_mixed
+from studies.benchmarks.paper_mode import measure_paper_mode
 from studies.benchmarks.quality import measure_quality
 from studies.benchmarks.receding import measure_receding
 from studies.benchmarks.report import Result, Table, machine, write_page
@@ -35,6 +37,8 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "mixed": ("What missions of mixed sizes reach", lambda quick: measure_mixed(quick=quick)),
     "latency": ("What missions reach with latency", lambda quick: measure_latency(quick=quick)),
     "iterations": ("What more iterations give", lambda quick: measure_iterations(quick=quick)),
+    "paper_mode": ("Paper mode beside the paper", lambda quick: measure_paper_mode(quick=quick)),
+    "foresight": ("What forecasts that know the future are worth", lambda quick: measure_foresight(quick=quick)),
     "receding": ("Beside the exact receding-horizon optimiser", lambda quick: measure_receding(quick=quick)),
     "view": ("How right the shared view is, and what a team reaches with it", lambda quick: measure_view(quick=quick)),
     "bridge": ("What the bridge costs", lambda quick: measure_bridge(quick=quick)),

@@ -1,14 +1,14 @@
 """Missions flown by contenders at points of a grid, on all cores, as shares of the offline bound."""
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from statistics import fmean
 from time import perf_counter
-from typing import Literal
+from typing import Literal, TypeVar
 
 from planner import Constraint, Problem, SearchSettings
 from planner.constraints import violations
@@ -29,6 +29,9 @@ HORIZON = 60
 ITERATIONS = 300
 LATENCY = 0.01
 """Of every message where nothing else is said [s]."""
+
+Place = TypeVar("Place")
+Found = TypeVar("Found")
 
 FUTURES = 6
 """Sampled futures among which best mode shares its iterations."""
@@ -128,10 +131,15 @@ def fly_all(
     without SciPy.
     """
     tasks = [_Task(point, seed, seconds, tuple(contenders)) for point, seed in product(where, range(seeds))]
+    return [one for flown in on_all_cores(_fly, tasks, alone=alone) for one in flown]
+
+
+def on_all_cores(job: Callable[[Place], Found], places: Sequence[Place], *, alone: bool = False) -> list[Found]:
+    """Do a job for every place, in as many processes as there are cores, or `alone` in this one."""
     if alone:
-        return [one for task in tasks for one in _fly(task)]
+        return list(map(job, places))
     with ProcessPoolExecutor(os.cpu_count()) as pool:
-        return [one for flown in pool.map(_fly, tasks) for one in flown]
+        return list(pool.map(job, places))
 
 
 def _fly(task: _Task) -> list[Measured]:

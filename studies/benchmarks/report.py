@@ -2,7 +2,7 @@
 
 import os
 import platform
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -49,7 +49,15 @@ class Picture:
     svg: str
 
 
-Result = Table | Chart | Picture
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A figure that `draw` writes into a folder as SVG and PNG; it returns their name without what follows the dot."""
+
+    title: str
+    draw: Callable[[Path], str]
+
+
+Result = Table | Chart | Picture | Figure
 
 
 def machine() -> str:
@@ -84,6 +92,9 @@ def write_page(
             picture = path.with_suffix(".svg")
             picture.write_text(result.svg, encoding="utf-8")
             sections.append(f"![{result.title}]({picture.name})")
+        elif isinstance(result, Figure):
+            name = result.draw(path.parent)
+            sections += [f"![{result.title}]({name}.png)", f"([{name}.svg]({name}.svg))"]
         else:
             picture = path.with_name(f"{path.stem}-{result.file_name()}")
             result.draw(picture, origin)

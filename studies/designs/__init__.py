@@ -8,6 +8,8 @@
     ablations.py   best mode with one part left out or replaced, other uses of its parts
     dominance.py   best mode with dominance in place of equality
     priors.py      best mode that begins with what the last decision found
+    literal.py     paper mode with things to the letter of §3
+    counts.py      how many nodes whole trees have
 
 They are small, not fast, and belong to no product: `planner/` holds the ones that won.
 """

@@ -96,8 +96,11 @@ def sweep_figure(results: Results, extent: Extent, sweep: Sweep, folder: Path) -
             lowest = min([lowest, *(100 * mean.mean for mean in points.values())])
             line(axes, style, list(points.items()), title)
         if sweep.logarithmic:
-            axes.set_xscale("log")
             ticks = [x for x, _ in sweep.points]
+            if min(ticks) > 0:
+                axes.set_xscale("log")
+            else:
+                axes.set_xscale("symlog", linthresh=min(x for x in ticks if x > 0))
             axes.set_xticks(ticks, [f"{x:g}" for x in ticks])
             axes.minorticks_off()
         of = "the bound at the same latency" if sweep.of == "bound" else "the maximum"

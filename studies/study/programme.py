@@ -151,7 +151,7 @@ SWEEPS = (
         "Iterations of a search",
         "iterations",
         (BEST, PAPER),
-        _varied("iterations", (1, 10, 30, 100, 300, 1000, 3000, 10_000)),
+        _varied("iterations", (0, 1, 10, 30, 100, 300, 1000, 3000, 10_000)),
         logarithmic=True,
     ),
     Sweep(

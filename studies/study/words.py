@@ -161,7 +161,9 @@ def beside_the_paper(results: Results, extent: Extent) -> Iterator[str]:
         " go by their characteristic. Its frames went at the lowest basic rate, 1 Mbit/s, for broadcasts do so in ns-3"
         " unless they are told otherwise; here they go at 5.5 Mbit/s. Its senders start in the same instant and"
         " collide; here each waits up to a millisecond. Utility is counted after ten seconds of warm-up. Its limits"
-        " count messages in 2.5 s, as here."
+        " count messages in 2.5 s, as here. Forecasts know only what a robot could have seen by then;"
+        " `results/foresight.md` says what more would be worth, and `results/paper_mode.md` what paper mode does"
+        " otherwise than §3."
     )
 
 

@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime
 
-from studies.benchmarks.report import Picture, Table, machine, write_page
+from studies.benchmarks.report import Figure, Picture, Table, machine, write_page
 
 TABLE = Table("Speed", ("search", "rate"), (("paper", "1,500"), ("b", "2")), "A note.")
 
@@ -32,6 +32,20 @@ def test_a_picture_that_is_there_already_goes_beside_its_page(tmp_path):
     write_page(tmp_path / "budget.md", "Budget", [TABLE, Picture("Flames", "<svg/>")], datetime(2026, 5, 4, tzinfo=UTC))
     assert "![Flames](budget.svg)" in (tmp_path / "budget.md").read_text()
     assert (tmp_path / "budget.svg").read_text() == "<svg/>"
+
+
+def test_a_figure_is_drawn_beside_its_page(tmp_path):
+    """Shown as PNG, with a link to the SVG."""
+
+    def draw(folder):
+        (folder / "nodes.png").write_bytes(b"png")
+        return "nodes"
+
+    write_page(tmp_path / "counts.md", "Counts", [Figure("Nodes", draw)], datetime(2026, 5, 4, tzinfo=UTC))
+    page = (tmp_path / "counts.md").read_text()
+    assert "![Nodes](nodes.png)" in page
+    assert "[nodes.svg](nodes.svg)" in page
+    assert (tmp_path / "nodes.png").exists()
 
 
 def test_pages_name_machine_and_date(tmp_path):

@@ -2,12 +2,14 @@
 
 import json
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import cv2
 import pytest
 
 from studies.study.contenders import BOUND
+from studies.study.figures import sweep_figure
 from studies.study.page import write
 from studies.study.programme import QUICK, sweeps
 from studies.study.results import Results
@@ -61,6 +63,15 @@ def test_every_figure_is_there(folder):
     assert len(written) == 2 * (2 + len(sweeps(QUICK)))
     for path in (folder / "results").glob("*.png"):
         assert cv2.imread(str(path)).std() > 1.0
+
+
+def test_a_logarithmic_axis_may_begin_at_nothing(tmp_path):
+    """No iterations stand left of one, then come decades."""
+    extent = replace(QUICK, sweeps=("iterations",), points=100)
+    results = Results(filled(tmp_path / "records.jsonl", extent, reached))
+    name = sweep_figure(results, extent, sweeps(extent)[0], tmp_path)
+    ticks = re.findall(r">(\d+)</text>", (tmp_path / f"{name}.svg").read_text())
+    assert ticks[:9] == ["0", "1", "10", "30", "100", "300", "1000", "3000", "10000"]
 
 
 def test_all_figures_are_there_as_data(folder):
