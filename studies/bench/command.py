@@ -11,15 +11,16 @@ from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION
 
 DESCRIPTION = """\
-Flies policies through the missions of the benchmark and prints, for each, utility as a part of the offline bound, how much
-it sent, how much of that exceeded a limit (the channel refuses it, and it costs as much of the score), and how long
-decisions took. Sendworthy's own modes fly beside simpler policies: best, paper, planner, rank, greedy, fixed-rate, all.
+Flies policies through the missions of the benchmark and prints what each reaches: utility as a part of the offline
+bound, how much it sent, how much of that exceeded a limit (the channel refuses it, and the score is less by as much),
+and how long decisions took. Sendworthy's own modes fly beside simpler policies.
 
 A policy of your own is a Python class with one method, decide(self, sample, situation), which returns whether to send a
-sample that its robot generated just now. studies/bench/README.md has an example of ten lines, and the format of missions.
+sample that its robot generated just now. studies/bench/README.md has an example of ten lines, the rules, and the format
+of missions.
 
-Missions come with Sendworthy, drawn and recorded ones. --generate writes the drawn ones anew, --make one of a recording.
-Both need the extra study, and --make the extra record.
+Missions come with Sendworthy, drawn ones and a recorded one. --generate writes the drawn ones anew, --make writes one
+of a recording. Both need the extra study, and --make the extra record.
 """
 EXAMPLES = """\
 examples:
@@ -59,6 +60,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     add("--make", metavar="FILE", type=Path, help="write a mission of a recording here, and end")
     add("--recording", metavar="FILE", nargs="+", type=Path, help="of --make: all parts of one, or those of robots")
     add("--specs", metavar="PATH", action="append", type=Path, help="of --make: specs instead of the recorded ones")
+    add("--about", metavar="TEXT", help="of --make: what it is, in a line")
     add("--latency", metavar="TIME", type=_duration, default=0.02, help="of --make: between robots (default: 20 ms)")
     parser.set_defaults(run=run)
 
@@ -71,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     try:
         doing.bench(arguments)
-    except doing.RecordMissing:
+    except doing.RecordMissingError:
         print(f"sendworthy bench: --make {needs('record')}", file=sys.stderr)
         return exit_codes.FAILED
     except (BenchError, OracleError, OSError) as error:

@@ -20,12 +20,12 @@ VERSION = 1
 """Of the JSON: what would be misread has a greater one."""
 
 
-class RecordMissing(Exception):
+class RecordMissingError(Exception):
     """The extra that reads recordings is not installed."""
 
 
 def bench(arguments: argparse.Namespace) -> None:
-    """Do what was asked for. Raises BenchError, OracleError, SpecsError, OSError or RecordMissing."""
+    """Do what was asked for. Raises BenchError, OracleError, SpecsError, OSError or RecordMissingError."""
     if arguments.generate is not None:
         generate(arguments.generate)
     elif arguments.make is not None or arguments.recording is not None:
@@ -56,9 +56,15 @@ def _make(arguments: argparse.Namespace) -> None:
         from studies.bench.recorded import of_recording  # noqa: PLC0415
         from studies.replay.errors import ReplayError  # noqa: PLC0415
     except ImportError:
-        raise RecordMissing from None
+        raise RecordMissingError from None
     try:
-        mission = of_recording(arguments.recording, arguments.specs, arguments.make.stem, arguments.latency)
+        mission = of_recording(
+            arguments.recording,
+            arguments.specs,
+            arguments.make.stem,
+            about=arguments.about,
+            latency=arguments.latency,
+        )
     except (RecordingError, ReplayError) as error:
         raise BenchError(str(error)) from None
     arguments.make.write_text(text_of(mission), encoding="utf-8")

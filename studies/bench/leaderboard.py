@@ -11,13 +11,15 @@ from studies.benchmarks.report import Table, machine
 
 RULES = """\
 Every robot decides for itself, by its own samples and by what it heard of the others'. The channel carries what the
-limits allow: a sample that exceeds one is lost, and its sender is not told. Utility is a part of the bound, what somebody
-who knew everything beforehand could have gained at most at the same latency if nothing were lost. The *score* is the
-utility less as large a part of it as exceeded a limit of all that was sent, for somebody else wants to use that channel,
-too. `studies/bench/README.md` has the rules, the format of missions, and how to write a policy."""
+limits allow: a sample that exceeds one is lost, and its sender is not told. Utility is a part of the bound: what
+somebody who knew everything beforehand could have gained at most at the same latency, if nothing were lost on the way.
+The *score* is the utility less as large a part of it as exceeded a limit of all that was sent, for others want to use
+that channel, too. [studies/bench/README.md](../bench/README.md) has the rules, the format of missions, and how to write
+a policy."""
 NOTE = (
-    "Means over missions [%]: score; utility of the bound; samples sent; of those sent, over a limit; and of a decision the"
-    " median and 99th percentile of processor time [ms]; told: what a robot tells besides samples [B/s]."
+    "Means over missions [%]: score; utility as a part of the bound; samples sent; of those sent, over a limit. Of"
+    " decisions the median and the 99th percentile of their processor time [ms]; told: what all robots tell each other"
+    " besides samples [B/s]."
 )
 
 

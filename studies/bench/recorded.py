@@ -25,7 +25,9 @@ AFTER = 0.1
 """A mission ends so long after its last sample [s]."""
 
 
-def of_recording(files: Sequence[Path], specs: Sequence[Path] | None, name: str, latency: float) -> Mission:
+def of_recording(
+    files: Sequence[Path], specs: Sequence[Path] | None, name: str, *, about: str | None = None, latency: float
+) -> Mission:
     """Make a mission of all parts of a recording, or of those of several robots, at this latency [s].
 
     Raises BenchError, RecordingError, ReplayError, SpecsError or OSError.
@@ -45,7 +47,7 @@ def of_recording(files: Sequence[Path], specs: Sequence[Path] | None, name: str,
     head = Head(
         format=FORMAT,
         name=name,
-        about=f"recorded: {', '.join(flown.robots)}",
+        about=about or f"recorded: {', '.join(flown.robots)}",
         seconds=seconds,
         warm_up=min(WARM_UP, seconds / 5),
         latency=latency,

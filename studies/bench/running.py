@@ -12,7 +12,7 @@ from studies.progress_bar import flights
 
 
 def fly_all(missions: Sequence[Path], policies: Sequence[str], jobs: int) -> list[Score]:
-    """Fly each mission by each policy; return scores by mission, then policy. Raises BenchError, before or on the way."""
+    """Fly each mission by each policy; return scores by mission, then policy. Raises BenchError."""
     for name in policies:
         check(name)
     known = {load(path).head.name: path for path in missions}
