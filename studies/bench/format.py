@@ -125,7 +125,7 @@ class Mission:
             tuple(Stream(numbers[table.robot], Aggregation(table.aggregation)) for table in self.streams),
             tuple(messages),
             0,
-            tuple(_named(number, limits) for number in range(len(limits))),
+            tuple(_constraint(self.head.limits, number) for number in range(len(limits))),
             (),
             t_start=0.0,
             t_end=self.head.seconds,
@@ -252,7 +252,8 @@ def _sloped(utility: MessageUtility, slope: float | None) -> MessageUtility:
     return utility if slope is None or not isinstance(utility, Linear) else Linear(utility.u0, slope)
 
 
-def _named(number: int, limits: Sequence[Measure]) -> Constraint:
-    kind = limits[number].kind
-    alike = sum(limit.kind == kind for limit in limits)
-    return limits[number].constraint(kind if alike == 1 else f"{kind}-{number}")
+def _constraint(limits: Sequence[LimitTable], number: int) -> Constraint:
+    """Return a limit as a constraint, with a name of its own."""
+    table = limits[number]
+    alike = sum(each.kind == table.kind for each in limits)
+    return Constraint(table.kind if alike == 1 else f"{table.kind}-{number}", table.window, table.limit)

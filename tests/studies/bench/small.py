@@ -13,7 +13,7 @@ HEAD = {
     "latency": 0.05,
     "loss": 0.0,
     "seed": 1,
-    "limits": [{"kind": "throughput", "limit": 150.0, "window": 0.9}],
+    "limits": [{"kind": "throughput", "limit": 15_000.0, "window": 0.9}],
     "columns": ["t_gen", "stream", "size"],
     "bound": 20.0,
     "all": 25.0,
@@ -29,7 +29,7 @@ STREAM = {
 
 def lines(head=None, **changes):
     """The lines of the file, as objects; `changes` are of the head."""
-    rows = [[second + 0.25 * robot, robot, 100] for second in range(12) for robot in range(2)]
+    rows = [[second + 0.25 * robot, robot, 10_000] for second in range(12) for robot in range(2)]
     other = STREAM | {"robot": "r1", "key": "r1/pose", "weight": 3.0}
     return [head or HEAD | changes, STREAM, other, *rows]
 

@@ -18,10 +18,10 @@ def test_a_mission_is_read_as_a_problem(tmp_path):
     assert mission.robots == ("r0", "r1")
     assert [(s.robot, s.aggregation) for s in problem.streams] == [(0, Aggregation.MOST_RECENT), (1, "most_recent")]
     third = problem.messages[2]
-    assert (third.stream, third.t_gen, third.t_rcv, third.use) == (0, 1.0, 1.05, (100.0,))
+    assert (third.stream, third.t_gen, third.t_rcv, third.use) == (0, 1.0, 1.05, (10_000.0,))
     assert problem.messages[1].scale == 3.0
     assert third.utility == Linear(1.0, 0.5)
-    assert [(c.name, c.window, c.limit) for c in problem.constraints] == [("throughput", 0.9, 150.0)]
+    assert [(c.name, c.window, c.limit) for c in problem.constraints] == [("throughput", 0.9, 15_000.0)]
     assert problem.t_end == 12.0
 
 

@@ -46,14 +46,14 @@ def test_a_policy_knows_what_was_sent_and_heard(problem):
     one.hear(told, 0.3)
     window = one.window(one.generate(problem.messages[2]))
     sample, situation = Situation(window).sample, Situation(window)
-    assert (sample.robot, sample.stream, sample.t_gen, sample.use) == (0, 0, 1.0, (100.0,))
+    assert (sample.robot, sample.stream, sample.t_gen, sample.use) == (0, 0, 1.0, (10_000.0,))
     assert situation.now == 1.0
     assert [(each.stream, each.t_gen, each.arrives) for each in situation.sent] == [(1, 0.25, 0.3)]
     assert situation.shown(0) is None
     assert situation.shown(1) == situation.sent[0]
-    assert situation.room() == (50.0,)
+    assert situation.room() == (5_000.0,)
     assert not situation.fits()
-    assert [limit.limit for limit in situation.limits] == [150.0]
+    assert [limit.limit for limit in situation.limits] == [15_000.0]
     assert {each.stream for each in situation.expected} == {0, 1}
     assert sample not in situation.expected
 
@@ -65,7 +65,7 @@ def test_a_policy_knows_nothing_of_those_it_did_not_hear(problem):
     situation = Situation(one.window(one.generate(problem.messages[2])))
     assert situation.sent == ()
     assert {each.stream for each in situation.expected} == {0}
-    assert situation.room() == (150.0,)
+    assert situation.room() == (15_000.0,)
     assert situation.fits()
 
 
