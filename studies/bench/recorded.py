@@ -102,7 +102,8 @@ def _rows(outcomes: Outcomes, planned: Sequence[int]) -> tuple[tuple[Row, ...], 
         raise BenchError("a mission file has utilities whose parameters follow features only where all are linear")
     scaled = any(row.scale != 1.0 for row in rows)
     further = [name for name, wanted in (("scale", scaled), ("slope", varied)) if wanted]
-    return tuple(rows), (*FIRST, *further)
+    kept = rows if varied else [row._replace(slope=None) for row in rows]
+    return tuple(kept), (*FIRST, *further)
 
 
 def _weight(outcomes: Outcomes, number: int) -> float:
