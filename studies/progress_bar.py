@@ -1,5 +1,6 @@
-"""How far a long computation is: by a bar where the package rich is there, else by a line now and then."""
+"""How far flights are: by a bar in a terminal where the package rich is there, else by a line now and then."""
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -14,7 +15,7 @@ Advance = Callable[[float], None]
 @contextmanager
 def flights(count: int, total: float) -> Iterator[Advance]:
     """Show how many of so many flights are done, which are `total` altogether, in whatever unit; on standard error."""
-    if there("rich"):
+    if there("rich") and sys.stderr.isatty():
         with _bar(count, total) as advance:
             yield advance
         return
