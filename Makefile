@@ -60,9 +60,11 @@ bench: setup
 
 # The simulation study of the paper and beyond, on ns-3: writes studies/RESULTS.md and its figures anew. It says at first how
 # many hours that takes, keeps what it has flown in build/study and goes on from there. QUICK=1 takes a minute and writes to
-# build/study, DASK=ADDRESS sends the flights to a Dask cluster.
+# build/study, DASK=ADDRESS sends the flights to a Dask cluster. At last it flies the benchmark, for its leaderboard.
 study: setup .venv/ns3
 	$(BIN)/python -m studies.study $(if $(QUICK),--extent quick --page build/study/quick/RESULTS.md) $(if $(DASK),--dask $(DASK))
+	$(BIN)/sendworthy bench --policy studies.bench.example:Faded $(if $(QUICK),--missions paper-mixed) \
+	    --leaderboard $(if $(QUICK),build/study/quick,studies)/results/leaderboard.md
 
 # What teams reach on bad networks and with real traffic: writes studies/results/view.md and traffic.md anew. The latter
 # takes hours, and says how many at first.

@@ -2,7 +2,7 @@
 
 Of each message that was received it is the utility it gained per second in which it was of use: as long as it was worth
 anything and, where the newest message counts, until the next one came; where the best one counts, as long as it was
-that.
+that. Where what is shown has to be true (`current`), what is lost by it while it is not is taken off, down to nothing.
 """
 
 from collections import defaultdict
@@ -14,7 +14,9 @@ import numpy as np
 
 from planner import Aggregation, Message, MessageUtility, Problem
 from planner.utility import Floats
+from studies.shown import excess
 from studies.study.errors import StudyError
+from utility_specs.lifetimes import initial
 
 PROBABILITIES = tuple((i + 1) / 30 for i in range(30))
 """With which messages are sent, in one run each."""
@@ -94,11 +96,12 @@ def gains(problem: Problem, times: Mapping[int, float]) -> Floats:
         aggregation = problem.streams[number].aggregation
         if not isinstance(aggregation, Aggregation):
             raise StudyError("a stream has an aggregation of its own: what one of its messages is worth is not defined")
-        found.append(_gained(aggregation, received, problem.t_end))
+        lost = _lost(problem, number, received) if aggregation is Aggregation.CURRENT else np.zeros(len(received))
+        found.append(_gained(aggregation, received, problem.t_end, lost))
     return np.concatenate(found) if found else np.zeros(0)
 
 
-def _gained(aggregation: Aggregation, received: list[Message], t_end: float) -> Floats:
+def _gained(aggregation: Aggregation, received: list[Message], t_end: float, lost: Floats) -> Floats:
     begins = np.array([m.t_rcv for m in received])
     match aggregation:
         case Aggregation.BEST:
@@ -107,11 +110,22 @@ def _gained(aggregation: Aggregation, received: list[Message], t_end: float) -> 
             until = np.full(len(received), t_end)
         case Aggregation.ONCE:
             until = np.append(t_end, begins[1:])
-        case Aggregation.MOST_RECENT:
+        case Aggregation.MOST_RECENT | Aggregation.CURRENT:
             until = np.append(begins[1:], t_end)
     ends = np.maximum(begins, np.minimum(until, _worthless_from(received, t_end)))
     used = ends - begins
-    return np.where(used > 0.0, _areas(received, begins, ends) / np.where(used > 0.0, used, 1.0), 0.0)
+    gained = np.maximum(_areas(received, begins, ends) - lost, 0.0)
+    return np.where(used > 0.0, gained / np.where(used > 0.0, used, 1.0), 0.0)
+
+
+def _lost(problem: Problem, stream: int, received: list[Message]) -> Floats:
+    """Return what each message of a stream of `current` loses while it shows what is no longer true [utility·s]."""
+    made = sorted((m.t_gen, m.scale) for m in problem.messages if m.stream == stream)
+    generated = np.array([t for t, _ in made]), np.array([scale for _, scale in made])
+    shown = np.array([m.t_rcv for m in received]), np.array([m.scale for m in received])
+    _, which, too_much = excess(shown, generated, problem.t_end)
+    full = np.array([initial(m.utility) for m in received])
+    return full * np.bincount(which, too_much, minlength=len(received))
 
 
 def _areas(messages: Sequence[Message], begins: Floats, ends: Floats) -> Floats:

@@ -14,18 +14,20 @@ Studies of missions. `characteristic` says how unequal the messages of a mission
 gained by choosing among them.
 """
 CHARACTERISTIC = """\
-Sends the samples of a recording at random, 30 times with another probability each, and says what those that were
+Sends the samples of a mission at random, 30 times with another probability each, and says what those that were
 received gained per second in which they were of use, as a part of the greatest: a histogram, the parts of messages of
 low, medium and high utility, and what the better half of them is worth. Where most have a high utility it matters
 little which are sent; where few have, who drops at random loses most.
 
-It takes recordings of daemons and what `sendworthy import` made of a ROS 2 bag or a CSV file.
+It takes recordings of daemons, what `sendworthy import` made of a ROS 2 bag or a CSV file, or a mission of the
+benchmark (see `sendworthy bench`).
 """
 EXAMPLES = """\
 examples:
   sendworthy study characteristic recordings/*.mcap
   sendworthy study characteristic bag.mcap --specs ros2.toml --picture characteristic.png
   sendworthy study characteristic r1.mcap --json -
+  sendworthy study characteristic studies/bench/missions/paper-few.jsonl
 
 exit codes:
   0  it is printed
@@ -46,14 +48,20 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     of = parser.add_subparsers(metavar="WHAT", required=True)
     one = of.add_parser(
         "characteristic",
-        help="how unequal the messages of a recorded mission are",
+        help="how unequal the messages of a mission are",
         description=CHARACTERISTIC,
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     add = one.add_argument
-    add("files", metavar="FILE", nargs="+", type=Path, help="recordings: all parts of one, or those of several robots")
+    add(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        type=Path,
+        help="recordings: all parts of one, or those of several robots; or a mission",
+    )
     add("--specs", metavar="PATH", action="append", type=Path, help="utility specs instead of the recorded ones")
     add("--latency", metavar="TIME", type=_duration, help="from a robot to whoever wants its samples (default: 10 ms)")
     add("--seed", metavar="N", type=_number, default=0, help="of what is dropped (default: 0)")

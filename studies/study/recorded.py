@@ -1,9 +1,10 @@
-"""The characteristic (§4.1) of missions that were recorded or imported, as text, JSON and a picture."""
+"""The characteristic (§4.1) of missions: recorded or imported ones, or of the benchmark; text, JSON and a picture."""
 
 import argparse
 import json
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ import numpy as np
 from planner import Problem
 from proxy.extras import needs, there
 from proxy.recording.reading import RecordingReader
+from studies.bench.errors import BenchError
+from studies.bench.folder import SUFFIX, load
 from studies.replay.flight import TAIL
 from studies.replay.mission import LATENCY, Mission
 from studies.replay.policies import enter_all, problem_of
@@ -35,6 +38,15 @@ PICTURES = (".png", ".svg", ".pdf")
 Report = dict[str, Any]
 
 
+@dataclass(frozen=True, slots=True)
+class _Mission:
+    """What a report says of a mission."""
+
+    robots: tuple[str, ...]
+    samples: int
+    seconds: float
+
+
 def characteristic(arguments: argparse.Namespace) -> None:
     """Compute it, write what was asked for. Raises StudyError, ReplayError, RecordingError, SpecsError or OSError."""
     picture: Path | None = arguments.picture
@@ -43,18 +55,10 @@ def characteristic(arguments: argparse.Namespace) -> None:
             raise StudyError(f"{picture}: a picture is a file of {', '.join(PICTURES)}")
         if not there("matplotlib"):
             raise StudyError(f"--picture {needs('study')}")
-    files = tuple(RecordingReader(path) for path in arguments.files)
-    recordings = Recordings(files)
-    survey = recordings.survey()
-    for problem in survey.problems:
-        print(f"sendworthy study: {problem}", file=sys.stderr)
-    mission = Mission(
-        _specs(arguments, survey),
-        tuple(sorted(survey.samples)),
-        LATENCY if arguments.latency is None else arguments.latency,
-    )
-    found = Characteristic.of(at_random(_problem(recordings, survey, mission), arguments.seed))
-    report = _report(found, files, survey, mission)
+    of_bench = [path for path in arguments.files if path.suffix == SUFFIX]
+    mission, problem = _drawn(arguments) if of_bench else _recorded(arguments)
+    found = Characteristic.of(at_random(problem, arguments.seed))
+    report = _report(found, [path.name for path in arguments.files], mission)
     to_output = arguments.json is not None and str(arguments.json) == "-"
     if arguments.json is not None:
         text = json.dumps(report, indent=2, allow_nan=False) + "\n"
@@ -64,6 +68,29 @@ def characteristic(arguments: argparse.Namespace) -> None:
     if picture is not None:
         _draw(found, report, picture)
         print(f"{picture}: written", file=sys.stderr)
+
+
+def _recorded(arguments: argparse.Namespace) -> tuple[_Mission, Problem]:
+    """Return what was recorded, and all samples that a spec covers as one problem. Raises StudyError for none."""
+    recordings = Recordings(tuple(RecordingReader(path) for path in arguments.files))
+    survey = recordings.survey()
+    for problem in survey.problems:
+        print(f"sendworthy study: {problem}", file=sys.stderr)
+    latency = LATENCY if arguments.latency is None else arguments.latency
+    mission = Mission(_specs(arguments, survey), tuple(sorted(survey.samples)), latency)
+    found = _Mission(mission.robots, survey.samples.total(), survey.seconds)
+    return found, _problem(recordings, survey, mission)
+
+
+def _drawn(arguments: argparse.Namespace) -> tuple[_Mission, Problem]:
+    """Return a mission of the benchmark. Raises StudyError where something else is named, too, or is wrong in it."""
+    if len(arguments.files) > 1 or arguments.specs or arguments.latency is not None:
+        raise StudyError("a mission of the benchmark is characterised alone, with its own specs and latency")
+    try:
+        mission = load(arguments.files[0])
+    except BenchError as error:
+        raise StudyError(str(error)) from None
+    return _Mission(mission.robots, len(mission.rows), mission.head.seconds), mission.problem
 
 
 def _specs(arguments: argparse.Namespace, survey: Survey) -> Specs:
@@ -83,13 +110,13 @@ def _problem(recordings: Recordings, survey: Survey, mission: Mission) -> Proble
     return problem_of(outcomes, outcomes.columns(), survey.seconds + TAIL)
 
 
-def _report(found: Characteristic, files: Sequence[RecordingReader], survey: Survey, mission: Mission) -> Report:
+def _report(found: Characteristic, files: Sequence[str], mission: _Mission) -> Report:
     return {
         "version": VERSION,
-        "files": [file.path.name for file in files],
+        "files": list(files),
         "robots": list(mission.robots),
-        "samples": survey.samples.total(),
-        "seconds": survey.seconds,
+        "samples": mission.samples,
+        "seconds": mission.seconds,
         "runs": len(PROBABILITIES),
         "received": len(found.utilities),
         "levels": found.levels,

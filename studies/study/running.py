@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
 from multiprocessing import get_context
@@ -11,7 +10,7 @@ from typing import Any
 from proxy.extras import needs, there
 from studies.ns3.errors import Ns3Unavailable
 from studies.oracle import OracleUnavailable
-from studies.replay.progress import Progress
+from studies.progress_bar import flights
 from studies.study.costs import expected
 from studies.study.errors import StudyError
 from studies.study.flying import fly_one
@@ -21,7 +20,6 @@ from studies.study.tasks import Task
 HOPELESS = (Ns3Unavailable, OracleUnavailable)
 """What is wrong with one flight then is wrong with all."""
 
-Told = Callable[[Task], None]
 Finished = Iterator[tuple[Task, Callable[[], Record]]]
 
 
@@ -40,7 +38,7 @@ def run(tasks: Sequence[Task], store: Store, *, jobs: int = 1, dask: str = "") -
     if not missing:
         return outcome
     finished = _on_cluster(missing, dask) if dask else _here(missing, jobs)
-    with store, _progress(missing) as told:
+    with store, flights(len(missing), sum(map(expected, missing))) as advance:
         for task, result in finished:
             try:
                 store.add(task, result())
@@ -50,7 +48,7 @@ def run(tasks: Sequence[Task], store: Store, *, jobs: int = 1, dask: str = "") -
                 raise StudyError(str(error)) from None
             except Exception as error:  # noqa: BLE001 - one flight that fails does not end the study
                 outcome.failed.append((task, f"{type(error).__name__}: {error}"))
-            told(task)
+            advance(expected(task))
     return outcome
 
 
@@ -85,42 +83,3 @@ def _on_cluster(tasks: Sequence[Task], address: str) -> Finished:
         of = {future.key: task for future, task in zip(futures, tasks, strict=True)}
         for future in distributed.as_completed(futures, loop=client.loop):
             yield of[future.key], future.result
-
-
-@contextmanager
-def _progress(tasks: Sequence[Task]) -> Iterator[Told]:
-    """Show how far it is: by a bar where the package rich is there, else by a line now and then."""
-    total = sum(map(expected, tasks))
-    if there("rich"):
-        with _bar(total, len(tasks)) as told:
-            yield told
-        return
-    done = 0.0
-    progress = Progress(lambda share: f"{100 * share:.0f} % of the study is flown")
-
-    def told_plainly(task: Task) -> None:
-        nonlocal done
-        done += expected(task)
-        progress(done / total)
-
-    yield told_plainly
-    progress.end()
-
-
-@contextmanager
-def _bar(total: float, count: int) -> Iterator[Told]:
-    from rich.console import Console  # noqa: PLC0415 - belongs to the extra "top"
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
-    from rich.progress import Progress as Bar  # noqa: PLC0415
-
-    columns: list[Any] = [TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn()]
-    flown = 0
-    with Bar(*columns, console=Console(stderr=True), speed_estimate_period=600) as bar:
-        whole = bar.add_task(f"0 of {count} flights", total=total)
-
-        def told(task: Task) -> None:
-            nonlocal flown
-            flown += 1
-            bar.update(whole, advance=expected(task), description=f"{flown} of {count} flights")
-
-        yield told

@@ -59,6 +59,18 @@ def test_after_the_first_nothing_counts_where_one_is_enough():
     assert found == pytest.approx([2.0, 0.0])
 
 
+def test_what_shows_too_much_loses_by_it():
+    """As long as the newest message, received or not, is worth less: here two of four seconds, and then for ever."""
+    lasting = Step(1.0, 100.0)
+    one = problem((0.0, lasting, 3.0), (2.0, lasting, 1.0), (4.0, lasting, 2.0), aggregation=Aggregation.CURRENT)
+    assert gains(one, {0: 0.0, 2: 4.0}).tolist() == pytest.approx([2.0, 2.0])
+    assert gains(one, {0: 0.0}).tolist() == pytest.approx([(3 * 20 - 2 * 2 - 16) / 20])
+    assert (
+        gains(problem((0.0, Step(1.0, 1.0), 3.0), (1.0, lasting, 0.0), aggregation=Aggregation.CURRENT), {0: 0.0})
+        == 0.0
+    )
+
+
 def test_an_aggregation_of_ones_own_is_refused():
     """Nobody says what one message of it is worth."""
     one = problem((0.0, Step(1.0, 1.0), 1.0), aggregation=Own())

@@ -9,6 +9,7 @@ import pytest
 
 from proxy import exit_codes
 from proxy.cli import main
+from studies.bench.folder import MISSIONS
 from tests.studies.replay.traffic import POSE, samples, spec
 
 
@@ -36,6 +37,23 @@ def test_an_imported_mission_is_characterised(capsys):
     assert "180 samples of 2 robots" in shown
     assert "0.9 to 1.0" in shown
     assert "The better half of messages has " in shown
+
+
+@pytest.mark.usefixtures("place")
+def test_a_mission_of_the_benchmark_is_characterised(capsys):
+    """With what its file says: streams, worth and latency."""
+    assert study(MISSIONS / "paper-few.jsonl") == exit_codes.OK
+    shown = capsys.readouterr().out
+    assert "629 samples of 10 robots in 60 s" in shown
+    assert "a few messages have nearly all of the utility" in shown
+    assert study(MISSIONS / "recorded-cameras.jsonl") == exit_codes.OK
+    assert "1,000 samples of 4 robots in 25 s" in capsys.readouterr().out
+    for wrong in (("traffic.mcap",), ("--latency", "1 s"), ("--specs", "spec.toml")):
+        assert study(MISSIONS / "paper-few.jsonl", *wrong) == exit_codes.FAILED
+        assert "a mission of the benchmark is characterised alone" in capsys.readouterr().err
+    Path("wrong.jsonl").write_text("{}")
+    assert study("wrong.jsonl") == exit_codes.FAILED
+    assert "wrong.jsonl:1: format: " in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("place")
