@@ -33,7 +33,7 @@ def find_optimum(recording: Recording) -> Optimum | None:
         sends = upper_bound(_problem(recording, frames))
     except OracleUnavailable:
         return None
-    red = np.array([recording.feeds[stream].red[i] > 0 for _, stream, i in frames])
+    red = np.array([recording.feeds[stream].sees_red[i] for _, stream, i in frames])
     rates = [
         float(sends.sends[red == wanted].sum()) / seconds if seconds else None
         for wanted in (True, False)
