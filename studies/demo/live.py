@@ -1,8 +1,8 @@
 """The mission that goes on until Ctrl-C (`sendworthy demo --live`), and what one may do to it meanwhile.
 
-A queryable `sendworthy/demo/channel` tells of the medium, `{"limit": B/s, "latency": s, "loss": 0..1}`, and changes what
-of that it is given; robots' limits follow. `sendworthy/demo/red` puts a red object into the way of a robot, `{"robot":
-name}`. Both answer with what is so now, or with an error that says what is wrong.
+A queryable `sendworthy/demo/channel` tells of the medium, `{"limit": B/s, "latency": s, "loss": 0..1}`, and changes
+what of that it is given; robots' limits follow. `sendworthy/demo/red` puts a red object into the way of a robot,
+`{"robot": name}`. Both answer with what is so now, or with an error that says what is wrong.
 """
 
 import json

@@ -120,11 +120,10 @@ class Namespaces:
             device, namespace = "wlan0", f"{self._air}-{node.name}"
             _ip("netns", "add", namespace)
             self._namespaces.append(namespace)
-            _ip(
-                "-n", self._air, "link", "add", "name", port, "type", "veth", "peer", "name", device, "netns", namespace
-            )
-            inside = ["-n", namespace]
+            inside, place = ["-n", namespace], namespace
             _ip(*inside, "link", "set", "dev", "lo", "up")
+        pair = ["name", port, "type", "veth", "peer", "name", device, "netns", place]
+        _ip("-n", self._air, "link", "add", *pair)
         host = f"{SUBNET}.{node.number + 1}"
         _ip(*inside, "address", "add", f"{host}/24", "dev", device)
         _ip(*inside, "link", "set", "dev", device, "up")

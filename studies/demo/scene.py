@@ -21,8 +21,8 @@ PERIOD = 0.1
 """Time between frames of one robot [s]."""
 RED = 0.15
 """A frame of which at least this part is red counts as red; other robots' wheels are less."""
-QUALITY = 70
-"""Of the JPEG; its frames have 30 to 45 kB."""
+QUALITY = 68
+"""Of the JPEG; its frames have 30 to 40 kB."""
 FOCAL = 500.0
 """Of the camera [pixels]: it sees 65 degrees."""
 EYE = 0.7
