@@ -129,8 +129,8 @@ class Namespaces:
         _ip(*inside, "link", "set", "dev", device, "up")
         _ip("-n", self._air, "link", "set", "dev", port, "master", _BRIDGE, "up")
         _tc(self._air, "qdisc", "add", "dev", port, "handle", "ffff:", "ingress")
-        redirect = ["matchall", "action", "mirred", "egress", "redirect", "dev", _IFB]
-        _tc(self._air, "filter", "add", "dev", port, "parent", "ffff:", *redirect)
+        redirect = ["match", "u32", "0", "0", "action", "mirred", "egress", "redirect", "dev", _IFB]
+        _tc(self._air, "filter", "add", "dev", port, "parent", "ffff:", "protocol", "all", "u32", *redirect)
         return replace(node, host=host, namespace=namespace)
 
     def _remove(self) -> None:
