@@ -107,7 +107,7 @@ def _gained(aggregation: Aggregation, received: list[Message], t_end: float) -> 
             until = np.full(len(received), t_end)
         case Aggregation.ONCE:
             until = np.append(t_end, begins[1:])
-        case Aggregation.MOST_RECENT:
+        case Aggregation.MOST_RECENT | Aggregation.CURRENT:
             until = np.append(begins[1:], t_end)
     ends = np.maximum(begins, np.minimum(until, _worthless_from(received, t_end)))
     used = ends - begins

@@ -156,8 +156,8 @@ def _of_machine(found: Mapping[Mission, Mapping[str, Flight]]) -> Table:
             rows.append((f"{mission.title}, {NAMES[flight.way]}", f"{100 * flight.busy:.0f}", _late(late)))
     note = (
         "How busy all cores were, whoever kept them so, and how much later than ten times a second frames were"
-        " published: where that is more than a few milliseconds the machine could not keep up, and figures are worse than"
-        " they would be on robots that have cores of their own."
+        " published: where that is more than a few milliseconds the machine could not keep up, and figures are worse"
+        " than they would be on robots that have cores of their own."
     )
     return Table("How busy the machine was", ("", "busy [%]", "frames late by p99 [ms]"), tuple(rows), note)
 
