@@ -27,15 +27,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--page", type=Path, default=PAGE, help=f"what is written (default: {PAGE})")
     parser.add_argument("--only", choices=("missions", "delays", "page"), help="this part alone")
     options = parser.parse_args(arguments)
+    store = options.store.resolve()
     if options.only in (None, "missions"):
-        fly(options.store, MISSIONS, options.most, lambda what: print(what, flush=True))
+        fly(store, MISSIONS, options.most, lambda what: print(what, flush=True))
     if options.only in (None, "delays"):
-        for delay in measure(options.store, DELAYS, options.most):
+        for delay in measure(store, DELAYS, options.most):
             print(f"{delay.way}: {1e3 * delay.sent[0]:.1f} ms, 99 % {1e3 * delay.sent[1]:.1f} ms", flush=True)
     if options.only in (None, "page"):
-        write_report(
-            options.page, list(kept(options.store, MISSIONS)), measure(options.store, 0.0, -1.0), datetime.now(UTC)
-        )
+        write_report(options.page, list(kept(store, MISSIONS)), measure(store, 0.0, -1.0), datetime.now(UTC))
     return 0
 
 
