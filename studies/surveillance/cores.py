@@ -34,9 +34,15 @@ def held_to(part: float, processes: Sequence[int]) -> Iterator[None]:
 def _group(name: str) -> Path:
     """Make a group, of whichever version of control groups is there."""
     unified = (ROOT / "cgroup.controllers").exists()
-    group = ROOT / name if unified else ROOT / "cpu" / name
+    group = ROOT / name if unified else ROOT / "cpu" / _ours() / name
     group.mkdir()
     return group
+
+
+def _ours() -> str:
+    """Return the group that we are in, of the first version's."""
+    lines = [line.split(":") for line in Path("/proc/self/cgroup").read_text().splitlines()]
+    return next((path.strip("/") for _, controllers, path in lines if "cpu" in controllers.split(",")), "")
 
 
 def _limit(group: Path, part: float) -> None:

@@ -1,5 +1,7 @@
 """The missions of the report, flown once each: what happened is kept in files, so that one can go on another time."""
 
+import json
+import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -52,12 +54,16 @@ MISSIONS = (
 
 @dataclass(frozen=True, slots=True)
 class Flight:
-    """A mission flown one way: what happened, how busy the machine was, from 0 to 1, and the folder of screens."""
+    """A mission flown one way: what happened, and the folder of its screens.
+
+    `busy` is how busy all cores of the machine were, from 0 to 1; `own` how many cores the mission's processes took.
+    """
 
     mission: Mission
     way: str
     events: tuple[Event, ...]
     busy: float
+    own: float
     photographs: Path
 
 
@@ -82,8 +88,8 @@ def kept(store: Path, missions: Sequence[Mission]) -> Iterator[Flight]:
         for way in WAYS:
             folder = mission.folder(store, way)
             if (folder / "events").exists():
-                busy = float((folder / "busy").read_text())
-                yield Flight(mission, way, tuple(read_events(folder / "events")), busy, folder)
+                busy, own = json.loads((folder / "busy.json").read_text())
+                yield Flight(mission, way, tuple(read_events(folder / "events")), busy, own, folder)
 
 
 def _fly(mission: Mission, way: str, folder: Path, store: Path) -> None:
@@ -93,15 +99,31 @@ def _fly(mission: Mission, way: str, folder: Path, store: Path) -> None:
     conditions = Conditions(mission.robots, SECONDS, mission.rate, SEED, mission.episodes_end)
     first = mission.folder(store, WITHOUT) / "events"
     before = [event for event in read_events(first) if isinstance(event, Publish)] if first.exists() else []
-    looks: list[tuple[float, float]] = []
+    looks: list[tuple[float, float, float, float]] = []
     events = run_phase(way, conditions, folder, lambda _: looks.append(_processor()), before)
-    (worked, passed), (worked_later, passed_later) = looks[0], looks[-1]
-    (folder / "busy").write_text(str((worked_later - worked) / max(passed_later - passed, 1.0)))
+    worked, possible, own, passed = (later - sooner for sooner, later in zip(looks[0], looks[-1], strict=True))
+    (folder / "busy.json").write_text(json.dumps([worked / max(possible, 1.0), own / max(passed, 0.01)]))
     write_events(folder / "new", events)
     (folder / "new").rename(folder / "events")
 
 
-def _processor() -> tuple[float, float]:
-    """Return how long all cores worked so far, and how long they could have [ticks]."""
+def _processor() -> tuple[float, float, float, float]:
+    """Return how long all cores worked so far, and could have [ticks]; how long our processes did, and the time [s]."""
     ticks = [int(each) for each in Path("/proc/stat").read_text().splitlines()[0].split()[1:9]]
-    return float(sum(ticks) - ticks[3] - ticks[4]), float(sum(ticks))
+    worked = sum(ticks) - ticks[3] - ticks[4]
+    return float(worked), float(sum(ticks)), sum(map(processor_time, _children(os.getpid()))), time.monotonic()
+
+
+def processor_time(pid: int) -> float:
+    """Return how long a process worked so far [s]; 0 for one that is gone."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def _children(pid: int) -> list[int]:
+    """Return the processes that a process has started."""
+    found = [task.read_text() for task in Path(f"/proc/{pid}/task").glob("*/children")]
+    return [int(child) for children in found for child in children.split()]

@@ -153,13 +153,20 @@ def _of_machine(found: Mapping[Mission, Mapping[str, Flight]]) -> Table:
     for mission, ways in found.items():
         for flight in (ways[way] for way in WAYS if way in ways):
             late = np.array(_lateness(flight))
-            rows.append((f"{mission.title}, {NAMES[flight.way]}", f"{100 * flight.busy:.0f}", _late(late)))
+            rows.append(
+                (f"{mission.title}, {NAMES[flight.way]}", f"{100 * flight.busy:.0f}", f"{flight.own:.2f}", _late(late))
+            )
     note = (
-        "How busy all cores were, whoever kept them so, and how much later than ten times a second frames were"
+        "How busy all cores were, whoever kept them so, how many of them the mission took, and how much later than ten times a second frames were"
         " published: where that is more than a few milliseconds the machine could not keep up, and figures are worse"
         " than they would be on robots that have cores of their own."
     )
-    return Table("How busy the machine was", ("", "busy [%]", "frames late by p99 [ms]"), tuple(rows), note)
+    return Table(
+        "How busy the machine was",
+        ("", "busy [%]", "the mission's [cores]", "frames late by p99 [ms]"),
+        tuple(rows),
+        note,
+    )
 
 
 def _lateness(flight: Flight) -> list[float]:

@@ -31,7 +31,7 @@ def keep(store, mission, way, every):
     if way == "with":
         events += [Counts(way, robot, 300, 300, 0, 0) for robot in robots]
     write_events(folder / "events", events)
-    (folder / "busy").write_text("0.5")
+    (folder / "busy.json").write_text("[0.5, 1.25]")
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ def test_the_page_tells_of_every_way_and_shows_pictures(store, tmp_path):
     assert "16.8 Mbit/s offered" not in text
     assert "5.6 Mbit/s offered, 4 times a robot met something red." in text
     assert "4.4 |" in text
-    assert "50 |" in text
+    assert "50 |                  1.25 |" in text
     for picture in ("surveillance-characteristic.png", "surveillance-screens.jpg"):
         assert f"({picture})" in text
         assert cv2.imread(str(page.parent / picture)) is not None
