@@ -157,9 +157,9 @@ def _of_machine(found: Mapping[Mission, Mapping[str, Flight]]) -> Table:
                 (f"{mission.title}, {NAMES[flight.way]}", f"{100 * flight.busy:.0f}", f"{flight.own:.2f}", _late(late))
             )
     note = (
-        "How busy all cores were, whoever kept them so, how many of them the mission took, and how much later than ten times a second frames were"
-        " published: where that is more than a few milliseconds the machine could not keep up, and figures are worse"
-        " than they would be on robots that have cores of their own."
+        "How busy all cores were, whoever kept them so, how many of them the mission took, and how much later than ten"
+        " times a second frames were published: where that is more than a few milliseconds the machine could not keep"
+        " up, and figures are worse than they would be on robots that have cores of their own."
     )
     return Table(
         "How busy the machine was",
