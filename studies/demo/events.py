@@ -62,6 +62,10 @@ class Receive:
     size: int
 
 
+EVERYONE = "everyone"
+"""Source and sink where the kernel is the medium, which does not say who sent what to whom."""
+
+
 @dataclass(frozen=True, slots=True)
 class Serve:
     """The medium carried a chunk."""

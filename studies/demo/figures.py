@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from planner.utility import Floats
-from studies.demo.events import Counts, Event, Links, Serve, Tell, read_events
+from studies.demo.events import EVERYONE, Counts, Event, Links, Serve, Tell, read_events
 from studies.demo.layout import OPERATOR
 from studies.demo.nodes import WITHOUT
 from studies.demo.optimum import find_optimum
@@ -123,6 +123,7 @@ def _of_utility(recording: Recording, classes: Figures) -> Figures:
 def _of_checks(recording: Recording) -> Figures:
     """Do the counts add up, and did all bytes go through the medium? Stock routers count nothing: None."""
     counts = recording.of(Counts)
+    by_kernel = any(e.sink == EVERYONE for e in recording.of(Serve))
     to_operator = sum(e.size for e in recording.of(Serve) if e.sink == OPERATOR)
     received = sum(int(feed.size[feed.frame].sum()) for feed in recording.feeds)
     published = Counter({feed.robot: len(feed.t_gen) for feed in recording.feeds})
@@ -131,7 +132,7 @@ def _of_checks(recording: Recording) -> Figures:
     return {
         "conserved": conserved if counts else None,
         "direct_links": max((look.direct for look in recording.of(Links)), default=0),
-        "direct_bytes": max(0, received - to_operator) if to_operator or not received else None,
+        "direct_bytes": None if by_kernel else max(0, received - to_operator),
     }
 
 

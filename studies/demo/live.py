@@ -24,7 +24,7 @@ from studies.demo.layout import Node, is_free, lay_out
 from studies.demo.namespaces import Namespaces
 from studies.demo.nodes import SHARE, SURVEILLANCE, WINDOW, start_daemons, with_limit
 from studies.demo.phase import LEAD, Conditions
-from studies.demo.processes import Process, Troupe
+from studies.demo.processes import DemoError, Process, Troupe
 from studies.demo.staging import Apps, Cast, start_medium, start_robots
 from studies.demo.world import Episode, schedule
 
@@ -157,7 +157,7 @@ class Mission:
         with query:
             try:
                 air = self.air if query.payload is None else self.channel(read_json(bytes(query.payload)))
-            except AirError as error:
+            except (AirError, DemoError) as error:
                 query.reply_err(str(error))
             else:
                 query.reply(CHANNEL, air.to_json(), encoding=zenoh.Encoding.APPLICATION_JSON)

@@ -39,6 +39,7 @@ class Namespaces:
             if shutil.which(tool, path=_TOOLS) is None:
                 raise DemoError(f"--netns: needs the program {tool} (Debian: iproute2)")
         self._air = f"{PREFIX}-{os.getpid()}"
+        self._device = f"demo{os.getpid()}"
         self._namespaces: list[str] = []
         self._in_force = replace(air, latency=0.0, loss=0.0)
         self._wanted = air
@@ -114,7 +115,7 @@ class Namespaces:
     def _add(self, node: Node) -> Node:
         port, namespace = f"port{node.number}", None
         if node.number == 0:
-            device = f"demo{os.getpid()}"
+            device = self._device
             inside, place = list[str](), "1"
         else:
             device, namespace = "wlan0", f"{self._air}-{node.name}"
@@ -134,6 +135,9 @@ class Namespaces:
         return replace(node, host=host, namespace=namespace)
 
     def _remove(self) -> None:
+        # The pair that reaches the machine goes at once; what is in namespaces goes with them, a moment later.
+        if self._namespaces:
+            subprocess.run([_tool("ip"), "link", "delete", "dev", self._device], capture_output=True, check=False)
         for namespace in reversed(self._namespaces):
             subprocess.run([_tool("ip"), "netns", "delete", namespace], check=False)
         self._namespaces.clear()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from studies.demo import links
 from studies.demo.air import Air
-from studies.demo.events import Event, Links, Publish, Receive, Run, Serve, read_events
+from studies.demo.events import EVERYONE, Event, Links, Publish, Receive, Run, Serve, read_events
 from studies.demo.footage import Footage
 from studies.demo.layout import OPERATOR, Node, lay_out
 from studies.demo.namespaces import Namespaces
@@ -29,8 +29,6 @@ from studies.demo.staging import MEDIUM, PATIENCE, Apps, Cast, start_app, start_
 
 LEAD = 0.3
 """The apps are told the start time this long ahead [s]."""
-EVERYONE = "everyone"
-"""Where the kernel is the medium, it does not say who sent what to whom."""
 CARRIED = 0.95
 """Downsampled cameras may fill this part of the medium: what is around frames needs the rest."""
 

@@ -69,7 +69,8 @@ def test_frames_have_the_size_of_a_cameras(robot):
 
 def test_wheels_are_red_and_no_object():
     """Robots that meet see some red, but less than of an object."""
-    reds = [scene(robot, episodes=[]).frame(number).red for robot in range(ROBOTS) for number in range(0, 1200, 60)]
+    views = [scene(robot, episodes=[]) for robot in range(ROBOTS)]
+    reds = [view.frame(number).red for view in views for number in range(0, 1200, 60)]
     assert max(reds) > 0.003
     assert max(reds) < RED
 
