@@ -114,7 +114,13 @@ def open_footage(footage: Footage) -> Stills | Video:
 
 
 def _frame(image: Image) -> Frame:
-    """Make an image as large as a camera's."""
-    if image.shape[:2] != (HEIGHT, WIDTH):
-        image = np.asarray(cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    """Make an image as large as a camera's, with black beside it where its shape is another."""
+    height, width = image.shape[:2]
+    if (height, width) != (HEIGHT, WIDTH):
+        scale = min(HEIGHT / height, WIDTH / width)
+        size = max(1, round(scale * width)), max(1, round(scale * height))
+        whole = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+        top, left = (HEIGHT - size[1]) // 2, (WIDTH - size[0]) // 2
+        whole[top : top + size[1], left : left + size[0]] = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+        image = whole
     return Frame(encode(image), red_fraction(image))

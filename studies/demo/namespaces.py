@@ -69,31 +69,21 @@ class Namespaces:
         return found
 
     def change(self, air: Air) -> None:
-        """Make the channel so. Raises AirError for what this kernel cannot."""
-        rate = ["rate", f"{8 * air.limit:.0f}bit", "burst", str(BURST), "limit", str(QUEUE)]
-        _tc(self._air, "qdisc", "replace", "dev", _IFB, "root", "handle", "1:", "tbf", *rate)
-        self._in_force = replace(self._in_force, limit=air.limit)
+        """Make the channel so. Raises AirError for what this kernel cannot, and then leaves it as it was."""
+        self._set_rate(air)
         if (air.latency, air.loss) != (self._in_force.latency, self._in_force.loss):
             netem = ["netem", "delay", f"{1e3 * air.latency:.3f}ms", "loss", f"{100 * air.loss:.3f}%", "limit", "10000"]
             try:
-                _tc(
-                    self._air,
-                    "qdisc",
-                    "replace",
-                    "dev",
-                    _IFB,
-                    "parent",
-                    "1:1",
-                    "handle",
-                    "10:",
-                    *netem,
-                    "limit",
-                    "10000",
-                )
+                _tc(self._air, "qdisc", "replace", "dev", _IFB, "parent", "1:1", "handle", "10:", *netem)
             except DemoError as error:
+                self._set_rate(self._in_force)
                 key = "latency" if air.latency != self._in_force.latency else "loss"
                 raise AirError(f"{key}: the kernel's netem is needed for that, and refused: {error}") from None
         self._in_force = air
+
+    def _set_rate(self, air: Air) -> None:
+        rate = ["rate", f"{8 * air.limit:.0f}bit", "burst", str(BURST), "limit", str(QUEUE)]
+        _tc(self._air, "qdisc", "replace", "dev", _IFB, "root", "handle", "1:", "tbf", *rate)
 
     def carried(self) -> int:
         """Return how many bytes went over the channel so far, with the headers of all layers."""

@@ -103,3 +103,9 @@ def test_an_image_that_is_cut_short_is_named_when_its_turn_comes(tmp_path):
     film.frame(0)
     with pytest.raises(DemoError, match=r"2.png: the image is broken"):
         film.frame(1)
+
+
+def test_an_image_of_another_shape_is_not_stretched(tmp_path):
+    """A square fills three quarters of a camera's frame."""
+    still(tmp_path / "1.png", RED, size=(100, 100))
+    assert open_footage(Footage(tmp_path)).frame(0).red == pytest.approx(0.75, abs=0.01)
