@@ -1,6 +1,9 @@
 """What the demo's apps share: they are plain Zenoh clients of whatever listens on localhost."""
 
 import struct
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import TextIO
 
 import zenoh
 
@@ -26,3 +29,8 @@ def read_stamp(attachment: bytes) -> tuple[int, float]:
     """Return the number and the time [s] of a frame."""
     number, t_gen = _STAMP.unpack(attachment)
     return number, t_gen
+
+
+def write_log(path: Path | None) -> AbstractContextManager[TextIO | None]:
+    """Open a log, or none."""
+    return nullcontext() if path is None else path.open("w")

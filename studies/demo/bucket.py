@@ -22,3 +22,8 @@ class Bucket:
     def wait(self, size: int, now: float) -> float:
         """Return the time until `size` tokens will be there [s]; 0 when they are."""
         return max(0.0, (size - self._tokens) / self._rate - (now - self._filled))
+
+    def set_rate(self, rate: float, now: float) -> None:
+        """Fill at another rate [B/s] from now on."""
+        self.take(0, now)
+        self._rate = rate

@@ -8,6 +8,7 @@ import json
 import signal
 import sys
 import threading
+from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
@@ -23,6 +24,16 @@ def start_time() -> float:
     if not line:
         sys.exit(0)
     return float(json.loads(line))
+
+
+def listen(take: Callable[[Any], None]) -> None:
+    """From now on call `take`, on a thread of its own, with whatever the demo says."""
+
+    def hear() -> None:
+        for line in sys.stdin:
+            take(json.loads(line))
+
+    threading.Thread(target=hear, daemon=True).start()
 
 
 def stop_on_signal() -> threading.Event:

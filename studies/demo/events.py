@@ -38,6 +38,18 @@ class Publish:
 
 
 @dataclass(frozen=True, slots=True)
+class Tell:
+    """An app published a robot's position or charge: `what`."""
+
+    KIND: ClassVar[str] = "tell"
+    phase: str
+    robot: str
+    what: str
+    t: float
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
 class Receive:
     """The operator's app received a frame."""
 
@@ -48,6 +60,10 @@ class Receive:
     t: float
     t_gen: float
     size: int
+
+
+EVERYONE = "everyone"
+"""Source and sink where the kernel is the medium, which does not say who sent what to whom."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,10 +102,10 @@ class Links:
     direct: int
 
 
-Event: TypeAlias = Run | Publish | Receive | Serve | Counts | Links
-"""Something that happened in the run `phase`: "without" or "with" the filter, or "downsampled"."""
+Event: TypeAlias = Run | Publish | Tell | Receive | Serve | Counts | Links
+"""Something that happened in the run `phase`: "without" or "with" the filter, "downsampled" or "random"."""
 
-KINDS: dict[str, type[Event]] = {kind.KIND: kind for kind in (Run, Publish, Receive, Serve, Counts, Links)}
+KINDS: dict[str, type[Event]] = {kind.KIND: kind for kind in (Run, Publish, Tell, Receive, Serve, Counts, Links)}
 
 
 def to_line(event: Event) -> str:

@@ -1,18 +1,19 @@
 """The demo's figures, from its events alone: `python -m studies.demo.figures EVENTS` prints them as JSON.
 
-Red frames are those taken while their robot saw red. Ages are in seconds: a frame's from publication to
+Red frames are those of which at least `RED` is red. Ages are in seconds: a frame's from publication to
 receipt, the screen's staleness from the publication of what is shown to the moment one looks.
 """
 
 import json
 import sys
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from planner.utility import Floats
-from studies.demo.events import Counts, Event, Links, Serve, read_events
+from studies.demo.events import EVERYONE, Counts, Event, Links, Serve, Tell, read_events
 from studies.demo.layout import OPERATOR
 from studies.demo.nodes import WITHOUT
 from studies.demo.optimum import find_optimum
@@ -59,9 +60,17 @@ def _of_class(feeds: Sequence[Feed], name: str, *, red: bool) -> Figures:
 
 
 def _of_ends(feeds: Sequence[Feed]) -> Figures:
-    """How soon the operator sees that something red is gone [s], and how long all screens show it nevertheless [s]."""
+    """How soon the operator sees something red, and that it is gone, and how long all screens are wrong then [s]."""
+    starts = np.concatenate([feed.starts() for feed in feeds])
     ends = np.concatenate([feed.ends() for feed in feeds])
-    return {"end_p95": _percentile(ends, 95), "false_red": sum(feed.false_red() for feed in feeds)}
+    oldest = max((float(age.max()) for feed in feeds for age in [feed.staleness()[0]] if len(age)), default=None)
+    return {
+        "events": len(starts),
+        "start_p95": _percentile(starts, 95),
+        "end_p95": _percentile(ends, 95),
+        "false_red": sum(feed.false_red() for feed in feeds),
+        "staleness_max": oldest,
+    }
 
 
 def _of_medium(recording: Recording) -> Figures:
@@ -114,14 +123,16 @@ def _of_utility(recording: Recording, classes: Figures) -> Figures:
 def _of_checks(recording: Recording) -> Figures:
     """Do the counts add up, and did all bytes go through the medium? Stock routers count nothing: None."""
     counts = recording.of(Counts)
+    by_kernel = any(e.sink == EVERYONE for e in recording.of(Serve))
     to_operator = sum(e.size for e in recording.of(Serve) if e.sink == OPERATOR)
     received = sum(int(feed.size[feed.frame].sum()) for feed in recording.feeds)
-    published = {feed.robot: len(feed.t_gen) for feed in recording.feeds}
-    conserved = all(c.received == c.forwarded + c.dropped + c.queued == published.get(c.robot, 0) for c in counts)
+    published = Counter({feed.robot: len(feed.t_gen) for feed in recording.feeds})
+    published.update(tell.robot for tell in recording.of(Tell))
+    conserved = all(c.received == c.forwarded + c.dropped + c.queued == published[c.robot] for c in counts)
     return {
         "conserved": conserved if counts else None,
         "direct_links": max((look.direct for look in recording.of(Links)), default=0),
-        "direct_bytes": max(0, received - to_operator),
+        "direct_bytes": None if by_kernel else max(0, received - to_operator),
     }
 
 

@@ -11,12 +11,17 @@ OPERATOR = "operator"
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A robot or the operator: its number, its port for apps and its port for the others."""
+    """A robot or the operator: its number, its port for apps and its port for the others.
+
+    The others find it at `host`. A node of its own network `namespace` shares localhost with its apps only.
+    """
 
     number: int
     name: str
     app_port: int
     mesh_port: int
+    host: str = "127.0.0.1"
+    namespace: str | None = None
 
     @property
     def app_endpoint(self) -> str:
@@ -26,7 +31,7 @@ class Node:
     @property
     def mesh_endpoint(self) -> str:
         """Where the medium reaches it."""
-        return f"tcp/127.0.0.1:{self.mesh_port}"
+        return f"tcp/{self.host}:{self.mesh_port}"
 
 
 def lay_out(robots: int) -> tuple[Node, ...]:
@@ -50,18 +55,19 @@ def pairs(nodes: tuple[Node, ...]) -> Iterator[tuple[Node, Node]]:
         yield high, low
 
 
-def free_ports(count: int) -> list[int]:
-    """Return ports of localhost that nobody listens at now."""
-    return list(islice(filter(_is_free, random.SystemRandom().sample(_PORTS, len(_PORTS))), count))
-
-
-def _is_free(port: int) -> bool:
+def is_free(port: int) -> bool:
+    """Whether nobody listens at a port of localhost now."""
     with socket.socket() as probe:
         try:
             probe.bind(("127.0.0.1", port))
         except OSError:
             return False
         return True
+
+
+def free_ports(count: int) -> list[int]:
+    """Return ports of localhost that nobody listens at now."""
+    return list(islice(filter(is_free, random.SystemRandom().sample(_PORTS, len(_PORTS))), count))
 
 
 _PORTS = range(10_000, 12_000)

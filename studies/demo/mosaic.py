@@ -1,16 +1,16 @@
 """What the operator sees: the screen at one moment of each run, side by side."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from studies.demo.nodes import DOWNSAMPLED, WITH, WITHOUT
+from studies.demo.nodes import DOWNSAMPLED, RANDOM, WITH, WITHOUT
 from studies.demo.recording import Feed, Recording
-from studies.demo.scene import Episode
+from studies.demo.world import LATELY
 
 Image = npt.NDArray[np.uint8]
 
@@ -18,18 +18,13 @@ TILE = (400, 300)
 """Width and height of a robot's frame [pixels]."""
 CAPTION, TITLE, GAP = 30, 44, 24
 """Heights of the text under a frame and above a screen, and the space between the screens [pixels]."""
-LATELY = 2.0
-"""The frame rate in a caption is that of this time before the moment [s]."""
-TITLES = {WITHOUT: "without Sendworthy", DOWNSAMPLED: "downsampled by Zenoh", WITH: "with Sendworthy"}
+TITLES = {
+    WITHOUT: "without Sendworthy",
+    DOWNSAMPLED: "downsampled by Zenoh",
+    RANDOM: "dropped at random",
+    WITH: "with Sendworthy",
+}
 WHITE, GREY, RED, INK = (255, 255, 255), (90, 90, 90), (40, 40, 230), (30, 30, 30)
-
-
-def moment(episodes: Sequence[Episode], seconds: float) -> float:
-    """Choose when to photograph the screens [s]: late in the last longer episode, which had time to come."""
-    last = max(episodes, key=lambda e: (min(e.end, seconds) - e.start > LATELY + 0.5, e.start), default=None)
-    if last is None:
-        return 0.9 * seconds
-    return min(last.end - 0.3, seconds - 0.2)
 
 
 def draw(photographs: Mapping[str, Path], recordings: Mapping[str, Recording], at: float, path: Path) -> None:

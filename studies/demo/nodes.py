@@ -1,18 +1,22 @@
 """What stands between a robot's apps and the medium: a stock Zenoh router, or our daemon."""
 
 import json
+import re
+import subprocess
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from proxy.commands.client import NoAnswerError, connected
 from studies.demo.events import Counts, Event
 from studies.demo.layout import OPERATOR, Node
-from studies.demo.processes import DemoError, Process, Troupe
+from studies.demo.processes import DemoError, Process, Troupe, entering
 
-WITHOUT, DOWNSAMPLED, WITH = "without", "downsampled", "with"
+WITHOUT, DOWNSAMPLED, RANDOM, WITH = "without", "downsampled", "random", "with"
 PHASES = WITHOUT, DOWNSAMPLED, WITH
-"""In the order of the runs: what the cameras publish in the first one tells how far the second one has to go down."""
+"""In the order of the runs: what the cameras publish in the first one tells how far the others have to go down."""
 SHARE = 0.9
 """The spec's limit as a share of the medium."""
 WINDOW = 0.95
@@ -24,6 +28,7 @@ ASSEMBLY = 20.0
 
 SURVEILLANCE = """\
 # What a camera frame is worth to the operator: more when it shows something red (Eq. 9), as long as that is there.
+# A position or a charge is worth little beside it, and takes next to nothing.
 version = 1
 
 [[constraint]]
@@ -40,7 +45,28 @@ utility = {{ kind = "video" }}
 scale = "1 + 10 * red"
 features.red = {{ kind = "color_fraction", color = "red" }}
 forecast = {{ features = "last" }}
+
+[[information_type]]
+name = "position"
+keys = ["robot/*/position"]
+aggregation = "most_recent"
+weight = 0.05
+utility = {{ kind = "linear", u0 = 1.0, slope = 0.5 }}
+
+[[information_type]]
+name = "battery"
+keys = ["robot/*/battery"]
+aggregation = "most_recent"
+weight = 0.05
+utility = {{ kind = "linear", u0 = 1.0, slope = 0.1 }}
 """
+LIMIT = re.compile(r'(kind = "throughput"\s+limit = )"[^"]*"')
+"""Where a spec says what may be sent."""
+
+
+def with_limit(spec: str, limit: float) -> str:
+    """Return the spec with another limit [bit/s]."""
+    return LIMIT.sub(rf'\g<1>"{limit:.0f} bit/s"', spec)
 
 
 def start_routers(
@@ -58,7 +84,7 @@ def start_routers(
             command += ["--connect", endpoint]
         if frequency is not None and node.name != OPERATOR:
             command += ["--downsample", CAMERAS, str(frequency)]
-        routers.append(troupe.start(f"router-{node.name}", *command))
+        routers.append(troupe.start(f"router-{node.name}", *command, within=node.namespace))
     for router in routers:
         router.hear(ASSEMBLY)
     return routers
@@ -86,7 +112,7 @@ def start_daemons(
         config = folder / f"{node.name}.toml"
         config.write_text(_config(node, dials[node.name], file, mode))
         command = ("-m", "proxy.cli", "run", "--config", str(config), *flags, *(own_flags or {}).get(node.name, ()))
-        daemons.append(troupe.start(f"daemon-{node.name}", *command))
+        daemons.append(troupe.start(f"daemon-{node.name}", *command, within=node.namespace))
     deadline = time.monotonic() + ASSEMBLY
     for node in nodes:
         while not _assembled(node, len(nodes) - 1):
@@ -102,13 +128,25 @@ def count(phase: str, nodes: Sequence[Node]) -> list[Event]:
     """Ask every robot's daemon what it counted."""
     events: list[Event] = []
     for node in nodes[1:]:
-        with connected(node.app_endpoint) as client:
-            counts = client.status(node.name)[0]["counts"]
-        if not isinstance(counts, dict):
-            raise DemoError(f"the status of {node.name} holds no counts")
+        counts = status(node)["counts"]
         numbers = (int(counts[name]) for name in ("in", "forwarded", "dropped", "queued"))
         events.append(Counts(phase, node.name, *numbers))
     return events
+
+
+def status(node: Node) -> dict[str, Any]:
+    """Return what a node's daemon says of itself. Raises NoAnswerError."""
+    if node.namespace is None:
+        with connected(node.app_endpoint) as client:
+            return dict(client.status(node.name)[0])
+    # It listens for its apps where only they are.
+    asking = [*entering(node.namespace), sys.executable, "-m", "proxy.cli", "status", "--json"]
+    asking += ["--connect", node.app_endpoint, "--robot", node.name]
+    asked = subprocess.run(asking, capture_output=True, text=True, check=False)
+    if asked.returncode:
+        raise NoAnswerError(asked.stderr.strip())
+    found = json.loads(asked.stdout)
+    return dict(found[0] if isinstance(found, list) else found)
 
 
 def _config(node: Node, dials: Sequence[str], spec: Path, mode: str) -> str:
@@ -133,8 +171,6 @@ def _config(node: Node, dials: Sequence[str], spec: Path, mode: str) -> str:
 def _assembled(node: Node, others: int) -> bool:
     """Whether the node's daemon answers and knows all others."""
     try:
-        with connected(node.app_endpoint) as client:
-            peers = client.status(node.name)[0]["peers"]
+        return len(status(node)["peers"]) >= others
     except NoAnswerError:
         return False
-    return isinstance(peers, list) and len(peers) >= others

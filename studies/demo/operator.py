@@ -53,7 +53,11 @@ def main() -> None:
     with arguments.log.open("w") as log, open_client(arguments.connect) as session:
         screen = Screen(log)
         callback = zenoh.handlers.Callback(screen.show, indirect=False)
-        with session.declare_subscriber("robot/*/camera", callback):
+        with (
+            session.declare_subscriber("robot/*/camera", callback),
+            session.declare_subscriber("robot/*/position", lambda _: None),
+            session.declare_subscriber("robot/*/battery", lambda _: None),
+        ):
             _watch(screen, arguments.photograph_at, arguments.photographs, stop)
 
 

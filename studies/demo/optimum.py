@@ -26,14 +26,12 @@ def find_optimum(recording: Recording) -> Optimum | None:
     A frame arrives `size / rate` after it was taken, as if the medium had nothing else to carry: no run is
     better.
     """
-    frames = sorted(
-        (float(feed.t_gen[i]), stream, i) for stream, feed in enumerate(recording.feeds) for i in range(len(feed.t_gen))
-    )
+    frames = _frames(recording)
     try:
-        sends = upper_bound(_problem(recording, frames))
+        sends = upper_bound(_problem(recording, frames, Aggregation.CURRENT))
     except OracleUnavailable:
         return None
-    red = np.array([recording.feeds[stream].red[i] > 0 for _, stream, i in frames])
+    red = np.array([recording.feeds[stream].sees_red[i] for _, stream, i in frames])
     rates = [
         float(sends.sends[red == wanted].sum()) / seconds if seconds else None
         for wanted in (True, False)
@@ -42,7 +40,19 @@ def find_optimum(recording: Recording) -> Optimum | None:
     return Optimum(sends.utility, *rates)
 
 
-def _problem(recording: Recording, frames: list[tuple[float, int, int]]) -> Problem:
+def problem_of(recording: Recording, aggregation: Aggregation) -> Problem:
+    """Return the frames of a run as messages."""
+    return _problem(recording, _frames(recording), aggregation)
+
+
+def _frames(recording: Recording) -> list[tuple[float, int, int]]:
+    """Return when each frame was taken, of which feed it is, and its number there."""
+    return sorted(
+        (float(feed.t_gen[i]), stream, i) for stream, feed in enumerate(recording.feeds) for i in range(len(feed.t_gen))
+    )
+
+
+def _problem(recording: Recording, frames: list[tuple[float, int, int]], aggregation: Aggregation) -> Problem:
     run, feeds = recording.run, recording.feeds
     messages = tuple(
         Message(
@@ -57,7 +67,7 @@ def _problem(recording: Recording, frames: list[tuple[float, int, int]]) -> Prob
         for t_gen, stream, i in frames
     )
     return Problem(
-        streams=tuple(Stream(robot, Aggregation.CURRENT) for robot in range(len(feeds))),
+        streams=tuple(Stream(robot, aggregation) for robot in range(len(feeds))),
         messages=messages,
         current=0,
         constraints=(Throughput(run.limit / 8, run.window).constraint("throughput"),),

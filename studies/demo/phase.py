@@ -1,34 +1,60 @@
-"""One run of the demo: the same robots, scene and medium, with the filter, without it, or with Zenoh's downsampling."""
+"""One run of the demo: the same robots, world and medium, with the filter, without it, downsampled, or at random."""
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
 from studies.demo import links
-from studies.demo.events import Event, Links, Publish, Receive, Run, read_events
-from studies.demo.layout import OPERATOR, Node, lay_out, pairs
-from studies.demo.nodes import DOWNSAMPLED, SHARE, SURVEILLANCE, WINDOW, WITH, count, start_daemons, start_routers
+from studies.demo.air import Air
+from studies.demo.events import EVERYONE, Event, Links, Publish, Receive, Run, Serve, read_events
+from studies.demo.footage import Footage
+from studies.demo.layout import OPERATOR, Node, lay_out
+from studies.demo.namespaces import Namespaces
+from studies.demo.nodes import (
+    DOWNSAMPLED,
+    RANDOM,
+    SHARE,
+    SURVEILLANCE,
+    WINDOW,
+    WITH,
+    count,
+    start_daemons,
+    start_routers,
+)
 from studies.demo.processes import Process, Troupe
+from studies.demo.scene import PERIOD
+from studies.demo.staging import MEDIUM, PATIENCE, Apps, Cast, start_app, start_medium, start_robots
 
-PATIENCE = 20.0
-"""How long a process may take to get ready [s]."""
 LEAD = 0.3
 """The apps are told the start time this long ahead [s]."""
 CARRIED = 0.95
 """Downsampled cameras may fill this part of the medium: what is around frames needs the rest."""
-MEDIUM = "medium"
 
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """`seconds` of run on a medium of `rate` [bit/s]; the screen is photographed at `photograph_at` [s]."""
+    """`seconds` of run on a medium of `rate` [bit/s]; the screen is photographed at `photograph_at` [s].
+
+    `latency` [s] and `loss` are the medium's too. Robots replay their `footage`, if there is any. With `netns` the
+    medium is one of the kernel's, which needs root.
+    """
 
     robots: int
     seconds: float
     rate: float
     seed: int
     photograph_at: float
+    latency: float = 0.0
+    loss: float = 0.0
+    footage: tuple[Footage, ...] = ()
+    netns: bool = False
+
+    @property
+    def air(self) -> Air:
+        """The medium."""
+        return Air(self.rate / 8, self.latency, self.loss)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +75,15 @@ def run_phase(
 
     `before` is what happened in earlier runs: it tells how often cameras may send that are downsampled.
     """
-    nodes = lay_out(conditions.robots)
-    with Troupe(folder) as troupe:
-        dials = _start_medium(troupe, nodes, conditions.rate, folder)
+    with ExitStack() as stack:
+        nodes = lay_out(conditions.robots)
+        channel = stack.enter_context(Namespaces(conditions.air)) if conditions.netns else None
+        troupe = stack.enter_context(Troupe(folder))
+        if channel:
+            nodes = channel.add(nodes)
+            dials = channel.dials(nodes)
+        else:
+            _, dials = start_medium(troupe, nodes, conditions.air, folder / "medium.jsonl")
         limit = SHARE * conditions.rate
         if phase == WITH:
             spec = SURVEILLANCE.format(limit=limit, window=WINDOW)
@@ -59,10 +91,11 @@ def run_phase(
         else:
             frequency = _tuned(before, conditions.rate) if phase == DOWNSAMPLED else None
             stations = start_routers(troupe, nodes, dials, frequency)
-        apps = _start_apps(troupe, nodes, conditions, folder)
-        watch = _Watch(phase, troupe, stations, apps)
+        keep = min(1.0, _tuned(before, conditions.rate) * PERIOD) if phase == RANDOM else 1.0
+        apps = _start_apps(troupe, nodes, conditions, folder, keep)
+        watch = _Watch(phase, troupe, stations, apps, channel)
         start = time.monotonic() + LEAD
-        for app in apps:
+        for app in apps.all:
             app.tell(start)
         looks = watch.until(start, conditions.seconds, folder, tell)
         counts = count(phase, nodes) if phase == WITH else []
@@ -82,36 +115,16 @@ def _tuned(before: Sequence[Event], rate: float) -> float:
     return CARRIED * rate / 8 / a_frame_each
 
 
-def _start_medium(troupe: Troupe, nodes: tuple[Node, ...], rate: float, folder: Path) -> dict[str, list[str]]:
-    """Start the medium; return which endpoints each node dials."""
-    linked = list(pairs(nodes))
-    command = ["-m", "studies.demo.relay", "--rate", str(rate), "--log", str(folder / "medium.jsonl")]
-    for dialer, target in linked:
-        command += ["--pair", f"{dialer.name},{target.name},{target.mesh_port}"]
-    ports = troupe.start(MEDIUM, *command).hear(PATIENCE)["ports"]
-    dials: dict[str, list[str]] = {node.name: [] for node in nodes}
-    for (dialer, _), port in zip(linked, ports, strict=True):
-        dials[dialer.name].append(f"tcp/127.0.0.1:{port}")
-    return dials
-
-
-def _start_apps(troupe: Troupe, nodes: tuple[Node, ...], conditions: Conditions, folder: Path) -> list[Process]:
-    """Start the operator's app and the cameras, in the order of the nodes; return when all are ready."""
+def _start_apps(troupe: Troupe, nodes: tuple[Node, ...], conditions: Conditions, folder: Path, keep: float) -> Apps:
+    """Start the robots' apps and the operator's; return when all are ready."""
     screen = ["--photograph-at", str(conditions.photograph_at), "--photographs", str(folder)]
-    apps = [_app(troupe, "operator", nodes[0], folder, screen)]
-    for node in nodes[1:]:
-        what = ["--robot", str(node.number - 1), "--robots", str(conditions.robots)]
-        what += ["--seconds", str(conditions.seconds), "--seed", str(conditions.seed)]
-        apps.append(_app(troupe, "camera", node, folder, what))
-    for app in apps:
-        app.hear(PATIENCE)
+    operator = start_app(troupe, "operator", nodes[0], folder, screen)
+    cast = Cast(conditions.robots, conditions.seconds, conditions.seed, conditions.footage, keep)
+    apps = start_robots(troupe, nodes, cast, folder)
+    operator.hear(PATIENCE)
+    apps.others.append(operator)
+    apps.owners[operator.name] = 0
     return apps
-
-
-def _app(troupe: Troupe, kind: str, node: Node, folder: Path, arguments: list[str]) -> Process:
-    log = folder / f"{kind}-{node.name}.jsonl"
-    command = ["-m", f"studies.demo.{kind}", "--connect", node.app_endpoint, "--log", str(log), *arguments]
-    return troupe.start(f"{kind}-{node.name}", *command)
 
 
 class _Watch:
@@ -122,12 +135,15 @@ class _Watch:
         phase: str,
         troupe: Troupe,
         stations: list[Process],
-        apps: list[Process],
+        apps: Apps,
+        channel: Namespaces | None,
     ) -> None:
         self._phase = phase
         self._troupe = troupe
         self._owners = {process.pid: process.name for process in troupe.processes}
-        self._allowed = [(app.name, station.name) for app, station in zip(apps, stations, strict=True)]
+        self._channel = channel
+        self._carried = channel.carried() if channel else 0
+        self._allowed = [(app, stations[number].name) for app, number in apps.owners.items()]
 
     def until(self, start: float, seconds: float, folder: Path, tell: Callable[[Progress], None]) -> list[Event]:
         """Watch until the run is over; return what was seen of the connections."""
@@ -137,11 +153,18 @@ class _Watch:
             time.sleep(min(left, 1.0))
             self._troupe.check()
             now = time.monotonic()
-            found = links.connections(self._owners)
-            direct = links.around(found, MEDIUM, self._allowed)
-            looks.append(Links(self._phase, now, sum(MEDIUM in pair for pair in found), len(direct)))
+            looks.append(self._look(now))
             received = list(read_events(log, self._phase))
             last = received[-1] if received else None
             age = last.t - last.t_gen if isinstance(last, Receive) else 0.0
             tell(Progress(self._phase, seconds, now - start, len(received), age))
         return looks
+
+    def _look(self, now: float) -> Event:
+        """Look at the connections; where the kernel keeps robots apart, at what it carried instead."""
+        if self._channel:
+            before, self._carried = self._carried, self._channel.carried()
+            return Serve(self._phase, now, EVERYONE, EVERYONE, self._carried - before)
+        found = links.connections(self._owners)
+        direct = links.around(found, MEDIUM, self._allowed)
+        return Links(self._phase, now, sum(MEDIUM in pair for pair in found), len(direct))

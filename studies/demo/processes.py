@@ -3,8 +3,10 @@
 import json
 import os
 import selectors
+import shutil
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,16 +18,24 @@ class DemoError(Exception):
     """The demo cannot go on; says what to look at."""
 
 
+def entering(namespace: str | None) -> list[str]:
+    """Return what a command in a network namespace begins with."""
+    if namespace is None:
+        return []
+    return [shutil.which("ip", path="/usr/sbin:/sbin:/usr/bin:/bin") or "ip", "netns", "exec", namespace]
+
+
 class Process:
     """A running process; what it writes to standard error goes to a file."""
 
-    def __init__(self, name: str, command: Sequence[str], errors: Path) -> None:
+    def __init__(self, name: str, command: Sequence[str], errors: Path, within: str | None = None) -> None:
         self.name = name
         self._errors = errors
+        self._saying = threading.Lock()
         leash = [sys.executable, "-m", "studies.demo.leash", str(os.getpid())]
         with errors.open("wb") as file:
             self._popen = subprocess.Popen(
-                [*leash, sys.executable, *command],
+                [*leash, *entering(within), sys.executable, *command],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=file,
@@ -49,10 +59,11 @@ class Process:
         return facts
 
     def tell(self, message: Any) -> None:
-        """Say a line of JSON to it."""
+        """Say a line of JSON to it; any thread may."""
         assert self._popen.stdin is not None  # noqa: S101  # for the type checker
-        self._popen.stdin.write(json.dumps(message).encode() + b"\n")
-        self._popen.stdin.flush()
+        with self._saying:
+            self._popen.stdin.write(json.dumps(message).encode() + b"\n")
+            self._popen.stdin.flush()
 
     def check(self) -> None:
         """Raise DemoError when it has ended."""
@@ -89,9 +100,9 @@ class Troupe:
         """How long a process may take to stop [s]."""
         self.processes: list[Process] = []
 
-    def start(self, name: str, *command: str) -> Process:
-        """Start `python COMMAND…`."""
-        process = Process(name, command, self._folder / f"{name}.err")
+    def start(self, name: str, *command: str, within: str | None = None) -> Process:
+        """Start `python COMMAND…`, in a network namespace where one is named."""
+        process = Process(name, command, self._folder / f"{name}.err", within)
         self.processes.append(process)
         return process
 

@@ -7,7 +7,8 @@ from typing import TypeVar
 import numpy as np
 
 from planner.utility import Flags, Floats, Ints, Video
-from studies.demo.events import Counts, Event, Links, Publish, Receive, Run, Serve
+from studies.demo.events import Counts, Event, Links, Publish, Receive, Run, Serve, Tell
+from studies.demo.scene import RED
 from studies.shown import excess
 
 ALPHA = 10.0
@@ -15,7 +16,7 @@ ALPHA = 10.0
 LOOKS = 20.0
 """How often the screen is looked at for its staleness [1/s]."""
 
-E = TypeVar("E", Publish, Receive, Serve, Counts, Links)
+E = TypeVar("E", Publish, Tell, Receive, Serve, Counts, Links)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +37,8 @@ class Feed:
 
     @property
     def sees_red(self) -> Flags:
-        """Whether the robot sees red, frame by frame."""
-        return np.asarray(self.red > 0)
+        """Whether the robot sees a red object, frame by frame; other robots' wheels are none."""
+        return np.asarray(self.red >= RED)
 
     @property
     def scale(self) -> Floats:
@@ -73,6 +74,12 @@ class Feed:
         over = np.flatnonzero(self.sees_red[:-1] & ~self.sees_red[1:]) + 1
         shown = [self.t_rcv[self.frame >= first] for first in over]
         return np.array([min(t, default=self.end) for t in shown]) - self.t_gen[over]
+
+    def starts(self) -> Floats:
+        """How long after the first red frame of each time the screen showed it, or a later one [s]."""
+        first = np.flatnonzero(np.diff(np.append(0, self.sees_red.astype(int))) > 0)
+        shown = [self.t_rcv[self.frame >= frame] for frame in first]
+        return np.array([min(t, default=self.end) for t in shown]) - self.t_gen[first]
 
     def false_red(self) -> float:
         """How long the screen showed red where the robot saw none [s]."""

@@ -64,8 +64,10 @@ _OF_CLASSES = (
 _OF_ALL: tuple[tuple[str, str, Callable[[Value], str]], ...] = (
     ("frame rate, red to other", "fps_ratio", _number),
     ("  the same in the offline optimum", "fps_ratio_optimum", _number),
+    ("start of red on the screen, 95 % [s]", "start_p95", _number),
     ("end of red on the screen, 95 % [s]", "end_p95", _number),
     ("red on screens where there is none [s]", "false_red", _number),
+    ("oldest screen [s]", "staleness_max", _number),
     ("utility, of all sent without delay", "utility_share", _percent),
     ("utility, of the offline optimum", "utility_share_optimum", _percent),
     ("carried by the medium", "medium_bytes", _megabytes),

@@ -9,10 +9,11 @@ import uuid
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 
 from proxy.cli import main
-from studies.demo.events import Links, read_events
+from studies.demo.events import Links, Publish, read_events
 from studies.demo.figures import figures
 from tests.waiting import wait_until
 
@@ -103,8 +104,9 @@ def test_an_interrupted_demo_leaves_no_process(tmp_path):
 @pytest.mark.parametrize(
     ("flag", "value"),
     [
-        *(("--robots", "0"), ("--robots", "51"), ("--robots", "many"), ("--robots", "nan"), ("--robots", "2.5")),
+        *(("--robots", "0"), ("--robots", "17"), ("--robots", "many"), ("--robots", "nan"), ("--robots", "2.5")),
         *(("--seconds", "1"), ("--seconds", "inf"), ("--seconds", "soon"), ("--rate", "10"), ("--rate", "3 Mbit/s")),
+        *(("--latency", "-1"), ("--latency", "6"), ("--loss", "1"), ("--loss", "few")),
     ],
 )
 def test_impossible_conditions_are_refused(flag, value, capsys):
@@ -112,6 +114,35 @@ def test_impossible_conditions_are_refused(flag, value, capsys):
     with pytest.raises(SystemExit):
         main(["demo", flag, value])
     assert f"argument {flag}: {value} is not " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--footage", "nowhere"], "--footage nowhere: there is no such folder"),
+        (["--live", "--json", "figures.json"], "--json: a live mission has no figures; leave out --live"),
+        (["--live", "--events", "events.jsonl"], "--events: a live mission has no figures; leave out --live"),
+    ],
+)
+def test_what_cannot_be_shown_is_said_at_once(arguments, words, capsys, tmp_path, monkeypatch):
+    """Before anything is started."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["demo", *arguments]) == 1
+    assert capsys.readouterr().err == f"sendworthy demo: {words}\n"
+
+
+@pytest.mark.full
+def test_footage_of_ones_own_is_shown(tmp_path):
+    """Two folders of images are two robots; what is red in them is red."""
+    for robot, colour in (("one", (20, 20, 220)), ("two", (90, 90, 90))):
+        (tmp_path / "films" / robot).mkdir(parents=True)
+        cv2.imwrite(str(tmp_path / "films" / robot / "1.png"), np.full((120, 160, 3), colour, np.uint8))
+    files = [str(tmp_path / name) for name in ("figures.json", "events.jsonl", "picture.png")]
+    arguments = ["demo", "--footage", str(tmp_path / "films"), "--seconds", "3", "--json", files[0]]
+    assert main([*arguments, "--events", files[1], "--picture", files[2]]) == 0
+    red = {event.robot: event.red for event in read_events(Path(files[1])) if isinstance(event, Publish)}
+    assert red == {"r1": pytest.approx(1.0), "r2": pytest.approx(0.0)}
+    assert json.loads(Path(files[0]).read_text())["with"]["fps_red"] > 0
 
 
 def marked(mark):

@@ -198,3 +198,13 @@ def test_events_without_their_conditions_are_refused():
     """Nothing can be said about a run of unknown length."""
     with pytest.raises(ValueError, match='the events of "with" do not say under which conditions'):
         figures(HANDMADE[1:])
+
+
+def test_the_operator_sees_something_red_when_its_first_frame_comes_or_a_later_one():
+    """Of one event, 0.1 s after it began; the oldest screen is that before it."""
+    found = of(HANDMADE)
+    assert found["events"] == 1
+    assert found["start_p95"] == pytest.approx(0.1)
+    assert found["staleness_max"] == pytest.approx(2.1, abs=0.06)
+    late = of([event for event in HANDMADE if not (isinstance(event, Receive) and event.number == 2)])
+    assert late["start_p95"] == pytest.approx(2.0)

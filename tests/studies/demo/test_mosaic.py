@@ -5,17 +5,8 @@ import numpy as np
 import pytest
 
 from studies.demo.events import Publish, Receive, Run
-from studies.demo.mosaic import TILE, draw, moment
+from studies.demo.mosaic import TILE, draw
 from studies.demo.recording import recordings
-from studies.demo.scene import Episode
-
-
-def test_the_moment_lies_late_in_the_last_episode_that_was_long_enough():
-    """Red had time to reach the screen, and still is in view."""
-    episodes = [Episode(0, 1.0, 5.0), Episode(1, 7.0, 11.0), Episode(2, 13.0, 17.0)]
-    assert moment(episodes, 30.0) == pytest.approx(16.7)
-    assert moment(episodes, 14.0) == pytest.approx(10.7)
-    assert moment([], 10.0) == pytest.approx(9.0)
 
 
 def test_both_screens_are_drawn_with_a_frame_per_robot(tmp_path):

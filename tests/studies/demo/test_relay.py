@@ -3,11 +3,12 @@
 import socket
 import threading
 import time
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 
 import pytest
 
 from studies.demo import relay as relay_module
+from studies.demo.air import Air
 from studies.demo.relay import BUFFER, CHUNK, DEPTH, Relay
 from tests.ports import free_port
 from tests.waiting import wait_until
@@ -22,7 +23,7 @@ class Medium:
     def __init__(self, rate, stack):
         self.served = []
         self.stack = stack
-        self.relay = Relay(rate, lambda *entry: self.served.append(entry))
+        self.relay = Relay(Air(rate), lambda *entry: self.served.append(entry))
         stack.enter_context(closing(self.relay))
 
     def pair(self, name):
@@ -139,7 +140,7 @@ def test_a_receiver_that_does_not_read_holds_up_only_its_own_direction(make_medi
     threading.Thread(target=send_until_closed, args=(stuck,), daemon=True).start()
 
     def full():
-        return any(way.served for link in medium.relay._links for way in link.ways)
+        return any(way.stuck for link in medium.relay._links for way in link.ways)
 
     medium.step_until(full, "the unread pair to fill up")
     near, far = medium.pair("free")
@@ -189,6 +190,65 @@ def test_when_one_end_hangs_up_so_does_the_other(make_medium, leaver):
     ends[leaver].close()
     medium.step_until(lambda: medium.relay.connections == 0, "the hanging up")
     assert ends[1 - leaver].recv(1) == b""
+
+
+def test_what_is_served_arrives_when_its_latency_is_over(make_medium, monkeypatch):
+    """Not before, in its order, and what follows is served meanwhile."""
+    clock = Clock()
+    monkeypatch.setattr(relay_module, "time", clock)
+    medium = make_medium(1e6)
+    near, far = medium.pair("a")
+    far.setblocking(False)
+    medium.relay.change(Air(1e6, latency=0.5))
+    near.sendall(b"first")
+    medium.step_until(lambda: len(medium.served) == 1, "the first to be served")
+    clock.now += 0.3
+    near.sendall(b"second")
+    medium.step_until(lambda: len(medium.served) == 2, "the second to be served")
+    with pytest.raises(BlockingIOError):
+        far.recv(20)
+    clock.now += 0.3
+    medium.step_until(lambda: medium.relay.backlog == len(b"second"), "the first to arrive")
+    assert far.recv(20) == b"first"
+    clock.now += 0.3
+    medium.step_until(lambda: medium.relay.backlog == 0, "the second to arrive")
+    assert far.recv(20) == b"second"
+
+
+def test_what_is_lost_is_carried_again(make_medium):
+    """It takes room on the air each time, and all arrives in its order."""
+    medium = make_medium(1e7)
+    near, far = medium.pair("a")
+    medium.relay.change(Air(1e7, loss=0.4))
+    data = bytes(range(256)) * 80
+    threading.Thread(target=near.sendall, args=(data,), daemon=True).start()
+    received = bytearray()
+    far.setblocking(False)
+
+    def all_there():
+        with suppress(BlockingIOError):
+            received.extend(far.recv(65536))
+        return len(received) == len(data)
+
+    medium.step_until(all_there, "all to arrive")
+    assert received == data
+    assert sum(size for *_, size in medium.served) > len(data)
+
+
+def test_the_rate_changes_while_it_runs(make_medium, monkeypatch):
+    """What waits is served at the new rate."""
+    clock = Clock()
+    monkeypatch.setattr(relay_module, "time", clock)
+    medium = make_medium(SLOW)
+    near, _far = medium.pair("a")
+    near.sendall(bytes(DEPTH))
+    medium.step_until(lambda: sum(size for *_, size in medium.served) == DEPTH, "the bucket to be empty")
+    near.sendall(bytes(CHUNK))
+    medium.step_until(lambda: medium.relay.backlog == CHUNK, "the chunk")
+    medium.relay.change(Air(100 * SLOW))
+    medium.relay.step(0.0)
+    clock.now += CHUNK / SLOW / 50
+    medium.step_until(lambda: medium.relay.backlog == 0, "the chunk to be served")
 
 
 def drain(sock):

@@ -25,10 +25,13 @@ def all_of(one):
     return gains(one, {i: m.t_rcv for i, m in enumerate(one.messages)}).tolist()
 
 
-def test_the_newest_is_of_use_until_the_next_comes():
+@pytest.mark.parametrize("aggregation", [Aggregation.MOST_RECENT, Aggregation.CURRENT])
+def test_the_newest_is_of_use_until_the_next_comes(aggregation):
     """The first one fades from 1 to 0.5 in that time; the second one to 0 in ten seconds, and then is of no use."""
     fading = Linear(1.0, 0.1)
-    assert all_of(problem((0.0, fading, 1.0), (5.0, fading, 2.0))) == pytest.approx([0.75, 1.0], rel=0.02)
+    assert all_of(problem((0.0, fading, 1.0), (5.0, fading, 2.0), aggregation=aggregation)) == pytest.approx(
+        [0.75, 1.0], rel=0.02
+    )
 
 
 def test_what_was_not_received_gains_nothing_and_gives_no_way():
