@@ -26,7 +26,21 @@ GROUP = "sendworthy.commands"
 WITHOUT_COMMAND = ("-h", "--help", "--version")
 """Flags that stand in place of a command; all others follow one."""
 BUILT_IN = (
-    *("run", "learn", "check", "schema", "explain", "why", "status", "top", "mode", "profile", "push", "record"),
+    *(
+        "run",
+        "learn",
+        "check",
+        "schema",
+        "explain",
+        "why",
+        "status",
+        "top",
+        "page",
+        "mode",
+        "profile",
+        "push",
+        "record",
+    ),
     "completion",
 )
 
@@ -38,6 +52,7 @@ examples:
   sendworthy run --robot r1 --mode shadow          the same without a file
   sendworthy status                                what the daemon here does
   sendworthy top                                   the same live, for all robots
+  sendworthy page                                  and in a browser, with pictures and buttons
   sendworthy mode enforce                          switch it live
   sendworthy profile --flame flame.svg             where its processor time goes
   sendworthy record                                write down all that it sees and decides

@@ -38,7 +38,7 @@ def live(
 ) -> dict[str, Any]:
     """The same, but of the streams only what who looks again and again shows: half as much."""
     glance = Glance(core.view, now)
-    streams = [_live(core, stream, glance, glance.latency(stream)) for stream in core.view.streams]
+    streams = [_live(core, stream, glance, now, glance.latency(stream)) for stream in core.view.streams]
     return _report(core, refused, retained, now, uptime) | {"streams": streams}
 
 
@@ -138,33 +138,35 @@ def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
 
 
 def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str, Any]:
-    last, sent, latency = stream.last, stream.sent, glance.latency(stream)
+    sent, latency = stream.sent, glance.latency(stream)
     return {
-        **_live(core, stream, glance, latency),
+        **_live(core, stream, glance, now, latency),
         "schedule": stream.schedule.kind,
         "period": stream.schedule.period,
         "jitter": stream.schedule.jitter,
         "forecast": stream.forecasts,
-        "scale": last.scale if last else 0.0,
         "over": stream.schedule.over(core.view.staleness.reported_until(stream.robot, now)),
         "latency": latency,
-        "last_generated": now - last.t_gen if last else None,
         "last_forwarded": now - sent.t_sent if sent else None,
     }
 
 
-def _live(core: Parts, stream: Stream, glance: Glance, latency: float | None) -> dict[str, Any]:
+def _live(core: Parts, stream: Stream, glance: Glance, now: float, latency: float | None) -> dict[str, Any]:
     """What changes with each sample, and what a stream is called."""
+    last, there = stream.last, glance.there(stream, latency)
     return {
         "robot": stream.robot,
         "key": stream.key,
         "type": stream.information_type.name,
-        "size": stream.last.size if stream.last else 0,
+        "size": last.size if last else 0,
+        "scale": last.scale if last else 0.0,
+        "shown": there.scale if there else None,
         "generated": max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
         "forwarded": stream.forwarded,
         "by_reason": dict(sorted(stream.fates.items())),
         "receivers": core.view.subscribers.count(stream),
-        "age": glance.age(stream, latency),
+        "age": now - there.t_gen if there else None,
+        "last_generated": now - last.t_gen if last else None,
     }
 
 
