@@ -23,7 +23,8 @@ class Control:
     """Answers `@sendworthy/<robot>/status` with JSON, takes a mode on `…/mode`, is profiled on `…/profile`.
 
     On `…/why` it tells the last decisions, on `…/specs` the files of the specs in force. `on_loop` runs a function on
-    the loop's thread, where `status`, `live`, `why`, `switch`, `profile` and `specs` are called. Who asks for the status with the payload `live` hears less of each stream.
+    the loop's thread, where `status`, `live`, `why`, `switch`, `profile` and `specs` are called. Who asks for the
+    status with the payload `live` hears less of each stream.
     """
 
     def __init__(

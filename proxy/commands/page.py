@@ -12,8 +12,8 @@ from proxy.extras import needs
 
 DESCRIPTION = """\
 Serves a page that shows the fleet live: what all cameras send, with rate and age, framed where something is worth more
-than usual now; what became of the samples of each robot and type, and why; utility, the channel and what room costs. With
-the token in the address that it prints, the page also switches the filter and puts specs in force, on robots whose
+than usual now; what became of the samples of each robot and type, and why; utility, the channel and what room costs.
+With the token in the address that it prints, the page also switches the filter and puts specs in force, on robots whose
 configuration allows it (`fleet.mode`, `fleet.specs`).
 
 It looks through the operator's own daemon, the first one given with --connect, like any application: what it wants to

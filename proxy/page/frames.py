@@ -74,8 +74,11 @@ class Frames:
     def _note(self, key: str, now: float) -> bool:
         with self._lock:
             if key not in self._arrivals and len(self._arrivals) >= TUNING.tiles:
-                self.refused += 1
-                return False
+                silent = next((each for each, times in self._arrivals.items() if not times), None)
+                if silent is None:
+                    self.refused += 1
+                    return False
+                del self._arrivals[silent]
             self._arrivals.setdefault(key, deque()).append(now)
             return True
 

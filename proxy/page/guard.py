@@ -13,18 +13,21 @@ from collections.abc import Collection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 TOKEN = b"x-sendworthy-token"
-HEADERS: tuple[tuple[bytes, bytes], ...] = (
-    (
-        b"content-security-policy",
-        b"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "
-        b"base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-    ),
-    (b"x-content-type-options", b"nosniff"),
-    (b"x-frame-options", b"DENY"),
-    (b"referrer-policy", b"no-referrer"),
-    (b"cross-origin-resource-policy", b"same-origin"),
-    (b"cross-origin-opener-policy", b"same-origin"),
-    (b"cache-control", b"no-store"),
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+HEADERS = tuple(
+    (name.encode(), value.encode())
+    for name, value in {
+        "content-security-policy": POLICY,
+        "x-content-type-options": "nosniff",
+        "x-frame-options": "DENY",
+        "referrer-policy": "no-referrer",
+        "cross-origin-resource-policy": "same-origin",
+        "cross-origin-opener-policy": "same-origin",
+        "cache-control": "no-store",
+    }.items()
 )
 LOCAL = "localhost"
 
@@ -58,16 +61,13 @@ class Guard:
         hosts = _all(headers, b"host")
         if len(hosts) != 1 or not self._is_ours(hosts[0]):
             return 421, "this server has no such name; start `sendworthy page` with --name if it shall"
-        if any(origin not in (f"http://{hosts[0]}", f"https://{hosts[0]}") for origin in _all(headers, b"origin")):
+        ours = f"http://{hosts[0]}", f"https://{hosts[0]}"
+        if not _from_here(headers) or any(origin not in ours for origin in _all(headers, b"origin")):
             return 403, "pages of other origins have no business here"
-        if not _from_here(headers):
-            return 403, "pages of other origins have no business here"
-        if method in ("GET", "HEAD"):
-            return None
-        if method != "POST":
+        if method not in ("GET", "HEAD", "POST"):
             return 405, "only GET and POST"
         given = b"".join(value for name, value in headers if name == TOKEN)
-        if not secrets.compare_digest(given, self._token):
+        if method == "POST" and not secrets.compare_digest(given, self._token):
             return 403, "to change anything, open the address that `sendworthy page` printed, with its token"
         return None
 

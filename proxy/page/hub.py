@@ -8,7 +8,7 @@ from proxy.page.tuning import TUNING
 
 
 class Viewer:
-    """One open page: of what waits for it there is one message of each name at most, in the order of their names' turns.
+    """One open page: of what waits for it there is one message of each name at most.
 
     `put` and `close` may be called on any thread, `messages` runs on the event loop.
     """

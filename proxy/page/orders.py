@@ -10,7 +10,7 @@ from proxy.commands.client import Client, NoAnswerError, connected
 from proxy.commands.why import told
 from proxy.core.model.mode import Mode
 from proxy.page import demo
-from proxy.page.specs import Files, InForce, checked
+from proxy.page.specs import Files, checked
 from proxy.page.variants import DOWNSAMPLED, PAPER, PLAIN, variant
 from proxy.pushed import pack
 from proxy.why import Question
@@ -34,26 +34,26 @@ class Orders:
         endpoint: str,
         robot: Callable[[], str],
         places: Callable[[], Mapping[str, str]],
-        in_force: Callable[[], InForce],
     ) -> None:
         self._endpoint = endpoint
         self._robot = robot
         self._places = places
-        self._in_force = in_force
         self._lock = threading.Lock()
 
     def filter(self, name: str) -> list[Outcome]:
         """Do what a button says; return what became of it at each robot. Raises NoAnswerError and PushError."""
         mode, wanted = FILTERS[name]
-        outcomes: list[Outcome] = []
-        files = self._in_force().files
-        if wanted is not None and files:
-            new = variant(wanted, files)
-            if new != files:
-                outcomes = self._push(new)
-        # A robot that did not take its specs keeps its mode: it would do something else than the button says.
-        refused = [each for each in outcomes if not each.obeyed]
-        return refused or self._mode(mode)
+        with self._lock, connected(self._endpoint) as client:
+            robot = self._name(client)
+            # What is in force now: what the page knows of it may be of a second ago.
+            files = client.specs(robot)[1] if wanted is not None else {}
+            new = files if wanted is None else variant(wanted, files)
+            pushed = client.order(robot, "specs", _packed(new)) if new != files else []
+            if any(not each.obeyed for each in pushed):
+                # Nobody is switched: the team would do something else than the button says.
+                return pushed
+            outcomes = client.order(robot, "mode", mode.encode())
+            return [*pushed, *(each if each.obeyed else self._switched(client, each, mode) for each in outcomes)]
 
     def specs(self, files: Files) -> tuple[dict[str, Any], list[Outcome]]:
         """Put specs in force where they are right; return what `checked` does, and what became of it at each robot.
@@ -61,7 +61,10 @@ class Orders:
         Raises NoAnswerError and PushError.
         """
         found = checked(files)
-        return found, self._push(files) if found["fit"] else []
+        if not found["fit"]:
+            return found, []
+        with self._lock, connected(self._endpoint) as client:
+            return found, client.order(self._name(client), "specs", _packed(files))
 
     def channel(self, raw: bytes) -> str:
         """Set a demo's channel; return what it is then. Raises NoAnswerError and DemoOrderError."""
@@ -88,18 +91,11 @@ class Orders:
         with self._lock, connected(self._endpoint) as client:
             return client.ask(key, payload)
 
-    def _push(self, files: Files) -> list[Outcome]:
-        packed = pack({name: text.encode() for name, text in files.items()})
-        with self._lock, connected(self._endpoint) as client:
-            return client.order(self._robot(), "specs", packed)
-
-    def _mode(self, mode: Mode) -> list[Outcome]:
-        """Order all; who does not obey orders for all, but answers itself, is switched there."""
-        with self._lock, connected(self._endpoint) as client:
-            outcomes = client.order(self._robot(), "mode", mode.encode())
-            return [each if each.obeyed else self._switched(client, each, mode) for each in outcomes]
+    def _name(self, client: Client) -> str:
+        return self._robot() or client.only_robot()
 
     def _switched(self, client: Client, outcome: Outcome, mode: Mode) -> Outcome:
+        """Switch who does not obey orders for all, but answers itself."""
         where = self._places().get(outcome.robot)
         if where is None:
             return outcome
@@ -112,6 +108,10 @@ class Orders:
         except NoAnswerError as error:
             return replace(outcome, said=(*outcome.said, str(error)))
         return Outcome(outcome.robot, obeyed=True, said=(f"mode {mode.value}",))
+
+
+def _packed(files: Files) -> bytes:
+    return pack({name: text.encode() for name, text in files.items()})
 
 
 def written(outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:

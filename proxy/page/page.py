@@ -19,7 +19,7 @@ STATUS, HISTORY = "status", "history"
 
 
 class Page:
-    """Looks at a fleet through daemons at `endpoints`, the first of which is the operator's own, every `interval` [s]."""
+    """Looks at a fleet every `interval` [s], through daemons at `endpoints`: the first one is the operator's own."""
 
     def __init__(self, endpoints: Sequence[str], robot: str | None, keys: Sequence[str], interval: float) -> None:
         self.hub = Hub(self._greeting)
@@ -27,7 +27,7 @@ class Page:
         self._frames = Frames(self.hub.put)
         self.watch = Watch(endpoints[0], robot, keys, self._frames.take)
         self._asking = Asking(endpoints, interval, lambda: None)
-        self.orders = Orders(endpoints[0], lambda: self.watch.robot, self._asking.places, lambda: self.watch.in_force)
+        self.orders = Orders(endpoints[0], lambda: self.watch.robot, self._asking.places)
         self._past: deque[dict[str, Any]] = deque(maxlen=max(2, int(TUNING.history / interval)))
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="look")

@@ -148,7 +148,7 @@ def _problem(status: HTTPStatus, what: str) -> Response:
 
 
 def _filter(page: Page, body: bytes) -> dict[str, Any]:
-    name = _object(body).get("filter")
+    name = str(_object(body).get("filter"))
     if name not in FILTERS:
         raise PageError(f"a filter is one of {', '.join(FILTERS)}")
     return {"outcomes": written(page.orders.filter(name))}
@@ -200,7 +200,7 @@ def _spec_files(body: bytes) -> dict[str, str]:
 
 
 class Live:
-    """Streams to a browser what is live, in the form of `frames.message`. A slow one takes what is newest when it can."""
+    """Streams to a browser what is live, in the form of `frames.message`; to a slow one what is newest."""
 
     def __init__(self, page: Page) -> None:
         self._page = page

@@ -22,7 +22,7 @@ class PageTuning:
     body_bytes: int = 2 * 1024 * 1024
     """What a browser sends may be so large [B]: all specs that can be pushed, as JSON."""
     marked: float = 2.0
-    """A sample that is worth so many times the usual one of its type is marked: with `1 + 10 * red` from 10 % red on."""
+    """A sample worth so many times the usual one of its type is marked: with `1 + 10 * red` from 10 % red on."""
     linger: float = 1.0
     """A browser that does not read may hold up the end for so long [s]."""
 

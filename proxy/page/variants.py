@@ -1,8 +1,8 @@
 """What the buttons do to specs, line by line, so that the way back stands in the files themselves.
 
-*Paper* has the newest message count whatever it shows (Eq. 9): red that is gone is no loss. *Downsampling* has all samples
-of a type count the same, so that each stream goes at the even rate for which there is room, as downsampling does that is
-tuned to the channel.
+*Paper* has the newest message count whatever it shows (Eq. 9): red that is gone is no loss. *Downsampling* has all
+samples of a type count the same, so that each stream goes at the even rate for which there is room, as downsampling
+does that is tuned to the channel.
 """
 
 import re

@@ -15,7 +15,7 @@ from proxy.page.tuning import TUNING
 
 
 class Watch:
-    """Hands what robots publish to `take`, on threads of Zenoh, and looks after specs and the demo on a thread of its own.
+    """Hands what robots publish to `take`, on threads of Zenoh; looks after specs and the demo on a thread of its own.
 
     It subscribes to `keys`; without any to those that the specs in force cover, which is what robots plan for.
     """
