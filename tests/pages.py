@@ -1,4 +1,4 @@
-"""A fleet in front of the operator's page: daemons, cameras, and `sendworthy page`, all as real processes and sessions."""
+"""A fleet in front of the operator's page: daemons, cameras, and `sendworthy page`, all real processes and sessions."""
 
 import http.client
 import json
@@ -74,23 +74,25 @@ class Fleet:
 
     def __init__(self, folder, closing, *, robots, limit="1 Mbit/s", hz=10, obey=True, **shape):
         self.folder = folder
-        mesh = f"tcp/127.0.0.1:{free_port()}"
+        mesh = []
         orders = ("--fleet.mode", "true", "--fleet.specs", "true") if obey else ()
 
-        def start(name, *options):
+        def start(name):
             place = folder / name / "specs.d"
             place.mkdir(parents=True)
             (place / "camera.toml").write_text(SPECS.format(limit=limit))
-            daemon = Running("--robot", name, "--specs.path", str(place), *options, *orders)
+            links = ("--mesh.connect", json.dumps(mesh)) if mesh else ()
+            mesh.append(f"tcp/127.0.0.1:{free_port()}")
+            listens = ("--mesh.listen", json.dumps(mesh[-1:]))
+            daemon = Running("--robot", name, "--specs.path", str(place), *listens, *links, *orders)
             closing.callback(daemon.end)
             return daemon
 
-        self.ground = start("ground", "--mesh.listen", f'["{mesh}"]')
-        self.ground.wait_for("sendworthy ")
-        self.robots = [start(f"r{n}", "--mesh.connect", f'["{mesh}"]') for n in range(1, robots + 1)]
-        for robot in self.robots:
-            robot.wait_for("sendworthy ")
-        wait_until(lambda: len(self.ground.status()["peers"]) == robots, what="the robots to meet")
+        self.ground, *self.robots = map(start, ["ground", *(f"r{n}" for n in range(1, robots + 1))])
+        for daemon in (self.ground, *self.robots):
+            daemon.wait_for("sendworthy ")
+        for daemon in (self.ground, *self.robots):
+            wait_until(lambda daemon=daemon: len(daemon.status()["peers"]) == robots, what="the robots to meet")
         self.cameras = []
         for n, robot in enumerate(self.robots, start=1):
             self.cameras.append(Camera(f"r{n}", robot.endpoint, hz, **shape))

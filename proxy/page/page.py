@@ -10,6 +10,7 @@ from proxy.page import fleet
 from proxy.page.frames import Frames, message
 from proxy.page.hub import Hub
 from proxy.page.orders import Orders
+from proxy.page.steady import Steady
 from proxy.page.tuning import TUNING
 from proxy.page.variants import variant_of
 from proxy.page.watch import Watch
@@ -29,6 +30,7 @@ class Page:
         self._asking = Asking(endpoints, interval, lambda: None)
         self.orders = Orders(endpoints[0], lambda: self.watch.robot, self._asking.places)
         self._past: deque[dict[str, Any]] = deque(maxlen=max(2, int(TUNING.history / interval)))
+        self._steady = Steady()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="look")
 
@@ -56,7 +58,7 @@ class Page:
 
     def _look(self) -> None:
         """Show what is known now."""
-        scene, now, name = self._asking.scene, clock.monotonic(), self.watch.robot
+        scene, now, name = self._steady.over(self._asking.scene), clock.monotonic(), self.watch.robot
         in_force = self.watch.in_force
         self._frames.know(fleet.delays(scene, name))
         told = fleet.described(scene, in_force, self._frames.rates(now), name)

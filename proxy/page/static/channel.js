@@ -3,11 +3,11 @@
 import { draw, plot } from "./plot.js";
 import { amount, element, number, say, seconds } from "./words.js";
 
-const SPAN = 300; // [s] so much of the past is shown
+const SPAN = 300, LEAST = 30; // [s] so much of the past is shown, as far as it is known
 const limits = document.getElementById("limits");
 const utility = document.getElementById("utility");
 const shown = new Map();
-let past = [];
+let past = [], span = LEAST;
 let chart = null;
 
 export function remember(points) {
@@ -18,6 +18,7 @@ export function tell(status) {
   past.push(status.point);
   const now = status.point.t;
   past = past.filter((point) => now - point.t <= SPAN);
+  span = Math.max(LEAST, now - past[0].t);
   const names = status.limits.map((limit) => limit.constraint);
   for (const [name, each] of shown) if (!names.includes(name)) { each.box.remove(); shown.delete(name); }
   for (const limit of status.limits) bar(limit, now);
@@ -43,8 +44,8 @@ function bar(limit, now) {
   const over = share > 1 ? " (over it)" : "";
   say(text, `${name}: ${Math.round(100 * share)} %${over} of ${amount(whole, limit.unit)} in ${seconds(limit.window)} used by all; ${price}`);
   const of = (point) => point.limits[name];
-  draw(svg, [{ name: "use", points: past.map((p) => [p.t, of(p) ? of(p)[0] / of(p)[1] : null]) }], SPAN, now, 0, 1.05);
-  svg.setAttribute("aria-label", `use of ${name} in the last five minutes, now ${Math.round(100 * share)} %`);
+  draw(svg, [{ name: "use", points: past.map((p) => [p.t, of(p) ? of(p)[0] / of(p)[1] : null]) }], span, now, 0, 1.05);
+  svg.setAttribute("aria-label", `use of ${name} in the last ${seconds(span)}, now ${Math.round(100 * share)} %`);
 }
 
 function worth(sum, now) {
@@ -57,7 +58,7 @@ function worth(sum, now) {
     ? `utility now ${number(sum.now)}, of ${number(sum.most)} had everything arrived at once (dashed); the best that fits the channel is not known while it runs`
     : "utility: not known (no spec of a type of which the newest sample counts, or nobody wants it)";
   say(chart.text, words);
-  chart.svg.setAttribute("aria-label", `utility in the last five minutes, now ${sum ? number(sum.now) : "unknown"}`);
+  chart.svg.setAttribute("aria-label", `utility in the last ${seconds(span)}, now ${sum ? number(sum.now) : "unknown"}`);
   const curve = (name, field) => ({ name, points: past.map((p) => [p.t, p.worth ? p.worth[field] : null]) });
-  draw(chart.svg, [curve("bound", "most"), curve("now", "now")], SPAN, now, Math.min(0, ...values), 1.05 * Math.max(1e-9, ...values));
+  draw(chart.svg, [curve("bound", "most"), curve("now", "now")], span, now, Math.min(0, ...values), 1.05 * Math.max(1e-9, ...values));
 }

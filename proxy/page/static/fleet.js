@@ -5,6 +5,10 @@ import { element, number, rate, say, seconds } from "./words.js";
 
 const body = document.getElementById("fleet");
 const rows = new Map();
+const HEADS = {
+  robot: "", type: "type", mode: "mode", made: "generated", sent: "forwarded", unsent: "dropped", why: "why", age: "age",
+  worth: "utility",
+};
 
 export function tell(robots) {
   const wanted = new Map();
@@ -22,10 +26,10 @@ export function tell(robots) {
 }
 
 function made(name) {
-  const line = element("tr");
+  const line = element("tr", "", { role: "row" });
   const cells = {};
-  for (const each of ["robot", "type", "mode", "made", "sent", "unsent", "why", "age", "worth"]) {
-    cells[each] = element(each === "robot" ? "th" : "td");
+  for (const each of Object.keys(HEADS)) {
+    cells[each] = element(each === "robot" ? "th" : "td", "", { role: each === "robot" ? "rowheader" : "cell", "data-head": HEADS[each] });
     if (["made", "sent", "unsent", "age", "worth"].includes(each)) cells[each].className = "number";
     line.append(cells[each]);
   }
@@ -46,7 +50,7 @@ function fill(row, robot, type) {
   const { cells } = row;
   say(cells.robot, robot.robot);
   cells.robot.title = robot.itself ? "by what it says itself" : `as robot ${robot.seen_by} sees it`;
-  say(cells.type, type ? type.type : "publishes nothing that specs cover");
+  say(cells.type, type ? type.type : "publishes nothing");
   say(cells.mode, robot.takes_part ? robot.mode ?? "–" : "takes no part");
   twice(cells.made, type?.made, type?.generated);
   twice(cells.sent, type?.sent, type?.forwarded);
@@ -67,7 +71,7 @@ function twice(cell, each, all) {
 
 function reasons(type) {
   if (!type) return "–";
-  if (!type.why_known) return type.unsent ? "only its own daemon knows (--connect)" : "–";
+  if (!type.why_known) return type.generated > type.forwarded ? "only its own daemon knows (--connect)" : "–";
   return type.why.map((each) => `${each.words} (${rate(each.rate)})`).join("; ") || "nothing is dropped";
 }
 
