@@ -17,7 +17,7 @@ class Steady:
         """The statuses of each daemon, by its id, the oldest first."""
 
     def over(self, scene: Scene) -> Scene:
-        """Return a scene with each daemon's changes over `rate_window`, or as much of it as there is."""
+        """Return a scene with each daemon's changes over `count_window`, or as much of it as there is."""
         self._said = {zid: self._said.get(zid, deque()) for zid in scene.changes}
         return replace(scene, changes={zid: self._change(zid, change) for zid, change in scene.changes.items()})
 
@@ -27,7 +27,7 @@ class Steady:
             said.clear()  # it started anew
         if not said or said[-1] is not now:
             said.append(now)
-        while len(said) > 2 and _uptime(now) - _uptime(said[1]) >= TUNING.rate_window:
+        while len(said) > 2 and _uptime(now) - _uptime(said[1]) >= TUNING.count_window:
             said.popleft()
         return Change(now, said[0] if said[0] is not now else None)
 

@@ -16,7 +16,9 @@ class PageTuning:
     viewers: int = 16
     """Pages that are open at once, at most; each takes what its network carries."""
     rate_window: float = 3.0
-    """How often frames come, and how many samples become what, is counted over so long [s]: digests come seldom."""
+    """How often frames come is counted over so long [s]."""
+    count_window: float = 10.0
+    """What becomes of samples is counted over so long [s]: digests of who has little to tell are seconds apart."""
     look: float = 1.0
     """Whether specs and the demo are still what they were is looked at so often [s]."""
     body_bytes: int = 2 * 1024 * 1024

@@ -83,8 +83,8 @@ class Browser:
     def click(self, selector):
         """Click in the middle of an element, as a mouse does."""
         self.run(f"document.querySelector({selector!r}).scrollIntoView({{block: 'center', behavior: 'instant'}})")
-        box = f"(r => [r.x + r.width / 2, r.y + r.height / 2])(document.querySelector({selector!r}).getBoundingClientRect())"
-        x, y = self.run(box)
+        middle = "(r => [r.x + r.width / 2, r.y + r.height / 2])"
+        x, y = self.run(f"{middle}(document.querySelector({selector!r}).getBoundingClientRect())")
         for kind in ("mousePressed", "mouseReleased"):
             self.do("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
