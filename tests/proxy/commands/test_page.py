@@ -1,0 +1,54 @@
+"""`sendworthy page` on the command line."""
+
+import socket
+import sys
+
+import pytest
+
+import proxy.page
+from proxy import exit_codes
+from proxy.cli import main
+from proxy.commands.page import _host
+
+
+def test_a_port_that_is_taken_is_said(capsys):
+    """In one line."""
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert main(["page", "--listen", f"127.0.0.1:{port}"]) == exit_codes.FAILED
+    assert capsys.readouterr().err.startswith(f"sendworthy page: nothing can listen on 127.0.0.1:{port}: ")
+    assert main(["page", "--listen", "[2001:db8::1]:7448"]) == exit_codes.FAILED
+
+
+def test_without_what_it_needs_the_command_says_how_to_get_it(monkeypatch, capsys):
+    """It comes with an extra."""
+    monkeypatch.delitem(sys.modules, "proxy.page.server", raising=False)
+    monkeypatch.delattr(proxy.page, "server", raising=False)
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    assert main(["page"]) == exit_codes.FAILED
+    assert 'sendworthy page needs the extra "page": pip install "sendworthy[page]"' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("flag", "problem"),
+    [
+        ("--listen=7448", "must be a host and a port"),
+        ("--listen=", "must not be empty"),
+        ("--key=/robot", "must be a key expression"),
+        ("--interval=0", "must be 0.1 to 3600 seconds"),
+        ("--connect=nowhere", "must be an endpoint"),
+    ],
+)
+def test_flags_that_make_no_sense_are_refused(flag, problem, capsys):
+    """Before anything is opened."""
+    with pytest.raises(SystemExit) as left:
+        main(["page", flag])
+    assert left.value.code == exit_codes.USAGE
+    assert problem in capsys.readouterr().err
+
+
+def test_the_address_is_one_that_can_be_opened():
+    """Where all addresses are listened on it is this machine's own."""
+    assert [_host(each) for each in ("127.0.0.1:1", "0.0.0.0:1", "[::]:1", "[fe80::1]:1")] == [
+        *("127.0.0.1", "127.0.0.1", "[::1]", "[fe80::1]"),
+    ]
