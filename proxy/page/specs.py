@@ -32,9 +32,13 @@ class InForce:
             return cls(generation)
         try:
             with _folder(files) as folder:
-                return cls(generation, files, load_specs(folder))
-        except (SpecsError, PushError) as error:
-            return cls(generation, files, problem=str(error).splitlines()[0])
+                try:
+                    return cls(generation, files, load_specs(folder))
+                except SpecsError as error:
+                    problem = str(error.problems[0]).replace(f"{folder}/", "")
+        except PushError as error:
+            problem = str(error)
+        return cls(generation, files, problem=problem)
 
 
 def checked(files: Files) -> dict[str, Any]:

@@ -95,7 +95,7 @@ def test_robots_that_obey_no_order_for_all_are_switched_where_they_answer(stack,
     """Modes, that is; specs they do not take from afar, and then nobody is switched."""
     fleet = Fleet(tmp_path, stack, robots=2, obey=False)
     page, watching = watch(fleet.ground.endpoint, fleet.robots[0].endpoint)
-    watching.until(lambda head: len(page._asking.places()) == 2, "both to answer")
+    watching.until(lambda _: len(page._asking.places()) == 2, "both to answer")
     outcomes = {each.robot: each for each in page.orders.filter("shadow")}
     assert [outcomes[name].obeyed for name in ("ground", "r1", "r2")] == [True, True, False]
     assert [daemon.status()["mode"] for daemon in (fleet.ground, *fleet.robots)] == ["shadow", "shadow", "enforce"]

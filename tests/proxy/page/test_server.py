@@ -2,6 +2,7 @@
 
 import json
 import socket
+from contextlib import ExitStack
 
 import pytest
 
@@ -13,8 +14,6 @@ from tests.waiting import wait_until
 @pytest.fixture(scope="module")
 def fleet(tmp_path_factory):
     """An operator's daemon and a robot with a camera for whose images there is half the room."""
-    from contextlib import ExitStack
-
     with ExitStack() as closing:
         made = Fleet(tmp_path_factory.mktemp("fleet"), closing, robots=1, limit="150 kbit/s", hz=10)
         made.page = Served("--connect", made.ground.endpoint, "--connect", made.robots[0].endpoint)
@@ -151,9 +150,10 @@ def test_too_much_is_not_even_read(fleet):
 
 def test_who_leaves_in_the_middle_does_no_harm(fleet):
     """Nor who reads nothing; the next one is served."""
+    host = "Host: localhost\r\n"
     for said in (
-        f"POST /check HTTP/1.1\r\nHost: localhost\r\nX-Sendworthy-Token: {fleet.page.token}\r\nContent-Length: 99\r\n\r\n{{",
-        "GET /live HTTP/1.1\r\nHost: localhost\r\n\r\n",
+        f"POST /check HTTP/1.1\r\n{host}X-Sendworthy-Token: {fleet.page.token}\r\nContent-Length: 99\r\n\r\n{{",
+        f"GET /live HTTP/1.1\r\n{host}\r\n",
     ):
         with socket.create_connection(("127.0.0.1", fleet.page.port)) as connection:
             connection.sendall(said.encode())
@@ -181,7 +181,7 @@ def opens(page):
     return stream.status == 200
 
 
-def test_who_watches_hears_of_the_end(fleet, tmp_path):
+def test_who_watches_hears_of_the_end(fleet):
     """The stream ends, and the process with it."""
     page = Served("--connect", fleet.ground.endpoint, "--key", "robot/*/camera", "--robot", "ground")
     stream = page.live()

@@ -10,7 +10,7 @@ TEXT = """\
 name = "camera"
 keys = ["camera/*"]
 aggregation = "{aggregation}"
-utility = {{ kind = "linear", lifetime = "10 s" }}
+utility = {{ kind = "linear", slope = 0.1 }}
 scale = "1 + 10 * red"
 features.red = {{ kind = "color_fraction", color = "red" }}
 
