@@ -11,7 +11,9 @@ from contextlib import suppress
 
 import cv2
 import numpy as np
+import zenoh
 
+from proxy.page import demo
 from tests.daemons import ROOT, Running
 from tests.ports import free_port
 from tests.proxy.nodes import plain_session
@@ -97,6 +99,37 @@ class Fleet:
         for n, robot in enumerate(self.robots, start=1):
             self.cameras.append(Camera(f"r{n}", robot.endpoint, hz, **shape))
             closing.callback(self.cameras[-1].close)
+
+
+class World:
+    """A demo that lets the page change its world: `channel` and `reds` are what it was told."""
+
+    def __init__(self, endpoint, robots):
+        self.channel, self.reds = demo.Channel(750_000.0), []
+        self._robots = robots
+        self._session = plain_session("client", connect=(endpoint,))
+        self._queryable = self._session.declare_queryable(
+            demo.ALL, zenoh.handlers.Callback(self._serve, indirect=False)
+        )
+
+    def end(self):
+        self._queryable.undeclare()
+
+    def close(self):
+        self._session.close()
+
+    def _serve(self, query):
+        told = bytes(query.payload or b"")
+        with query:
+            try:
+                if str(query.key_expr) == demo.CHANNEL:
+                    self.channel = demo.Channel.read(told) if told else self.channel
+                    query.reply(demo.CHANNEL, self.channel.write())
+                else:
+                    self.reds.extend([demo.read_red(told)] if told else [])
+                    query.reply(demo.RED, json.dumps({"robots": self._robots}))
+            except demo.DemoOrderError as error:
+                query.reply_err(str(error))
 
 
 class Served:

@@ -20,7 +20,7 @@ export async function follow(generation) {
     seen = null; // it is asked again with the next status
     return;
   }
-  if (!changed) take(inForce.files);
+  if (!changed && edited()) take(inForce.files);
   tell();
 }
 
@@ -105,6 +105,7 @@ async function push() {
     heard(answer);
     report(answer.outcomes);
     const refused = answer.outcomes.filter((each) => !each.obeyed).map((each) => each.robot);
+    if (answer.fit && !refused.length) inForce.files = { ...files }; // the next status tells their generation
     if (!answer.fit) tell("not put in force: there are mistakes");
     else tell(refused.length ? `not taken by ${refused.join(", ")}` : "put in force on all robots");
   } catch (error) {

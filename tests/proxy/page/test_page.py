@@ -6,14 +6,12 @@ import struct
 import threading
 
 import pytest
-import zenoh
 
 from proxy.commands.client import NoAnswerError
 from proxy.page import demo
 from proxy.page.page import Page
 from tests.daemons import Running
-from tests.pages import SPECS, Fleet
-from tests.proxy.nodes import closing, plain_session
+from tests.pages import SPECS, Fleet, World
 from tests.waiting import wait_until
 
 
@@ -61,31 +59,15 @@ def test_a_demo_offers_its_world_while_it_is_there(stack, watch, tmp_path):
     watching.until(
         lambda head: head["kind"] == "status" and head["by"] == "ground" and head["demo"] is None, "a status"
     )
-    world = closing(stack, plain_session("client", connect=(fleet.ground.endpoint,)))
-    channel, reds = demo.Channel(1e6), []
-
-    def serve(query):
-        nonlocal channel
-        told = bytes(query.payload or b"")
-        with query:
-            try:
-                if str(query.key_expr) == demo.CHANNEL:
-                    channel = demo.Channel.read(told) if told else channel
-                    query.reply(demo.CHANNEL, channel.write())
-                else:
-                    reds.extend([demo.read_red(told)] if told else [])
-                    query.reply(demo.RED, json.dumps({"robots": ["r1"]}))
-            except demo.DemoOrderError as error:
-                query.reply_err(str(error))
-
-    queryable = world.declare_queryable(demo.ALL, zenoh.handlers.Callback(serve, indirect=False))
-    offered = {"channel": {"limit": 1e6, "latency": 0.0, "loss": 0.0}, "red": {"robots": ["r1"]}}
+    world = World(fleet.ground.endpoint, ["r1"])
+    stack.callback(world.close)
+    offered = {"channel": {"limit": 750_000.0, "latency": 0.0, "loss": 0.0}, "red": {"robots": ["r1"]}}
     watching.until(lambda head: head.get("demo") == offered, "the demo")
     assert json.loads(page.orders.channel(b'{"limit": 5e5, "latency": 0.1, "loss": 0}'))["limit"] == 5e5
-    assert channel == demo.Channel(5e5, 0.1, 0.0)
+    assert world.channel == demo.Channel(5e5, 0.1, 0.0)
     page.orders.red(b'{"robot": "r1"}')
-    assert reds == ["r1"]
-    queryable.undeclare()
+    assert world.reds == ["r1"]
+    world.end()
     watching.until(lambda head: head["kind"] == "status" and head["demo"] is None, "the end of the demo")
     with pytest.raises(NoAnswerError, match="nobody answers at"):
         page.orders.channel(b'{"limit": 5e5, "latency": 0.1, "loss": 0}')
@@ -101,9 +83,10 @@ def test_robots_that_obey_no_order_for_all_are_switched_where_they_answer(stack,
     assert [daemon.status()["mode"] for daemon in (fleet.ground, *fleet.robots)] == ["shadow", "shadow", "enforce"]
     assert not any(each.obeyed for each in page.orders.filter("paper"))
     assert fleet.robots[0].status()["mode"] == "shadow"
-    fleet.robots[0].end()
-    (of_r1,) = [each for each in page.orders.filter("off") if each.robot == "r1"] or [None]
-    assert of_r1 is None or not of_r1.obeyed
+    page.orders._places = lambda: {"r2": "tcp/127.0.0.1:1"}
+    (of_r2,) = [each for each in page.orders.filter("off") if each.robot == "r2"]
+    assert not of_r2.obeyed
+    assert of_r2.said[1:] == ("no daemon answers at tcp/127.0.0.1:1; is `sendworthy run` running?",)
 
 
 def test_a_daemon_that_comes_later_or_again_is_found(stack, watch, tmp_path):
