@@ -34,7 +34,9 @@ function world(demo) {
 }
 
 function capacity() {
-  say(document.getElementById("capacity-shown"), `${field.capacity.value} Mbit/s`);
+  const text = `${field.capacity.value} Mbit/s`;
+  say(document.getElementById("capacity-shown"), text);
+  field.capacity.setAttribute("aria-valuetext", text);
 }
 
 export function report(outcomes) {
