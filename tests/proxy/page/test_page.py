@@ -73,6 +73,7 @@ def test_a_demo_offers_its_world_while_it_is_there(stack, watch, tmp_path):
         page.orders.channel(b'{"limit": 5e5, "latency": 0.1, "loss": 0}')
 
 
+@pytest.mark.full
 def test_robots_that_obey_no_order_for_all_are_switched_where_they_answer(stack, watch, tmp_path):
     """Modes, that is; specs they do not take from afar, and then nobody is switched."""
     fleet = Fleet(tmp_path, stack, robots=2, obey=False)
@@ -89,6 +90,7 @@ def test_robots_that_obey_no_order_for_all_are_switched_where_they_answer(stack,
     assert of_r2.said[1:] == ("no daemon answers at tcp/127.0.0.1:1; is `sendworthy run` running?",)
 
 
+@pytest.mark.full
 def test_a_daemon_that_comes_later_or_again_is_found(stack, watch, tmp_path):
     """The page says that there is none, and goes on when there is one."""
     place = tmp_path / "specs.d"
