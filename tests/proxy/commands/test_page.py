@@ -1,14 +1,13 @@
 """`sendworthy page` on the command line."""
 
 import socket
-import sys
 
 import pytest
 
-import proxy.page
 from proxy import exit_codes
 from proxy.cli import main
 from proxy.commands.page import _host
+from tests.ports import free_port
 
 
 def test_a_port_that_is_taken_is_said(capsys):
@@ -22,9 +21,7 @@ def test_a_port_that_is_taken_is_said(capsys):
 
 def test_without_what_it_needs_the_command_says_how_to_get_it(monkeypatch, capsys):
     """It comes with an extra."""
-    monkeypatch.delitem(sys.modules, "proxy.page.server", raising=False)
-    monkeypatch.delattr(proxy.page, "server", raising=False)
-    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    monkeypatch.setattr("proxy.commands.page.there", lambda package: package != "uvicorn")
     assert main(["page"]) == exit_codes.FAILED
     assert 'sendworthy page needs the extra "page": pip install "sendworthy[page]"' in capsys.readouterr().err
 
@@ -45,6 +42,22 @@ def test_flags_that_make_no_sense_are_refused(flag, problem, capsys):
         main(["page", flag])
     assert left.value.code == exit_codes.USAGE
     assert problem in capsys.readouterr().err
+
+
+def test_a_configuration_that_is_wrong_is_said(tmp_path, capsys):
+    """Before the page is served; so are specs, and that there is no place for the page."""
+    config, listen = tmp_path / "ground.toml", f"--listen=127.0.0.1:{free_port()}"
+    config.write_text("robot = 3\n")
+    assert main(["page", "--config", str(config), listen]) == exit_codes.CONFIG
+    assert capsys.readouterr().err.startswith(f"{config}:1: robot: ")
+    config.write_text(f'[app]\nlisten = []\nconnect = ["tcp/127.0.0.1:1"]\n[specs]\npath = "{tmp_path}/specs.d"\n')
+    assert main(["page", "--config", str(config), listen]) == exit_codes.FAILED
+    assert "app.listen: the page needs a place" in capsys.readouterr().err
+    (tmp_path / "specs.d").mkdir()
+    (tmp_path / "specs.d" / "a.toml").write_text("oops\n")
+    config.write_text(f'[specs]\npath = "{tmp_path}/specs.d"\n')
+    assert main(["page", "--config", str(config), listen]) == exit_codes.FAILED
+    assert "a.toml:1" in capsys.readouterr().err
 
 
 def test_the_address_is_one_that_can_be_opened():
