@@ -1,6 +1,7 @@
 """Images as they come from robots: how often, how old, and passed on untouched."""
 
 import json
+import math
 import struct
 import threading
 from collections import deque
@@ -26,8 +27,17 @@ class Delay(NamedTuple):
 
 def message(head: Mapping[str, Any], body: bytes = b"") -> bytes:
     """Return what the page reads: two lengths as 32 bits, a head in JSON and a body of bytes."""
-    told = json.dumps(head, allow_nan=False).encode()
+    told = json.dumps(_finite(head), allow_nan=False).encode()
     return struct.pack(">II", len(told), len(body)) + told + body
+
+
+def _finite(told: Any) -> Any:
+    """Return JSON data without numbers that no browser reads: these are not known, then."""
+    if isinstance(told, float):
+        return told if math.isfinite(told) else None
+    if isinstance(told, Mapping):
+        return {name: _finite(each) for name, each in told.items()}
+    return [_finite(each) for each in told] if isinstance(told, list) else told
 
 
 class Frames:

@@ -32,8 +32,10 @@ class Viewer:
             self._loop.call_soon_threadsafe(self._news.set)
 
     def close(self) -> None:
-        """Send nothing more."""
+        """Send nothing more. Does nothing the second time."""
         with self._lock:
+            if self._closed:
+                return
             self._closed = True
             self._pending.clear()
             self._loop.call_soon_threadsafe(self._news.set)

@@ -1,5 +1,6 @@
 """The page's parts, put together: what is seen goes to all who watch, what they order goes to the fleet."""
 
+import logging
 import threading
 from collections import deque
 from collections.abc import Sequence
@@ -15,6 +16,8 @@ from proxy.page.tuning import TUNING
 from proxy.page.variants import variant_of
 from proxy.page.watch import Watch
 from proxy.top.asking import Asking
+
+log = logging.getLogger(__name__)
 
 STATUS, HISTORY = "status", "history"
 
@@ -54,7 +57,10 @@ class Page:
 
     def _run(self) -> None:
         while not self._stopped.wait(self._interval):
-            self._look()
+            try:
+                self._look()
+            except Exception:
+                log.exception("what daemons say cannot be shown")
 
     def _look(self) -> None:
         """Show what is known now."""
@@ -71,7 +77,12 @@ class Page:
             },
         }
         self._past.append(point)
-        more = {"point": point, "demo": self.watch.demo, "variant": variant_of(in_force.files)}
+        more = {
+            "away": scene.away or self.watch.problem,
+            "point": point,
+            "demo": self.watch.demo,
+            "variant": variant_of(in_force.files),
+        }
         self.hub.put(STATUS, message({**told, **more}))
 
     def _greeting(self) -> dict[str, bytes]:

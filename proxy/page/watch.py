@@ -28,6 +28,8 @@ class Watch:
         self.in_force = InForce()
         self.demo: dict[str, Any] | None = None
         """What a demo says of its world; None: there is none."""
+        self.problem = ""
+        """Why the page does not know through whose daemon it looks, or that one does not answer."""
         self._endpoint = endpoint
         self._wanted = robot
         self._keys = tuple(keys)
@@ -49,8 +51,8 @@ class Watch:
             try:
                 with connected(self._endpoint) as client:
                     self._follow(client)
-            except NoAnswerError:
-                # `Asking` tells the reader; here it is tried again.
+            except (NoAnswerError, zenoh.ZError) as error:
+                self.problem = str(error)
                 self._stopped.wait(TUNING.look)
 
     def _follow(self, client: Client) -> None:
@@ -67,6 +69,7 @@ class Watch:
                     listening.close()
                     listening.enter_context(client.listening(keys, self._take))
                     heard = keys
+                self.problem = ""
                 self.demo = _demo(client)
                 self._stopped.wait(TUNING.look)
 

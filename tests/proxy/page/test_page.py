@@ -4,14 +4,18 @@ import asyncio
 import json
 import struct
 import threading
+from functools import partial
 
 import pytest
+import zenoh
 
+from proxy.bridge import keys
 from proxy.commands.client import NoAnswerError
 from proxy.page import demo
 from proxy.page.page import Page
 from tests.daemons import Running
 from tests.pages import SPECS, Fleet, World
+from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
 
@@ -108,3 +112,30 @@ def test_a_daemon_that_comes_later_or_again_is_found(stack, watch, tmp_path):
     stack.callback(again.end)
     wait_until(lambda: "2 Mbit/s" in page.specs()["files"].get("camera.toml", ""), what="its new specs")
     watching.until(lambda head: head.get("robots") and not head["away"], "the daemon")
+
+
+def test_what_strange_daemons_say_does_not_stop_the_page(stack, watch, caplog):
+    """Where several answer it asks to choose; numbers that are none are not known, and what is no status is logged."""
+    where = free_endpoint()
+    router = closing(stack, plain_session("router", listen=(where,)))
+    told = {"a": {"robot": "a", "zid": "1"}, "b": {"robot": "b", "zid": "2"}}
+
+    def answer(name, query):
+        with query:
+            query.reply(keys.status(name), json.dumps(told[name]))
+
+    for name in told:
+        handler = zenoh.handlers.Callback(partial(answer, name), indirect=False)
+        router.declare_queryable(keys.status(name), handler)
+    _, watching = watch(where)
+    watching.until(lambda head: "choose with --robot a|b" in head.get("away", ""), "the question which one")
+    watching.end()
+    _, watching = watch(where, robot="a")
+    watching.until(lambda head: "no daemon of robot" in head.get("away", ""), "that it tells no specs")
+    told["a"]["budget"] = 3
+    wait_until(lambda: "what daemons say cannot be shown" in caplog.text, what="the log")
+    shown = {"constraint": "air", "used_by_all": 1.0, "limit": None, "price_per_kb": None}
+    told["a"]["budget"] = [shown | {"limit": float("inf"), "price_per_kb": float("nan")}]
+    watching.until(lambda head: head.get("limits"), "the limit")
+    (limit,) = next(head["limits"] for head in reversed(watching.heads) if head.get("limits"))
+    assert {name: limit[name] for name in shown} == shown
