@@ -37,6 +37,7 @@ BUILT_IN = (
         "why",
         "status",
         "top",
+        "page",
         "mode",
         "profile",
         "push",
@@ -55,6 +56,7 @@ examples:
   sendworthy doctor                                is this robot fit, and what to do about it?
   sendworthy status                                what the daemon here does
   sendworthy top                                   the same live, for all robots
+  sendworthy page                                  and in a browser, with pictures and buttons
   sendworthy mode enforce                          switch it live
   sendworthy profile --flame flame.svg             where its processor time goes
   sendworthy record                                write down all that it sees and decides

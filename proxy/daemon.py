@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import zenoh
 
@@ -252,10 +253,16 @@ class Daemon:
             why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
             switch=self._ordered,
             profile=profiler.start,
+            specs=self._described_specs,
         )
         opening.callback(control.close)
         recording = RecordingControl(sides.app, self.robot, executor, self._loop.post, self.recording)
         opening.callback(recording.close)
+
+    def _described_specs(self) -> dict[str, Any]:
+        """The specs in force, with the text of their files by name."""
+        specs = self._live.runtime.specs
+        return {"generation": specs.generation, "files": dict(specs.texts)}
 
     def _serve_fleet(self, sides: Sides, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""

@@ -29,5 +29,9 @@ class MetricsError(ProxyError):
     """The metrics cannot be served where the configuration says."""
 
 
+class PageError(ProxyError):
+    """The page cannot be served where it shall be, or its browser asks for what there is not."""
+
+
 class PushError(ProxyError):
     """Specs cannot be pushed, or what was pushed cannot be taken: not for what stands in them."""

@@ -23,8 +23,9 @@ _compact = json.JSONEncoder(check_circular=False, separators=(",", ":")).encode
 class Control:
     """Answers `@sendworthy/<robot>/status` with JSON, takes a mode on `…/mode`, is profiled on `…/profile`.
 
-    On `…/why` it tells the last decisions. `on_loop` runs a function on the loop's thread, where `status`, `live`,
-    `why`, `switch` and `profile` are called. Who asks for the status with the payload `live` hears less of each stream.
+    On `…/why` it tells the last decisions, on `…/specs` the files of the specs in force. `on_loop` runs a function on
+    the loop's thread, where `status`, `live`, `why`, `switch`, `profile` and `specs` are called. Who asks for the
+    status with the payload `live` hears less of each stream.
     """
 
     def __init__(
@@ -39,6 +40,7 @@ class Control:
         why: Callable[[bytes], dict[str, Any]],
         switch: Callable[[Mode], None],
         profile: Callable[[Request, Callable[[Profile], None]], None],
+        specs: Callable[[], dict[str, Any]],
     ) -> None:
         self._executor = executor
         self._on_loop = on_loop
@@ -47,11 +49,13 @@ class Control:
         self._why = why
         self._switch = switch
         self._profile = profile
+        self._specs = specs
         self._queryables: list[Declaration] = [
             self._declare(app, keys.status(robot), self._answer_status),
             self._declare(app, keys.why(robot), self._answer_why),
             self._declare(app, keys.mode(robot), self._answer_mode),
             self._declare(app, keys.profile(robot), self._answer_profile),
+            self._declare(app, keys.specs(robot), self._answer_specs),
         ]
 
     def close(self) -> None:
@@ -97,6 +101,9 @@ class Control:
             self._profile(request, lambda profile: self._executor.insist(partial(tell, profile)))
         except ProxyError as error:
             self._executor.insist(partial(_refuse, query, str(error)))
+
+    def _answer_specs(self, key: str, query: zenoh.Query) -> None:
+        self._reply(key, query, json.dumps(self._specs()), zenoh.Encoding.APPLICATION_JSON)
 
     def _reply(self, key: str, query: zenoh.Query, payload: str, encoding: zenoh.Encoding) -> None:
         # Not on the loop's thread: an asker that does not read must not hold up decisions.

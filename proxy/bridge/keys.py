@@ -85,6 +85,11 @@ def profile(robot: str) -> str:
     return f"{PREFIX}/{robot}/profile"
 
 
+def specs(robot: str) -> str:
+    """Where the daemon tells the specs in force (app side only)."""
+    return f"{PREFIX}/{robot}/specs"
+
+
 def record(robot: str) -> str:
     """Where the daemon is told to record, and asked what it does (app side only)."""
     return f"{PREFIX}/{robot}/record"

@@ -99,6 +99,14 @@ class Client:
         """Switch `robot` to `mode`; return the daemon's answer. Raises NoAnswerError."""
         return self._ask(keys.mode(robot), mode)[0]
 
+    def specs(self, robot: str) -> tuple[str, dict[str, str]]:
+        """Return the generation of the specs in force at `robot`, and their files by name. Raises NoAnswerError."""
+        try:
+            told = json.loads(self._ask(keys.specs(robot), None)[0])
+            return str(told["generation"]), {str(name): str(text) for name, text in told["files"].items()}
+        except (ValueError, TypeError, KeyError, AttributeError):
+            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
+
     def profile(self, robot: str, request: Request) -> Profile:
         """Have the daemon of `robot` profiled; return the profile. Raises NoAnswerError."""
         (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds + TIMEOUT)
@@ -115,6 +123,10 @@ class Client:
         except ValueError:
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
         return found
+
+    def ask(self, key: str, payload: bytes | None = None) -> str:
+        """Return what is answered on a key that is none of a daemon's own. Raises NoAnswerError."""
+        return self._ask(key, payload)[0]
 
     def order(self, robot: str, order: str, payload: bytes) -> list[Outcome]:
         """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""
@@ -166,8 +178,9 @@ class Client:
             else:
                 late = _late(reply.err)
         if not answers:
+            own = key.startswith(f"{keys.PREFIX}/")
             who = f'of robot "{key.split("/")[1]}" ' if "*" not in key else ""
-            raise NoAnswerError(f"no daemon {who}answers at {self._where}{late}")
+            raise NoAnswerError(f"{f'no daemon {who}' if own else 'nobody '}answers at {self._where}{late}")
         return answers
 
 

@@ -42,7 +42,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser.add_argument(
         "--interval",
         metavar="SECONDS",
-        type=_interval,
+        type=interval,
         default=1.0,
         help="how often daemons are asked (default: %(default)g)",
     )
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     return exit_codes.OK
 
 
-def _interval(text: str) -> float:
+def interval(text: str) -> float:
     """Read the interval. Raises argparse.ArgumentTypeError."""
     try:
         seconds = float(text)

@@ -14,7 +14,10 @@ from proxy.core.view.stream import Stream
 from proxy.core.view.warnings import cast_warnings, mode_warnings, namesake_warnings, transport_warnings
 from utility_specs import InformationType
 
-LIVE = ("robot", "key", "type", "size", "generated", "forwarded", "by_reason", "receivers", "age")
+LIVE = (
+    *("robot", "key", "type", "size", "scale", "shown", "generated", "forwarded", "by_reason", "receivers", "age"),
+    "last_generated",
+)
 """What changes of a stream with each sample, and what it is called."""
 STATUS_VERSION = 1
 """Rises when a field is renamed, goes, or means something else; not when one is added."""
@@ -43,7 +46,7 @@ def live(
     That is a third of the text, and takes half as long.
     """
     glance = Glance(core.view, now)
-    rows = [_live(core, stream, glance, glance.latency(stream)) for stream in core.view.streams]
+    rows = [_live(core, stream, glance, now, glance.latency(stream)) for stream in core.view.streams]
     return _report(core, refused, retained, now, uptime) | {"streams": {"columns": LIVE, "rows": rows}}
 
 
@@ -143,34 +146,35 @@ def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
 
 
 def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str, Any]:
-    last, sent, latency = stream.last, stream.sent, glance.latency(stream)
+    sent, latency = stream.sent, glance.latency(stream)
     return {
-        **dict(zip(LIVE, _live(core, stream, glance, latency), strict=True)),
+        **dict(zip(LIVE, _live(core, stream, glance, now, latency), strict=True)),
         "schedule": stream.schedule.kind,
         "period": stream.schedule.period,
         "jitter": stream.schedule.jitter,
         "forecast": stream.forecasts,
-        "scale": last.scale if last else 0.0,
         "over": stream.schedule.over(core.view.staleness.reported_until(stream.robot, now)),
         "latency": latency,
-        "last_generated": now - last.t_gen if last else None,
         "last_forwarded": now - sent.t_sent if sent else None,
     }
 
 
-def _live(core: Parts, stream: Stream, glance: Glance, latency: float | None) -> tuple[Any, ...]:
+def _live(core: Parts, stream: Stream, glance: Glance, now: float, latency: float | None) -> tuple[Any, ...]:
     """Return the values of `LIVE`."""
-    fates = stream.fates
+    fates, last, there = stream.fates, stream.last, glance.there(stream, latency)
     return (
         stream.robot,
         stream.key,
         stream.information_type.name,
-        stream.last.size if stream.last else 0,
+        last.size if last else 0,
+        last.scale if last else 0.0,
+        there.scale if there else None,
         max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
         stream.forwarded,
         dict(sorted(fates.items())) if len(fates) > 1 else dict(fates),
         core.view.subscribers.count(stream),
-        glance.age(stream, latency),
+        now - there.t_gen if there else None,
+        now - last.t_gen if last else None,
     )
 
 

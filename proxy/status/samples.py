@@ -103,6 +103,11 @@ class Stream(Part):
     )
     size: int = field("the last sample's size", BYTES)
     scale: float = field("the last sample's factor of value, by its features", "factor")
+    shown: float | None = field(
+        "that factor of the newest sample that receivers should have; null if none, or nobody wants it",
+        "factor",
+        default=None,
+    )
     over: bool = field("whether no more samples are expected")
     generated: int = field("samples that its robot's applications published", COUNT)
     forwarded: int = field("samples that its robot sent", COUNT)

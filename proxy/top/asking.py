@@ -45,6 +45,12 @@ class Asking:
             away = "; ".join(self._away.values())
         return Scene(changes, away)
 
+    def places(self) -> dict[str, str]:
+        """Return where each robot answers itself, by name."""
+        with self._lock:
+            known = [(change, where) for where, changes in self._known.items() for change in changes.values()]
+        return {str(change.now.get("robot")): where for change, where in known}
+
     @property
     def ready(self) -> bool:
         """Whether each endpoint has said something twice, or nothing at all."""

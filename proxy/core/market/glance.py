@@ -8,7 +8,7 @@ from proxy.core.market.standing import Amounts, Row, row_of
 from proxy.core.model.limits import Limit
 from proxy.core.view.audience import Audience, audience_of
 from proxy.core.view.paths import Fan
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Sent, Stream
 from proxy.core.view.view import SharedView
 
 KILOBYTE = 1000
@@ -34,13 +34,13 @@ class Glance:
             self._latencies[place] = audience.mean if wanting and audience.share > 0.0 else None
         return self._latencies[place]
 
-    def age(self, stream: Stream, latency: float | None) -> float | None:
-        """Return how old the newest sample that should have arrived is now [s]; None if none has, or none is wanted."""
+    def there(self, stream: Stream, latency: float | None) -> Sent | None:
+        """Return the newest sample that should have arrived by now; None if none has, or none is wanted."""
         if latency is None:
             return None
         for sent in reversed(stream.recent):
             if sent.t_sent + latency <= self._now:
-                return self._now - sent.t_gen
+                return sent
         return None
 
     def prices(self, limits: tuple[Limit, ...], *, alone: bool) -> Amounts:

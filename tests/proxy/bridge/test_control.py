@@ -49,6 +49,7 @@ def operator(stack, switched, asked):
         why=lambda raw: read_question(raw) and {"streams": [raw.decode()]},
         switch=switched.append,
         profile=take,
+        specs=lambda: {"generation": "abc", "files": {"a.toml": "version = 1"}},
     )
     stack.callback(control.close)
     return closing(stack, plain_session("client", connect=(endpoint,)))
@@ -87,6 +88,12 @@ def test_decisions_are_told_as_json(operator):
     assert json.loads(answer) == {"streams": ['{"key": "a"}']}
     (answer,) = answers(operator, keys.why("r1"))
     assert answer.startswith("error: decisions are asked for with")
+
+
+def test_specs_in_force_are_told_as_json(operator):
+    """With the text of their files."""
+    (answer,) = answers(operator, keys.specs("r1"))
+    assert json.loads(answer) == {"generation": "abc", "files": {"a.toml": "version = 1"}}
 
 
 def test_a_profile_is_told_when_it_has_been_taken(operator, asked):

@@ -1,0 +1,1 @@
+"""`sendworthy page`: the operator's page, in a browser."""
