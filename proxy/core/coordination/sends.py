@@ -19,6 +19,8 @@ class SendLog:
         """What each send and all before it use together, as far as they are remembered."""
         self._first = 0
         """Those before this place are forgotten: they are taken away when they are as many as those that are left."""
+        self.changes = 0
+        """How often that changed."""
 
     def __iter__(self) -> Iterator[Send]:
         """Oldest first."""
@@ -44,7 +46,8 @@ class SendLog:
 
     def forget(self, before: float) -> None:
         """Of what was sent before this nothing counts any more."""
-        self._first = bisect_left(self._times, before, lo=self._first)
+        first, self._first = self._first, bisect_left(self._times, before, lo=self._first)
+        self.changes += self._first > first
         if 2 * self._first > len(self._times):
             del self._times[: self._first], self._uses[: self._first]
             self._first = 0
@@ -59,6 +62,7 @@ class SendLog:
 
     def _sum_up(self, place: int) -> None:
         """Sum up anew from this place on."""
+        self.changes += 1
         del self._sums[place:]
         total = self._sums[-1] if self._sums else ()
         for use in self._uses[place:]:
@@ -80,9 +84,15 @@ class OwnSends:
         """Oldest first."""
         return iter(self._sent)
 
+    @property
+    def changes(self) -> int:
+        """How often they changed."""
+        return self._sent.changes
+
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before; nothing was used of those that are new."""
         before, self._sent = self._sent, SendLog()
+        self._sent.changes = before.changes + 1
         for t, use in before:
             self._sent.add(t, tuple(0.0 if k is None else use[k] for k in places))
         self._leaving.clear()
