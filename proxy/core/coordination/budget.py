@@ -154,16 +154,19 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        own = tuple(each for each in self.own if each[0] >= since)
-        return Limits(self.usable(now), own, self._sent_by_others(now, since), alone=self.alone)
+        return Limits(
+            self.usable(now), tuple(self.own.since(since)), self._sent_by_others(now, since), alone=self.alone
+        )
 
     def _all_departures(self, now: float, *, anybodys: bool) -> Departures:
-        """Return what leaves the windows, which stays the same until somebody sends."""
+        """Return what leaves the windows from now on, which stays the same until somebody sends."""
+        since = now - longest_window(self.limits) - MARKET.closed
         changes, others = self.own.changes, self.others(now)
         if self._departures_of[0] != changes or self._departures_of[1] is not others:
             self._departures_of, self._departures = (changes, others), {}
         if anybodys not in self._departures:
-            self._departures[anybodys] = Departures(self.own, others, anybodys=anybodys)
+            counting = [send for send in others if send[0] >= since]
+            self._departures[anybodys] = Departures(self.own.since(since), counting, anybodys=anybodys)
         return self._departures[anybodys]
 
     def _fits(self, now: float, k: int, amount: float) -> bool:

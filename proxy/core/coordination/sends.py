@@ -20,11 +20,16 @@ class SendLog:
         self._first = 0
         """Those before this place are forgotten: they are taken away when they are as many as those that are left."""
         self.changes = 0
-        """How often that changed."""
+        """How often a send was added or taken out; that one is forgotten changes nothing that still counts."""
 
     def __iter__(self) -> Iterator[Send]:
         """Oldest first."""
         return iter(list(zip(self._times[self._first :], self._uses[self._first :], strict=True)))
+
+    def since(self, t: float) -> list[Send]:
+        """Return what was sent since then, oldest first."""
+        place = bisect_left(self._times, t, lo=self._first)
+        return list(zip(self._times[place:], self._uses[place:], strict=True))
 
     def add(self, t: float, use: tuple[float, ...]) -> None:
         """Something was sent at `t` [s]."""
@@ -46,8 +51,7 @@ class SendLog:
 
     def forget(self, before: float) -> None:
         """Of what was sent before this nothing counts any more."""
-        first, self._first = self._first, bisect_left(self._times, before, lo=self._first)
-        self.changes += self._first > first
+        self._first = bisect_left(self._times, before, lo=self._first)
         if 2 * self._first > len(self._times):
             del self._times[: self._first], self._uses[: self._first]
             self._first = 0
@@ -88,6 +92,10 @@ class OwnSends:
     def changes(self) -> int:
         """How often they changed."""
         return self._sent.changes
+
+    def since(self, t: float) -> list[Send]:
+        """Return what was sent since then, oldest first."""
+        return self._sent.since(t)
 
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before; nothing was used of those that are new."""
