@@ -22,6 +22,9 @@ class SendLog:
         self.changes = 0
         """How often a send was added or taken out; that one is forgotten changes nothing that still counts."""
 
+    def __len__(self) -> int:
+        return len(self._times) - self._first
+
     def __iter__(self) -> Iterator[Send]:
         """Oldest first."""
         return iter(list(zip(self._times[self._first :], self._uses[self._first :], strict=True)))
@@ -151,6 +154,8 @@ class OthersSends:
     def used(self, since: float, k: int, limits: tuple[Limit, ...]) -> float:
         """Return what it used of a limit since then, at most the longest window ago."""
         self._follow(limits)
+        if not self._log:
+            return 0.0
         self._log.forget(since - longest_window(limits))
         return self._log.used(since, k)
 
