@@ -52,6 +52,10 @@ class Subscribers:
         wanting = self._interest.wanting(stream.key, self._members.tags.get(stream.robot, ""))
         return wanting or (NAMELESS if stream.matching else ())
 
+    def want(self, keys: Iterable[str]) -> bool:
+        """Whether another robot wants anything that one of these key expressions matches."""
+        return self._interest.any_wanted(keys, tag(self._settings.zid))
+
     def count(self, stream: Stream) -> int:
         """How many robots want the stream."""
         return len(self.of(stream))
