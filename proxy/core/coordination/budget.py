@@ -12,7 +12,7 @@ from dataclasses import replace
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.room import Departures
+from proxy.core.market.room import Openings
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
 from proxy.core.view.traffic import Amount
@@ -38,9 +38,7 @@ class Budget:
         self._others_known: tuple[float, int, tuple[Limit, ...], bool] = (-math.inf, 0, (), False)
         """When, after how many notes, under which limits and in which coordination others had sent `_others_sent`."""
         self._others_sent: tuple[Send, ...] = ()
-        self._departures_of: tuple[int, tuple[Send, ...]] = -1, ()
-        """Of which changes of our sends, and of what of others, `_departures` are."""
-        self._departures: dict[bool, Departures] = {}
+        self._openings = Openings()
 
     @property
     def alone(self) -> bool:
@@ -116,7 +114,8 @@ class Budget:
             self._counted(now, k, c.window + MARKET.closed) + use[k] <= c.limit for k, c in enumerate(self.usable(now))
         ):
             return -math.inf
-        departures = self._all_departures(now, anybodys=anybodys)
+        since = now - longest_window(self.limits) - MARKET.closed
+        departures = self._openings.after(since, self.own, self.others(now), anybodys=anybodys)
         opening = departures.opens(self.usable(now), use)
         if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):
             return opening
@@ -157,17 +156,6 @@ class Budget:
         return Limits(
             self.usable(now), tuple(self.own.since(since)), self._sent_by_others(now, since), alone=self.alone
         )
-
-    def _all_departures(self, now: float, *, anybodys: bool) -> Departures:
-        """Return what leaves the windows from now on, which stays the same until somebody sends."""
-        since = now - longest_window(self.limits) - MARKET.closed
-        changes, others = self.own.changes, self.others(now)
-        if self._departures_of[0] != changes or self._departures_of[1] is not others:
-            self._departures_of, self._departures = (changes, others), {}
-        if anybodys not in self._departures:
-            counting = [send for send in others if send[0] >= since]
-            self._departures[anybodys] = Departures(self.own.since(since), counting, anybodys=anybodys)
-        return self._departures[anybodys]
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""

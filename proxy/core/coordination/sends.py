@@ -12,14 +12,14 @@ from proxy.core.view.traffic import Amount, TrafficLog
 class SendLog:
     """Sends in the order of their times, and what those since any moment use of each limit: two look-ups, no sum."""
 
-    def __init__(self) -> None:
+    def __init__(self, changes: int = 0) -> None:
         self._times: list[float] = []
         self._uses: list[tuple[float, ...]] = []
         self._sums: list[tuple[float, ...]] = []
         """What each send and all before it use together, as far as they are remembered."""
         self._first = 0
         """Those before this place are forgotten: they are taken away when they are as many as those that are left."""
-        self.changes = 0
+        self.changes = changes
         """How often a send was added or taken out; that one is forgotten changes nothing that still counts."""
 
     def __len__(self) -> int:
@@ -102,8 +102,7 @@ class OwnSends:
 
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before; nothing was used of those that are new."""
-        before, self._sent = self._sent, SendLog()
-        self._sent.changes = before.changes + 1
+        before, self._sent = self._sent, SendLog(self._sent.changes + 1)
         for t, use in before:
             self._sent.add(t, tuple(0.0 if k is None else use[k] for k in places))
         self._leaving.clear()

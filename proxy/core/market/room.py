@@ -9,6 +9,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from itertools import accumulate
+from typing import Protocol
 
 from planner import Constraint
 from proxy.core.market.tuning import TUNING
@@ -45,3 +46,34 @@ class Departures:
             return -math.inf
         t, ours = self._sends[place]
         return t + limit.window + TUNING.closed if ours else math.inf
+
+
+class Sends(Protocol):
+    """Our own sends."""
+
+    @property
+    def changes(self) -> int:
+        """How often they changed."""
+
+    def since(self, t: float) -> list[Send]:
+        """Return what was sent since then, oldest first."""
+
+
+class Openings:
+    """The departures that were asked for last: they stay the same until somebody sends."""
+
+    def __init__(self) -> None:
+        self._of: tuple[int, tuple[Send, ...]] = -1, ()
+        self._known: dict[bool, tuple[float, Departures]] = {}
+        """Since when each holds what was sent [s], and the departures."""
+
+    def after(self, since: float, own: Sends, others: tuple[Send, ...], *, anybodys: bool) -> Departures:
+        """Return the departures of what was sent since then, or since earlier [s]."""
+        if self._of[0] != own.changes or self._of[1] is not others:
+            self._of, self._known = (own.changes, others), {}
+        known_since, known = self._known.get(anybodys, (math.inf, None))
+        if known is None or since < known_since:
+            counting = [send for send in others if send[0] >= since]
+            known = Departures(own.since(since), counting, anybodys=anybodys)
+            self._known[anybodys] = since, known
+        return known
