@@ -216,11 +216,14 @@ class Disputes:
         for stream, copies in self._load:
             if stream.sent is None or stream.sent.t_sent < since:
                 continue
-            own = self._own(stream)
+            own, alike = self._own(stream), dict[int, Amounts]()
             for sent in reversed(stream.recent):
                 if sent.t_sent < since:
                     break
-                found.append((sent.t_sent, use_of(sent.size, copies, limits, own=own)))
+                use = alike.get(sent.size)
+                if use is None:
+                    use = alike[sent.size] = use_of(sent.size, copies, limits, own=own)
+                found.append((sent.t_sent, use))
         self._known, self._known_sends, self._known_use = known, found, None
         return found
 
