@@ -134,8 +134,7 @@ class Loop:
             event = item() if callable(item) else item
             if event is not None:
                 self.handle(event)
-            if not self._preparation.begun and len(self.core.view.streams):
-                self._preparation.begin()
+            self._preparation.follow(self.core)
             now = clock.monotonic()
             wall = self._wall.look(now)
             if wall is not None:

@@ -1,21 +1,38 @@
-"""Loads what decisions compute with: once there is something to decide, and on a thread of its own.
+"""Loads what decisions compute with: once there may be something to decide, and on a thread of its own.
 
-NumPy and what uses it take 13 MB and 0.1 s. A daemon through which nothing covered goes does without. Where something
-does, they are there before samples compete for room: the market has to wait for them only within that first moment.
+NumPy and what uses it take 13 MB and 0.1 s. A daemon through which nothing covered goes, and from which nobody wants
+anything that is, does without. Else they are there before samples compete for room: the market has to wait for them
+only where somebody subscribes within that moment.
 """
 
 from importlib import import_module
 from threading import Thread
+
+from proxy.core.core import Core
+from utility_specs import Specs
 
 MODULE = "proxy.core.market.prices"
 """What the core imports when streams compete, and NumPy with it."""
 
 
 class Preparation:
-    """Begins once, when the first stream that specs cover is known."""
+    """Begins once, when a stream is known that specs cover, or another robot that wants such streams of ours."""
 
     def __init__(self) -> None:
         self.begun = False
+        self._seen: tuple[int, Specs | None] = -1, None
+        """After how many changes of streams and of who wants them, and under which specs, it was looked for last."""
+
+    def follow(self, core: Core) -> None:
+        """See whether it is time to begin. Called after every event: cheap when nothing is new."""
+        if self.begun:
+            return
+        seen = core.view.streams.revision, core.view.specs
+        if seen[0] == self._seen[0] and seen[1] is self._seen[1]:
+            return
+        self._seen = seen
+        if core.decides_soon:
+            self.begin()
 
     def begin(self) -> None:
         """Load it on another thread, unless that has begun before."""

@@ -102,6 +102,8 @@ class InformationType:
     failures: Failures = field(default_factory=Failures, repr=False, compare=False)
     paces: Paces = field(default_factory=Paces, repr=False, compare=False)
     _tabulated: Any = field(init=False, repr=False, compare=False)
+    _constant: list[float] = field(default_factory=list, init=False, repr=False, compare=False)
+    """The scale of all samples where they have no features, once it is known."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_tabulated", lru_cache(UTILITIES_KEPT)(self._tabulate))
@@ -140,10 +142,14 @@ class InformationType:
         Features that are not given take their defaults. What is below 0 means: worth nothing. What has no finite
         value is taken as 1 and counted as a failure.
         """
+        if not self.features and self._constant:  # most types: their samples are all worth the same
+            return self._constant[0]
         values = {**self.completed(features), **self.captured}
         weight = self._factor("weight", self.weighing, values)
         scale = weight * self._factor("scale", self.expression, values)
         if math.isfinite(scale):
+            if not self.failures.counts():
+                self._constant[:] = [scale]
             return scale
         self.failures.note("scale")
         return weight

@@ -77,6 +77,14 @@ class Core:
         """When `TimePassed` is due at the latest [s, our clock]; since the last event nothing can have changed that."""
         return max(self._wakes_at, now)
 
+    @property
+    def decides_soon(self) -> bool:
+        """Whether samples may compete for room soon: there are streams, or others want what is planned for."""
+        if len(self.view.streams):
+            return True
+        planned = (key for each in self.view.specs.types if each.planned for key in each.keys)
+        return bool(self.budget.limits) and self.view.subscribers.want(planned)
+
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
         return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)

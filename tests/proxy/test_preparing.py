@@ -9,9 +9,11 @@ import pytest
 
 from proxy import clock
 from proxy.core.core import Core
-from proxy.core.interface.events import SamplePublished
+from proxy.core.interface.events import PeerAppeared, SamplePublished, StateHeard
 from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import State
 from proxy.loop import Loop
+from proxy.preparing import MODULE
 from tests.ports import free_port
 from tests.waiting import wait_until
 from utility_specs import load_specs
@@ -96,17 +98,32 @@ def test_a_search_of_the_native_engine_needs_no_numpy():
     assert "numpy" not in modules(SEARCH)
 
 
-def test_what_a_market_computes_with_is_loaded_with_the_first_stream_that_a_spec_covers(specs, monkeypatch):
-    """Other keys are no reason to."""
-    monkeypatch.delitem(sys.modules, "proxy.core.market.prices", raising=False)
+@pytest.fixture
+def loop(specs, monkeypatch):
+    """A loop in a process in which no market was loaded yet."""
+    monkeypatch.delitem(sys.modules, MODULE, raising=False)
     loop = Loop(Core(CoreSettings("r1", "z1"), load_specs(specs), clock.monotonic()), lambda _: None)
     loop.start()
-    try:
-        for number, key in enumerate(("other", "covered/a")):
-            assert loop.ask(lambda: len(loop.core.view.streams), 10.0) == 0
-            assert "proxy.core.market.prices" not in sys.modules
-            now = clock.monotonic()
-            loop.post(SamplePublished(now, number, key, 100, now, None, 5, {}, delete=False))
-        wait_until(lambda: "proxy.core.market.prices" in sys.modules)
-    finally:
-        loop.close(1.0)
+    yield loop
+    loop.close(1.0)
+
+
+def test_what_a_market_computes_with_is_loaded_with_the_first_stream_that_a_spec_covers(loop):
+    """Other keys are no reason to."""
+    for number, key in enumerate(("other", "covered/a")):
+        assert loop.ask(lambda: len(loop.core.view.streams), 10.0) == 0
+        assert MODULE not in sys.modules
+        now = clock.monotonic()
+        loop.post(SamplePublished(now, number, key, 100, now, None, 5, {}, delete=False))
+    wait_until(lambda: MODULE in sys.modules)
+
+
+def test_it_is_there_before_the_first_sample_where_another_robot_wants_what_a_spec_covers(loop):
+    """A robot that is there is no reason to, nor is one that wants something else."""
+    loop.post(PeerAppeared(clock.monotonic(), "op", "z-op"))
+    for wanted in ((), ("other/**",), ("covered/a/*",)):
+        assert loop.ask(lambda: loop._preparation.begun, 10.0) is False
+        assert MODULE not in sys.modules
+        loop.post(StateHeard(clock.monotonic(), State("op", "z-op", "enforce", "", (), wanted)))
+    wait_until(lambda: MODULE in sys.modules)
+    assert len(loop.core.view.streams) == 0

@@ -12,7 +12,7 @@ from dataclasses import replace
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.room import opens
+from proxy.core.market.room import Openings
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
 from proxy.core.view.traffic import Amount
@@ -38,6 +38,7 @@ class Budget:
         self._others_known: tuple[float, int, tuple[Limit, ...], bool] = (-math.inf, 0, (), False)
         """When, after how many notes, under which limits and in which coordination others had sent `_others_sent`."""
         self._others_sent: tuple[Send, ...] = ()
+        self._openings = Openings()
 
     @property
     def alone(self) -> bool:
@@ -113,17 +114,21 @@ class Budget:
             self._counted(now, k, c.window + MARKET.closed) + use[k] <= c.limit for k, c in enumerate(self.usable(now))
         ):
             return -math.inf
-        opening = opens(self.usable(now), self.own, self.others(now), use, anybodys=anybodys)
+        since = now - longest_window(self.limits) - MARKET.closed
+        departures = self._openings.after(since, self.own, self.others(now), anybodys=anybodys)
+        opening = departures.opens(self.usable(now), use)
         if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):
             return opening
-        return max(grows, opens(self.usable(grows), self.own, self.others(now), use, anybodys=anybodys))
+        return max(grows, departures.opens(self.usable(grows), use))
 
     def grew(self, now: float) -> float:
         """When a window was left last by a send that changes plans [s]; −∞ where none was."""
         longest = longest_window(limit for limit in self.limits if limit.shared)
-        sends = (*self.own, *self.others(now))
-        gone = [t + longest for t, use in sends if t + longest <= now and changes_plans(use, self.limits)]
-        return max(gone, default=-math.inf)
+        last: dict[tuple[float, ...], float] = {}
+        for t, use in (*self.own, *self.others(now)):
+            if t + longest <= now:
+                last[use] = max(t + longest, last.get(use, -math.inf))
+        return max((left for use, left in last.items() if changes_plans(use, self.limits)), default=-math.inf)
 
     def use(self, now: float, use: tuple[float, ...], sample: int | None = None) -> None:
         """A message with this use is sent now, a `sample` or something else."""
@@ -148,8 +153,9 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        own = tuple(each for each in self.own if each[0] >= since)
-        return Limits(self.usable(now), own, self._sent_by_others(now, since), alone=self.alone)
+        return Limits(
+            self.usable(now), tuple(self.own.since(since)), self._sent_by_others(now, since), alone=self.alone
+        )
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""

@@ -12,17 +12,27 @@ from proxy.core.view.traffic import Amount, TrafficLog
 class SendLog:
     """Sends in the order of their times, and what those since any moment use of each limit: two look-ups, no sum."""
 
-    def __init__(self) -> None:
+    def __init__(self, changes: int = 0) -> None:
         self._times: list[float] = []
         self._uses: list[tuple[float, ...]] = []
         self._sums: list[tuple[float, ...]] = []
         """What each send and all before it use together, as far as they are remembered."""
         self._first = 0
         """Those before this place are forgotten: they are taken away when they are as many as those that are left."""
+        self.changes = changes
+        """How often a send was added or taken out; that one is forgotten changes nothing that still counts."""
+
+    def __len__(self) -> int:
+        return len(self._times) - self._first
 
     def __iter__(self) -> Iterator[Send]:
         """Oldest first."""
         return iter(list(zip(self._times[self._first :], self._uses[self._first :], strict=True)))
+
+    def since(self, t: float) -> list[Send]:
+        """Return what was sent since then, oldest first."""
+        place = bisect_left(self._times, t, lo=self._first)
+        return list(zip(self._times[place:], self._uses[place:], strict=True))
 
     def add(self, t: float, use: tuple[float, ...]) -> None:
         """Something was sent at `t` [s]."""
@@ -59,6 +69,7 @@ class SendLog:
 
     def _sum_up(self, place: int) -> None:
         """Sum up anew from this place on."""
+        self.changes += 1
         del self._sums[place:]
         total = self._sums[-1] if self._sums else ()
         for use in self._uses[place:]:
@@ -80,9 +91,18 @@ class OwnSends:
         """Oldest first."""
         return iter(self._sent)
 
+    @property
+    def changes(self) -> int:
+        """How often they changed."""
+        return self._sent.changes
+
+    def since(self, t: float) -> list[Send]:
+        """Return what was sent since then, oldest first."""
+        return self._sent.since(t)
+
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before; nothing was used of those that are new."""
-        before, self._sent = self._sent, SendLog()
+        before, self._sent = self._sent, SendLog(self._sent.changes + 1)
         for t, use in before:
             self._sent.add(t, tuple(0.0 if k is None else use[k] for k in places))
         self._leaving.clear()
@@ -133,6 +153,8 @@ class OthersSends:
     def used(self, since: float, k: int, limits: tuple[Limit, ...]) -> float:
         """Return what it used of a limit since then, at most the longest window ago."""
         self._follow(limits)
+        if not self._log:
+            return 0.0
         self._log.forget(since - longest_window(limits))
         return self._log.used(since, k)
 

@@ -43,6 +43,7 @@ class Disputes:
         """The streams that are booked, and in how many copies their samples go."""
         self._reserve: Amounts = ()
         self._known: tuple[float, int, int] | None = None
+        self._known_use: Amounts | None = None
         self._known_sends: list[Send] = []
         """The sends of what is booked, as they are after so many sends noted at that time: one event asks often."""
         self.settled: frozenset[Place] = frozenset()
@@ -200,7 +201,11 @@ class Disputes:
     def _used(self, now: float) -> Amounts:
         """Return what was sent of what is booked in the windows that end now."""
         sends = self._sends(now)
-        return tuple([sum(use[k] for t, use in sends if t >= now - c.window) for k, c in enumerate(self._limits)])
+        if self._known_use is None:
+            self._known_use = tuple(
+                [sum(use[k] for t, use in sends if t >= now - c.window) for k, c in enumerate(self._limits)]
+            )
+        return self._known_use
 
     def _sends(self, now: float) -> list[Send]:
         """Return the sends of streams that are booked, within the longest window."""
@@ -211,12 +216,15 @@ class Disputes:
         for stream, copies in self._load:
             if stream.sent is None or stream.sent.t_sent < since:
                 continue
-            own = self._own(stream)
+            own, alike = self._own(stream), dict[int, Amounts]()
             for sent in reversed(stream.recent):
                 if sent.t_sent < since:
                     break
-                found.append((sent.t_sent, use_of(sent.size, copies, limits, own=own)))
-        self._known, self._known_sends = known, found
+                use = alike.get(sent.size)
+                if use is None:
+                    use = alike[sent.size] = use_of(sent.size, copies, limits, own=own)
+                found.append((sent.t_sent, use))
+        self._known, self._known_sends, self._known_use = known, found, None
         return found
 
     def _own(self, stream: Stream) -> bool:

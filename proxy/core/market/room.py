@@ -6,36 +6,74 @@ contested wait for that, too: there is room for all of them.
 """
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterable, Sequence
+from itertools import accumulate
+from typing import Protocol
 
 from planner import Constraint
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Send
 
 
-def opens(
-    limits: Sequence[Constraint],
-    own: Iterable[Send],
-    others: Iterable[Send],
-    needed: tuple[float, ...],
-    *,
-    anybodys: bool = False,
-) -> float:
-    """Return when all limits have room for what is `needed`, if nothing else is sent [s]; −∞ where there is room now.
+class Departures:
+    """What was sent, newest first, and what leaves the windows with each send: summed up once for all who ask.
 
-    Never (∞) where it is more than a limit, or where the room opens that another robot's send leaves, unless `anybodys`
-    room will do.
+    Two hundred samples that waited for room each sorted and summed up the same thousand sends, which took a fifth of a
+    daemon with 100 streams. With `anybodys` room is whosever send leaves it.
     """
-    sends = sorted([*((t, True, use) for t, use in own), *((t, anybodys, use) for t, use in others)], reverse=True)
-    return max((_opens(c, k, sends, needed[k]) for k, c in enumerate(limits)), default=-math.inf)
+
+    def __init__(self, own: Iterable[Send], others: Iterable[Send], *, anybodys: bool = False) -> None:
+        sends = sorted([*((t, True, use) for t, use in own), *((t, anybodys, use) for t, use in others)], reverse=True)
+        self._sends = [(t, ours) for t, ours, _ in sends]
+        self._used = [list(accumulate(each)) for each in zip(*(use for *_, use in sends), strict=True)]
+        """By constraint, what each send and all after it use."""
+
+    def opens(self, limits: Sequence[Constraint], needed: tuple[float, ...]) -> float:
+        """Return when all limits have room for what is `needed`, if nothing else is sent [s]; −∞ where there is now.
+
+        Never (∞) where it is more than a limit, or where the room opens that another robot's send leaves, unless
+        `anybodys` room will do.
+        """
+        return max((self._opens(c, k, needed[k]) for k, c in enumerate(limits)), default=-math.inf)
+
+    def _opens(self, limit: Constraint, k: int, needed: float) -> float:
+        if needed > limit.limit:
+            return math.inf
+        used = self._used[k] if self._used else []
+        place = bisect_right(used, limit.limit, key=lambda amount: amount + needed)
+        if place == len(used):
+            return -math.inf
+        t, ours = self._sends[place]
+        return t + limit.window + TUNING.closed if ours else math.inf
 
 
-def _opens(limit: Constraint, k: int, sends: Sequence[tuple[float, bool, tuple[float, ...]]], needed: float) -> float:
-    if needed > limit.limit:
-        return math.inf
-    used = 0.0
-    for t, ours, use in sends:
-        used += use[k]
-        if used + needed > limit.limit:
-            return t + limit.window + TUNING.closed if ours else math.inf
-    return -math.inf
+class Sends(Protocol):
+    """Our own sends."""
+
+    @property
+    def changes(self) -> int:
+        """How often they changed."""
+
+    def since(self, t: float) -> list[Send]:
+        """Return what was sent since then, oldest first."""
+
+
+class Openings:
+    """The departures that were asked for last: they stay the same until somebody sends."""
+
+    def __init__(self) -> None:
+        self._of: tuple[int, tuple[Send, ...]] = -1, ()
+        self._known: dict[bool, tuple[float, Departures]] = {}
+        """Since when each holds what was sent [s], and the departures."""
+
+    def after(self, since: float, own: Sends, others: tuple[Send, ...], *, anybodys: bool) -> Departures:
+        """Return the departures of what was sent since then, or since earlier [s]."""
+        if self._of[0] != own.changes or self._of[1] is not others:
+            self._of, self._known = (own.changes, others), {}
+        known_since, known = self._known.get(anybodys, (math.inf, None))
+        if known is None or since < known_since:
+            counting = [send for send in others if send[0] >= since]
+            known = Departures(own.since(since), counting, anybodys=anybodys)
+            self._known[anybodys] = since, known
+        return known

@@ -84,7 +84,10 @@ def changes_plans(use: Sequence[float], limits: Iterable[Limit]) -> bool:
 
 def exceeds(part: float, use: Sequence[float], limits: Iterable[Limit]) -> bool:
     """Whether more than this part is used of a limit that robots share."""
-    return any(amount > part * limit.limit for amount, limit in zip(use, limits, strict=True) if limit.shared)
+    for amount, limit in zip(use, limits, strict=True):  # noqa: SIM110 - a generator would take twice as long
+        if amount > part * limit.limit and limit.shared:
+            return True
+    return False
 
 
 def longest_window(limits: Iterable[Constraint]) -> float:

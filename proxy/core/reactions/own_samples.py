@@ -1,7 +1,6 @@
 """What becomes of samples that applications of this robot publish."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from planner import Aggregation
 from proxy.core.interface import events as ev
@@ -120,7 +119,7 @@ class OwnSamples:
         A deletion that is decided has no features of its own: it has those that samples have by default.
         """
         shown = extracted or stream.information_type.completed({})
-        features = {name: feature(value) for name, value in shown.items()}
+        features = {name: feature(value) for name, value in shown.items()} if shown else {}
         scale = rounded(stream.information_type.scale(features))
         generated = Generated(waiting.t_gen, waiting.size, scale, features)
         if count > stream.generated:
@@ -131,7 +130,8 @@ class OwnSamples:
         self._gossip.digests.valued(stream)
         # In shadow all samples go, so none gives way to a newer one.
         markovian = stream.information_type.markovian and self._gate.appraisal.mode_of(stream) is not Mode.SHADOW
-        return replace(waiting, scale=scale, markovian=markovian, features=features)
+        sample, key, size, priority = waiting.sample, waiting.key, waiting.size, waiting.priority
+        return Waiting(sample, key, size, waiting.t_gen, scale, priority, markovian, features, waiting.to)
 
     def _keep_for_absent(self, stream: Stream, waiting: Waiting, *, delete: bool) -> None:
         """Keep a sample for robots that are away, if each sample of its stream counts; of `best` the best one does."""

@@ -114,7 +114,7 @@ class Gate:
         if self.search.busy():
             return []
         self._tickets += 1
-        self._waits.restart()
+        self._waits.restart(now)
         self.wakes_at = math.inf
         commands, crowded = list[Command](), False
         if not self._inbox and not self._copies:
@@ -131,7 +131,7 @@ class Gate:
                 break
         else:
             self.wakes_at = now
-        self.wakes_at = min(self.wakes_at, self._waits.wakes_at, self._copies.next_at(now))
+        self.wakes_at = min(self.wakes_at, self._waits.wakes_at, self._inbox.wakes_at, self._copies.next_at(now))
         return commands
 
     def ready(self, event: DecisionReady) -> list[Command]:

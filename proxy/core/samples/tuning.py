@@ -15,8 +15,6 @@ class SamplesTuning:
     broadcast."""
     shortest_wait: float = 1e-3
     """A sample gives way for at least this long [s]."""
-    stale_waits: int = 64
-    """Waits of samples that left are forgotten when there are this many."""
     fewest_iterations: int = 50
     """Iterations of a search, however many samples wait."""
     samples_per_halving: int = 4

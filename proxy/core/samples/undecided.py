@@ -4,6 +4,7 @@ Deletions of a key pass between its samples. Of a Markovian stream the newest sa
 that waits, as a deletion does, and a sample that is read again gives way to one that came meanwhile.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import chain
 
@@ -41,6 +42,7 @@ class Undecided:
     def take_all(self) -> Iterator[Waiting]:
         """Remove and return the sample being decided, and then all that waits, as deletions pass."""
         yield from self._search.cancel()
+        self.inbox.wake(math.inf)
         while (sample := self.take()) is not None:
             yield sample
 

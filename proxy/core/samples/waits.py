@@ -22,20 +22,20 @@ class Waits:
         self._appraisal = appraisal
         self._inbox = inbox
         self._view, self._budget, self._disputes = appraisal.view, appraisal.budget, appraisal.disputes
-        self._opening: dict[int, tuple[float, tuple[Limit, ...]]] = {}
-        """When there is room for samples that wait for it [s], under which limits."""
+        self._limits: tuple[Limit, ...] = ()
+        """For room under these samples rest in the inbox."""
 
-    def restart(self) -> None:
-        """All that waits in the inbox is looked at again."""
+    def restart(self, now: float) -> None:
+        """What rested until now can be taken again; all can, where other limits are in force."""
+        if self._limits != self._budget.limits:
+            self._limits = self._budget.limits
+            self._inbox.wake(math.inf)
+        self._inbox.wake(now)
         self.wakes_at = math.inf
-        if len(self._opening) > 2 * len(self._inbox) + TUNING.stale_waits:
-            here = {waiting.sample for waiting in self._inbox}
-            self._opening = {sample: wait for sample, wait in self._opening.items() if sample in here}
 
     def opens_at(self, sample: Waiting) -> float | None:
         """Return when a sample that was looked at can be taken up at the earliest [s]; None where it does not wait."""
-        known = self._opening.get(sample.sample)
-        return None if known is None else known[0]
+        return self._inbox.rests_until(sample.sample)
 
     def postpone(self, now: float, sample: Waiting) -> bool:
         """Let a sample wait if there is a reason to; return whether it waits."""
@@ -50,8 +50,8 @@ class Waits:
         newer = any(waiting.key == sample.key for waiting in self._inbox)
         if newer or known_at > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
             return False
-        self._opening[sample.sample] = known_at, self._budget.limits
         self._inbox.put_back([sample])
+        self._inbox.rest(sample, known_at)
         return True
 
     def _for_greetings(self, now: float, sample: Waiting) -> bool:
@@ -75,15 +75,10 @@ class Waits:
 
         Under the same limits room never opens earlier than it seemed to at first.
         """
-        limits = self._budget.limits
-        opens_at, known_for = self._opening.get(sample.sample, (-math.inf, limits))
-        if now >= opens_at or known_for != limits:
-            opens_at = self._room_opens(now, sample)
-            self._opening[sample.sample] = opens_at, limits
+        opens_at = self._room_opens(now, sample)
         if now >= opens_at:
-            del self._opening[sample.sample]
             return False
-        self.wakes_at = min(self.wakes_at, opens_at)
+        self._inbox.rest(sample, opens_at)
         return True
 
     def _room_opens(self, now: float, sample: Waiting) -> float:

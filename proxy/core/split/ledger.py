@@ -4,6 +4,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+TIDIED_EVERY = 0.25
+"""Sends that left the windows are forgotten this often, in longest windows: not with each of hundreds a second."""
+
 
 @dataclass(slots=True)
 class _Send:
@@ -28,6 +31,8 @@ class Ledger:
 
     def __init__(self, windows: Sequence[float]) -> None:
         self.windows = tuple(windows)
+        self._longest = max(self.windows)
+        self._tidied_at = -math.inf
         self._kept: list[_Send] = []
         self._struck: list[_Send] = []
         self.last_struck = -math.inf
@@ -35,9 +40,10 @@ class Ledger:
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """We sent something that uses so much of each limit [units]."""
-        longest = now - max(self.windows)
-        self._kept = [send for send in self._kept if send.time > longest]
-        self._struck = [send for send in self._struck if send.time > longest]
+        if now >= self._tidied_at + TIDIED_EVERY * self._longest:
+            self._tidied_at, since = now, now - self._longest
+            self._kept = [send for send in self._kept if send.time > since]
+            self._struck = [send for send in self._struck if send.time > since]
         self._kept.append(_Send(now, list(uses)))
 
     @property

@@ -75,6 +75,11 @@ class Interest:
             found = self._wanting[key, publisher] = tuple(sorted(tags - {publisher}))
         return found
 
+    def any_wanted(self, keys: Iterable[str], publisher: str) -> bool:
+        """Whether any robot but the publisher subscribes to something that one of these key expressions matches."""
+        others = [expression for expression, by in self._by.items() if by != {publisher}]
+        return any(intersects(expression, key) for key in keys for expression in others)
+
     def _renew(self, changed: frozenset[str]) -> None:
         """Forget the answers that changed expressions have a part in; all of them where that is less work."""
         if len(changed) > 8:

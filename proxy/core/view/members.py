@@ -51,7 +51,7 @@ class Members:
     @property
     def unannounced(self) -> int:
         """How many robots may want what we send though they did not say so: Zenoh knows sooner than they can."""
-        return sum(not self._peers[name].plain for name in self._silent)
+        return 0 if not self._silent else sum(not self._peers[name].plain for name in self._silent)
 
     def called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""

@@ -11,6 +11,9 @@ from proxy.core.view.members import Members
 from proxy.core.view.stream import Stream
 from proxy.core.view.streams import Streams
 
+NAMELESS = ("",)
+"""Somebody whom no state names."""
+
 
 class Subscribers:
     """The robots that subscribe to each stream, by tag; who changes them changes all streams at once."""
@@ -47,7 +50,11 @@ class Subscribers:
     def of(self, stream: Stream) -> tuple[str, ...]:
         """Tags of the robots that want the stream; a nameless one when Zenoh knows of somebody whom no state names."""
         wanting = self._interest.wanting(stream.key, self._members.tags.get(stream.robot, ""))
-        return wanting or ("",) * stream.matching
+        return wanting or (NAMELESS if stream.matching else ())
+
+    def want(self, keys: Iterable[str]) -> bool:
+        """Whether another robot wants anything that one of these key expressions matches."""
+        return self._interest.any_wanted(keys, tag(self._settings.zid))
 
     def count(self, stream: Stream) -> int:
         """How many robots want the stream."""
@@ -76,6 +83,7 @@ class Subscribers:
         """
         if stream.robot in self._broadcasting:
             return 1
-        receivers = sum(name != "" for name in self.of(stream))
+        wanting = self.of(stream)
+        receivers = 0 if wanting == NAMELESS else len(wanting)
         receivers += self._members.unannounced if stream.robot == self._settings.robot else 0
         return 1 + receivers if self._settings.relayed else max(1, receivers)

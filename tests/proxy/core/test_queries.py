@@ -34,6 +34,8 @@ KEPT = {
         "Budget._usable",
         "Budget._usable_for",
         "Budget._others",
+        "Openings._of",
+        "Openings._known",
         "ClockOffset._offset",
     ),
     *("Loss._stale", "Loss._share", "LatencyFit._stale", "LatencyFit._line", "LatencyFit._classes"),

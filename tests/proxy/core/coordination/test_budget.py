@@ -47,6 +47,19 @@ def test_when_room_opens_that_our_own_sends_leave_is_known(make_budget):
     assert not budget.lacking(opens[2], (700.0,))
 
 
+def test_room_opens_later_when_more_was_sent_meanwhile(make_budget):
+    """By us or by others; what was known of a moment ago holds no longer."""
+    budget, view = make_budget()
+    budget.use(1.0, (300.0,))
+    budget.use(1.2, (500.0,))
+    assert budget.opens(1.3, (300.0,)) == pytest.approx(2.0, abs=1e-5)
+    budget.use(1.3, (200.0,))
+    assert budget.opens(1.3, (400.0,)) == pytest.approx(2.2, abs=1e-5)
+    heard(view, 1.4, 900)
+    assert budget.opens(1.4, (400.0,)) == math.inf
+    assert budget.opens(1.4, (400.0,), anybodys=True) == pytest.approx(2.4, abs=1e-5)
+
+
 def test_a_sample_waits_for_a_part_that_grows(make_budget):
     """As what others sent in a slot of ours leaves the window; for more than that nothing waits."""
     budget, _ = make_budget(kind="split", peers=0)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner import Constraint
-from proxy.core.market.room import opens
+from proxy.core.market.room import Departures
 
 LIMIT = Constraint("throughput", 1.0, 100.0)
 SENDS = st.lists(st.tuples(st.floats(0.0, 2.0), st.floats(1.0, 60.0)), max_size=12)
@@ -18,30 +18,30 @@ def sends(*pairs):
 
 def test_room_opens_when_enough_of_what_we_sent_has_left_the_window():
     """Of two sends of 60 and 30 the first has to leave for 50 more."""
-    room = opens((LIMIT,), sends((1.0, 60.0), (1.5, 30.0)), (), (50.0,))
+    room = Departures(sends((1.0, 60.0), (1.5, 30.0)), ()).opens((LIMIT,), (50.0,))
     assert 2.0 < room < 2.001
 
 
 def test_there_is_room_now_where_all_fits():
     """And always where nothing limits anything."""
-    assert opens((LIMIT,), sends((1.0, 60.0)), (), (40.0,)) == -math.inf
-    assert opens((), (), (), ()) == -math.inf
+    assert Departures(sends((1.0, 60.0)), ()).opens((LIMIT,), (40.0,)) == -math.inf
+    assert Departures((), ()).opens((), ()) == -math.inf
 
 
 def test_nobody_waits_for_room_that_another_robot_leaves():
     """Several would."""
-    assert opens((LIMIT,), sends((1.5, 30.0)), sends((1.0, 60.0)), (50.0,)) == math.inf
+    assert Departures(sends((1.5, 30.0)), sends((1.0, 60.0))).opens((LIMIT,), (50.0,)) == math.inf
 
 
 def test_there_is_never_room_for_more_than_a_limit():
     """Though nothing was sent."""
-    assert opens((LIMIT,), (), (), (101.0,)) == math.inf
+    assert Departures((), ()).opens((LIMIT,), (101.0,)) == math.inf
 
 
 @given(own=SENDS, needed=st.floats(1.0, 100.0))
 def test_when_it_opens_the_message_fits_and_just_before_it_does_not(own, needed):
     """By the closed window of Eq. 5."""
-    room = opens((LIMIT,), sends(*own), (), (needed,))
+    room = Departures(sends(*own), ()).opens((LIMIT,), (needed,))
 
     def left(now):
         return LIMIT.limit - sum(use for t, use in own if t >= now - LIMIT.window)

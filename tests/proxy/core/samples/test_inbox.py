@@ -1,5 +1,7 @@
 """The inbox: bounded, the latest of a Markovian stream wins, priority first."""
 
+import math
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -121,3 +123,37 @@ def test_what_stays_of_a_stream_is_worth_no_less_than_what_left(arrivals, backlo
             left.setdefault(f"k{key}", []).append(arrivals[evicted.sample][1])
     for key, scales in left.items():
         assert max(scales) <= min(w.scale for w in inbox if w.key == key)
+
+
+def test_what_rests_is_given_out_when_its_time_has_come():
+    """Until then it is not even looked at; what else waits goes first."""
+    inbox, looked_at = Inbox(10, 5), []
+
+    def held(sample):
+        looked_at.append(sample.sample)
+        if sample.sample == 1:
+            inbox.rest(sample, 3.0)
+        return sample.sample == 1
+
+    for sample, key in enumerate("abc", 1):
+        inbox.put(waiting(sample, key))
+    assert [inbox.take(held).sample for _ in range(2)] == [2, 3]
+    assert (inbox.take(held), inbox.wakes_at, inbox.rests_until(1)) == (None, 3.0, 3.0)
+    inbox.wake(2.9)
+    assert inbox.take(held) is None
+    assert looked_at == [1, 2, 3]
+    inbox.wake(3.0)
+    assert inbox.wakes_at == math.inf
+    assert inbox.take().sample == 1
+
+
+def test_nobody_waits_for_a_sample_that_left_while_it_rested():
+    """Whether something newer came or all was taken out; put back, it can be taken at once."""
+    inbox = Inbox(10, 5)
+    inbox.put(waiting(1))
+    inbox.rest(waiting(1), 3.0)
+    inbox.put(waiting(2))
+    assert inbox.wakes_at == math.inf
+    inbox.rest(waiting(2), 4.0)
+    inbox.put_back(inbox.clear())
+    assert (inbox.wakes_at, inbox.take().sample) == (math.inf, 2)
