@@ -46,6 +46,7 @@ def test_images_come_untouched_with_rate_and_age(fleet, live):
     assert 0.0 <= head["age"] < 60.0
 
 
+@pytest.mark.full
 def test_what_is_dropped_is_told_with_the_words_of_why(fleet, live):
     """Per robot and type, with utility, the channel and what room costs."""
     head, _ = live.until(lambda head, _: (camera(head) or {}).get("why"))

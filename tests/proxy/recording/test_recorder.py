@@ -146,6 +146,7 @@ def test_what_waits_is_written_soon(record, tmp_path):
     finish(recorder, tmp_path)
 
 
+@pytest.mark.full
 def test_a_recording_of_the_middle_of_a_life_begins_with_what_the_core_knew(tmp_path):
     """Before its first event; each snapshot that is asked for stands where the core was then."""
     output = Output(replace(START, whole=False), Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 20_000)

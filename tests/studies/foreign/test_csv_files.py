@@ -82,6 +82,7 @@ def test_lines_may_be_in_any_order(table, monkeypatch):
     assert {each.size for each in found} == set(range(50))
 
 
+@pytest.mark.full
 def test_a_file_is_never_held(table):
     """However long it is."""
     found = table(HEAD + "".join(f"{i},r1,a,{i},1,\n" for i in range(20_000)))

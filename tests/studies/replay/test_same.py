@@ -192,6 +192,7 @@ def test_rotated_files_are_replayed_exactly_without_those_before_them(middle):
 
 
 @pytest.mark.parametrize("seed", ["1", "2"])
+@pytest.mark.full
 def test_another_process_finds_the_same(middle, seed):
     """Whatever the order of sets is there."""
     files = sorted(middle.glob("*.mcap"))

@@ -81,6 +81,7 @@ def test_an_aggregation_of_ones_own_is_refused():
         all_of(one)
 
 
+@pytest.mark.full
 def test_the_three_scenarios_are_what_they_are_called():
     """Most messages are of high utility, as many of each level, and few of high utility."""
     most, mixed, few = (

@@ -22,6 +22,7 @@ def test_the_plan_alone_is_printed(tmp_path, capsys):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.full
 def test_a_study_that_is_over_only_writes_its_page(flown, tmp_path, capsys):
     """It flies nothing twice."""
     assert main(flown) == 0

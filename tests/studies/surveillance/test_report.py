@@ -42,6 +42,7 @@ def store(tmp_path):
     return tmp_path / "store"
 
 
+@pytest.mark.full
 def test_the_page_tells_of_every_way_and_shows_pictures(store, tmp_path):
     """Tables with a row for each, the characteristic, the screens, the delays."""
     page = tmp_path / "page" / "surveillance.md"

@@ -184,7 +184,15 @@ def test_one_that_never_agrees_keeps_parts_as_they_were():
     assert all(0.5 * before[name] <= after[name] <= before[name] for name in before)
 
 
-@pytest.mark.parametrize(("robots", "delay", "least"), [(4, 0.02, 0.95), (4, 0.2, 0.9), (4, 1.0, 0.9), (8, 0.1, 0.9)])
+@pytest.mark.parametrize(
+    ("robots", "delay", "least"),
+    [
+        (4, 0.02, 0.95),
+        (4, 0.2, 0.9),
+        pytest.param(4, 1.0, 0.9, marks=pytest.mark.full),
+        pytest.param(8, 0.1, 0.9, marks=pytest.mark.full),
+    ],
+)
 def test_large_messages_go_by_turns(robots, delay, least):
     """Two frames fit in a window where small messages leave room: they are sent, by all alike, at any latency."""
     flight = fleet(robots, FRAMES, delay=delay)

@@ -30,6 +30,7 @@ def test_a_team_flies_real_traffic(transport):
 
 
 @pytest.mark.parametrize("latency", [0.05, 0.2])
+@pytest.mark.full
 def test_a_large_team_soon_knows_how_long_news_take(latency):
     """However few digests hold echoes: those who know no way come first, and announcements make room for them."""
     mission = draw("cameras", 8, 0, 12.0, latency=latency)
