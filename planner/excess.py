@@ -7,13 +7,20 @@ not depend on decisions, so w_n steps at times that are known, and what a messag
 
 import numpy as np
 
+from planner.errors import ProblemError
 from planner.problem import Aggregation, Problem
 from planner.utility import Floats, Ints, MessageUtility, Power
 
 
 def initial(utility: MessageUtility) -> float:
-    """Return the value of a message at the age 0; infinite where it has no limit [1/s]."""
-    return np.inf if isinstance(utility, Power) else float(utility.value(np.zeros(1))[0])
+    """Return the value of a message at the age 0; infinite where it has no limit [1/s]. Raises ProblemError."""
+    if isinstance(utility, Power):
+        return np.inf
+    try:
+        return float(utility.value(np.zeros(1))[0])
+    except Exception as error:  # a utility of the caller's may fail
+        kind = type(utility).__name__
+        raise ProblemError(f"utility {kind}.value() failed: {type(error).__name__}: {error}") from error
 
 
 class Excess:

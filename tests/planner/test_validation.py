@@ -6,6 +6,7 @@ import math
 import pytest
 
 from planner import (
+    Aggregation,
     Constraint,
     PlannerError,
     ProblemError,
@@ -116,3 +117,21 @@ def test_bad_streams_are_refused(stream, says):
     """What cannot be said of a stream is named with its number."""
     with pytest.raises(ProblemError, match=says):
         start(dataclasses.replace(GOOD, streams=(GOOD.streams[0], stream, *GOOD.streams[2:])), SearchSettings())
+
+
+class Failing:
+    """A utility of an operator that cannot be computed."""
+
+    def value(self, age):
+        raise ZeroDivisionError(f"{len(age)} ages")
+
+    def integral(self, start, end):
+        return end - start
+
+
+def test_a_utility_that_fails_at_the_age_0_is_named():
+    """`current` asks for it before anything is tabulated."""
+    streams = tuple(dataclasses.replace(stream, aggregation=Aggregation.CURRENT) for stream in GOOD.streams)
+    messages = tuple(message._replace(utility=Failing()) for message in GOOD.messages)
+    with pytest.raises(ProblemError, match=r"utility Failing\.value\(\) failed: ZeroDivisionError: 1 ages"):
+        start(dataclasses.replace(GOOD, streams=streams, messages=messages), SearchSettings())

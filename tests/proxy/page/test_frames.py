@@ -2,6 +2,7 @@
 
 import json
 import struct
+from functools import partial
 
 import pytest
 import zenoh
@@ -33,14 +34,18 @@ def shown(stack):
     for app in apps:
         pass_fence(viewer, app)
 
-    def publish(key, payload, *, stamped=False):
+    def until_it_came(send):
         before = len(came)
-        apps[stamped].put(key, payload, congestion_control=zenoh.CongestionControl.BLOCK)
+        send()
         wait_until(lambda: len(came) > before, what="the sample")
         return found
 
+    def publish(key, payload, *, stamped=False):
+        put = partial(apps[stamped].put, key, payload, congestion_control=zenoh.CongestionControl.BLOCK)
+        return until_it_came(put)
+
     publish.frames = frames
-    publish.delete = apps[0].delete
+    publish.delete = lambda key: until_it_came(partial(apps[0].delete, key))
     return publish
 
 
