@@ -1,5 +1,6 @@
 """What the demo's apps share: they are plain Zenoh clients of whatever listens on localhost."""
 
+import argparse
 import struct
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -8,6 +9,18 @@ from typing import TextIO
 import zenoh
 
 _STAMP = struct.Struct("<Qd")
+
+
+def robot_parser(description: str | None) -> argparse.ArgumentParser:
+    """Return a parser of the flags that all apps of a robot have."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--robot", type=int, required=True, help="number of the robot, from 0")
+    parser.add_argument("--robots", type=int, required=True)
+    parser.add_argument("--seconds", type=float, required=True)
+    parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--connect", required=True, help="endpoint of the router or daemon on localhost")
+    parser.add_argument("--log", type=Path, help="file for one line of JSON per published sample")
+    return parser
 
 
 def open_client(endpoint: str) -> zenoh.Session:

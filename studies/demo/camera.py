@@ -13,7 +13,7 @@ import cv2
 import zenoh
 
 from studies.demo import cue
-from studies.demo.app import open_client, stamp, write_log
+from studies.demo.app import open_client, robot_parser, stamp, write_log
 from studies.demo.footage import Footage, open_footage
 from studies.demo.processes import DemoError
 from studies.demo.scene import PERIOD, Film, Scene
@@ -22,13 +22,7 @@ from studies.demo.world import Episode, phases, schedule
 
 def main() -> None:
     """Publish frames from the start time on until told to stop."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--robot", type=int, required=True, help="number of the robot, from 0")
-    parser.add_argument("--robots", type=int, required=True)
-    parser.add_argument("--seconds", type=float, required=True)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--connect", required=True, help="endpoint of the router or daemon on localhost")
-    parser.add_argument("--log", type=Path, help="file for one line of JSON per published frame")
+    parser = robot_parser(__doc__)
     parser.add_argument("--footage", type=Path, help="a video or a folder of images, in place of the drawn world")
     parser.add_argument("--offset", type=float, default=0.0, help="which part of the footage to leave out at first")
     parser.add_argument("--told", action="store_true", help="red objects are there when they are told, not by the seed")

@@ -3,14 +3,13 @@
 import argparse
 import json
 import time
-from pathlib import Path
 from threading import Event
 from typing import TextIO
 
 import zenoh
 
 from studies.demo import cue
-from studies.demo.app import open_client, write_log
+from studies.demo.app import open_client, robot_parser, write_log
 from studies.demo.world import World
 
 POSITIONS = 5
@@ -21,14 +20,7 @@ LASTS = 5400.0
 
 def main() -> None:
     """Publish from the start time on until told to stop."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--robot", type=int, required=True, help="number of the robot, from 0")
-    parser.add_argument("--robots", type=int, required=True)
-    parser.add_argument("--seconds", type=float, required=True)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--connect", required=True, help="endpoint of the router or daemon on localhost")
-    parser.add_argument("--log", type=Path, help="file for one line of JSON per published sample")
-    arguments = parser.parse_args()
+    arguments = robot_parser(__doc__).parse_args()
     stop = cue.stop_on_signal()
     with open_client(arguments.connect) as session, write_log(arguments.log) as log:
         _report(session, arguments, log, stop)

@@ -156,9 +156,7 @@ class Coordination:
             self._due = now + TUNING.interval
             split = self.split_in_force
             asked = split is not None and split.agreement.rivals
-            self.team.wait(
-                now, waiting, pending=split is not None and split.agreement.pending and not split.agreement.quiet
-            )
+            self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
             self.team.judge(now, limits, waiting, announcing, asked=asked)
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.robots)
