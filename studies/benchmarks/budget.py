@@ -25,8 +25,9 @@ from studies.benchmarks.report import Picture, Result, Table
 from studies.benchmarks.resources import private_memory, processor_time, resident_memory, threads
 from studies.benchmarks.traffic.agenda import draw
 from studies.benchmarks.traffic.flight import ROUTER, Flight, fly
-from studies.demo.layout import OPERATOR, Node, free_ports, lay_out, pairs
+from studies.demo.layout import OPERATOR, Node, lay_out, pairs
 from studies.demo.nodes import start_daemons, start_routers
+from studies.demo.ports import free_ports
 from studies.demo.processes import Process, Troupe
 from studies.simulation.traffic.kinds import Kind
 from studies.simulation.traffic.workloads import MBIT, Workload, mixed

@@ -19,8 +19,9 @@ from studies.benchmarks.report import Table
 from studies.benchmarks.resources import private_memory, processor_time, resident_memory
 from studies.benchmarks.traffic.agenda import Agenda, draw
 from studies.benchmarks.traffic.flight import start_applications
-from studies.demo.layout import Node, free_ports, lay_out_teams, pairs
+from studies.demo.layout import Node, lay_out_teams, pairs
 from studies.demo.nodes import start_daemons
+from studies.demo.ports import free_ports
 from studies.demo.processes import Process, Troupe
 from studies.simulation.traffic.workloads import Workload, mixed
 

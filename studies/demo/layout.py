@@ -1,10 +1,10 @@
 """Who is there and where each listens: the operator and the robots, and which pairs of them are linked."""
 
-import random
-import socket
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations, islice
+from itertools import combinations
+
+from studies.demo.ports import free_ports
 
 OPERATOR = "operator"
 
@@ -53,22 +53,3 @@ def pairs(nodes: tuple[Node, ...]) -> Iterator[tuple[Node, Node]]:
     """Yield each pair once, the one that dials, the higher-numbered, first."""
     for low, high in combinations(nodes, 2):
         yield high, low
-
-
-def is_free(port: int) -> bool:
-    """Whether nobody listens at a port of localhost now."""
-    with socket.socket() as probe:
-        try:
-            probe.bind(("127.0.0.1", port))
-        except OSError:
-            return False
-        return True
-
-
-def free_ports(count: int) -> list[int]:
-    """Return ports of localhost that nobody listens at now."""
-    return list(islice(filter(is_free, random.SystemRandom().sample(_PORTS, len(_PORTS))), count))
-
-
-_PORTS = range(10_000, 12_000)
-"""Below those that the kernel gives to outgoing connections: none of those takes a port before its listener does."""

@@ -20,10 +20,11 @@ import zenoh
 from proxy.commands.client import DAEMON
 from studies.demo.air import Air, AirError, read_json
 from studies.demo.app import open_client, read_stamp
-from studies.demo.layout import Node, is_free, lay_out
+from studies.demo.layout import Node, lay_out
 from studies.demo.namespaces import Namespaces
 from studies.demo.nodes import SHARE, SURVEILLANCE, WINDOW, start_daemons, with_limit
 from studies.demo.phase import LEAD, Conditions
+from studies.demo.ports import is_free
 from studies.demo.processes import DemoError, Process, Troupe
 from studies.demo.staging import Apps, Cast, start_medium, start_robots
 from studies.demo.world import Episode, schedule

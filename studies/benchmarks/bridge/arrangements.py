@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from studies.benchmarks.resources import private_memory, processor_time
-from studies.demo.layout import free_ports
+from studies.demo.ports import free_ports
 from studies.demo.processes import Process, Troupe
 
 ARRANGEMENTS = ("direct", "router", "pieces", "pass", "enforce", "covered")

@@ -3,8 +3,9 @@
 `python -m studies.benchmarks.traffic.application publish|listen --connect ENDPOINT --log FILE [--agenda FILE]`
 
 An agenda is JSON: `robot` (its number), `keys` (of its streams), `reliable` (streams that may not be dropped on the
-way to the daemon), and `samples`: when after the start [s], stream, number and size [B]. Logs are JSON, written at the
-end: `published` as [stream, number, size, due, published], `received` as [robot, stream, number, size, t_gen, t].
+way to the daemon), and `samples`: when after the start [s], stream, number and size [B]. A log has a line of JSON for
+each sample: [stream, number, size, due, published] or [robot, stream, number, size, t_gen, t]. It is written at once,
+since a session whose daemon ends at the same time may hold whoever publishes, undeclares or closes.
 """
 
 import argparse
@@ -12,7 +13,7 @@ import json
 import threading
 import time
 from pathlib import Path
-from typing import Any
+from typing import TextIO
 
 import zenoh
 
@@ -35,42 +36,41 @@ def main() -> None:
     parser.add_argument("--agenda", type=Path, help="file of what to publish")
     options = parser.parse_args()
     stop = cue.stop_on_signal()
-    with open_client(options.connect) as session:
-        happened = listen(session, stop) if options.role == "listen" else _publish(session, options.agenda, stop)
-        # A session may take long to close whose daemon ends at the same time: longer than this process is waited for.
-        options.log.write_text(json.dumps(happened))
+    with options.log.open("w", buffering=1) as log, open_client(options.connect) as session:
+        if options.role == "listen":
+            _listen(session, log, stop)
+        else:
+            _publish(session, options.agenda, log, stop)
 
 
-def listen(session: zenoh.Session, stop: threading.Event) -> list[Any]:
-    """Note what arrives until told to stop."""
-    received: list[Any] = []
-
+def _listen(session: zenoh.Session, log: TextIO, stop: threading.Event) -> None:
     def take(sample: zenoh.Sample) -> None:
         now = time.monotonic()
         label = read(bytes(sample.payload))
-        received.append((*label.name, label.size, label.t_gen, now))
+        _note(log, *label.name, label.size, label.t_gen, now)
 
     with session.declare_subscriber(ALL, zenoh.handlers.Callback(take, indirect=False)):
         cue.ready()
         stop.wait()
-    return received
 
 
-def _publish(session: zenoh.Session, agenda: Path, stop: threading.Event) -> list[Any]:
+def _publish(session: zenoh.Session, agenda: Path, log: TextIO, stop: threading.Event) -> None:
     plan = json.loads(agenda.read_text())
     publishers = [_publisher(session, key, block=at in plan["reliable"]) for at, key in enumerate(plan["keys"])]
     _wait_until_wanted(publishers, stop)
     cue.ready()
     start = cue.start_time()
-    published = []
     for due, stream, number, size in plan["samples"]:
         if stop.wait(max(0.0, start + due - time.monotonic())):
             break
         now = time.monotonic()
         publishers[stream].put(payload(Label(plan["robot"], stream, number, size, now)))
-        published.append((stream, number, size, start + due, now))
+        _note(log, stream, number, size, start + due, now)
     stop.wait()
-    return published
+
+
+def _note(log: TextIO, *values: float) -> None:
+    log.write(json.dumps(values) + "\n")
 
 
 def _publisher(session: zenoh.Session, key: str, *, block: bool) -> zenoh.Publisher:

@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -115,7 +115,7 @@ def start_applications(troupe: Troupe, nodes: tuple[Node, ...], agenda: Agenda, 
 
 
 def _application(troupe: Troupe, node: Node, folder: Path, role: str, *options: str) -> Process:
-    log = str(folder / f"application-{node.name}.json")
+    log = str(folder / f"application-{node.name}.jsonl")
     command = ("-m", "studies.benchmarks.traffic.application", role, "--connect", node.app_endpoint, "--log", log)
     return troupe.start(f"application-{node.name}", *command, *options)
 
@@ -156,9 +156,11 @@ def _read(
             published[robot, stream, number] = Published(size, due - start, t - start)
     for robot, stream, number, _, _, t in _log(folder, f"application-{OPERATOR}"):
         received.setdefault((robot, stream, number), t - start)
-    crossed = sorted(((t - start, *rest) for t, *rest in _log(folder, "crossed")), key=lambda each: each[0])
+    noted = json.loads((folder / "crossed.json").read_text())
+    crossed = sorted(((t - start, *rest) for t, *rest in noted), key=lambda each: each[0])
     return crossed, published, received
 
 
-def _log(folder: Path, name: str) -> Any:
-    return json.loads((folder / f"{name}.json").read_text())
+def _log(folder: Path, name: str) -> Iterator[Any]:
+    with (folder / f"{name}.jsonl").open() as lines:
+        yield from map(json.loads, lines)
