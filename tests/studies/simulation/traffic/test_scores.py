@@ -1,6 +1,6 @@
 """What flights of real traffic reached: of hand-made ones, with answers that are known."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
