@@ -88,6 +88,10 @@ qualify: setup
 wheel: setup
 	$(BIN)/python -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir dist .
 
+# The Debian package, in dist; ARCH=arm64 for a Raspberry Pi needs g++-aarch64-linux-gnu. deploy/debian/build says what is in it.
+deb: setup
+	deploy/debian/build $(ARCH)
+
 # Writes the manual page anew, from the parser of the command line.
 man: setup
 	$(BIN)/python -m studies.man_page deploy/man/sendworthy.1
