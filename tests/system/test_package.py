@@ -45,28 +45,22 @@ def debian(network, tmp_path):
 
 
 @pytest.fixture
-def heard(network, start, tmp_path):
-    """Applications beside the daemons of `a` and of another robot, plain ones: what the latter hears of the former."""
-    other = start("b", limit="200 kbit/s")
-    wait_until(other.serves, what="start of b")
-    with ExitStack() as closing_all:
-        listener = Listener(network.hosts["b"], tmp_path / "heard", "hear", KEY)
-        closing_all.callback(listener.close)
-        wait_until(listener.ready, what="an application of b")
-        yield lambda: len(listener.numbers(KEY))
-
-
-@pytest.fixture
-def speak(network, tmp_path):
-    """Start an application beside the daemon of `a` that publishes until the test ends."""
+def talk(network, start, tmp_path):
+    """Start plain applications beside the daemon of `a` and beside another robot's; it tells what the latter hears."""
     with ExitStack() as closing_all:
 
-        def start_one():
+        def talk():
+            other = start("b", limit="200 kbit/s")
+            wait_until(other.serves, what="start of b")
+            listener = Listener(network.hosts["b"], tmp_path / "heard", "hear", KEY)
+            closing_all.callback(listener.close)
+            wait_until(listener.ready, what="an application of b")
             speaker = Speaker(network.hosts["a"], tmp_path / "spoken", "say", KEY, "4000", "20")
             closing_all.callback(speaker.close)
             wait_until(speaker.ready, what="an application of a")
+            return lambda: len(listener.numbers(KEY))
 
-        yield start_one
+        yield talk
 
 
 def newer(package, folder):
@@ -103,7 +97,7 @@ def crosses(heard):
     wait_until(lambda: heard() >= count + 5, what="samples of an application")
 
 
-def test_from_its_installation_to_its_end(debian, package, heard, speak, tmp_path):
+def test_from_its_installation_to_its_end(debian, package, talk, tmp_path):
     """It runs, takes specs, keeps what was changed when it is upgraded, and leaves nothing of it when it is purged."""
     there, config = debian.take(package), debian.folder / CONFIG.lstrip("/")
     upgrade = debian.take(newer(package, tmp_path / "newer"))
@@ -125,7 +119,7 @@ def test_from_its_installation_to_its_end(debian, package, heard, speak, tmp_pat
         == "sendworthy\n" * 2
     )
     (debian.folder / "srv/pushed.toml").unlink()
-    speak()
+    heard = talk()
     crosses(heard)
     assert status(debian)["decisions"]["made"] > 0
 
