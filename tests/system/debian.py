@@ -12,8 +12,11 @@ ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "build" / "roots"
 """What was made once stays here."""
 RELEASE = "bookworm"
-NEEDED = "python3,systemd,libstdc++6,zlib1g"
+NEEDED = "python3,systemd,init-system-helpers,libstdc++6,zlib1g"
 """What the package depends on, as installing it must need no network."""
+EMULATOR = Path("/usr/lib/binfmt.d/qemu-aarch64.conf")
+BINFMT = Path("/proc/sys/fs/binfmt_misc")
+"""Where the kernel is told what runs programs of another machine, and says what it was told."""
 
 BOOT = """
 set -e
@@ -53,11 +56,29 @@ def clean(architecture, folder, *options):
 
 
 def packed(architecture):
-    """Make the package; return where it is, and what is said of it."""
+    """Make the package; return where it is."""
     command = ["make", "--no-print-directory", "--silent", "deb", f"ARCH={architecture}"]
     done = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
     said = done.stdout.splitlines()[-1]
-    return ROOT / said.partition(":")[0], said
+    return ROOT / said.partition(":")[0]
+
+
+def emulated(package, folder):
+    """Install a package for arm64 in a Debian for arm64, whose programs this machine emulates; return its folder.
+
+    The packages of that Debian are unpacked only, for setting them up would take minutes. So dpkg knows none of them.
+    """
+    if not (BINFMT / EMULATOR.stem).exists():
+        if not (BINFMT / "register").exists():
+            subprocess.run(["mount", "-t", "binfmt_misc", "binfmt_misc", BINFMT], check=True)
+        (BINFMT / "register").write_text(EMULATOR.read_text())
+    clean("arm64", folder, "--variant=extract", "--include=coreutils,dash,perl-base")
+    for name in ("opt", "proc", "root", "run", "srv", "sys"):
+        (folder / name).mkdir(exist_ok=True)
+    flags = (f"--root={folder}", "--force-architecture", "--force-depends")
+    done = subprocess.run(["dpkg", *flags, "--install", package], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
 
 
 class Debian(Systemd):

@@ -34,7 +34,7 @@ BOOKS = re.compile(r"/(var/(lib/dpkg|log)|etc/(passwd|group|shadow|gshadow|subui
 @pytest.fixture(scope="module")
 def package():
     """The package of this machine."""
-    return packed(ARCHITECTURE)[0]
+    return packed(ARCHITECTURE)
 
 
 @pytest.fixture

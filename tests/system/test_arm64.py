@@ -1,0 +1,88 @@
+"""The package for arm64, as on a Raspberry Pi: this machine emulates one.
+
+It takes two minutes, so `make qualify STAGES=arm64` runs it.
+"""
+
+import os
+import platform
+import subprocess
+import sys
+
+import pytest
+
+from tests.system.debian import ROOT, emulated, packed
+from tests.system.robots import SENDWORTHY, Robot
+from tests.waiting import wait_until
+
+pytestmark = [
+    pytest.mark.system,
+    pytest.mark.skipif("ARM64" not in os.environ, reason="runs in `make qualify STAGES=arm64`"),
+    pytest.mark.skipif(platform.machine() != "x86_64", reason="compares x86_64 with arm64"),
+]
+
+PYTHON = "/opt/sendworthy/bin/python3"
+AGREEMENT = "tests/planner/agreement.py"
+KEYS = {"a": "robot/a/camera", "b": "robot/b/camera"}
+LIMIT = "200 kbit/s"
+RECORDING = ("--record.on", "true")
+
+
+@pytest.fixture(scope="module")
+def debian(tmp_path_factory):
+    """A Debian for arm64 with the package."""
+    return emulated(packed("arm64"), tmp_path_factory.mktemp("arm64") / "root")
+
+
+class Emulated(Robot):
+    """A robot whose daemon and applications are those of the package; who asks it is not."""
+
+    def __init__(self, host, folder, debian):
+        self.inside = host.inside(debian, PYTHON)
+        super().__init__(host, folder, limit=LIMIT, interface="wlan0", options=RECORDING)
+
+    def start(self):
+        """Start the daemon."""
+        command = ("/usr/bin/sendworthy", "run", "--config", str(self._folder / "sendworthy.toml"), *self._options)
+        with self._log.open("w") as log:
+            self.daemon = self.inside.start(*command, stderr=log)
+
+
+def test_both_engines_plan_there_as_here(debian):
+    """Node by node on either machine, and to the last bit on both."""
+    subprocess.run(["cp", "-r", ROOT / "tests", debian / "srv"], check=True)
+    there = subprocess.check_output(["chroot", debian, PYTHON, f"/srv/{AGREEMENT}"])
+    here = subprocess.check_output([sys.executable, ROOT / AGREEMENT])
+    assert len(here.splitlines()) > 100
+    assert there.splitlines() == here.splitlines()
+
+
+def test_a_robot_of_each_kind_decide_alike(debian, network, start, tmp_path):
+    """Contended samples of plain applications cross both ways, and what one decided the other would have, too."""
+    a = start("a", limit=LIMIT, options=RECORDING)
+    (tmp_path / "b").mkdir()
+    b = Emulated(network.add("b"), tmp_path / "b", debian)
+    try:
+        wait_until(a.serves, what="start of a")
+        wait_until(b.serves, what="start of b")
+        wait_until(lambda: (a.peers(), b.peers()) == ({"b"}, {"a"}), what="each to know the other")
+        hosts = {a: a.host, b: b.inside}
+        listeners = {robot: robot.hear("robot/*/camera", host=host) for robot, host in hosts.items()}
+        for robot, host in hosts.items():
+            robot.wait_wanted(KEYS[robot.name])
+            robot.say(KEYS[robot.name], size=4000, rate=10, host=host)
+        wait_until(lambda: len(listeners[a].numbers(KEYS["b"])) >= 30, what="samples of b")
+        wait_until(lambda: len(listeners[b].numbers(KEYS["a"])) >= 30, what="samples of a")
+        for robot in (a, b):
+            found = robot.status()
+            assert found["decisions"]["made"] > 0
+            assert found["counts"]["dropped"] > 0
+        assert {peer["version"] for robot in (a, b) for peer in robot.status()["peers"]} == {a.status()["version"]}
+        assert a.stop() == 0
+        assert b.stop() == 0
+    finally:
+        b.close()
+    for robot in (a, b):
+        (recording,) = (tmp_path / robot.name / "recordings").glob("*.mcap")
+        replayed = subprocess.run([*SENDWORTHY, "replay", recording], capture_output=True, text=True, check=False)
+        print(replayed.stdout)
+        assert replayed.returncode == 0, replayed.stdout + replayed.stderr
