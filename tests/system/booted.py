@@ -31,9 +31,11 @@ cp -a "$PLACE"/put/. /
 mount --bind "$PLACE"/shared /run/shared
 mount --bind "$BASE" /opt/sendworthy/python
 mount --bind "$DEPENDENCIES" /opt/sendworthy/dependencies
-ln -s ../sendworthy.service /etc/systemd/system/boot.target.wants/
-useradd --system --no-create-home sendworthy
-chgrp -R sendworthy /etc/sendworthy
+if [ "$STARTED" ]; then
+    ln -s ../sendworthy.service /etc/systemd/system/boot.target.wants/
+    useradd --system --no-create-home sendworthy
+    chgrp -R sendworthy /etc/sendworthy
+fi
 mount -t tmpfs tmpfs /tmp
 exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin container=other SYSTEMD_UNIT_PATH=/etc/systemd/system \
     /lib/systemd/systemd --system --unit=boot.target --log-target=console --show-status=no
@@ -44,15 +46,19 @@ PYTHONPATH=/opt/sendworthy/lib:/opt/sendworthy/dependencies exec /opt/sendworthy
 
 
 class Booted(Systemd):
-    """A host that has booted with the service; `files` are further files by their absolute paths."""
+    """A host that has booted with the service; `files` are further files by their absolute paths.
 
-    def __init__(self, host, place, files):
+    If it is not `started`, the service is still to be set up.
+    """
+
+    def __init__(self, host, place, files, *, started=True):
         self._place = place
         self.shared = place / "shared"
         """A folder that both sides see, there as `/run/shared`."""
         self.shared.mkdir(parents=True)
         put = {f"{UNITS}/{name}": "[Unit]\nDefaultDependencies=no\n" for name in TARGETS}
-        put[f"{UNITS}/{SHIPPED.name}"] = SHIPPED.read_text()
+        if started:
+            put[f"{UNITS}/{SHIPPED.name}"] = SHIPPED.read_text()
         # There is no journal: what the service says goes where a test can read it.
         put[f"{UNITS}/{SHIPPED.name}.d/here.conf"] = "[Service]\nStandardError=file:/run/said\n"
         put["/opt/sendworthy/bin/sendworthy"] = COMMAND
@@ -60,8 +66,8 @@ class Booted(Systemd):
             self._put(path, text)
         (place / "put/opt/sendworthy/bin/sendworthy").chmod(0o755)
         self._put_packages()
-        dependencies = sysconfig.get_path("purelib")
-        super().__init__(host, place, BOOT, BASE=sys.base_prefix, DEPENDENCIES=dependencies)
+        dependencies, began = sysconfig.get_path("purelib"), "yes" if started else ""
+        super().__init__(host, place, BOOT, BASE=sys.base_prefix, DEPENDENCIES=dependencies, STARTED=began)
 
     def sendworthy(self, *words):
         """Run the command `sendworthy` there."""
