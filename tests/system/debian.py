@@ -11,7 +11,8 @@ from tests.waiting import wait_until
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "build" / "roots"
 """What was made once stays here."""
-RELEASE = "bookworm"
+RELEASE, PYTHON = "bookworm", (3, 11)
+"""The Debian, and its Python: a package is for that of `.venv`."""
 NEEDED = "python3,systemd,init-system-helpers,libstdc++6,zlib1g"
 """What the package depends on, as installing it must need no network."""
 EMULATOR = Path("/usr/lib/binfmt.d/qemu-aarch64.conf")

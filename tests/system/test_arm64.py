@@ -11,17 +11,18 @@ import sys
 
 import pytest
 
-from tests.system.debian import ROOT, emulated, packed
+from tests.system.debian import PYTHON, RELEASE, ROOT, emulated, packed
 from tests.system.robots import SENDWORTHY, Robot
 from tests.waiting import wait_until
 
 pytestmark = [
     pytest.mark.system,
     pytest.mark.skipif("ARM64" not in os.environ, reason="runs in `make qualify STAGES=arm64`"),
+    pytest.mark.skipif(sys.version_info[:2] != PYTHON, reason=f"packages for {RELEASE} are made with its Python"),
     pytest.mark.skipif(platform.machine() != "x86_64", reason="compares x86_64 with arm64"),
 ]
 
-PYTHON = "/opt/sendworthy/bin/python3"
+OWN = "/opt/sendworthy/bin/python3"
 CLIENT = "/usr/share/sendworthy/apps/client.json5"
 AGREEMENT = "tests/planner/agreement.py"
 KEYS = {"a": "robot/a/camera", "b": "robot/b/camera"}
@@ -39,7 +40,7 @@ class Emulated(Robot):
     """A robot whose daemon and applications are those of the package; who asks it is not."""
 
     def __init__(self, host, folder, debian):
-        self.inside = host.inside(debian, PYTHON)
+        self.inside = host.inside(debian, OWN)
         super().__init__(host, folder, limit=LIMIT, interface="wlan0", options=RECORDING)
 
     def start(self):
@@ -52,7 +53,7 @@ class Emulated(Robot):
 def test_both_engines_plan_there_as_here(debian):
     """Node by node on either machine, and to the last bit on both."""
     subprocess.run(["cp", "-r", ROOT / "tests", debian / "srv"], check=True)
-    there = subprocess.check_output(["chroot", debian, PYTHON, f"/srv/{AGREEMENT}"])
+    there = subprocess.check_output(["chroot", debian, OWN, f"/srv/{AGREEMENT}"])
     here = subprocess.check_output([sys.executable, ROOT / AGREEMENT])
     assert len(here.splitlines()) > 100
     assert there.splitlines() == here.splitlines()

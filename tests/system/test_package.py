@@ -4,16 +4,20 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 from contextlib import ExitStack, closing
 
 import pytest
 
-from tests.system.debian import ROOT, Debian, packed
+from tests.system.debian import PYTHON, RELEASE, ROOT, Debian, packed
 from tests.system.network import RADIO
 from tests.system.robots import Listener, Speaker
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.system
+pytestmark = [
+    pytest.mark.system,
+    pytest.mark.skipif(sys.version_info[:2] != PYTHON, reason=f"packages for {RELEASE} are made with its Python"),
+]
 
 ARCHITECTURE = subprocess.run(
     ["dpkg", "--print-architecture"], check=True, stdout=subprocess.PIPE, text=True
