@@ -1,8 +1,8 @@
 """Orders for all robots: passed on from an operator at any of them, and obeyed where the configuration allows it.
 
 On the app side `@sendworthy/<robot>/to-fleet/<order>` passes an order on; on the mesh each robot that obeys it serves
-`@sendworthy/<robot>/fleet/<order>`. Answers are JSON. A robot with a token has each order proved: who gives one asks all
-for `challenge` first, and what answers the challenges goes beside the order, as its attachment.
+`@sendworthy/<robot>/fleet/<order>`. Answers are JSON. A robot with a token has each order proved: who gives one asks
+all for `challenge` first, and what answers the challenges goes beside the order, as its attachment.
 """
 
 import json
@@ -72,7 +72,9 @@ class Fleet:
         self._executor = executor
         self._guard = guard
         self._refuse = refuse
-        self._obeyed = obeyed if guard is None else {**obeyed, CHALLENGE: partial(self._challenge, guard)}
+        self._obeyed: dict[str, Obey] = dict(obeyed)
+        if guard is not None:
+            self._obeyed[CHALLENGE] = partial(self._challenge, guard)
         self._members = members
         self._queryables: list[Declaration] = [
             *(self._declare(mesh, keys.fleet(robot, order), partial(self._answer, order)) for order in self._obeyed),

@@ -25,7 +25,7 @@ from proxy.profiling.request import Request
 from proxy.why import Question
 
 DAEMON = "tcp/127.0.0.1:7447"
-TOKEN = "SENDWORTHY_FLEET__TOKEN"
+TOKEN = "SENDWORTHY_FLEET__TOKEN"  # noqa: S105 - the name of the variable
 """The variable with the team's token, as the daemon reads it."""
 TIMEOUT = 2.0
 """A daemon answers within this time [s] or not at all."""

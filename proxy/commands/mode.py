@@ -16,8 +16,8 @@ Switches a running daemon, at once and without a restart.
   enforce   decides and acts on it
 
 The mode lasts until the daemon ends; `mode` in the configuration is what it starts with. With --fleet all robots of the
-team are switched whose configuration allows it (`fleet.mode`), those with a `fleet.token` only by who knows it; each says
-whether it did.
+team are switched whose configuration allows it (`fleet.mode`), those with a `fleet.token` only by who knows it; each
+says whether it did.
 """
 EXAMPLES = """\
 examples:

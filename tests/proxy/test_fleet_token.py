@@ -7,17 +7,18 @@ from hypothesis import strategies as st
 
 from proxy.fleet_token import LASTS, MISSING, OrderGuard, proofs, read_token, token_of
 
-TOKEN = "a token of this team"
+KNOWN = "a token of this team"
+OTHER = "a token of that team"
 ANSWERS_NONE = "the order answers no challenge of this robot, or too late: give it again"
 
 
 @pytest.fixture
 def guard():
-    return OrderGuard("r1", TOKEN)
+    return OrderGuard("r1", KNOWN)
 
 
-def proved(guard, now=0.0, *, token=TOKEN, order="mode", payload=b"shadow", robot="r1"):
-    return proofs(token, order, payload, {robot: guard.challenge(now)})
+def proved(guard, now=0.0, *, secret=KNOWN, order="mode", payload=b"shadow", robot="r1"):
+    return proofs(secret, order, payload, {robot: guard.challenge(now)})
 
 
 def test_who_knows_the_token_is_obeyed_once(guard):
@@ -43,13 +44,13 @@ def test_a_proof_holds_for_what_was_ordered_alone(guard, order, payload):
 
 def test_another_token_is_refused(guard):
     """Even where all else is right."""
-    order = proved(guard, token="a token of that team")
+    order = proved(guard, secret=OTHER)
     assert guard.objection(0.0, "mode", b"shadow", order) == "the order was given with another token"
 
 
 def test_what_was_proved_to_another_robot_or_before_a_restart_proves_nothing(guard):
     """Challenges are those of this robot and of this run of it."""
-    for other in (OrderGuard("r2", TOKEN), OrderGuard("r1", TOKEN)):
+    for other in (OrderGuard("r2", KNOWN), OrderGuard("r1", KNOWN)):
         assert guard.objection(0.0, "mode", b"shadow", proved(other)) == ANSWERS_NONE
     assert guard.objection(0.0, "mode", b"shadow", proved(guard, robot="r2")) == ANSWERS_NONE
 
@@ -68,7 +69,7 @@ def test_a_challenge_can_be_answered_for_a_while(guard):
 @given(st.binary(max_size=200) | st.dictionaries(st.just("r1"), st.lists(st.binary(max_size=50))).map(msgpack.packb))
 def test_any_bytes_are_a_refusal(raw):
     """Nothing that is on the mesh can do more harm than that."""
-    assert OrderGuard("r1", TOKEN).objection(0.0, "mode", b"shadow", raw) == ANSWERS_NONE
+    assert OrderGuard("r1", KNOWN).objection(0.0, "mode", b"shadow", raw) == ANSWERS_NONE
 
 
 @pytest.mark.parametrize("text", ["", "too short", "x" * 5000, "with a\nline in it here"])
@@ -83,8 +84,8 @@ def test_a_token_is_read_from_a_file(tmp_path):
     file = tmp_path / "token"
     with pytest.raises(ValueError, match=f"{file}: cannot be read: No such file"):
         read_token(file)
-    file.write_text(f"{TOKEN}\n")
-    assert read_token(file) == TOKEN
+    file.write_text(f"{KNOWN}\n")
+    assert read_token(file) == KNOWN
     file.write_bytes(b"\xff" * 20)
     with pytest.raises(ValueError, match=f"{file}: holds no text"):
         read_token(file)

@@ -87,7 +87,7 @@ def test_without_a_daemon_nothing_is_pushed(tmp_path, capsys):
     assert capsys.readouterr().err.startswith("sendworthy mode: no daemon answers at tcp/127.0.0.1:1")
 
 
-TOKEN = "a token of this team"
+KNOWN = "a token of this team"
 
 
 class Eavesdropper:
@@ -115,11 +115,11 @@ class Eavesdropper:
 def sworn(start, stack, tmp_path):
     """Two robots with the team's token, one in a file and one in a variable, and somebody who hears what they say."""
     meshes, file = [f"tcp/127.0.0.1:{free_port()}" for _ in range(2)], tmp_path / "token"
-    file.write_text(f"{TOKEN}\n")
+    file.write_text(f"{KNOWN}\n")
     orders, (first, second) = ("--fleet.mode", "true"), meshes
     r1 = start("--robot", "r1", "--mesh.listen", f'["{first}"]', *orders, "--fleet.token_file", str(file))
     dial = ("--mesh.listen", f'["{second}"]', "--mesh.connect", f'["{first}"]')
-    r2 = start("--robot", "r2", *dial, *orders, SENDWORTHY_FLEET__TOKEN=TOKEN)
+    r2 = start("--robot", "r2", *dial, *orders, SENDWORTHY_FLEET__TOKEN=KNOWN)
     for robot in (r1, r2):
         robot.wait_for("sendworthy ")
     wait_until(lambda: all(robot.status()["peers"] for robot in (r1, r2)), what="the robots to meet")
@@ -143,11 +143,11 @@ def test_robots_with_a_token_obey_who_knows_it(sworn, capsys, monkeypatch):
     assert main(["mode", "shadow", *order, "--token-file", str(file)]) == exit_codes.OK
     assert capsys.readouterr().out == "r1: mode shadow\nr2: mode shadow\n"
     assert modes(r1, r2) == ["shadow", "shadow"]
-    monkeypatch.setenv("SENDWORTHY_FLEET__TOKEN", TOKEN)
+    monkeypatch.setenv("SENDWORTHY_FLEET__TOKEN", KNOWN)
     assert main(["mode", "pass", *order]) == exit_codes.OK
     assert modes(r1, r2) == ["pass", "pass"]
     assert [name for name, *_ in eavesdropper.heard] == ["mode", "challenge", "mode", "challenge", "mode"]
-    assert not any(TOKEN.encode() in said for _, *all_said in eavesdropper.heard for said in all_said)
+    assert not any(KNOWN.encode() in said for _, *all_said in eavesdropper.heard for said in all_said)
     old = next(each for each in eavesdropper.heard if each[1] == b"shadow" and each[2])
     assert eavesdropper.repeat(*old) == [Outcome("r2", obeyed=False, said=("the order was given before",))]
     assert modes(r1, r2) == ["pass", "pass"]
