@@ -17,6 +17,7 @@ from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.control import Control
 from proxy.bridge.fleet import Fleet
 from proxy.bridge.hold_back import HoldBack
+from proxy.bridge.identities import certified_names
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence
@@ -217,6 +218,7 @@ class Daemon:
             old=lambda now, name, sent: is_old(now, core.view.peers.get(name), sent),
             hold_back=hold_back,
             broadcast=sides.data if isinstance(sides.data, Broadcast) and core.settings.digests_on_air else None,
+            certified=certified_names(self._config.mesh.zenoh),
         )
 
     def _look_out(self, sides: Sides, scouted: Scouted | None, opening: ExitStack) -> Lookout:

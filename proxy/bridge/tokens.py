@@ -20,16 +20,21 @@ Post = Callable[[Event | Job], object]
 Later = Callable[[float, Job], object]
 Refuse = Callable[[float, str, str], object]
 Turned = Callable[[str], object]
+Forged = Callable[[str, str], bool]
 
 
 class Tokens:
     """Tells the core by `post` what became of each token; `own` is the session that shows ours.
 
     `later` posts at a time [s, our clock]. `refuse` gets the robot and the kind of what is no presence token. `lost`
-    and `found` get the tag of who vanished or is there, at once.
+    and `found` get the tag of who vanished or is there, at once. `forged` tells whether a robot cannot be the one with
+    such a session; on the loop's thread.
     """
 
-    def __init__(self, own: str, post: Post, later: Later, refuse: Refuse, *, lost: Turned, found: Turned) -> None:
+    def __init__(
+        self, own: str, post: Post, later: Later, refuse: Refuse, *, lost: Turned, found: Turned, forged: Forged
+    ) -> None:
+        self._forged = forged
         self._own = own
         self._post = post
         self._later = later
@@ -100,4 +105,7 @@ class Tokens:
             return None
         with self._lock:
             there = self._news.pop(place)
+        if there and self._forged(*place):
+            self._refuse(now, place[0], "token:forged")
+            return None
         return (PeerAppeared if there else PeerGone)(now, *place)

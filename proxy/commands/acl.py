@@ -13,8 +13,8 @@ from proxy.config_values import robot_name
 DESCRIPTION = """\
 Prints access control for robots that have a certificate each, with the robot's name as its common name. With it a
 robot takes what others say of themselves only from them: nobody can speak, or leave, in another one's name. Of all
-others, certificate or not, nothing is taken. Orders for all robots (`push`, `mode --fleet`) are taken from the operators,
-which are robots too; where none are named, from nobody.
+others, certificate or not, nothing is taken. Orders for all robots (`push`, `mode --fleet`) are taken from the
+operators, which are robots too; where none are named, from nobody.
 
 All robots get the same file. They take it up with a restart.
 """

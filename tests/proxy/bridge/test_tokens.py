@@ -38,6 +38,7 @@ def made(posted, refused, now, turns):
         lambda _now, *what: refused.append(what),
         lost=lambda tag: turns.append((tag, False)),
         found=lambda tag: turns.append((tag, True)),
+        forged=lambda robot, zid: (robot, zid) == ("r9", "0b"),
     )
 
 
@@ -59,6 +60,14 @@ def test_robots_come_and_go(made, posted):
     assert told(posted) == [(PeerGone, "r2", "0b")]
     made.note(keys.alive("r2", "0b"), there=False)
     assert told(posted) == []
+
+
+def test_a_session_in_another_robots_name_is_refused(made, posted, refused):
+    """Before that robot is there and after: it comes and goes with its own token alone."""
+    made.note(keys.alive("r9", "0b"), there=True)
+    made.note(keys.alive("r2", "0b"), there=True)
+    assert told(posted) == [(PeerAppeared, "r2", "0b")]
+    assert refused == [("r9", "token:forged")]
 
 
 def test_that_a_robot_vanished_or_is_back_is_told_at_once(made, turns):

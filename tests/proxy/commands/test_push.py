@@ -173,7 +173,7 @@ def test_a_wrong_token_is_refused_and_a_bad_one_not_even_sent(sworn, tmp_path, c
 @pytest.fixture
 def guarded(start, tmp_path):
     """Three robots with passwords, as in the manual; r1 obeys, and it and the operator have its access control."""
-    manual = (ROOT / "deploy" / "README.md").read_text()
+    manual = (ROOT / "docs" / "guides" / "security.md").read_text()
     (acl,) = [block for block in re.findall(r"```toml\n(.*?)```", manual, re.DOTALL) if "access_control" in block]
     dictionary, folder, mesh = tmp_path / "robots", tmp_path / "specs.d", f"tcp/127.0.0.1:{free_port()}"
     dictionary.write_text("".join(f"{name}:a secret of {name}\n" for name in ("r1", "ground", "visitor")))
