@@ -1,1 +1,1 @@
-"""What the core saw and decided, in files: MCAP, which Foxglove opens. `docs/recordings.md` describes the format."""
+"""What the core saw and decided, in files: MCAP, which Foxglove opens (`docs/reference/recordings.md`)."""

@@ -169,7 +169,7 @@ class Recorder:
                 flushed = now
             if closing:
                 break
-            self._wake.wait(TUNING.look)
+            self._wake.wait(flushed + TUNING.flush - now)
         if self._missing is not None:
             self._output.add(self._missing)
         self._output.close("stopped")

@@ -1,4 +1,4 @@
-"""What each column and word of the status means: for the terminal, and as docs/status.md."""
+"""What each column and word of the status means: for the terminal, and as docs/reference/status.md."""
 
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -62,7 +62,7 @@ def explained(width: int) -> str:
 
 
 def page() -> str:
-    """Return docs/status.md."""
+    """Return docs/reference/status.md."""
     parts = [COMMAND, INTRODUCTION, TIMES]
     for title, about, entries in sections():
         fields = any(field for _, _, field in entries)

@@ -13,7 +13,9 @@ class Counts(Part):
     dropped: int = field("those that were dropped", COUNT)
     queued: int = field("those that wait to be decided, or to be sent", COUNT)
     conserved: bool = field("whether in = forwarded + dropped + queued")
-    by_reason: dict[str, int] = field("how many by what became of them; docs/status.md explains the reasons", COUNT)
+    by_reason: dict[str, int] = field(
+        "how many by what became of them, for reasons that docs/reference/status.md explains", COUNT
+    )
     bytes: dict[str, int] = field("what samples that passed without a decision took on the air, by reason", BYTES)
 
 

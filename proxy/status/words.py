@@ -1,4 +1,4 @@
-"""The words that the status uses, and what they mean, for tables, `--explain` and docs/status.md."""
+"""The words that the status uses, and what they mean, for tables, `--explain` and docs/reference/status.md."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -19,11 +19,13 @@ from studies.benchmarks.paper_mode import measure_paper_mode
 from studies.benchmarks.quality import measure_quality
 from studies.benchmarks.receding import measure_receding
 from studies.benchmarks.report import Result, Table, machine, write_page
+from studies.benchmarks.small import measure_small
 from studies.benchmarks.speed import measure_speed
 from studies.benchmarks.traffic import measure_traffic
 from studies.benchmarks.view import measure_view
 from studies.benchmarks.watching import measure_watching
 from studies.oracle import OracleUnavailable
+from studies.surveillance.cores import CoresError
 
 RESULTS = Path(__file__).parent.parent / "results"
 
@@ -44,6 +46,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "bridge": ("What the bridge costs", lambda quick: measure_bridge(quick=quick)),
     "budget": ("What a daemon costs", lambda quick: measure_budget(quick=quick)),
     "watching": ("What it costs to watch a daemon", lambda quick: measure_watching(quick=quick)),
+    "small": ("What a small computer makes of it", lambda quick: measure_small(quick=quick)),
     "traffic": ("Real daemons, real traffic", lambda quick: measure_traffic(quick=quick)),
     "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }
@@ -59,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         title, measure = BENCHMARKS[name]
         try:
             results = measure(options.quick)
-        except OracleUnavailable as error:
+        except (OracleUnavailable, CoresError) as error:
             print(f"{name}: {error}", file=sys.stderr)
             failed = True
             continue

@@ -33,9 +33,11 @@ cp -a "$PLACE"/put/. /
 mount --bind "$PLACE"/shared /run/shared
 mount --bind "$BASE" /opt/sendworthy/python
 mount --bind "$DEPENDENCIES" /opt/sendworthy/dependencies
-ln -s ../sendworthy.service /etc/systemd/system/boot.target.wants/
-useradd --system --no-create-home sendworthy
-chgrp -R sendworthy /etc/sendworthy
+if [ "$STARTED" ]; then
+    ln -s ../sendworthy.service /etc/systemd/system/boot.target.wants/
+    useradd --system --no-create-home sendworthy
+    chgrp -R sendworthy /etc/sendworthy
+fi
 mount -t tmpfs tmpfs /tmp
 exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin container=other SYSTEMD_UNIT_PATH=/etc/systemd/system \
     /lib/systemd/systemd --system --unit=boot.target --log-target=console --show-status=no
@@ -55,11 +57,12 @@ exec unshare --mount --pid --fork --kill-child --cgroup --uts --ipc --mount-proc
 class Booted:
     """A host whose first process is systemd. Needs root. `close` ends all that runs there.
 
-    `files` are further files by their absolute paths. Where the machine keeps control groups of the first version,
-    what the unit says of memory, processor and disk has no effect there.
+    `files` are further files by their absolute paths. If it is not `started`, the service is still to be set up. Where
+    the machine keeps control groups of the first version, what the unit says of memory, processor and disk has no
+    effect there.
     """
 
-    def __init__(self, host, place, files):
+    def __init__(self, host, place, files, *, started=True):
         self._host = host
         self._place = place
         self._group = f"sendworthy-{os.getpid()}-{host.name}"
@@ -68,7 +71,8 @@ class Booted:
         """A folder that both sides see, there as `/run/shared`."""
         self.shared.mkdir(parents=True)
         put = {f"{UNITS}/{name}": "[Unit]\nDefaultDependencies=no\n" for name in TARGETS}
-        put[f"{UNITS}/{SHIPPED.name}"] = SHIPPED.read_text()
+        if started:
+            put[f"{UNITS}/{SHIPPED.name}"] = SHIPPED.read_text()
         # There is no journal: what the service says goes where a test can read it.
         put[f"{UNITS}/{SHIPPED.name}.d/here.conf"] = "[Service]\nStandardError=file:/run/said\n"
         put["/opt/sendworthy/bin/sendworthy"] = COMMAND
@@ -82,6 +86,7 @@ class Booted:
             "BASE": sys.base_prefix,
             "DEPENDENCIES": sysconfig.get_path("purelib"),
             "BOOT": BOOT,
+            "STARTED": "yes" if started else "",
         }
         with self._log.open("w") as log:
             self._process = host.start("sh", "-c", OUTER, stdout=log, stderr=log, env=environ)

@@ -9,14 +9,14 @@ from proxy.status.explaining import explained, page
 from proxy.status.tables import TABLES
 from proxy.status.words import GLOSSARIES
 
-PAGE = Path(__file__).parents[3] / "docs" / "status.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reference" / "status.md"
 WORDS = [column.head for table in TABLES for column in table.columns] + [
     word for glossary in GLOSSARIES for word in glossary.words
 ]
 
 
 def test_the_page_is_what_the_code_says():
-    """Made anew with `python -m proxy.status.explaining > docs/status.md`."""
+    """Made anew with `python -m proxy.status.explaining > docs/reference/status.md`."""
     assert PAGE.read_text() == page()
 
 

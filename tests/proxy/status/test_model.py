@@ -30,7 +30,7 @@ def types_in(field):
 
 def test_the_file_is_what_the_code_says():
     """Whoever changes the format sees it in the change; what goes or is renamed makes another version."""
-    assert json.loads((ROOT / "docs" / "status.schema.json").read_text()) == SCHEMA
+    assert json.loads((ROOT / "docs" / "reference" / "status.schema.json").read_text()) == SCHEMA
 
 
 @pytest.mark.parametrize("status", RECORDED)
