@@ -14,14 +14,14 @@ from tests.daemons import ROOT, Running
 from tests.ports import free_port
 from tests.waiting import wait_until
 
-PAGE = (ROOT / "docs" / "guides" / "security.md").read_text()
+PAGE = ROOT / "docs" / "guides" / "security.md"
 ETC = "/etc/sendworthy"
 NAMES = ("r1", "r2", "ground")
 
 
-def blocks(section, language):
-    """The code of a section of the page, in order; `section` is how its heading begins."""
-    (text,) = [part for part in re.split(r"^## ", PAGE, flags=re.MULTILINE) if part.startswith(section)]
+def blocks(step, language):
+    """The code of one step of the page, in order; `step` is how its heading begins."""
+    (text,) = [part for part in re.split(r"^## ", PAGE.read_text(), flags=re.MULTILINE) if part.startswith(step)]
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 

@@ -9,7 +9,7 @@ from proxy.cli import main
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, tag
 from tests.daemons import specs_file
-from tests.docs.certified import blocks, dialling, meet, peers
+from tests.docs.certified import PAGE, blocks, dialling, meet, peers
 from tests.proxy.counting import Counting
 from tests.proxy.nodes import Heard, answers, closing, plain_session, wait_matching
 from tests.waiting import wait_until
@@ -222,6 +222,7 @@ def test_only_an_operator_who_knows_the_token_orders(team, pair, insider, capsys
 
 def test_the_commands_of_operators_are_those_of_the_command_line():
     """What the page has operators type is what the test above does."""
+    assert PAGE.read_text().count("```sh\n") == 5
     _, typed = blocks("3.", "sh")
     assert typed.splitlines() == [
         "sendworthy push specs.d --token-file fleet.token",
