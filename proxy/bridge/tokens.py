@@ -46,6 +46,8 @@ class Tokens:
         self._lock = threading.Lock()
         self._there: set[tuple[str, str]] = set()
         self._news: dict[tuple[str, str], bool] = {}
+        self._told: set[tuple[str, str]] = set()
+        """Those that the core knows of."""
         self.tags: Counter[str] = Counter()
         """The tags of the robots that are there, and how many have each."""
 
@@ -87,9 +89,13 @@ class Tokens:
                 self._found(name)
         return True
 
-    def _tell(self, place: tuple[str, str]) -> Event | None:
-        """Tell the last word on a robot, or put it off."""
+    def _tell(self, place: tuple[str, str], *, again: bool = False) -> Event | None:
+        """Tell the last word on a robot, or put it off. Who was gone before anybody knew of it is no news."""
         now = clock.monotonic()
+        with self._lock:
+            if not self._news[place] and place not in self._told:
+                del self._news[place]
+                return None
         own = self._own_changes.get(place)
         if own is None:
             if len(self._own_changes) > 2 * BOUNDS.tokens:
@@ -100,12 +106,14 @@ class Tokens:
             room = False
             own.give_back()
         if not room:
-            self._refuse(now, place[0], "token:flood")
-            self._later(now + BOUNDS.token_retry, partial(self._tell, place))
+            if not again:
+                self._refuse(now, place[0], "token:flood")
+            self._later(now + BOUNDS.token_retry, partial(self._tell, place, again=True))
             return None
         with self._lock:
             there = self._news.pop(place)
         if there and self._forged(*place):
             self._refuse(now, place[0], "token:forged")
             return None
+        (self._told.add if there else self._told.discard)(place)
         return (PeerAppeared if there else PeerGone)(now, *place)

@@ -1,37 +1,47 @@
 """More of everything than a team has: keys, robots, other programs on the machine, versions."""
 
+import os
 import subprocess
 import sys
 import time
 
 import pytest
+import zenoh
 
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.envelope import VERSION
 from tests.faults.scene import Fault
 from tests.faults.strangers import Puppet
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.full
-KEYS, PEERS, LOOPS = 10_000, 100, 16
+KEYS = int(os.environ.get("KEYS", "500"))
+"""That come at once. The long run has ten thousand, which take a core minutes: each new one is a decision of its own."""
+PEERS, LOOPS = 100, 16
+STREAMS = CoreSettings("a", "0a").streams
 
 
-def test_ten_thousand_keys_are_bounded(play):
-    """Of too many streams some are forgotten, which is counted; each sample has its reason all the same."""
+def test_a_flood_of_keys_is_bounded(play):
+    """Local samples go on meanwhile; of too many streams some are forgotten; each sample has its reason."""
     scene = play(size=64)
     app = scene.application(scene.first)
     scene.application(scene.others[0]).declare_subscriber("camera/*", lambda _: None)
     wait_until(lambda: "camera/*" in scene.first.status()["daemon"]["observed"], what="demand for all of them")
-    before = scene.first.status()["counts"]["in"]
     for number in range(KEYS):
-        app.put(f"camera/key{number}", b"x" * 64, congestion_control=__import__("zenoh").CongestionControl.BLOCK)
-    wait_until(lambda: scene.first.status()["counts"]["in"] >= before + KEYS, what="all samples to be taken")
-    scene.go_on()
-    assert len(scene.first.status()["streams"]) < KEYS
+        app.put(f"camera/key{number}", bytes(64), congestion_control=zenoh.CongestionControl.BLOCK)
+    scene.go_on(listeners=[scene.local])
     scene.speaker.stop()
-    wait_until(lambda: scene.first.status()["counts"]["queued"] == 0, what="the end of what waits")
+    began = time.monotonic()
+    wait_until(lambda: taken(scene) >= KEYS, 60.0 + KEYS / 10, what="all samples to be taken")
+    print(f"{KEYS} keys at once are decided after {time.monotonic() - began:.1f} s more")
+    assert len(scene.first.status()["streams"]) <= STREAMS
+    scene.finish(most=scene.speaker.said + KEYS)
+
+
+def taken(scene):
+    """How many samples are decided, of the many keys and of the one that was there before."""
     counts = scene.first.status()["counts"]
-    assert counts["conserved"]
-    assert counts["in"] == counts["forwarded"] + counts["dropped"] == scene.speaker.said - scene.unwanted + KEYS
-    scene.assert_bounded()
+    return counts["forwarded"] + counts["dropped"] if counts["queued"] == 0 else 0
 
 
 def test_a_hundred_peers_are_a_team(play, stack):
@@ -94,17 +104,20 @@ sys.exit(main())
 @pytest.mark.parametrize("ahead", [1, 2], ids=["the next version", "the one after"])
 def test_versions_of_the_protocol_mix(play, ahead):
     """Neighbours are one team. Who is not understood is named, and is a plain node: samples cross, counts add up."""
-    from proxy.core.protocol.envelope import VERSION
-
     scene = play(names="ab", programs={"b": ("-c", SPEAKS.format(version=VERSION + ahead))})
     wait_until(lambda: foreign(scene.first) == foreign(scene.others[0]) == (ahead > 1), what="what each thinks of it")
     scene.go_on()
-    counts = scene.finish()
-    assert counts["dropped"] == 0
+    scene.finish()
 
 
 def foreign(robot):
-    """Whether a robot finds that another one runs a version that it does not understand."""
-    warned = any("runs another version" in each for each in robot.status()["warnings"])
-    assert warned or all(peer["digest_age"] is not None for peer in robot.status()["peers"]) or True
-    return warned
+    """Whether a robot says that another one runs a version that it does not understand; None: it knows of none yet."""
+    status = robot.status()
+    if any("runs another version" in each for each in status["warnings"]):
+        return True
+    return False if any(stream["robot"] != robot.name for stream in status["streams"]) or heard(status) else None
+
+
+def heard(status):
+    """Whether another robot has answered a digest of this one."""
+    return any(peer["latency_out"] is not None for peer in status["peers"])
