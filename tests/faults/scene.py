@@ -150,12 +150,14 @@ class Scene:
     ):
         self._closing = closing
         self.relays, self.robots = {}, {}
-        self.specs = folder / "specs.toml"
-        self.specs.write_text(SPECS.format(limit=limit, aggregation=aggregation))
+        self.specs = folder / f"{names[0]}.d" / "specs.toml"
         for name in names:
             dialled = [self._way(name, other) if relays else other.mesh for other in self.robots.values()]
+            place = folder / f"{name}.d"
+            place.mkdir()
+            (place / "specs.toml").write_text(SPECS.format(limit=limit, aggregation=aggregation))
             program = (programs or {}).get(name, ("-m", "proxy.cli"))
-            self.robots[name] = Robot(name, self.specs, dialled, options, program, environ)
+            self.robots[name] = Robot(name, place, dialled, options, program, environ)
         for robot in self.robots.values():
             robot.start()
             self._closing.callback(self._end, robot)
