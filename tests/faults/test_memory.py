@@ -1,5 +1,6 @@
 """The kernel gives a daemon no more memory than it has."""
 
+import os
 import subprocess
 
 import pytest
@@ -13,16 +14,12 @@ MORE = 1 << 20
 
 
 class Tight(Fault):
-    """A daemon is in a group that may hold little more than it does: the kernel takes from it what it can."""
+    """The daemon in a group may hold little more than it does: the kernel takes from it what it can."""
 
-    def __init__(self, folder, robot):
-        self._group = folder / f"daemon-{robot.pid}"
-        self._pid = robot.pid
+    def __init__(self, group):
+        self._group = group
 
     def start(self):
-        self._group.mkdir()
-        (self._group / "memory.move_charge_at_immigrate").write_text("3")
-        (self._group / "cgroup.procs").write_text(str(self._pid))
         held = int((self._group / "memory.usage_in_bytes").read_text())
         (self._group / "memory.limit_in_bytes").write_text(str(held + MORE))
 
@@ -32,25 +29,37 @@ class Tight(Fault):
 
     def stop(self):
         (self._group / "memory.limit_in_bytes").write_text("-1")
-        (self._group.parent / "cgroup.procs").write_text(str(self._pid))
-        self._group.rmdir()
+
+
+GROUPED = """
+import sys
+with open({procs!r}, "w") as group:
+    group.write("0")
+from proxy.cli import main
+sys.exit(main())
+"""
+"""A daemon that puts itself into a group."""
 
 
 @pytest.fixture
-def groups(tmp_path, stack):
-    """The groups of processes for which the kernel counts memory."""
+def group(tmp_path, stack):
+    """A group of processes for which the kernel counts memory; it goes after the processes in it."""
     folder = tmp_path / "groups"
     folder.mkdir()
     if subprocess.run(["mount", "-t", "cgroup", "-o", "memory", "cgroup", str(folder)], check=False).returncode:
         pytest.skip("this kernel counts memory in another way")
-    stack.callback(subprocess.run, ["umount", str(folder)], check=True)
-    return folder
+    stack.callback(subprocess.run, ["umount", "--lazy", str(folder)], check=True)
+    made = folder / f"sendworthy-{os.getpid()}"
+    made.mkdir()
+    stack.callback(made.rmdir)
+    return made
 
 
-def test_without_more_memory_samples_go_on(play, groups):
-    """Also more and larger ones than before, of which most are dropped; afterwards all is as before."""
-    scene = play(size=20_000, limit="2 Mbit/s")
-    with Tight(groups, scene.first) as fault:
+def test_without_more_memory_samples_go_on(play, group):
+    """Much more is published than the limit has room for, so queues are full; afterwards all is as before."""
+    program = ("-c", GROUPED.format(procs=str(group / "cgroup.procs")))
+    scene = play(size=20_000, limit="2 Mbit/s", programs={"a": program})
+    with Tight(group) as fault:
         wait_until(fault.pressed, 60.0, "the limit to be hit")
         for _ in range(5):
             scene.go_on()

@@ -21,15 +21,15 @@ class Bench:
     """A session that scouts on loopback, and what is asked there."""
 
     def __init__(self, stack, *, scouting=True):
-        self.port, self.endpoint = port, _ = free_port(), free_endpoint()
+        self.port, self.endpoint = free_port(), free_endpoint()
         self._group = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         for option in (socket.SO_REUSEADDR, socket.SO_REUSEPORT):
             self._group.setsockopt(socket.SOL_SOCKET, option, 1)
-        self._group.bind((GROUP, port))
+        self._group.bind((GROUP, self.port))
         member = struct.pack("4s4s", socket.inet_aton(GROUP), socket.inet_aton("127.0.0.1"))
         self._group.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
         self._group.settimeout(30.0)
-        address = {"scouting": {"multicast": {"address": f"{GROUP}:{port}"}}}
+        address = {"scouting": {"multicast": {"address": f"{GROUP}:{self.port}"}}}
         options = mesh_options([self.endpoint], [], scouting=scouting, interface="lo", zenoh_options=address)
         self.session, sockets = opened(lambda: open_session(options, "mesh"))
         closing(stack, self.session)
