@@ -1,8 +1,8 @@
 """Robots under a fault: what is published is numbered, and each sample is accounted for.
 
-`Scene` has robots that are linked each to each, one that publishes and others that hear. A *fault* is a small class with
-`start` and `stop`, a context of its own test. After it the scene checks what always holds: nothing accepted is lost without
-a reason, nothing comes twice or out of order, samples on the robot itself are complete, memory is bounded.
+`Scene` has robots that are linked each to each, one that publishes and others that hear. A *fault* is a small class
+with `start` and `stop`, a context of its own test. After it the scene checks what always holds: nothing accepted is
+lost without a reason, nothing comes twice or out of order, samples on the robot itself are complete, memory is bounded.
 """
 
 import itertools
@@ -42,12 +42,12 @@ RETRY = {"period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1
 class Robot:
     """A daemon that can be started again where it was, and its applications."""
 
-    def __init__(self, name, specs, dialled=(), options=(), program=("-m", "proxy.cli"), environ=None):
+    def __init__(self, name, specs, *, dialled, options, program, environ):
         self.name = name
         self.app, self.mesh = (f"tcp/127.0.0.1:{free_port()}" for _ in range(2))
         self._flags = ("--robot", name, "--specs.path", str(specs), "--mesh.listen", json.dumps([self.mesh]), *options)
         self._dialled = ("--mesh.connect", json.dumps(list(dialled)))
-        self._how = {"program": program, **(environ or {})}
+        self._how = {"program": program, **environ}
 
     def start(self):
         """Start the daemon."""
@@ -157,7 +157,7 @@ class Scene:
             place.mkdir()
             (place / "specs.toml").write_text(SPECS.format(limit=limit, aggregation=aggregation))
             program = (programs or {}).get(name, ("-m", "proxy.cli"))
-            self.robots[name] = Robot(name, place, dialled, options, program, environ)
+            self.robots[name] = Robot(name, place, dialled=dialled, options=options, program=program, environ=environ)
         for robot in self.robots.values():
             robot.start()
             self._closing.callback(self._end, robot)
@@ -187,20 +187,24 @@ class Scene:
             wait_until(lambda robot=robot, expected=expected: robot.peers() == expected, timeout, "the robots to meet")
 
     def go_on(self, timeout=30.0, *, listeners=None):
-        """Wait until samples that are published from now on are heard, by all unless only some `listeners` are meant."""
+        """Wait until samples that are published from now on are heard, by all or by some `listeners`."""
         now = self.speaker.said
         for numbers in (self.local, *self.remote) if listeners is None else listeners:
             wait_until(lambda numbers=numbers: numbers.last > now, timeout, "new samples")
+
+    def stop(self):
+        """Stop publishing; return how many samples were published."""
+        self.speaker.stop()
+        return self.speaker.said
 
     def finish(self, *, whole_local=True, counted=True, ordered=True, most=None):
         """Stop publishing, and check what always holds. Return the counts of who published, at the end.
 
         `whole_local`: its own application misses nothing. `counted`: its daemon has lived all the time, so that what
-        was heard can be compared with what it says to have forwarded. `ordered`: of its stream only the newest waits. `most`: so many
-        samples were published in all, where that were others, too.
+        was heard can be compared with what it says to have forwarded. `ordered`: of its stream only the newest waits.
+        `most`: so many samples were published in all, where that were others, too.
         """
-        self.speaker.stop()
-        said = self.speaker.said
+        said = self.stop()
         for numbers in (self.local, *self.remote):
             assert len(numbers.heard) == len(set(numbers.heard)), "a sample came twice"
             wrong = [pair for pair in itertools.pairwise(numbers.heard) if pair[0] > pair[1]]

@@ -16,7 +16,7 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.full
 KEYS = int(os.environ.get("KEYS", "500"))
-"""That come at once. The long run has ten thousand, which take a core minutes: each new one is a decision of its own."""
+"""That come at once. The long run has ten thousand, which take a core minutes: each is a decision of its own."""
 PEERS, LOOPS = 100, 16
 STREAMS = CoreSettings("a", "0a").streams
 

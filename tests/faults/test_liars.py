@@ -25,7 +25,7 @@ class Lies(Busy):
 
 
 def test_who_claims_the_channel_gets_it_as_long_as_it_says_so(play, stack):
-    """Others drop, with the reason; what bypasses goes, local samples are complete; when it is over all is as before."""
+    """Others drop, with the reason; what bypasses goes, local samples are complete; then all is as before."""
     scene = play(limit="400 kbit/s", size=500, options=("--bridge.out.bypass", '["urgent"]'))
     urgent = Numbers(scene.application(scene.others[0]), "urgent")
     wait_until(lambda: "urgent" in scene.first.status()["daemon"]["observed"], what="demand")

@@ -20,9 +20,8 @@ class Chain:
     def __init__(self, place):
         sweep()
         air = f"sendworthy-{os.getpid()}-hops"
-        self.a, self.b, self.c = self.hosts = [
-            Host(name, address, air, place) for name, address in zip("abc", ("10.79.1.1", "10.79.1.2", "10.79.2.1"))
-        ]
+        addresses = {"a": "10.79.1.1", "b": "10.79.1.2", "c": "10.79.2.1"}
+        self.a, self.b, self.c = self.hosts = [Host(*each, air, place) for each in addresses.items()]
         for host in self.hosts:
             ip("netns", "add", host.namespace)
             ip("-n", host.namespace, "link", "set", "dev", "lo", "up")

@@ -80,8 +80,8 @@ class Contention:
     def _renew(self) -> None:
         """Work out anew the rows of streams of which something was noted, or all rows when a change concerns all.
 
-        Where only streams came or went the others keep their rows: a thousand keys that came one by one took 25 s, under
-        a profiler, where each had all rows worked out anew, and take 17.
+        Where only streams came or went the others keep their rows: a thousand keys that came one by one took 25 s,
+        under a profiler, where each had all rows worked out anew, and take 17.
         """
         if self._revision != self._table.revision:
             known = self._row if self._revisions == self._table.revisions else {}

@@ -62,7 +62,7 @@ def test_robots_come_and_go(made, posted):
     assert told(posted) == []
 
 
-def test_who_was_gone_before_anybody_knew_of_it_is_no_news(made, posted, refused, now):
+def test_who_was_gone_before_anybody_knew_of_it_is_no_news(made, posted, refused):
     """A flood of tokens that come and go leaves nothing behind that others would have to wait for."""
     for number in range(int(BOUNDS.all_token_changes_at_once) + 50):
         for there in (True, False):
