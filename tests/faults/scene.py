@@ -127,7 +127,7 @@ class Speaker:
 
 
 class Scene:
-    """Robots by name; the first one publishes on `camera/a`, all hear that, and an application of the first one, too.
+    """Robots by name; the first one publishes on a `key`, which all hear, and an application of the first one, too.
 
     With `relays` links go by relays, which `relays` has by the names of their ends. Traffic is so much as the `limit`
     has room for unless another `size` [B] or `rate` [1/s] is given. All ends with `closing`.
@@ -139,6 +139,7 @@ class Scene:
         closing,
         *,
         names="ab",
+        key="camera/a",
         limit="4 Mbit/s",
         size=1000,
         rate=50,
@@ -162,11 +163,11 @@ class Scene:
             robot.start()
             self._closing.callback(self._end, robot)
         self.first, *self.others = self.robots.values()
-        self.local = Numbers(self.application(self.first), "camera/a")
-        self.remote = [Numbers(self.application(robot), "camera/a") for robot in self.others]
+        self.local = Numbers(self.application(self.first), key)
+        self.remote = [Numbers(self.application(robot), key) for robot in self.others]
         self.meet()
-        wait_until(lambda: "camera/a" in self.first.status()["daemon"]["observed"], what="demand")
-        self.speaker = Speaker(self.application(self.first), "camera/a", size=size, rate=rate)
+        wait_until(lambda: key in self.first.status()["daemon"]["observed"], what="demand")
+        self.speaker = Speaker(self.application(self.first), key, size=size, rate=rate)
         self._closing.callback(self.speaker.stop)
         self.go_on()
         self._before = {robot.name: robot.memory() for robot in self.robots.values()}
