@@ -91,9 +91,9 @@ def measure_small(*, quick: bool) -> list[Table]:
     note = (
         f"{CAMERAS} cameras of 640 x 480 at 10 Hz on one robot, whose images the daemon looks into for red, and room"
         f" for a quarter of them; {seconds:g} s. A quarter of this machine's core stands for one of a Raspberry Pi 4:"
-        " that is an assumption. *Of it* is what the daemon took of such a core. Late are searches after their deadline;"
-        " by fallback, or for want of a place to wait, went samples that had no decision in time. A search took the"
-        " mean, and the longest [ms]; memory is resident [MB]; the log would grow by so much a day [MB]."
+        " that is an assumption. *Of it* is what the daemon took of such a core. Late are searches after their"
+        " deadline; by fallback, or for want of a place to wait, went samples that had no decision in time. A search"
+        " took the mean, and the longest [ms]; memory is resident [MB]; the log would grow by so much a day [MB]."
     )
     columns = ("the daemon has", "of it", "samples/s", "searches", "late", "fallback", "mean", "longest", "MB", "log")
     return [Table("A daemon on a small computer", columns, rows, note)]
