@@ -13,10 +13,10 @@ their parts. Where no agreement comes about, for one robot hears nothing of anot
 plan for all and try again later (`patience.py`); but in a team whose operator asked for `split`.
 
 A large team would take a minute to agree on parts. There each robot has an equal one, which nobody has to announce, and
-may use more of it than it is (`overbooking.py`). So it is in a smaller team where all messages are small. Where an
-operator asked for `split` it is an equal part and no more. Fifty robots with streams of 0.1 to 4 kB reached 94 % of a
-central decider so, in unicast as in broadcast, with no window over the limit; agreeing on parts they reached 41, and
-where all overheard all 94 with 60 % of the windows over.
+may use more of it than it is (`overbooking.py`). So it is in a smaller team where announcements cost too much and no
+message is much larger than such a part. Where an operator asked for `split` it is an equal part and no more. Fifty
+robots with streams of 0.1 to 4 kB reached 94 % of a central decider so, in unicast as in broadcast, with no window over
+the limit; agreeing on parts they reached 41, and where all overheard all 94 with 60 % of the windows over.
 """
 
 import math

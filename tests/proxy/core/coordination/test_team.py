@@ -33,7 +33,7 @@ def test_where_news_are_late_or_cost_too_much_a_robot_finds_that_the_team_has_to
         team.look(**enough)
     assert team.coordination.team.votes_to_split
     assert team.coordination.team.splits
-    assert team.coordination.part(team.now, 0) < 1.0 / 3.0
+    assert team.coordination.part(team.now, 0) < 1.0
     team.look(**less)
     assert team.coordination.team.votes_to_split
     team.look(**little)
@@ -68,7 +68,7 @@ def test_news_that_wait_on_their_way_are_late(make_team):
 def test_where_only_one_robot_has_something_to_send_it_has_all(make_team):
     """However late news are: there is nobody to split with. Of a large team some always have."""
     team = make_team(send=1)
-    assert not team.look(waiting=99.0, announcing=99.0)
+    assert not team.look(waiting=99.0)
     assert not team.coordination.team.splits
     crowd = make_team(tuple(f"p{number}" for number in range(TUNING.few_robots + 1)), send=1)
     crowd.look(waiting=99.0)
@@ -188,27 +188,38 @@ def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come
     assert known.coordination.team.rhythms_known
 
 
-def test_many_whose_samples_are_all_small_have_equal_parts_at_once_where_news_cost_too_much(make_team):
+def test_robots_whose_samples_are_small_have_equal_parts_at_once_where_news_cost_too_much(make_team):
     """They need not agree on any, which would take news; how much each uses beyond its part is its own business."""
-    team = make_team(names(TUNING.fine_robots), send=TUNING.fine_robots + 1)
+    team = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1)
     assert not team.coordination.team.quiet
     team.look(announcing=99.0)
     assert team.coordination.team.quiet
-    assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.fine_robots + 1))
+    assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.even_robots + 1))
     for _ in range(60):
         team.look(announcing=99.0, using=0.5)
-    assert team.coordination.part(team.now, 0) > 1.5 / (TUNING.fine_robots + 1)
+    assert team.coordination.part(team.now, 0) > 1.5 / (TUNING.even_robots + 1)
     for _ in range(9):
         team.look()
     assert team.coordination.part(team.now, 0) == 1.0
 
 
+def test_who_hears_nothing_of_the_others_keeps_to_its_part(make_team):
+    """Of equal parts nobody says anything: that is no reason to take all. Who is known to send nothing has none."""
+    robots = names(TUNING.even_robots + 1)
+    team = make_team(robots, send=1)
+    team.view.heard_digest(59.0, Digest(robots[-1], robots[-1], 59.0))
+    team.now = 60.0
+    team.look(announcing=99.0)
+    assert team.coordination.team.rivals
+    assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.even_robots + 1))
+
+
 @pytest.mark.parametrize("coordination", ["announce", "split"])
 def test_others_agree_on_parts(make_team, coordination):
     """Of few robots, where a sample is larger than some equal parts, and where an operator wants the limit kept."""
-    few = make_team(names(TUNING.fine_robots - 2), send=TUNING.fine_robots - 1, coordination=coordination)
-    large = make_team(names(TUNING.fine_robots), send=TUNING.fine_robots + 1, coordination=coordination)
-    size = round(1.1 * TUNING.fine_parts * large.limits[0].limit / (TUNING.fine_robots + 1))
+    few = make_team(names(TUNING.even_robots - 2), send=TUNING.even_robots - 1, coordination=coordination)
+    large = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1, coordination=coordination)
+    size = round(1.1 * TUNING.even_parts * large.limits[0].limit / (TUNING.even_robots + 1))
     stream = large.view.streams.touch(0.0, "r1", "robot/r1/camera")
     for count in range(9, 60):
         stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
@@ -217,13 +228,3 @@ def test_others_agree_on_parts(make_team, coordination):
             team.look(announcing=99.0)
         assert team.coordination.team.splits
         assert not team.coordination.team.quiet
-
-
-def test_who_only_listens_has_no_part(make_team):
-    """An operator, whose state tells of no streams."""
-    team = make_team(names(TUNING.fine_robots + 1), send=TUNING.fine_robots + 1)
-    last = names(TUNING.fine_robots + 1)[-1]
-    team.view.heard_digest(59.0, Digest(last, last, 59.0))
-    team.now = 60.0
-    team.look(announcing=99.0)
-    assert team.coordination.team.sharing == TUNING.fine_robots + 1
