@@ -41,6 +41,7 @@ BUILT_IN = (
         "mode",
         "profile",
         "push",
+        "acl",
         "record",
     ),
     "completion",
@@ -61,6 +62,7 @@ examples:
   sendworthy profile --flame flame.svg             where its processor time goes
   sendworthy record                                write down all that it sees and decides
   sendworthy push specs.d                          put these specs in force on all robots
+  sendworthy acl --robots r1,r2                    access control for robots with certificates
   sendworthy explain robot/r1/camera image.jpg     why is this sample worth what it is?
   sendworthy why robot/r1/camera                   why were its last samples sent or dropped?
   eval "$(sendworthy completion bash)"             complete all that in this shell

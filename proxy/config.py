@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Self, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from proxy.config_values import (
+    FleetToken,
     HttpAddress,
     Interface,
     KeyExpressions,
@@ -23,6 +24,7 @@ from proxy.config_values import (
     this_robot,
 )
 from proxy.core.model.mode import Mode
+from proxy.fleet_token import read_token
 
 ZenohTable = dict[str, Any]
 """Any part of a Zenoh configuration, deep-merged over ours."""
@@ -146,6 +148,21 @@ class FleetConfig(Section):
 
     specs: bool = Field(default=False, description="take the utility specs that are pushed to all robots")
     mode: bool = Field(default=False, description="switch to the mode that all robots are switched to")
+    token: FleetToken = Field(
+        default="", description="obey only who proves to know this token; better in a file than in a flag"
+    )
+    token_file: str = Field(default="", description="the same, with the token in this file")
+
+    @model_validator(mode="after")
+    def _one_token(self) -> Self:
+        if self.token and self.token_file:
+            raise ValueError("token and token_file exclude each other")
+        return self
+
+    @property
+    def secret(self) -> str:
+        """The token; nothing: there is none. Raises ValueError when its file cannot be read."""
+        return read_token(Path(self.token_file)) if self.token_file else self.token
 
 
 class PlannerConfig(Section):

@@ -14,6 +14,7 @@ from proxy.config import Config, SpecsConfig, settings
 from proxy.config_files import ConfigFiles
 from proxy.config_layers import Layers, Override, flags, variables
 from proxy.errors import ConfigError
+from proxy.fleet_token import read_token
 from utility_specs.errors import SpecProblem
 from utility_specs.loader import holds_specs
 from utility_specs.suggestions import hint
@@ -24,6 +25,7 @@ from utility_specs.wording import Place, message_of
 SETTINGS = {setting.path: setting for setting in settings()}
 SPECS = ("specs", "path")
 RECORDINGS = ("record", "folder")
+TOKEN_FILE = ("fleet", "token_file")
 COORDINATION = ("planner", "coordination")
 RENAMED = {"auto": "announce", "overhear": "announce", "shares": "split"}
 """What older versions called the ways of coordination."""
@@ -59,6 +61,7 @@ def load_layered(path: Path | None, environ: Mapping[str, str], overrides: Mappi
     config = _validated(layers.values, problems, outdated)
     _check_zenoh(layers.values, problems)
     specs = _specs_path(files.folder, layers, problems)
+    token_file = _token_file(files.folder, layers, problems)
     if config is None or problems.found:
         raise ConfigError(problems.sorted())
     recordings = _recordings(files.folder, layers, environ, config.record.folder)
@@ -66,6 +69,7 @@ def load_layered(path: Path | None, environ: Mapping[str, str], overrides: Mappi
         update={
             "specs": config.specs.model_copy(update={"path": specs}),
             "record": config.record.model_copy(update={"folder": recordings}),
+            "fleet": config.fleet.model_copy(update={"token_file": token_file}),
         }
     )
     return Layered(resolved, files, layers)
@@ -159,6 +163,20 @@ def _recordings(folder: Path, layers: Layers, environ: Mapping[str, str], path: 
     if state and "folder" not in layers.values.get(RECORDINGS[0], {}):
         return Path(state) / path
     return path if layers.origin(RECORDINGS) else folder / path
+
+
+def _token_file(folder: Path, layers: Layers, problems: _Problems) -> str:
+    """Resolve `fleet.token_file`; there must be a token in it."""
+    section = layers.values.get(TOKEN_FILE[0])
+    given = section.get(TOKEN_FILE[1]) if isinstance(section, Mapping) else None
+    if not isinstance(given, str) or not given:
+        return ""
+    path = Path(given) if layers.origin(TOKEN_FILE) else folder / given
+    try:
+        read_token(path)
+    except ValueError as error:
+        problems.at(TOKEN_FILE, str(error))
+    return str(path)
 
 
 def _specs_path(folder: Path, layers: Layers, problems: _Problems) -> Path:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
+from proxy.fleet_token import token_of
 from utility_specs.suggestions import described, hint, quoted
 
 FORBIDDEN = "/*$#?"
@@ -116,6 +117,11 @@ def key_expression(text: str) -> str:
         raise ValueError(f"must be a key expression, not {quoted(text)}: {cause}{ros}") from None
 
 
+def fleet_token(text: str) -> str:
+    """Return `text` without blanks around it if it can be a token, or if it is empty; ValueError otherwise."""
+    return token_of(text) if text else text
+
+
 def path_text(value: object) -> object:
     """Return `value` if it can be a path; ValueError otherwise, in the words of the other settings."""
     if not isinstance(value, str | Path):
@@ -128,6 +134,7 @@ ListenEndpoints = Annotated[tuple[Annotated[str, AfterValidator(endpoint)], ...]
 RemoteEndpoints = Annotated[tuple[Annotated[str, AfterValidator(remote_endpoint)], ...], Field(strict=False)]
 SpecsPath = Annotated[Path, Field(strict=False), BeforeValidator(path_text)]
 MulticastGroup = Annotated[str, AfterValidator(multicast_group)]
+FleetToken = Annotated[str, AfterValidator(fleet_token)]
 HttpAddress = Annotated[str, AfterValidator(http_address)]
 Interface = Annotated[str, AfterValidator(interface)]
 KeyExpressions = Annotated[tuple[Annotated[str, AfterValidator(key_expression)], ...], Field(strict=False)]

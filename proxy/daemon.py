@@ -17,6 +17,7 @@ from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.control import Control
 from proxy.bridge.fleet import Fleet
 from proxy.bridge.hold_back import HoldBack
+from proxy.bridge.identities import certified_names
 from proxy.bridge.lookout import SCOUTING_GROUP, Lookout
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.presence import Presence
@@ -32,8 +33,10 @@ from proxy.core.model.mode import Mode
 from proxy.core.view.plausible import is_old
 from proxy.core_settings import core_settings
 from proxy.daemon_status import DaemonStatus
+from proxy.errors import ConfigError
 from proxy.execution import Execution
 from proxy.features import Extractor
+from proxy.fleet_token import OrderGuard
 from proxy.loop import Loop
 from proxy.opening import Opening
 from proxy.orders import orders
@@ -187,7 +190,7 @@ class Daemon:
         parts = (sides, self._loop, bridge, presence, extractor, neighbours, self._lookout, scouted, self.reloading)
         status = DaemonStatus(config, *parts, profiler, self.recording)
         self._serve_operator(sides, status, profiler, opening)
-        self._serve_fleet(sides, opening)
+        self._serve_fleet(sides, presence, opening)
 
     def _make_loop(self, sides: Sides) -> Loop:
         settings = core_settings(self._config, self.robot, str(sides.mesh.zid()))
@@ -215,6 +218,7 @@ class Daemon:
             old=lambda now, name, sent: is_old(now, core.view.peers.get(name), sent),
             hold_back=hold_back,
             broadcast=sides.data if isinstance(sides.data, Broadcast) and core.settings.digests_on_air else None,
+            certified=certified_names(self._config.mesh.zenoh),
         )
 
     def _look_out(self, sides: Sides, scouted: Scouted | None, opening: ExitStack) -> Lookout:
@@ -264,9 +268,10 @@ class Daemon:
         specs = self._live.runtime.specs
         return {"generation": specs.generation, "files": dict(specs.texts)}
 
-    def _serve_fleet(self, sides: Sides, opening: ExitStack) -> None:
+    def _serve_fleet(self, sides: Sides, presence: Presence, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""
         loop, view = self._loop, self._loop.core.view
+        token = self._token()
         executor = SerialExecutor("fleet", TUNING.orders)
         opening.callback(executor.close, TUNING.stop_wait)
         fleet = Fleet(
@@ -281,8 +286,17 @@ class Daemon:
                 self.reloading,
             ),
             members=lambda: loop.ask(lambda: [peer.robot for peer in view.peers.values()], TUNING.core_wait),
+            guard=OrderGuard(self.robot, token) if token else None,
+            refuse=presence.floods.refuse,
         )
         opening.callback(fleet.close)
+
+    def _token(self) -> str:
+        """The token with which orders are to be proved, if any. Raises ConfigError."""
+        try:
+            return self._config.fleet.secret
+        except ValueError as error:  # its file has changed since the configuration was read
+            raise ConfigError((f"fleet.token_file: {error}",)) from None
 
 
 def _scouting_group(config: Config) -> str:

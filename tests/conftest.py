@@ -33,14 +33,16 @@ def give_threads():
 give_threads()
 
 TESTS = Path(__file__).parent
-SYSTEM = {"system", "transparency"}
+SYSTEM = {"faults", "system", "transparency"}
 """The folders in which `make test-system` looks."""
+MIXED = {"faults"}
+"""Those that have tests for the other targets, too."""
 
 
 def pytest_collection_modifyitems(items):
     """Refuse a test that no target would run, or one that would run without the root it needs."""
     for item in items:
-        there = item.path.relative_to(TESTS).parts[0] in SYSTEM
-        if there != (item.get_closest_marker("system") is not None):
+        folder, marked = item.path.relative_to(TESTS).parts[0], item.get_closest_marker("system") is not None
+        if (folder in SYSTEM) != marked and not (folder in MIXED and not marked):
             folders = " or ".join(f"tests/{name}" for name in sorted(SYSTEM))
             raise pytest.UsageError(f"{item.nodeid}: what is in {folders}, and nothing else, is marked `system`")

@@ -69,6 +69,8 @@ class BridgeBounds:
     """Questions for our state that are answered in a second."""
     order_bytes: int = 2 * 1024 * 1024
     """An order is no longer than this [B]."""
+    proof_bytes: int = 256 * 1024
+    """Nor the proofs beside it, for all robots together: some 90 B for each [B]."""
 
     # Presence tokens
     tokens: int = 1024

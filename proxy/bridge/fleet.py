@@ -1,23 +1,31 @@
 """Orders for all robots: passed on from an operator at any of them, and obeyed where the configuration allows it.
 
 On the app side `@sendworthy/<robot>/to-fleet/<order>` passes an order on; on the mesh each robot that obeys it serves
-`@sendworthy/<robot>/fleet/<order>`. Answers are JSON.
+`@sendworthy/<robot>/fleet/<order>`. Answers are JSON. A robot with a token has each order proved: who gives one asks
+all for `challenge` first, and what answers the challenges goes beside the order, as its attachment.
 """
 
 import json
+import logging
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
 
 import zenoh
 
+from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tuning import TUNING
+from proxy.fleet_token import OrderGuard
 
-ORDERS = ("mode", "specs")
+log = logging.getLogger(__name__)
+
+CHALLENGE = "challenge"
+ORDERS = ("mode", "specs", CHALLENGE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,10 +38,22 @@ class Outcome:
 
 
 Obey = Callable[[bytes], Outcome]
+Refuse = Callable[[float, str, str], object]
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What is ordered, and the proofs that came with it, if any."""
+
+    payload: bytes
+    proofs: bytes | None
 
 
 class Fleet:
-    """Obeys the orders in `obeyed` and passes on all. `members` tells the robots that are on the mesh."""
+    """Obeys the orders in `obeyed` and passes on all. `members` tells the robots that are on the mesh.
+
+    With a `guard` an order needs proof; `refuse` gets the time [s], our name and the kind of what has none.
+    """
 
     def __init__(
         self,
@@ -44,14 +64,20 @@ class Fleet:
         executor: SerialExecutor,
         obeyed: Mapping[str, Obey],
         members: Callable[[], Iterable[str]],
+        guard: OrderGuard | None = None,
+        refuse: Refuse = lambda *_: None,
     ) -> None:
         self._mesh = mesh
         self._robot = robot
         self._executor = executor
-        self._obeyed = obeyed
+        self._guard = guard
+        self._refuse = refuse
+        self._obeyed: dict[str, Obey] = dict(obeyed)
+        if guard is not None:
+            self._obeyed[CHALLENGE] = partial(self._challenge, guard)
         self._members = members
         self._queryables: list[Declaration] = [
-            *(self._declare(mesh, keys.fleet(robot, order), partial(self._answer, order)) for order in obeyed),
+            *(self._declare(mesh, keys.fleet(robot, order), partial(self._answer, order)) for order in self._obeyed),
             *(self._declare(app, keys.to_fleet(robot, order), partial(self._pass_on, order)) for order in ORDERS),
         ]
 
@@ -60,7 +86,7 @@ class Fleet:
         for queryable in self._queryables:
             queryable.undeclare()
 
-    def _declare(self, session: zenoh.Session, key: str, answer: Callable[[bytes], list[Outcome]]) -> Declaration:
+    def _declare(self, session: zenoh.Session, key: str, answer: Callable[[Order], list[Outcome]]) -> Declaration:
         def receive(query: zenoh.Query) -> None:
             if not self._executor.offer(partial(_reply, query, key, answer)):
                 with query:
@@ -69,27 +95,41 @@ class Fleet:
         handler = zenoh.handlers.Callback(receive, indirect=False)
         return session.declare_queryable(key, handler, complete=True, allowed_origin=zenoh.Locality.REMOTE)
 
-    def _answer(self, order: str, payload: bytes) -> list[Outcome]:
-        return [self._obeyed[order](payload)]
+    def _answer(self, name: str, order: Order) -> list[Outcome]:
+        return [self._obey(name, order)]
 
-    def _pass_on(self, order: str, payload: bytes) -> list[Outcome]:
+    def _pass_on(self, name: str, order: Order) -> list[Outcome]:
         """Give the order to all others, then obey it: a change here may cut the link by which it goes."""
         expected = set(self._members())
-        outcomes = {outcome.robot: outcome for outcome in self._asked(order, payload)}
+        outcomes = {outcome.robot: outcome for outcome in self._asked(name, order)}
         silent = expected - outcomes.keys()
-        outcomes |= {robot: Outcome(robot, obeyed=False, said=(_SILENT.format(order),)) for robot in silent}
-        outcomes[self._robot] = self._own(order, payload)
+        outcomes |= {robot: Outcome(robot, obeyed=False, said=(_SILENT.format(name),)) for robot in silent}
+        outcomes[self._robot] = self._own(name, order)
         return [outcomes[robot] for robot in sorted(outcomes)]
 
-    def _own(self, order: str, payload: bytes) -> Outcome:
-        if order in self._obeyed:
-            return self._obeyed[order](payload)
-        return Outcome(self._robot, obeyed=False, said=(f"fleet.{order} is false in its configuration",))
+    def _own(self, name: str, order: Order) -> Outcome:
+        if name in self._obeyed:
+            return self._obey(name, order)
+        return Outcome(self._robot, obeyed=False, said=(f"fleet.{name} is false in its configuration",))
 
-    def _asked(self, order: str, payload: bytes) -> Iterable[Outcome]:
+    def _obey(self, name: str, order: Order) -> Outcome:
+        """Obey, if the order is proved where it has to be."""
+        if self._guard is not None and name != CHALLENGE:
+            now = clock.monotonic()
+            if wrong := self._guard.objection(now, name, order.payload, order.proofs):
+                self._refuse(now, self._robot, "order:unproved")
+                log.warning("an order is refused (%s): %s", name, wrong, extra={"reason": "order:unproved"})
+                return Outcome(self._robot, obeyed=False, said=(wrong,))
+        return self._obeyed[name](order.payload)
+
+    def _challenge(self, guard: OrderGuard, _: bytes) -> Outcome:
+        return Outcome(self._robot, obeyed=True, said=(guard.challenge(clock.monotonic()).hex(),))
+
+    def _asked(self, name: str, order: Order) -> Iterable[Outcome]:
         replies = self._mesh.get(
-            keys.fleet("*", order),
-            payload=payload,
+            keys.fleet("*", name),
+            payload=order.payload,
+            attachment=order.proofs,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,
             timeout=TUNING.order_wait,
@@ -104,14 +144,25 @@ class Fleet:
 _SILENT = "no answer: it is out of reach, or fleet.{} is false in its configuration"
 
 
-def _reply(query: zenoh.Query, key: str, answer: Callable[[bytes], list[Outcome]]) -> None:
+def _reply(query: zenoh.Query, key: str, answer: Callable[[Order], list[Outcome]]) -> None:
     with query:
-        payload = query.payload
-        if payload is None or len(payload) > BOUNDS.order_bytes:
+        payload, proofs = query.payload, query.attachment
+        if payload is None or len(payload) > BOUNDS.order_bytes or len(proofs or b"") > BOUNDS.proof_bytes:
             query.reply_err("the order is empty or too large")
             return
-        outcomes = [asdict(outcome) for outcome in answer(payload.to_bytes())]
+        order = Order(payload.to_bytes(), None if proofs is None else proofs.to_bytes())
+        outcomes = [asdict(outcome) for outcome in answer(order)]
         query.reply(key, json.dumps(outcomes), encoding=zenoh.Encoding.APPLICATION_JSON)
+
+
+def challenges(outcomes: Iterable[Outcome]) -> dict[str, bytes]:
+    """Return the challenges that robots gave, by robot; what is none is left out."""
+    found: dict[str, bytes] = {}
+    for outcome in outcomes:
+        if outcome.obeyed and outcome.said:
+            with suppress(ValueError):
+                found[outcome.robot] = bytes.fromhex(outcome.said[0])
+    return found
 
 
 def read_outcomes(raw: bytes) -> list[Outcome]:

@@ -8,7 +8,7 @@ together that are not known yet, may say so much a second. Only the rest is read
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 
 import zenoh
@@ -21,6 +21,7 @@ from proxy.bridge.budget import Budget
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.floods import Floods
 from proxy.bridge.hold_back import HoldBack
+from proxy.bridge.identities import Identities
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tokens import Later, Tokens
 from proxy.core.interface.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
@@ -47,7 +48,8 @@ class Presence:
     `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread; `later` gets them
     with the time when they are due [s]. `offer` gets what may be left out when the loop is behind. `old` tells whether
     the core has heard a digest of a tag that was sent then [s], or a later one; from any thread. With `broadcast` that
-    is where digests go. `hold_back` is told who vanishes, returns, and has copies for us.
+    is where digests go. `hold_back` is told who vanishes, returns, and has copies for us. `certified` robots are those
+    whose certificates access control knows.
     """
 
     def __init__(
@@ -62,6 +64,7 @@ class Presence:
         old: Old,
         hold_back: HoldBack,
         broadcast: Broadcast | None = None,
+        certified: Collection[str] = (),
     ) -> None:
         self._mesh = mesh
         self._broadcast = broadcast
@@ -76,7 +79,9 @@ class Presence:
         self._old = old
         self.floods = Floods(offer)
         self._hold_back = hold_back
-        self._tokens = Tokens(self._zid, post, later, self.floods.refuse, lost=hold_back.lost, found=hold_back.found)
+        turned = {"lost": hold_back.lost, "found": hold_back.found}
+        forged = Identities(mesh, certified).forged
+        self._tokens = Tokens(self._zid, post, later, self.floods.refuse, **turned, forged=forged)
         self._looking = threading.Lock()
         self._digests = Budget(BOUNDS.digests, BOUNDS.all_digests, lambda: len(self._tokens.tags))
         self._states = Budget(BOUNDS.states, BOUNDS.all_states, lambda: len(self._tokens.tags))

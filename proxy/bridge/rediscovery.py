@@ -2,6 +2,9 @@
 
 Zenoh asks by multicast who is there, first after a second, in the end every eight seconds. While a robot is missing the
 same question is asked more often, from Zenoh's own socket: then it is Zenoh that gets the answers, and connects.
+
+No question reaches a robot that is several hops away, which was known by what those between told, and they tell only
+news. So whoever had dialled a robot answers Zenoh's question in its place, with the address that was dialled.
 """
 
 import os
@@ -13,10 +16,13 @@ from typing import Any
 
 import zenoh
 
+from proxy.bridge.sockets import links_of
 from proxy.bridge.tuning import TUNING
 
 _PEERS_WANTED = b"\x01\x09\x02"
 """A scout message of Zenoh's protocol: its kind, the version of the protocol, and who shall answer."""
+_HERE, _VERSION, _PEER = 0x22, 9, 1
+"""What an answer to it begins with: its kind, with addresses, the version, and that it is of a peer."""
 
 
 class Rediscovery:
@@ -31,6 +37,9 @@ class Rediscovery:
         self._lost: dict[str, float] = {}
         """Until when each robot is looked for that was linked [s]."""
         self._next = 0.0
+        self._ports = {endpoint.split("#")[0].rpartition(":")[2] for endpoint in options["listen"]["endpoints"]}
+        self._dialled: dict[str, str] = {}
+        """Where each robot was dialled that is linked, or is looked for."""
 
     def check(self, now: float) -> None:
         """See who has gone and who is back, and ask if it is time."""
@@ -38,17 +47,38 @@ class Rediscovery:
         if linked != self._linked:
             self._lost |= dict.fromkeys(self._linked - linked, now + TUNING.rediscovery_time)
             self._linked = linked
+            self._note_dialled()
         self._lost = {zid: until for zid, until in self._lost.items() if until > now and zid not in linked}
         if self._lost and now >= self._next:
             self._next = now + TUNING.rediscovery_interval * (1 + len(linked))
             for each in self._sockets:
                 with suppress(OSError):  # the radio is off
                     each.sendto(_PEERS_WANTED, self._group)
+            self._answer()
+
+    def _note_dialled(self) -> None:
+        """Take note of where the robots are that were dialled, and forget those that nobody looks for any more."""
+        here = [link for link in links_of(self._session) if link.src.rpartition(":")[2] not in self._ports]
+        known = self._dialled | {str(link.zid): link.dst for link in here}
+        self._dialled = {zid: place for zid, place in known.items() if zid in self._linked or zid in self._lost}
+
+    def _answer(self) -> None:
+        """Tell Zenoh where the robots were that are lost."""
+        for zid in self._lost.keys() & self._dialled.keys():
+            for each in self._sockets:
+                with suppress(OSError):
+                    each.sendto(answer(zid, self._dialled[zid]), ("127.0.0.1", each.getsockname()[1]))
 
     def close(self) -> None:
         """Ask no more."""
         for each in self._sockets:
             each.close()
+
+
+def answer(zid: str, place: str) -> bytes:
+    """Return the answer to a scout message by which a robot would say that it listens at a place."""
+    raw = bytes.fromhex(zid.zfill(len(zid) + len(zid) % 2))[::-1]
+    return bytes([_HERE, _VERSION, (len(raw) - 1) << 4 | _PEER]) + raw + bytes([1, len(place)]) + place.encode()
 
 
 def opened(open_session: Callable[[], zenoh.Session]) -> tuple[zenoh.Session, list[socket.socket]]:

@@ -20,16 +20,21 @@ Post = Callable[[Event | Job], object]
 Later = Callable[[float, Job], object]
 Refuse = Callable[[float, str, str], object]
 Turned = Callable[[str], object]
+Forged = Callable[[str, str], bool]
 
 
 class Tokens:
     """Tells the core by `post` what became of each token; `own` is the session that shows ours.
 
     `later` posts at a time [s, our clock]. `refuse` gets the robot and the kind of what is no presence token. `lost`
-    and `found` get the tag of who vanished or is there, at once.
+    and `found` get the tag of who vanished or is there, at once. `forged` tells whether a robot cannot be the one with
+    such a session; on the loop's thread.
     """
 
-    def __init__(self, own: str, post: Post, later: Later, refuse: Refuse, *, lost: Turned, found: Turned) -> None:
+    def __init__(
+        self, own: str, post: Post, later: Later, refuse: Refuse, *, lost: Turned, found: Turned, forged: Forged
+    ) -> None:
+        self._forged = forged
         self._own = own
         self._post = post
         self._later = later
@@ -41,6 +46,8 @@ class Tokens:
         self._lock = threading.Lock()
         self._there: set[tuple[str, str]] = set()
         self._news: dict[tuple[str, str], bool] = {}
+        self._told: set[tuple[str, str]] = set()
+        """Those that the core knows of."""
         self.tags: Counter[str] = Counter()
         """The tags of the robots that are there, and how many have each."""
 
@@ -82,9 +89,13 @@ class Tokens:
                 self._found(name)
         return True
 
-    def _tell(self, place: tuple[str, str]) -> Event | None:
-        """Tell the last word on a robot, or put it off."""
+    def _tell(self, place: tuple[str, str], *, again: bool = False) -> Event | None:
+        """Tell the last word on a robot, or put it off. Who was gone before anybody knew of it is no news."""
         now = clock.monotonic()
+        with self._lock:
+            if not self._news[place] and place not in self._told:
+                del self._news[place]
+                return None
         own = self._own_changes.get(place)
         if own is None:
             if len(self._own_changes) > 2 * BOUNDS.tokens:
@@ -95,9 +106,14 @@ class Tokens:
             room = False
             own.give_back()
         if not room:
-            self._refuse(now, place[0], "token:flood")
-            self._later(now + BOUNDS.token_retry, partial(self._tell, place))
+            if not again:
+                self._refuse(now, place[0], "token:flood")
+            self._later(now + BOUNDS.token_retry, partial(self._tell, place, again=True))
             return None
         with self._lock:
             there = self._news.pop(place)
+        if there and self._forged(*place):
+            self._refuse(now, place[0], "token:forged")
+            return None
+        (self._told.add if there else self._told.discard)(place)
         return (PeerAppeared if there else PeerGone)(now, *place)

@@ -2,9 +2,11 @@
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
@@ -13,15 +15,18 @@ import zenoh
 from proxy import clock, exit_codes
 from proxy.bridge import keys
 from proxy.bridge.control import LIVE
-from proxy.bridge.fleet import Outcome, read_outcomes
+from proxy.bridge.fleet import CHALLENGE, Outcome, challenges, read_outcomes
 from proxy.bridge.tuning import TUNING
 from proxy.config_values import endpoint, robot_name
 from proxy.errors import ProxyError
+from proxy.fleet_token import proofs, read_token, token_of
 from proxy.profiling.profile import Profile, read
 from proxy.profiling.request import Request
 from proxy.why import Question
 
 DAEMON = "tcp/127.0.0.1:7447"
+TOKEN = "SENDWORTHY_FLEET__TOKEN"  # noqa: S105 - the name of the variable
+"""The variable with the team's token, as the daemon reads it."""
 TIMEOUT = 2.0
 """A daemon answers within this time [s] or not at all."""
 
@@ -45,6 +50,34 @@ def add_client_flags(parser: argparse.ArgumentParser) -> None:
         type=robot_flag,
         help="the robot whose daemon is meant, should several answer",
     )
+
+
+def add_token_flag(parser: argparse.ArgumentParser) -> None:
+    """Add the flag of commands that give orders to all robots."""
+    parser.add_argument(
+        "--token-file",
+        metavar="FILE",
+        type=_token_in,
+        dest="token",
+        help=f"prove by the token in this file that the order is the team's own (default: the token in {TOKEN})",
+    )
+
+
+def _token_in(text: str) -> str:
+    try:
+        return read_token(Path(text))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def given_token(arguments: argparse.Namespace) -> str:
+    """Return the token of the flag or of the environment; nothing where neither has one. Raises NoAnswerError."""
+    if arguments.token is not None or not os.environ.get(TOKEN):
+        return arguments.token or ""
+    try:
+        return token_of(os.environ[TOKEN])
+    except ValueError as error:
+        raise NoAnswerError(f"{TOKEN}: {error}") from None
 
 
 def endpoint_flag(text: str) -> str:
@@ -128,9 +161,20 @@ class Client:
         """Return what is answered on a key that is none of a daemon's own. Raises NoAnswerError."""
         return self._ask(key, payload)[0]
 
-    def order(self, robot: str, order: str, payload: bytes) -> list[Outcome]:
-        """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError."""
-        return read_outcomes(self._ask(keys.to_fleet(robot, order), payload, TUNING.order_wait + TIMEOUT)[0].encode())
+    def order(self, robot: str, order: str, payload: bytes, token: str = "") -> list[Outcome]:
+        """Have `robot` pass an order on to all robots; return what became of it at each. Raises NoAnswerError.
+
+        With a `token` the order is proved to those that ask for it. The token itself goes nowhere.
+        """
+        attachment = None
+        if token:
+            with suppress(NoAnswerError):  # of an older version, which passes no proofs on
+                attachment = proofs(token, order, payload, challenges(self._ordered(robot, CHALLENGE, b"?")))
+        return self._ordered(robot, order, payload, attachment)
+
+    def _ordered(self, robot: str, order: str, payload: bytes, attachment: bytes | None = None) -> list[Outcome]:
+        key, wait = keys.to_fleet(robot, order), TUNING.order_wait + TIMEOUT
+        return read_outcomes(self._ask(key, payload, wait, attachment)[0].encode())
 
     def samples(self, key: str, timeout: float) -> Generator[zenoh.Sample, None, None]:
         """Yield what is put under a key expression from now on. Raises NoAnswerError after so many seconds."""
@@ -163,10 +207,13 @@ class Client:
             for subscriber in subscribers:
                 subscriber.undeclare()  # type: ignore[no-untyped-call]
 
-    def _ask(self, key: str, payload: str | bytes | None, timeout: float = TIMEOUT) -> list[str]:
+    def _ask(
+        self, key: str, payload: str | bytes | None, timeout: float = TIMEOUT, attachment: bytes | None = None
+    ) -> list[str]:
         replies = self._session.get(
             key,
             payload=payload,
+            attachment=attachment,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,
             timeout=timeout,
@@ -196,7 +243,7 @@ def ordered(name: str, arguments: argparse.Namespace, order: str, payload: bytes
     """Order all robots, for the command `name`; print what became of it, and return the exit code."""
     try:
         with connected(arguments.connect) as daemon:
-            outcomes = daemon.order(arguments.robot or daemon.only_robot(), order, payload)
+            outcomes = daemon.order(arguments.robot or daemon.only_robot(), order, payload, given_token(arguments))
     except NoAnswerError as error:
         print(f"sendworthy {name}: {error}", file=sys.stderr)
         return exit_codes.FAILED

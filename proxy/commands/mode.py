@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from proxy import exit_codes
-from proxy.commands.client import NoAnswerError, add_client_flags, connected, ordered
+from proxy.commands.client import NoAnswerError, add_client_flags, add_token_flag, connected, ordered
 from proxy.core.model.mode import Mode
 from utility_specs.suggestions import hint, quoted
 
@@ -16,13 +16,15 @@ Switches a running daemon, at once and without a restart.
   enforce   decides and acts on it
 
 The mode lasts until the daemon ends; `mode` in the configuration is what it starts with. With --fleet all robots of the
-team are switched whose configuration allows it (`fleet.mode`); each says whether it did.
+team are switched whose configuration allows it (`fleet.mode`), those with a `fleet.token` only by who knows it; each
+says whether it did.
 """
 EXAMPLES = """\
 examples:
   sendworthy mode shadow
   sendworthy mode enforce --connect tcp/192.168.1.7:7447
   sendworthy mode shadow --fleet
+  sendworthy mode shadow --fleet --token-file fleet.token
 """
 
 
@@ -38,6 +40,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     )
     parser.add_argument("mode", metavar="MODE", type=_mode, choices=tuple(Mode), help="pass, shadow or enforce")
     parser.add_argument("--fleet", action="store_true", help="switch all robots of the team")
+    add_token_flag(parser)
     add_client_flags(parser)
     parser.set_defaults(run=run)
 

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from proxy import exit_codes
-from proxy.commands.client import DAEMON, endpoint_flag, robot_flag
+from proxy.commands.client import DAEMON, add_token_flag, endpoint_flag, given_token, robot_flag
 from proxy.commands.top import interval
 from proxy.config_values import http_address, key_expression
 from proxy.errors import ConfigError, ProxyError
@@ -91,6 +91,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         default=0.5,
         help="how often daemons are asked (default: %(default)g)",
     )
+    add_token_flag(parser)
     parser.set_defaults(run=run)
 
 
@@ -124,8 +125,8 @@ def _serve(arguments: argparse.Namespace, opened: ExitStack) -> None:
 
         endpoints.insert(0, opened.enter_context(own_daemon(arguments.config)))
     signal.signal(signal.SIGTERM, _ended)
-    token = new_token()
-    page = Page(list(dict.fromkeys(endpoints or [DAEMON])), arguments.robot, arguments.key, arguments.interval)
+    token, places = new_token(), list(dict.fromkeys(endpoints or [DAEMON]))
+    page = Page(places, arguments.robot, arguments.key, arguments.interval, given_token(arguments))
     host = arguments.name[0] if arguments.name else _host(arguments.listen)
     print(f"the page is at http://{host}:{place.getsockname()[1]}/#token={token}", flush=True)
     print("whoever has that address can steer the fleet; without what follows # it only shows", flush=True)

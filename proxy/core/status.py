@@ -22,7 +22,7 @@ LIVE = (
 STATUS_VERSION = 1
 """Rises when a field is renamed, goes, or means something else; not when one is added."""
 OTHER_VERSION = ":other version"
-UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown")
+UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown", ":unproved")
 """How kinds of what was refused and is not malformed end."""
 
 

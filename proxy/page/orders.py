@@ -27,14 +27,19 @@ WHY_WIDTH, WHY_LAST = 78, 3
 
 
 class Orders:
-    """Gives orders through the daemon at `endpoint`, one at a time; `robot` and `places` say who answers where."""
+    """Gives orders through the daemon at `endpoint`, one at a time; `robot` and `places` say who answers where.
+
+    They are proved with the team's `token`, if there is one.
+    """
 
     def __init__(
         self,
         endpoint: str,
         robot: Callable[[], str],
         places: Callable[[], Mapping[str, str]],
+        token: str = "",
     ) -> None:
+        self._token = token
         self._endpoint = endpoint
         self._robot = robot
         self._places = places
@@ -48,11 +53,11 @@ class Orders:
             # What is in force now: what the page knows of it may be of a second ago.
             files = client.specs(robot)[1] if wanted is not None else {}
             new = files if wanted is None else variant(wanted, files)
-            pushed = client.order(robot, "specs", _packed(new)) if new != files else []
+            pushed = client.order(robot, "specs", _packed(new), self._token) if new != files else []
             if any(not each.obeyed for each in pushed):
                 # Nobody is switched: the team would do something else than the button says.
                 return pushed
-            outcomes = client.order(robot, "mode", mode.encode())
+            outcomes = client.order(robot, "mode", mode.encode(), self._token)
             return [*pushed, *(each if each.obeyed else self._switched(client, each, mode) for each in outcomes)]
 
     def specs(self, files: Files) -> tuple[dict[str, Any], list[Outcome]]:
@@ -64,7 +69,7 @@ class Orders:
         if not found["fit"]:
             return found, []
         with self._lock, connected(self._endpoint) as client:
-            return found, client.order(self._name(client), "specs", _packed(files))
+            return found, client.order(self._name(client), "specs", _packed(files), self._token)
 
     def channel(self, raw: bytes) -> str:
         """Set a demo's channel; return what it is then. Raises NoAnswerError and DemoOrderError."""

@@ -23,15 +23,20 @@ STATUS, HISTORY = "status", "history"
 
 
 class Page:
-    """Looks at a fleet every `interval` [s], through daemons at `endpoints`: the first one is the operator's own."""
+    """Looks at a fleet every `interval` [s], through daemons at `endpoints`: the first one is the operator's own.
 
-    def __init__(self, endpoints: Sequence[str], robot: str | None, keys: Sequence[str], interval: float) -> None:
+    Orders are proved with the team's `token`, if there is one.
+    """
+
+    def __init__(
+        self, endpoints: Sequence[str], robot: str | None, keys: Sequence[str], interval: float, token: str = ""
+    ) -> None:
         self.hub = Hub(self._greeting)
         self._interval = interval
         self._frames = Frames(self.hub.put)
         self.watch = Watch(endpoints[0], robot, keys, self._frames.take)
         self._asking = Asking(endpoints, interval, lambda: None)
-        self.orders = Orders(endpoints[0], lambda: self.watch.robot, self._asking.places)
+        self.orders = Orders(endpoints[0], lambda: self.watch.robot, self._asking.places, token)
         self._past: deque[dict[str, Any]] = deque(maxlen=max(2, int(TUNING.history / interval)))
         self._steady = Steady()
         self._stopped = threading.Event()

@@ -2,7 +2,7 @@
 
 from proxy.quantities import Status
 
-_NOT_MALFORMED = (":other version", ":flood", ":unknown")
+_NOT_MALFORMED = (":other version", ":flood", ":unknown", ":unproved")
 
 
 def warnings(status: Status) -> list[str]:
@@ -35,6 +35,8 @@ def _messages(status: Status) -> list[str]:
         )
     if status.get("other_version"):
         found.append(f"{status['other_version']} messages of another version of Sendworthy were not understood")
+    if unproved := status.get("refused", {}).get("order:unproved"):
+        found.append(f"{unproved} orders were refused: who gave them did not prove to know fleet.token")
     if status.get("evicted"):
         found.append(f"{status['evicted']} streams or robots were forgotten: there are too many")
     if status.get("untold"):

@@ -42,6 +42,12 @@ STAGES = (
         {"KILLS": "300"},
     ),
     Stage(
+        "faults",
+        "100 times a daemon is killed under load, with losses counted exactly; 10,000 keys come at once",
+        (*PYTEST, "--capture=no", "tests/faults/test_kills.py", "tests/faults/test_crowds.py", "-k", "kills or keys"),
+        {"KILLS": "100", "KEYS": "10000"},
+    ),
+    Stage(
         "soak",
         "20 minutes of traffic, of applications that come and go, and of reloads leave nothing behind in a daemon",
         (*SYSTEM, "--capture=no", "tests/system/test_soak.py"),

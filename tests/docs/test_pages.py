@@ -9,9 +9,13 @@ from proxy.config_loading import load_config
 from tests.docs.pages import PAGES, ROOT, blocks, commands
 from tests.docs.test_guides import RUN as RUN_BESIDE_A_DAEMON
 from tests.docs.test_quick_start import PAGE as QUICK_START
+from tests.docs.test_security import PAGE as SECURITY
 from utility_specs import load_specs
 
-FRONT = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "deploy/README.md", "proxy/README.md")]
+FRONT = [
+    ROOT / name
+    for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "RELIABILITY.md", "deploy/README.md", "proxy/README.md")
+]
 ALL = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 LINK = re.compile(r"(?<!!)\[[^\]]*\]\(([^)\s]+)\)", re.DOTALL)
 
@@ -46,8 +50,13 @@ def test_every_page_is_in_the_table_of_contents():
 @ALL
 def test_examples_of_configuration_are_right(page, tmp_path):
     """As `sendworthy check` reads them; of specs as their loader does."""
-    for number, text in enumerate(blocks(page, "toml")):
+    for number, shown in enumerate(blocks(page, "toml")):
         file = tmp_path / f"{number}.toml"
+        for named in re.findall(r'"/etc/sendworthy/(\S+)"', shown):  # certificates, tokens: they have to be there
+            there = tmp_path / named
+            there.parent.mkdir(exist_ok=True)
+            there.write_text("what is in such a file")
+        text = shown.replace("/etc/sendworthy", str(tmp_path))
         file.write_text(text)
         if "information_type" in tomllib.loads(text):
             assert load_specs(file).types
@@ -57,8 +66,8 @@ def test_examples_of_configuration_are_right(page, tmp_path):
 
 @ALL
 def test_every_command_is_run_by_a_test(page):
-    """The quick start from top to bottom, guides line by line; what needs root in tests of the system."""
-    if page == QUICK_START:
+    """Quick start and security from top to bottom, guides line by line; what needs root in tests of the system."""
+    if page in (QUICK_START, SECURITY):
         return
     elsewhere = set(commands(ROOT / "README.md"))
     for command in commands(page):

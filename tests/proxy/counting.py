@@ -8,9 +8,13 @@ from tests.ports import free_port
 
 
 class Counting:
-    """Passes TCP connections on to `endpoint`, unless it is `cut`; `carried` are the bytes that came from there."""
+    """Passes TCP connections on to `endpoint`, unless it is `cut`; `carried` are the bytes that came from there.
 
-    def __init__(self, endpoint, *, cut=False):
+    A bytearray `taps` gets all that goes either way.
+    """
+
+    def __init__(self, endpoint, *, cut=False, taps=None):
+        self._taps = taps
         self._target = int(endpoint.rsplit(":", 1)[1])
         port = free_port()
         self.endpoint = f"tcp/127.0.0.1:{port}"
@@ -75,6 +79,8 @@ class Counting:
             while data := source.recv(65536):
                 if source not in self._lost:
                     self.carried += len(data) * counted
+                    if self._taps is not None:
+                        self._taps += data
                     sink.sendall(data)
         if sink not in self._halved:
             _close(sink)

@@ -36,7 +36,7 @@ def test_defaults_are_those_of_the_manual():
             "in": {"allow": ["**"], "deny": []},
         },
         "specs": {"path": "specs.d"},
-        "fleet": {"specs": False, "mode": False},
+        "fleet": {"specs": False, "mode": False, "token": "", "token_file": ""},
         "planner": {
             "iterations": 300,
             "deadline": 0.02,
@@ -64,6 +64,14 @@ def test_there_is_room_for_two_recordings():
     """One is written while the last one is still there."""
     with pytest.raises(ValidationError, match="disk_bytes must be at least twice file_bytes, 134217728"):
         Config.model_validate({"record": {"disk_bytes": 100_000_000}})
+
+
+def test_a_token_stands_in_one_place():
+    """Which of two would count nobody could guess; a short one is refused where it stands."""
+    with pytest.raises(ValidationError, match="token and token_file exclude each other"):
+        Config.model_validate({"fleet": {"token": "a token of this team", "token_file": "token"}})
+    with pytest.raises(ValidationError, match="a token has 16 to 4096 printable letters"):
+        Config.model_validate({"fleet": {"token": "short"}})
 
 
 def test_config_is_frozen():
@@ -111,6 +119,8 @@ def test_settings_tell_what_a_flag_may_hold():
         "mesh.group",
         "bridge.profile",
         "specs.path",
+        "fleet.token",
+        "fleet.token_file",
         "planner.search",
         "planner.engine",
         "planner.coordination",

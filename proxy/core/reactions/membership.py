@@ -32,7 +32,7 @@ class Membership:
         warned, known = namesake_warnings(self._settings, self._view.peers), dict(self._view.peers)
         name = tag(event.zid)
         if event.zid == self._settings.zid or not self._view.add_peer(event.now, event.robot, event.zid):
-            self._lost_for_a_moment(event.now, name, event.zid)
+            self._lost_for_a_moment(event)
             return []
         for other in known.keys() - self._view.peers.keys():  # it had to leave for the new one
             self._forget(other)
@@ -52,7 +52,7 @@ class Membership:
     def gone(self, event: ev.PeerGone) -> list[Command]:
         """A presence token vanished."""
         peer = self._view.peers.get(tag(event.zid))
-        if peer is None or peer.zid != event.zid:
+        if peer is None or not _is(peer, event):  # a token in another robot's name is nothing to this one
             return []
         robot = peer.robot
         self._kept.lost(event.now, self._leaving(peer))
@@ -62,11 +62,12 @@ class Membership:
         notice = Notice("info", f"robot {robot} left the mesh", {"robot": robot})
         return [*self._retention.renew(), NoteInterest(event.zid, ()), notice]
 
-    def _lost_for_a_moment(self, now: float, name: str, zid: str) -> None:
+    def _lost_for_a_moment(self, event: ev.PeerAppeared) -> None:
         """The token of a robot that we know appears: it had vanished, too shortly for us to hear of it."""
+        name = tag(event.zid)
         peer = self._view.peers.get(name)
-        if peer is not None and peer.zid == zid and peer.state is not None:
-            self._kept.lost(now, self._leaving(peer))
+        if peer is not None and _is(peer, event) and peer.state is not None:
+            self._kept.lost(event.now, self._leaving(peer))
             self._kept.appeared(peer.name, name)
             self._kept.subscribed(name, peer.subscriptions)
 
@@ -80,3 +81,8 @@ class Membership:
         """The robot with this tag is not in the view any more."""
         self._gossip.requests.done(name)
         self._capacity.forget(name)
+
+
+def _is(peer: Peer, event: ev.PeerAppeared | ev.PeerGone) -> bool:
+    """Whether a token is that of a robot: its session, under its name."""
+    return (peer.name, peer.zid) == (event.robot, event.zid)

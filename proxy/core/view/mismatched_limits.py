@@ -52,7 +52,7 @@ class MismatchedLimits:
         return [self._warning(peer) for name, peer in self._peers.items() if name in found]
 
     def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
-        if name in self._heard:
+        if name in self._heard and peer.digest is not None:  # else it left meanwhile, and is back
             return now - peer.digest_received > TUNING.understood_for
         if peer.state is not None:
             return now - peer.since > TUNING.understood_for

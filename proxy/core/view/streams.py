@@ -23,6 +23,8 @@ class Streams:
         self.specs = specs
         self.revision = 0
         """How often anything changed that concerns more than one stream: which there are, and who wants them."""
+        self.revisions = 0
+        """How many of these concerned streams that were there before and still are: who wants them."""
         self.evicted = 0
         self._own = settings.robot
         self._most = settings.streams
@@ -114,6 +116,7 @@ class Streams:
     def revise(self) -> None:
         """Something changed that concerns more than one stream."""
         self.revision += 1
+        self.revisions += 1
 
     def admit(self, stream: Stream) -> None:
         """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""

@@ -38,6 +38,7 @@ def made(posted, refused, now, turns):
         lambda _now, *what: refused.append(what),
         lost=lambda tag: turns.append((tag, False)),
         found=lambda tag: turns.append((tag, True)),
+        forged=lambda robot, zid: (robot, zid) == ("r9", "0b"),
     )
 
 
@@ -61,6 +62,26 @@ def test_robots_come_and_go(made, posted):
     assert told(posted) == []
 
 
+def test_who_was_gone_before_anybody_knew_of_it_is_no_news(made, posted, refused):
+    """A flood of tokens that come and go leaves nothing behind that others would have to wait for."""
+    for number in range(int(BOUNDS.all_token_changes_at_once) + 50):
+        for there in (True, False):
+            made.note(keys.alive("flood", f"{number:x}"), there=there)
+        if number == BOUNDS.all_token_changes_at_once / 2:
+            assert told(posted) == []
+    made.note(keys.alive("r2", "0b"), there=True)
+    assert told(posted) == [(PeerAppeared, "r2", "0b")]
+    assert refused == []
+
+
+def test_a_session_in_another_robots_name_is_refused(made, posted, refused):
+    """Before that robot is there and after: it comes and goes with its own token alone."""
+    made.note(keys.alive("r9", "0b"), there=True)
+    made.note(keys.alive("r2", "0b"), there=True)
+    assert told(posted) == [(PeerAppeared, "r2", "0b")]
+    assert refused == [("r9", "token:forged")]
+
+
 def test_that_a_robot_vanished_or_is_back_is_told_at_once(made, turns):
     """Whatever becomes of the event; a second token of a robot is nothing new, our own never."""
     other = keys.alive("r3", "0b")
@@ -78,7 +99,9 @@ def test_that_a_robot_vanished_or_is_back_is_told_at_once(made, turns):
 
 def test_what_came_and_went_meanwhile_is_one_piece_of_news(made, posted):
     """The last word holds."""
-    for there in (True, False, True, False):
+    made.note(keys.alive("r2", "0b"), there=True)
+    assert told(posted) == [(PeerAppeared, "r2", "0b")]
+    for there in (False, True, False):
         made.note(keys.alive("r2", "0b"), there=there)
     assert told(posted) == [(PeerGone, "r2", "0b")]
 

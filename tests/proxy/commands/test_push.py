@@ -4,12 +4,15 @@ import re
 import signal
 
 import pytest
+import zenoh
 
 from proxy import exit_codes
+from proxy.bridge.fleet import Outcome, read_outcomes
 from proxy.cli import main
+from proxy.fleet_token import MISSING
 from tests.daemons import ROOT, specs_file
 from tests.ports import free_port
-from tests.proxy.nodes import Heard, plain_session
+from tests.proxy.nodes import Heard, answers, closing, plain_session
 from tests.waiting import wait_until
 
 
@@ -84,10 +87,93 @@ def test_without_a_daemon_nothing_is_pushed(tmp_path, capsys):
     assert capsys.readouterr().err.startswith("sendworthy mode: no daemon answers at tcp/127.0.0.1:1")
 
 
+KNOWN = "a token of this team"
+
+
+class Eavesdropper:
+    """A plain Zenoh node on a mesh without TLS: it is asked what robots are asked, and answers nothing."""
+
+    def __init__(self, stack, meshes):
+        self.heard = []
+        self.session = closing(stack, plain_session("peer", connect=meshes))
+        take = zenoh.handlers.Callback(self._take, indirect=False)
+        self.session.declare_queryable("@sendworthy/eavesdropper/fleet/*", take)
+        wait_until(lambda: len(self.session.info.peers_zid()) >= len(meshes), what="links to all")
+
+    def _take(self, query):
+        with query:
+            said = [bytes(each or b"") for each in (query.payload, query.attachment)]
+            self.heard.append((str(query.key_expr).rpartition("/")[2], *said))
+
+    def repeat(self, order, payload, proofs):
+        """Give r2 an order once more; return what it says."""
+        (answer,) = answers(self.session, f"@sendworthy/r2/fleet/{order}", payload=payload, attachment=proofs)
+        return read_outcomes(answer.encode())
+
+
+@pytest.fixture
+def sworn(start, stack, tmp_path):
+    """Two robots with the team's token, one in a file and one in a variable, and somebody who hears what they say."""
+    meshes, file = [f"tcp/127.0.0.1:{free_port()}" for _ in range(2)], tmp_path / "token"
+    file.write_text(f"{KNOWN}\n")
+    orders, (first, second) = ("--fleet.mode", "true"), meshes
+    r1 = start("--robot", "r1", "--mesh.listen", f'["{first}"]', *orders, "--fleet.token_file", str(file))
+    dial = ("--mesh.listen", f'["{second}"]', "--mesh.connect", f'["{first}"]')
+    r2 = start("--robot", "r2", *dial, *orders, SENDWORTHY_FLEET__TOKEN=KNOWN)
+    for robot in (r1, r2):
+        robot.wait_for("sendworthy ")
+    wait_until(lambda: all(robot.status()["peers"] for robot in (r1, r2)), what="the robots to meet")
+    return r1, r2, file, Eavesdropper(stack, meshes)
+
+
+def modes(*robots):
+    return [robot.status()["mode"] for robot in robots]
+
+
+def test_robots_with_a_token_obey_who_knows_it(sworn, capsys, monkeypatch):
+    """Others are refused, logged and counted; the token is on no link, and what is there gives no second order."""
+    r1, r2, file, eavesdropper = sworn
+    order = ("--fleet", "--connect", r1.endpoint)
+    assert main(["mode", "shadow", *order]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"r1: {MISSING}\nr2: {MISSING}\n"
+    assert modes(r1, r2) == ["enforce", "enforce"]
+    for robot in (r1, r2):
+        robot.wait_for("an order is refused (mode): it takes the token")
+        wait_until(lambda robot=robot: robot.status()["refused"].get("order:unproved") == 1, what="the count")
+    assert main(["mode", "shadow", *order, "--token-file", str(file)]) == exit_codes.OK
+    assert capsys.readouterr().out == "r1: mode shadow\nr2: mode shadow\n"
+    assert modes(r1, r2) == ["shadow", "shadow"]
+    monkeypatch.setenv("SENDWORTHY_FLEET__TOKEN", KNOWN)
+    assert main(["mode", "pass", *order]) == exit_codes.OK
+    assert modes(r1, r2) == ["pass", "pass"]
+    assert [name for name, *_ in eavesdropper.heard] == ["mode", "challenge", "mode", "challenge", "mode"]
+    assert not any(KNOWN.encode() in said for _, *all_said in eavesdropper.heard for said in all_said)
+    old = next(each for each in eavesdropper.heard if each[1] == b"shadow" and each[2])
+    assert eavesdropper.repeat(*old) == [Outcome("r2", obeyed=False, said=("the order was given before",))]
+    assert modes(r1, r2) == ["pass", "pass"]
+
+
+def test_a_wrong_token_is_refused_and_a_bad_one_not_even_sent(sworn, tmp_path, capsys, monkeypatch):
+    """What each robot says tells which it was."""
+    r1, *_ = sworn
+    wrong = tmp_path / "wrong"
+    wrong.write_text("a token of that team")
+    order = ["mode", "shadow", "--fleet", "--connect", r1.endpoint]
+    assert main([*order, "--token-file", str(wrong)]) == exit_codes.FAILED
+    said = "the order was given with another token"
+    assert capsys.readouterr().err == f"r1: {said}\nr2: {said}\n"
+    monkeypatch.setenv("SENDWORTHY_FLEET__TOKEN", "short")
+    assert main(order) == exit_codes.FAILED
+    assert "SENDWORTHY_FLEET__TOKEN: a token has 16 to 4096" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main([*order, "--token-file", str(tmp_path / "nowhere")])
+    assert "nowhere: cannot be read" in capsys.readouterr().err
+
+
 @pytest.fixture
 def guarded(start, tmp_path):
     """Three robots with passwords, as in the manual; r1 obeys, and it and the operator have its access control."""
-    manual = (ROOT / "deploy" / "README.md").read_text()
+    manual = (ROOT / "docs" / "guides" / "security.md").read_text()
     (acl,) = [block for block in re.findall(r"```toml\n(.*?)```", manual, re.DOTALL) if "access_control" in block]
     dictionary, folder, mesh = tmp_path / "robots", tmp_path / "specs.d", f"tcp/127.0.0.1:{free_port()}"
     dictionary.write_text("".join(f"{name}:a secret of {name}\n" for name in ("r1", "ground", "visitor")))

@@ -52,6 +52,22 @@ def assert_agreed(mesh, group):
         assert all(peer.number == mesh.cores[peer.zid].gossip.states.state.number for peer in core.view.peers.values())
 
 
+def test_a_robot_comes_and_goes_with_its_own_token_alone(make_specs):
+    """Somebody else shows its session under another name, and takes that back: nothing happens to it."""
+    first, other = list(NAMES)[:2]
+    mesh = Mesh(make_specs(), NAMES)
+    begin(mesh)
+    mesh.link([[first, other]])
+    talk(mesh, 3.0)
+    before = known(mesh, first)
+    mesh.feed(first, ev.PeerAppeared(mesh.now, "forger", other))
+    mesh.feed(first, ev.PeerGone(mesh.now, "forger", other))
+    assert known(mesh, first) == before
+    assert not mesh.cores[first].kept.copies.waiting
+    mesh.feed(first, ev.PeerGone(mesh.now, NAMES[other], other))
+    assert known(mesh, first)["members"] == {tag(first)}
+
+
 def test_newcomers_are_in_everybodys_plan_within_one_state(make_specs):
     """One question, one answer: who was there knows the newcomer, and the newcomer all that was told long ago."""
     old, new = list(NAMES)[:3], list(NAMES)[3]

@@ -114,6 +114,7 @@ def test_the_keys_are_those_that_daemons_use():
     """On the mesh and on the side of the applications."""
     described = {row[0] for table in tables() if table[0] == ["key", "what it is"] for row in table[2:]}
     assert described == {
+        keys.fleet("<robot>", "challenge"),
         *(keys.alive("<robot>", "<zid>"), keys.digest("<robot>", "<tag>"), keys.state("<robot>", "<tag>")),
         *(keys.backlog("<to>", "<tag>"), keys.kept("<to>", "<key>"), keys.fleet("<robot>", "<order>")),
         *(keys.at_apps("<robot>", "<zid>"), keys.status("<robot>"), keys.mode("<robot>")),

@@ -63,6 +63,17 @@ def test_who_has_other_limits_for_long_is_left_out_and_named(talk):
     assert apart(talk) == set()
 
 
+def test_who_was_gone_for_a_moment_was_not_silent(talk):
+    """Nobody has heard it since it is back, and nobody had to by then."""
+    talk.tell(ev.TimePassed(1.0))
+    talk.tell(ev.PeerGone(1.01, "op", "zz-op"))
+    talk.tell(ev.PeerAppeared(1.02, "op", "zz-op"))
+    talk.tell(ev.TimePassed(1.0 + 2 * TUNING.mismatch_check))
+    assert apart(talk) == set()
+    talk.tell(ev.TimePassed(10.0 + TUNING.agreement_time))
+    assert apart(talk) == {"zz-op"}
+
+
 @pytest.mark.parametrize("goes", [True, False], ids=["it goes", "it gets ours"])
 def test_specs_that_change_on_one_robot_after_the_other_are_no_reason(talk, goes):
     """What it says meanwhile counts, and so does its going."""

@@ -1,0 +1,23 @@
+"""Which names certificates vouch for; `tests/docs/test_security.py` has links with certificates."""
+
+from proxy.access import access_control
+from proxy.bridge.identities import Identities, certified_names
+from tests.proxy.nodes import closing, free_endpoint, plain_session
+
+
+def test_access_control_names_who_has_a_certificate():
+    """Where it is in force."""
+    control = access_control(("r1", "r2"))
+    assert certified_names({"access_control": control}) == {"r1", "r2"}
+    assert certified_names({"access_control": control | {"enabled": False}}) == set()
+    assert certified_names({"access_control": {"enabled": True}}) == certified_names({}) == set()
+
+
+def test_a_link_without_a_certificate_says_nothing(stack):
+    """Nobody vouches for who is there, nor for who has no link here."""
+    endpoint = free_endpoint()
+    here = closing(stack, plain_session("peer", listen=(endpoint,)))
+    there = closing(stack, plain_session("peer", connect=(endpoint,)))
+    identities = Identities(here, {"r1"})
+    assert [identities.forged(name, str(there.zid())) for name in ("r1", "r2")] == [False, False]
+    assert not identities.forged("r1", "0a")
