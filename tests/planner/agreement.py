@@ -13,7 +13,7 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[2]))  # at the end: the planner is the installed one, not the one beside it
 
-from planner import Aggregation, SearchSettings, start
+from planner import Aggregation, Exponential, SearchSettings, start
 from tests.planner.windows import window
 
 MODES = (("best", "off"), ("paper", "off"), ("paper", "paper"), ("paper", "exact"))
@@ -23,14 +23,7 @@ ITERATIONS = 120
 def main(count=60):
     """Plan so many windows, in all modes; return the exit code."""
     for seed in range(count):
-        problem = window(
-            seed,
-            robots=1 + seed % 5,
-            horizon=4 + seed % 17,
-            constraints=seed % 3,
-            grid=seed % 2 == 0,
-            aggregations=tuple(Aggregation),
-        )
+        problem = drawn(seed)
         for search, reduction in MODES:
             settings = SearchSettings(search=search, reduction=reduction)
             python, native = (grown(problem, settings, engine) for engine in ("python", "native"))
@@ -39,6 +32,24 @@ def main(count=60):
                 return 1
             print(json.dumps({"window": seed, "mode": [search, reduction], **dataclasses.asdict(native.plan())}))
     return 0
+
+
+def drawn(seed):
+    """A window of any kind; in every third what half of the messages are worth is an exponential function."""
+    problem = window(
+        seed,
+        robots=1 + seed % 5,
+        horizon=4 + seed % 17,
+        constraints=seed % 3,
+        grid=seed % 2 == 0,
+        aggregations=tuple(Aggregation),
+    )
+    if seed % 3:
+        return problem
+    messages = list(problem.messages)
+    for at in range(0, len(messages), 2):
+        messages[at] = messages[at]._replace(utility=Exponential(1.0, 0.3 + 0.1 * at))
+    return dataclasses.replace(problem, messages=tuple(messages))
 
 
 def grown(problem, settings, engine):
