@@ -7,7 +7,7 @@ BIN := .venv/bin
 unexport PYTHONDONTWRITEBYTECODE
 
 PACKAGES := planner proxy utility_specs studies
-.PHONY: setup demo test test-full test-system lint bench study study-traffic qualify transparency man lock clean FORCE
+.PHONY: setup demo test test-full test-system lint bench study study-traffic qualify transparency wheel deb man lock clean FORCE
 
 setup: .venv/ready
 
@@ -84,14 +84,25 @@ transparency: setup
 qualify: setup
 	$(BIN)/python -m studies.qualification $(STAGES)
 
+# The wheel of this platform and this Python, in dist.
+wheel: setup
+	$(BIN)/python -m pip wheel --quiet --no-build-isolation --no-deps --wheel-dir dist .
+
+# The Debian package, in dist; ARCH=arm64 for a Raspberry Pi needs g++-aarch64-linux-gnu. deploy/debian/build says what is in it.
+deb: setup
+	deploy/debian/build $(ARCH)
+
 # Writes the manual page anew, from the parser of the command line.
 man: setup
 	$(BIN)/python -m studies.man_page deploy/man/sendworthy.1
 
-# Locks the dependencies of all platforms with their hashes; needs uv on the PATH.
+# Locks the dependencies of all platforms with their hashes, of developers and of packages; needs uv on the PATH.
+LOCK := uv pip compile --quiet --universal --generate-hashes --python-version 3.11 --no-emit-index-url --no-header \
+    --no-annotate --no-strip-extras pyproject.toml
+EXTRAS := completion metrics page record ros2 top
 lock:
-	uv pip compile --quiet --universal --generate-hashes --python-version 3.11 --no-emit-index-url --no-header \
-	    --no-annotate --no-strip-extras --all-extras --group dev --output-file requirements.lock pyproject.toml
+	$(LOCK) --all-extras --group dev --output-file requirements.lock
+	$(LOCK) $(EXTRAS:%=--extra %) --constraints requirements.lock --output-file deploy/debian/requirements.lock
 
 clean:
 	rm -rf .venv build dist

@@ -16,7 +16,7 @@ SCOUTING_GROUP = "224.0.0.224:7446"
 SIGN = ("127.0.0.1", 7446)
 """Where the rules of `deploy/apps/radio.nft` let nothing be sent: so we know that they are in force."""
 
-CURE = "give it the configuration deploy/apps/client.json5 or another of the drop-ins in deploy/README.md"
+CURE = "give it the configuration deploy/apps/client.json5 or another of the drop-ins in docs/guides/applications.md"
 
 
 class Lookout:

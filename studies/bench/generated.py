@@ -22,8 +22,6 @@ TIME, NUMBER = 4, 5
 """Digits behind the point: of times [0.1 ms], and of slopes and scales."""
 PLACEHOLDER = 1.0
 """Stands for what is computed at last."""
-FULL = 50
-"""Robots of a whole crowd, to whom its limit belongs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +71,7 @@ def _paper(which: str, head: Head) -> Mission:
 
 
 def _traffic(which: str, robots: int, head: Head) -> Mission:
-    """Draw a mission of real traffic; a crowd has a part of its limit that goes with its robots."""
+    """Draw a mission of real traffic."""
     workload = WORKLOADS[which](robots)
     drawn = draw(which, robots, SEED, head.seconds, latency=head.latency, everybody=True)
     kinds = [(robot, kind) for robot, own in enumerate(workload.robots) for kind in own]
@@ -82,8 +80,7 @@ def _traffic(which: str, robots: int, head: Head) -> Mission:
         Row(round(m.t_gen, TIME), m.stream, int(m.use[0]), round(m.scale / kinds[m.stream][1].weight, NUMBER))
         for m in drawn.problem.messages
     ]
-    part = robots / FULL if which == "crowd" else 1.0
-    limit = LimitTable(kind="throughput", limit=part * workload.rate * workload.window, window=workload.window)
+    limit = LimitTable(kind="throughput", limit=workload.rate * workload.window, window=workload.window)
     scaled = ("scale",) if any(row.scale != 1.0 for row in rows) else ()
     head = head.model_copy(update={"columns": (*FIRST, *scaled), "limits": (limit,)})
     return Mission(head, tuple(streams), _ordered(rows, head))

@@ -34,7 +34,7 @@ LEAD = 1.0
 SETTLING = 3.0
 """What is measured begins so long after the first frame: streams are known then [s]."""
 DAY = 86_400.0
-PROFILE = Path(__file__).parents[2] / "deploy" / "conf.d" / "raspberry-pi.toml"
+PROFILE = Path(__file__).parents[2] / "deploy" / "raspberry-pi.toml"
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,6 +54,12 @@ STAGES = (
         {"SOAK": "1200"},
     ),
     Stage(
+        "arm64",
+        "the package for arm64, emulated: it is installed, serves, and decides as one for x86_64 does, to the last bit",
+        ("tests/system/run",),
+        {"ARM64": "1", "ONLY": "tests/system/test_arm64.py"},
+    ),
+    Stage(
         "fuzzing",
         "10 minutes: what comes over the mesh, spec files, expressions",
         ("tests/fuzz/run", "600"),

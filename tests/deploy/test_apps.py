@@ -21,8 +21,8 @@ def variables(file):
 
 def test_every_file_is_in_the_manual():
     """The table says for which application each is."""
-    manual = (APPS.parent / "README.md").read_text()
-    assert [file.name for file in APPS.iterdir() if f"(apps/{file.name})" not in manual] == []
+    manual = (APPS.parents[1] / "docs" / "guides" / "applications.md").read_text()
+    assert [file.name for file in APPS.iterdir() if f"(../../deploy/apps/{file.name})" not in manual] == []
 
 
 def test_the_environment_names_the_configuration_file_and_what_ros_overrides(monkeypatch):

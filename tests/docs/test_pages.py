@@ -12,7 +12,10 @@ from tests.docs.test_quick_start import PAGE as QUICK_START
 from tests.docs.test_security import PAGE as SECURITY
 from utility_specs import load_specs
 
-FRONT = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "deploy/README.md", "proxy/README.md")]
+FRONT = [
+    ROOT / name
+    for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "RELIABILITY.md", "deploy/README.md", "proxy/README.md")
+]
 ALL = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 LINK = re.compile(r"(?<!!)\[[^\]]*\]\(([^)\s]+)\)", re.DOTALL)
 

@@ -4,14 +4,12 @@ Everything is private to it: processes, mounts, users, control groups. Nothing o
 changed, for systemd knows no other units than those that are put there.
 """
 
-import os
 import shutil
-import subprocess
 import sys
 import sysconfig
 from pathlib import Path
 
-from tests.waiting import wait_until
+from tests.system.systemd import Systemd
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = ROOT / "deploy" / "systemd" / "sendworthy.service"
@@ -45,28 +43,16 @@ exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin container=other SYSTEMD_UNIT_PATH
 COMMAND = """#!/bin/sh
 PYTHONPATH=/opt/sendworthy/lib:/opt/sendworthy/dependencies exec /opt/sendworthy/python/bin/python3 -m proxy.cli "$@"
 """
-OUTER = """
-mkdir -p "$PLACE"/groups
-mount -t cgroup2 cgroup2 "$PLACE"/groups
-mkdir -p "$PLACE/groups/$GROUP"
-echo $$ > "$PLACE/groups/$GROUP/cgroup.procs"
-exec unshare --mount --pid --fork --kill-child --cgroup --uts --ipc --mount-proc sh -c "$BOOT"
-"""
 
 
-class Booted:
-    """A host whose first process is systemd. Needs root. `close` ends all that runs there.
+class Booted(Systemd):
+    """A host that has booted with the service; `files` are further files by their absolute paths.
 
-    `files` are further files by their absolute paths. If it is not `started`, the service is still to be set up. Where
-    the machine keeps control groups of the first version, what the unit says of memory, processor and disk has no
-    effect there.
+    If it is not `started`, the service is still to be set up.
     """
 
     def __init__(self, host, place, files, *, started=True):
-        self._host = host
         self._place = place
-        self._group = f"sendworthy-{os.getpid()}-{host.name}"
-        self._log = place / "log"
         self.shared = place / "shared"
         """A folder that both sides see, there as `/run/shared`."""
         self.shared.mkdir(parents=True)
@@ -80,54 +66,17 @@ class Booted:
             self._put(path, text)
         (place / "put/opt/sendworthy/bin/sendworthy").chmod(0o755)
         self._put_packages()
-        environ = os.environ | {
-            "PLACE": str(place),
-            "GROUP": self._group,
-            "BASE": sys.base_prefix,
-            "DEPENDENCIES": sysconfig.get_path("purelib"),
-            "BOOT": BOOT,
-            "STARTED": "yes" if started else "",
-        }
-        with self._log.open("w") as log:
-            self._process = host.start("sh", "-c", OUTER, stdout=log, stderr=log, env=environ)
-        wait_until(self._found, what="systemd")
-
-    def run(self, *command):
-        """Run a command beside the service as root; return it at its end."""
-        enter = ("nsenter", "--target", str(self._first), "--all")
-        return subprocess.run([*enter, *command], capture_output=True, text=True, check=False, timeout=30)
+        dependencies, began = sysconfig.get_path("purelib"), "yes" if started else ""
+        super().__init__(host, place, BOOT, BASE=sys.base_prefix, DEPENDENCIES=dependencies, STARTED=began)
 
     def sendworthy(self, *words):
         """Run the command `sendworthy` there."""
         return self.run("/opt/sendworthy/bin/sendworthy", *words)
 
-    def property(self, name):
-        """What systemd says of the service."""
-        return self.run("systemctl", "show", "--value", f"--property={name}", SHIPPED.name).stdout.strip()
-
     def said(self):
         """What the service and systemd have said."""
-        path = Path(f"/proc/{self._first}/root/run/said")
-        return (path.read_text() if path.exists() else "") + self._log.read_text()
-
-    def close(self):
-        """End everything there, however it fares."""
-        self._process.kill()
-        self._process.wait()
-        print(f"--- {self._host.name}\n{self._log.read_text()}")
-
-    def _found(self):
-        assert self._process.poll() is None, self._log.read_text()
-        groups = Path("/proc").glob("[0-9]*/cgroup")
-        here = [int(path.parent.name) for path in groups if self._is_first(path)]
-        self._first = here[0] if here else None
-        return self._first is not None and self.run("systemctl", "is-system-running").stdout.strip() != ""
-
-    def _is_first(self, path):
-        try:
-            return f"{self._group}/init.scope" in path.read_text()
-        except OSError:
-            return False  # it has ended
+        path = self.path("/run/said")
+        return (path.read_text() if path.exists() else "") + self.log()
 
     def _put(self, path, text):
         file = self._place / "put" / path.lstrip("/")

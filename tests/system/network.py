@@ -9,6 +9,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 RADIO = "wlan0"
@@ -16,6 +17,7 @@ RADIO = "wlan0"
 ROOT = Path(__file__).parent.parent.parent
 ROUTER = "10.77.0.254"
 """Where hosts of the channel find the router to the hosts beyond it."""
+INSIDE = 'for each in {}; do mkdir -p "$0$each" && mount --rbind $each "$0$each"; done; exec chroot "$0" "$@"'
 _PREFIX = "sendworthy"
 _BRIDGE = "channel"
 
@@ -83,6 +85,9 @@ class Host:
         self.namespace = f"{air}-{name}"
         self.clock = None
         """The wall clock of everything started from now on; None: the machine's."""
+        self.python = sys.executable
+        self.root = None
+        """Where programs started from now on find their files; None: where the machine does."""
         self._air = air
         self._place = place
 
@@ -100,6 +105,12 @@ class Host:
         inner.namespace = namespace
         return inner
 
+    def inside(self, root, python):
+        """Return the same host with programs of another Debian, which see the folders of the test and these tests."""
+        inner = copy.copy(self)
+        inner.root, inner.python = root, python
+        return inner
+
     def links(self):
         """The ports, ours and theirs, of the TCP connections with other hosts."""
         printed = self.run("ss", "-Htn", "state", "established").stdout
@@ -113,6 +124,9 @@ class Host:
         clock = (
             () if self.clock is None else ("env", *(f"{name}={value}" for name, value in self.clock.environ.items()))
         )
+        if self.root is not None:
+            shared = (str(self._place.parent), str(ROOT / "tests"), "/dev", "/proc")
+            command = ("sh", "-c", INSIDE.format(" ".join(shared)), str(self.root), *command)
         return ["ip", "netns", "exec", self.namespace, "sh", "-c", own_files, str(self._place), *clock, *command]
 
     def sent(self):

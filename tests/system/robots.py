@@ -151,7 +151,7 @@ class Application:
 
     def __init__(self, host, output, *words, program=APPLICATION, **environ):
         self._output = output
-        command = (sys.executable, str(program), *words)
+        command = (host.python, str(program), *words)
         with output.open("w") as written:
             self._process = host.start(*command, stdin=subprocess.PIPE, stdout=written, env=os.environ | environ)
 

@@ -34,14 +34,15 @@ def typed(booted, lines):
 
 def test_a_robot_is_set_up_by_hand(booted):
     """From the files to a service that enforces."""
-    _, by_hand, configured, _ = blocks(RASPBERRY_PI, "sh")
+    _, by_hand, configured, _, profile = blocks(RASPBERRY_PI, "sh")
     lines = [line for line in by_hand.splitlines() if not line.startswith(INSTALLING)]
     assert len(lines) == 6
     typed(booted, lines)
     wait_until(lambda: booted.property("ActiveState") == "active", what="the service")
     checked, restarted, *asked = configured.splitlines()
-    typed(booted, [checked, restarted])
+    typed(booted, [*profile.splitlines(), checked, restarted])
     wait_until(lambda: booted.sendworthy("status").returncode == 0, what="an answer")
+    assert "raspberry-pi.toml" in booted.sendworthy("config").stdout
     looked, *rest = asked
     assert looked == "sendworthy doctor"
     assert "configuration" in booted.run("/opt/sendworthy/bin/sendworthy", "doctor").stdout

@@ -13,9 +13,10 @@ their parts. Where no agreement comes about, for one robot hears nothing of anot
 plan for all and try again later (`patience.py`); but in a team whose operator asked for `split`.
 
 A large team would take a minute to agree on parts. There each robot has an equal one, which nobody has to announce, and
-may use more of it than it is (`overbooking.py`); where an operator asked for `split`, an equal part and no more. Fifty
-robots with streams of 0.1 to 4 kB reached 94 % of a central decider so, in unicast as in broadcast, with no window over
-the limit; agreeing on parts they reached 41, and where all overheard all 94 with 60 % of the windows over.
+may use more of it than it is (`overbooking.py`). So it is in a smaller team where all messages are small. Where an
+operator asked for `split` it is an equal part and no more. Fifty robots with streams of 0.1 to 4 kB reached 94 % of a
+central decider so, in unicast as in broadcast, with no window over the limit; agreeing on parts they reached 41, and
+where all overheard all 94 with 60 % of the windows over.
 """
 
 import math
@@ -75,7 +76,7 @@ class Coordination:
             margin = max(self._settings.margin, TUNING.varied_margin if self.team.varied else 0.0)
             return 1.0 - margin if self.team.rivals else 1.0
         if self._overbooks:
-            return self._overbooking.factor / self.team.robots
+            return self._overbooking.factor / self.team.sharing
         ours = split.own_part.of(now, k)
         if self._established:
             return ours
@@ -158,8 +159,10 @@ class Coordination:
             asked = split is not None and split.agreement.rivals
             self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
             self.team.judge(now, limits, waiting, announcing, asked=asked)
+            if self._split is not None:
+                self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
             if self._overbooks:
-                self._overbooking.advance(now, using(now), self.team.robots)
+                self._overbooking.advance(now, using(now), self.team.sharing)
         split = self.split_in_force
         if split is not None and not self._did_split:
             split.exchange.begin()

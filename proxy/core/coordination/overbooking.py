@@ -1,6 +1,7 @@
-"""Parts of a large team are overbooked: seldom all use theirs at one moment.
+"""Equal parts are overbooked: seldom all robots use theirs at one moment.
 
-A large team has equal parts, as to agree on others would take it a minute. A part that holds two or three messages is
+A large team has equal parts, as to agree on others would take it a minute, and so has one of some robots whose messages
+are all small, where to announce each costs too much. A part that holds two or three messages is
 never full: fifty robots with streams of 0.1 to 4 kB sent 55 % of 2 Mbit/s so, and reached 81 % of a central decider.
 But what many robots use together deviates little from its mean. So each may use so much more of a window that the mean
 of what it uses, and some deviations of the mean of so many, are its part: 94 % of central, no window over the limit.
@@ -36,4 +37,5 @@ class Overbooking:
             return
         mean, square = self._mean / self._weight, self._square / self._weight
         spread = math.sqrt(max(0.0, square - mean * mean) / robots)
-        self.factor = 1.0 / min(1.0, max(mean + TUNING.use_deviations * spread, 1.0 / TUNING.overbooked))
+        deviations = TUNING.use_deviations + TUNING.few_deviations / robots
+        self.factor = 1.0 / min(1.0, max(mean + deviations * spread, 1.0 / TUNING.overbooked))

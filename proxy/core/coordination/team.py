@@ -10,6 +10,7 @@ from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, changes_plans, exceeds, shortest_window, use_of
 from proxy.core.model.transport import is_broadcast
 from proxy.core.protocol.messages import Digest
+from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
 
@@ -40,6 +41,10 @@ class Team:
         """Whether several robots have something to send."""
         self.must_announce = False
         """Whether others have to hear of what we send, as far as we know."""
+        self.fine_grained = False
+        """Whether all that is sent is small beside equal parts of many robots."""
+        self._senders = 1
+        """How many robots have something to send, and we."""
         self._patience, self._stuck = Patience(), False
         self.varied = False
         """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""
@@ -68,8 +73,13 @@ class Team:
 
     @property
     def quiet(self) -> bool:
-        """Whether a large team has equal parts: nobody plans with what the others announce."""
-        return self.splits and self.large
+        """Whether all have equal parts, for the team is large, or all that is sent small: nobody agrees on others."""
+        return self.splits and (self.large or (self.fine_grained and not self.strict))
+
+    @property
+    def sharing(self) -> int:
+        """How many robots have equal parts then."""
+        return self.robots if self.large else self._senders
 
     def set_members(self, members: Collection[str]) -> None:
         """These robots take part, and we."""
@@ -114,6 +124,7 @@ class Team:
         sending = {stream.robot for stream in competing} | self._unheard()
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does.
         self.rivals = asked or len(sending) > 1 or len(view.peers) > TUNING.few_robots
+        self._look_at_parts(competing, limits)
         large = [s for s in competing if changes_plans(use_of(round(s.sizes.mean), 1, limits), limits)]
         self.varied = bool(large) and all(s.sizes.deviation > TUNING.varied_sizes * s.sizes.mean for s in large)
         self._look_at_rhythms(now, limits)
@@ -130,8 +141,18 @@ class Team:
         late = decides and self.news_take(waiting) >= still * TUNING.late_news * window
         dear = announcing(now) > still * TUNING.affordable
         self._dear_since = min(self._dear_since, now) if dear else math.inf
-        lasting = 0.0 if len(view.peers) > TUNING.few_robots else TUNING.dear_time
+        lasting = 0.0 if self.fine_grained or len(view.peers) > TUNING.few_robots else TUNING.dear_time
         self.votes_to_split = self.strict or self.seldom or late or many or now >= self._dear_since + lasting
+
+    def _look_at_parts(self, competing: Collection[Stream], limits: tuple[Limit, ...]) -> None:
+        """See whether equal parts would do for all that competes."""
+        view = self._view
+        others = [peer for name, peer in view.peers.items() if name in self.members]
+        self._senders = 1 + sum(not view.newcomers.only_listens(peer) for peer in others)
+        most = TUNING.fine_parts * (1.0 if self.fine_grained else TUNING.hysteresis) / self._senders
+        self.fine_grained = self._senders >= TUNING.fine_robots and not any(
+            exceeds(most, use_of(round(stream.sizes.mean), 1, limits), limits) for stream in competing
+        )
 
     def _look_at_rhythms(self, now: float, limits: tuple[Limit, ...]) -> None:
         """See how often large samples come: ours, and those of which the others' states tell."""

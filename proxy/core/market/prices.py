@@ -20,8 +20,9 @@ import numpy as np
 from planner import Aggregation
 from planner.received import integrals
 from planner.steady import INTERVALS, Steady, clearing_prices
+from planner.utility import Floats
 from planner.utility.base import told_apart
-from proxy.core.market.standing import Amounts, Row, Standing, Weighed, reserve
+from proxy.core.market.standing import Amounts, Row, Standing, Weighed, reserve, variance_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.view.stream import excess
@@ -39,7 +40,11 @@ class Market:
     def of(cls, rows: Sequence[Row], limits: tuple[Limit, ...]) -> tuple[Self, Steady]:
         """Return the market of all that competes, and what each of these streams earns."""
         steady = _steady(rows)
-        prices = clearing_prices(steady, TUNING.offered * np.array([c.limit / c.window for c in limits]))
+        rates = np.array([c.limit / c.window for c in limits])
+        prices = clearing_prices(steady, TUNING.offered * rates)
+        parts = 1.0 - TUNING.offered_deviations * _varying(rows, steady, prices, limits)
+        if np.any(prices > 0.0) and np.any(parts < TUNING.offered):
+            prices = clearing_prices(steady, np.clip(parts, TUNING.least_offered, TUNING.offered) * rates)
         most = reserve(rows, [row.interval for row in rows], limits, TUNING.sure_deviations)
         return cls(limits, tuple(prices.tolist()), all(a <= c.limit for a, c in zip(most, limits, strict=True))), steady
 
@@ -87,6 +92,25 @@ class Market:
         if first <= TUNING.hopeless:
             return Standing.HOPELESS
         return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
+
+
+def _varying(rows: Sequence[Row], steady: Steady, prices: Floats, limits: Sequence[Limit]) -> Floats:
+    """Return by what part of each limit what streams send at these prices varies from one window to the next.
+
+    Large messages are left out: what of them goes together the tree says.
+    """
+    best, _ = steady.pays_best(steady.value - steady.rate * steady.charge(prices)[:, None])
+    apart = steady.apart[np.arange(len(rows)), best].tolist()
+    found = []
+    for k, limit in enumerate(limits):
+        most = TUNING.varying_size * limit.limit
+        each = [
+            variance_of(row.stream, limit.window / interval, row.use[k], row.deviation[k])
+            for row, interval in zip(rows, apart, strict=True)
+            if row.use[k] <= most
+        ]
+        found.append(math.sqrt(sum(each)) / limit.limit)
+    return np.array(found)
 
 
 def _steady(rows: Sequence[Row]) -> Steady:

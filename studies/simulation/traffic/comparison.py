@@ -24,7 +24,7 @@ ONE_WAY = (
     *(("mixed", robots) for robots in (1, 2, 8)),
     *((name, robots) for name in ("cameras", "cameras-current") for robots in (4, 8)),
     *((f"{UNIFORM}{scenario}", 10) for scenario in ("few", "mixed", "most")),
-    ("crowd", 50),
+    *(("crowd", robots) for robots in (12, 50)),
 )
 """Those where one of the two is varied at a time."""
 LARGE = ("crowd",)

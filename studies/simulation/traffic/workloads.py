@@ -42,6 +42,8 @@ WEIGHTS = (1.0, 2.0, 4.0, 8.0, 16.0)
 RED_CAMERA = Kind("camera", Video(1 / 30, 10.0), (10, 10), (35_000, 35_000), spread=0.1, jitter=0.005, red=True)
 RATES, SIZES = (0.2, 10.0), (100.0, 4_000.0)
 """Of the streams of *crowd* [Hz], [B]."""
+FULL = 50
+"""Robots of a whole crowd."""
 CROWD = (
     Kind("pose", Polynomial(1.0, 3.0, 2.0), RATES, SIZES, spread=0.1),
     Kind("battery", Exponential(1.0, 5.0), RATES, SIZES, weight=0.5, spread=0.1),
@@ -85,9 +87,9 @@ def current_cameras(robots: int = 4) -> Workload:
     return replace(cameras(robots), name="cameras-current", robots=((camera,),) * robots)
 
 
-def crowd(robots: int = 50) -> Workload:
-    """Many robots with small streams of all rates."""
-    return Workload("crowd", (CROWD,) * robots, 2 * MBIT, 0.5)
+def crowd(robots: int = FULL) -> Workload:
+    """Many robots with small streams of all rates; fewer have a part of the limit."""
+    return Workload("crowd", (CROWD,) * robots, 2 * MBIT * robots / FULL, 0.5)
 
 
 WORKLOADS: dict[str, Callable[[int], Workload]] = {

@@ -186,3 +186,44 @@ def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come
     known = make_team()
     known.look()
     assert known.coordination.team.rhythms_known
+
+
+def test_many_whose_samples_are_all_small_have_equal_parts_at_once_where_news_cost_too_much(make_team):
+    """They need not agree on any, which would take news; how much each uses beyond its part is its own business."""
+    team = make_team(names(TUNING.fine_robots), send=TUNING.fine_robots + 1)
+    assert not team.coordination.team.quiet
+    team.look(announcing=99.0)
+    assert team.coordination.team.quiet
+    assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.fine_robots + 1))
+    for _ in range(60):
+        team.look(announcing=99.0, using=0.5)
+    assert team.coordination.part(team.now, 0) > 1.5 / (TUNING.fine_robots + 1)
+    for _ in range(9):
+        team.look()
+    assert team.coordination.part(team.now, 0) == 1.0
+
+
+@pytest.mark.parametrize("coordination", ["announce", "split"])
+def test_others_agree_on_parts(make_team, coordination):
+    """Of few robots, where a sample is larger than some equal parts, and where an operator wants the limit kept."""
+    few = make_team(names(TUNING.fine_robots - 2), send=TUNING.fine_robots - 1, coordination=coordination)
+    large = make_team(names(TUNING.fine_robots), send=TUNING.fine_robots + 1, coordination=coordination)
+    size = round(1.1 * TUNING.fine_parts * large.limits[0].limit / (TUNING.fine_robots + 1))
+    stream = large.view.streams.touch(0.0, "r1", "robot/r1/camera")
+    for count in range(9, 60):
+        stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
+    for team in (few, large):
+        for _ in range(1 + round(TUNING.dear_time / TUNING.interval)):
+            team.look(announcing=99.0)
+        assert team.coordination.team.splits
+        assert not team.coordination.team.quiet
+
+
+def test_who_only_listens_has_no_part(make_team):
+    """An operator, whose state tells of no streams."""
+    team = make_team(names(TUNING.fine_robots + 1), send=TUNING.fine_robots + 1)
+    last = names(TUNING.fine_robots + 1)[-1]
+    team.view.heard_digest(59.0, Digest(last, last, 59.0))
+    team.now = 60.0
+    team.look(announcing=99.0)
+    assert team.coordination.team.sharing == TUNING.fine_robots + 1

@@ -142,3 +142,17 @@ def test_a_sample_of_a_priced_stream_pays_out_of_turn_where_it_ends_enough(make_
     assert [one.relieves(part * enough) for part in (0.0, 0.9, 1.1)] == [False, False, True]
     (other, *_) = weighed(*[make_row("odometry", 20.0, 1_000) for _ in range(20)])
     assert not other.relieves(1e9)
+
+
+def test_what_varies_leaves_room_for_the_rest(make_row):
+    """Else the last of many small samples, worth little, take what a window with more than usual needs for others."""
+
+    def prices(*rows):
+        return Market.of(rows, (LIMIT,))[0].prices
+
+    even, uneven = ([make_row("odometry", 20.0, 1_000, deviation=d) for _ in range(20)] for d in (0.0, 900.0))
+    assert prices(*uneven) > prices(*even) > (0.0,)
+    cameras = [[make_row("camera", 10.0, 26_000, deviation=d) for _ in range(4)] for d in (0.0, 9_000.0)]
+    small = make_row("odometry", 20.0, 116)
+    assert prices(*cameras[0], small) == prices(*cameras[1], small)
+    assert standings(*cameras[1], small)[-1] is Standing.UNDISPUTED
