@@ -198,12 +198,13 @@ class Scene:
         self.speaker.stop()
         return self.speaker.said
 
-    def finish(self, *, whole_local=True, counted=True, ordered=True, most=None):
+    def finish(self, *, whole_local=True, counted=True, ordered=True, most=None, growth=GROWTH):
         """Stop publishing, and check what always holds. Return the counts of who published, at the end.
 
         `whole_local`: its own application misses nothing. `counted`: its daemon has lived all the time, so that what
         was heard can be compared with what it says to have forwarded. `ordered`: of its stream only the newest waits.
-        `most`: so many samples were published in all, where that were others, too.
+        `most`: so many samples were published in all, where that were others, too. `growth`: a daemon may take so
+        much more memory than before [B].
         """
         said = self.stop()
         for numbers in (self.local, *self.remote):
@@ -220,14 +221,14 @@ class Scene:
         assert sum(counts["by_reason"].values()) == counts["in"]
         if counted:
             assert all(len(numbers.heard) <= counts["forwarded"] for numbers in self.remote)
-        self.assert_bounded()
+        self.assert_bounded(growth)
         return counts
 
-    def assert_bounded(self):
+    def assert_bounded(self, growth):
         """No daemon holds much more than before the fault."""
         for robot in self.robots.values():
             (own, shared), (before, _) = robot.memory(), self._before[robot.name]
-            assert own - before < GROWTH, f"{robot.name}: {before} B before, {own} B now"
+            assert own - before < growth, f"{robot.name}: {before} B before, {own} B now"
             assert shared < SHARED, f"{robot.name}: {shared} B shared"
 
     def _end(self, robot):

@@ -17,6 +17,8 @@ from tests.waiting import wait_until
 pytestmark = pytest.mark.full
 KEYS = int(os.environ.get("KEYS", "500"))
 """That come at once. The long run has ten thousand, which take a core minutes: each is a decision of its own."""
+CROWD = 128 << 20
+"""What they may take: it is known of each whether it crosses, and of 4,096 at a time all that there is to plan [B]."""
 PEERS, LOOPS = 100, 16
 STREAMS = CoreSettings("a", "0a").streams
 
@@ -35,7 +37,7 @@ def test_a_flood_of_keys_is_bounded(play):
     wait_until(lambda: taken(scene) >= KEYS, 60.0 + KEYS / 10, what="all samples to be taken")
     print(f"{KEYS} keys at once are decided after {time.monotonic() - began:.1f} s more")
     assert len(scene.first.status()["streams"]) <= STREAMS
-    scene.finish(most=scene.speaker.said + KEYS)
+    scene.finish(most=scene.speaker.said + KEYS, growth=CROWD)
 
 
 def taken(scene):
