@@ -37,4 +37,5 @@ class Overbooking:
             return
         mean, square = self._mean / self._weight, self._square / self._weight
         spread = math.sqrt(max(0.0, square - mean * mean) / robots)
-        self.factor = 1.0 / min(1.0, max(mean + TUNING.use_deviations * spread, 1.0 / TUNING.overbooked))
+        deviations = TUNING.use_deviations + TUNING.few_deviations / robots
+        self.factor = 1.0 / min(1.0, max(mean + deviations * spread, 1.0 / TUNING.overbooked))

@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
@@ -10,6 +10,7 @@ from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, changes_plans, exceeds, shortest_window, use_of
 from proxy.core.model.transport import is_broadcast
 from proxy.core.protocol.messages import Digest
+from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
@@ -147,11 +148,11 @@ class Team:
         self.votes_to_split = self.strict or self.seldom or late or many or now >= self._dear_since + lasting
 
     def _equal_parts_do(self, competing: Collection[Stream], limits: tuple[Limit, ...]) -> bool:
-        """Return whether several robots send, and nothing that is much larger than an equal part."""
+        """Return whether several robots send several streams each, and nothing much larger than an equal part."""
+        if self._senders < TUNING.even_robots or self._streams_each() < TUNING.even_streams:
+            return False
         most = TUNING.even_parts * (1.0 if self.even else TUNING.hysteresis) / self._senders
-        return self._senders >= TUNING.even_robots and not any(
-            exceeds(most, use_of(round(stream.sizes.mean), 1, limits), limits) for stream in competing
-        )
+        return not any(exceeds(most, use_of(round(stream.sizes.mean), 1, limits), limits) for stream in competing)
 
     def _count_senders(self) -> int:
         """Return how many robots share what there is: all but those that are known to have sent nothing.
@@ -159,9 +160,16 @@ class Team:
         Where only those counted of whom we have heard what they send, six robots took 1.4 times the limit: few news
         come.
         """
-        view = self._view
-        others = (peer for name, peer in view.peers.items() if name in self.members)
-        return 1 + sum(not view.newcomers.only_listens(peer) for peer in others)
+        return 1 + sum(not self._view.newcomers.only_listens(peer) for peer in self._others())
+
+    def _streams_each(self) -> float:
+        """Return how many streams a robot has in the mean, as states tell."""
+        view, told = self._view, [len(peer.told) for peer in self._others() if peer.told]
+        return (sum(1 for _ in view.streams.own()) + sum(told)) / (1 + len(told))
+
+    def _others(self) -> Iterator[Peer]:
+        """Yield the others that take part."""
+        return (peer for name, peer in self._view.peers.items() if name in self.members)
 
     def _look_at_rhythms(self, now: float, limits: tuple[Limit, ...]) -> None:
         """See how often large samples come: ours, and those of which the others' states tell."""

@@ -37,11 +37,13 @@ class CoordinationTuning:
     even_parts: float = 3.0
     """Where announcements cost too much equal parts do if no message is larger than so many of them: to agree on others
     takes news, too. With five streams of 0.1 to 4 kB each (unicast, 20 ms) twelve robots on 0.48 Mbit/s reached 62 to
-    64 % of a central decider, as they never agreed, and reach 88 to 89; eight reached 70, and reach 89 to 92, four
-    66 to 75, and reach 87 to 94, at most 0.5 % of the windows over...
+    64 % of a central decider, as they never agreed, and reach 87 to 89; eight reached 70, and reach 90 to 93, four
+    66 to 75, and reach 82 to 92, at most 1.7 % of the windows over...
     """
     even_robots: int = 3
-    """... and so many robots have something to send."""
+    """... so many robots have something to send..."""
+    even_streams: float = 3.0
+    """... and so many streams each, so that they are alike: of robots with one camera each who sees more needs more."""
     varied_margin: float = 0.06
     """Where several robots plan for all, and all large samples vary in size, so much of each limit is left: five robots
     with samples of random sizes had 0.9 % of windows over the limit at 20 ms instead of 2.9, with the same utility, and
@@ -117,6 +119,8 @@ class CoordinationTuning:
     use_deviations: float = 1.5
     """Room for so many standard deviations of what all use is left: with 2.5 fifty robots reached 92.5 % of central
     instead of 93.6."""
+    few_deviations: float = 4.0
+    """And for as many more as this divided by the robots: half of it left six robots with 3.8 % of the windows over."""
     overbooked: float = 2.0
     """No robot uses more than so many times its part of a window."""
 

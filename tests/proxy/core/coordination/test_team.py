@@ -191,7 +191,9 @@ def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come
 def test_robots_whose_samples_are_small_have_equal_parts_at_once_where_news_cost_too_much(make_team):
     """They need not agree on any, which would take news; how much each uses beyond its part is its own business."""
     team = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1)
+    team.look(announcing=99.0)
     assert not team.coordination.team.quiet
+    tell(team, names(TUNING.even_robots), 6)
     team.look(announcing=99.0)
     assert team.coordination.team.quiet
     assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.even_robots + 1))
@@ -203,10 +205,18 @@ def test_robots_whose_samples_are_small_have_equal_parts_at_once_where_news_cost
     assert team.coordination.part(team.now, 0) == 1.0
 
 
+def tell(team, robots, streams):
+    """The states of these robots have come, who have so many streams each."""
+    for name in robots:
+        keys = [f"robot/{name}/camera{number}" for number in range(streams)]
+        team.view.peers[name].told = {key: StreamState(1, key, "camera", 1.0) for key in keys}
+
+
 def test_who_hears_nothing_of_the_others_keeps_to_its_part(make_team):
     """Of equal parts nobody says anything: that is no reason to take all. Who is known to send nothing has none."""
     robots = names(TUNING.even_robots + 1)
     team = make_team(robots, send=1)
+    tell(team, robots, 6)
     team.view.heard_digest(59.0, Digest(robots[-1], robots[-1], 59.0))
     team.now = 60.0
     team.look(announcing=99.0)
@@ -216,14 +226,17 @@ def test_who_hears_nothing_of_the_others_keeps_to_its_part(make_team):
 
 @pytest.mark.parametrize("coordination", ["announce", "split"])
 def test_others_agree_on_parts(make_team, coordination):
-    """Of few robots, where a sample is larger than some equal parts, and where an operator wants the limit kept."""
+    """Few robots, those of one stream each, where a sample is larger than some equal parts or an operator wants it."""
     few = make_team(names(TUNING.even_robots - 2), send=TUNING.even_robots - 1, coordination=coordination)
     large = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1, coordination=coordination)
     size = round(1.1 * TUNING.even_parts * large.limits[0].limit / (TUNING.even_robots + 1))
+    single = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1, coordination=coordination)
+    for team, streams in ((few, 6), (large, 6), (single, 1)):
+        tell(team, team.coordination.team.members, streams)
     stream = large.view.streams.touch(0.0, "r1", "robot/r1/camera")
     for count in range(9, 60):
         stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
-    for team in (few, large):
+    for team in (few, large, single):
         for _ in range(1 + round(TUNING.dear_time / TUNING.interval)):
             team.look(announcing=99.0)
         assert team.coordination.team.splits
