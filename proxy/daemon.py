@@ -205,6 +205,7 @@ class Daemon:
 
     def _make_presence(self, sides: Sides, hold_back: HoldBack) -> Presence:
         core, loop = self._loop.core, self._loop
+        peers = core.view.peers
         return Presence(
             sides.mesh,
             self.robot,
@@ -212,7 +213,7 @@ class Daemon:
             loop.post,
             loop.offer,
             later=loop.post_at,
-            old=lambda now, name, sent: is_old(now, core.view.peers.get(name), sent),
+            old=lambda now, name, sent: is_old(now, peers.get(name), sent),
             hold_back=hold_back,
             broadcast=sides.data if isinstance(sides.data, Broadcast) and core.settings.digests_on_air else None,
         )

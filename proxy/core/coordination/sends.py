@@ -121,6 +121,10 @@ class OwnSends:
         """Return what they used of a limit since then."""
         return self._sent.used(since, k)
 
+    def is_leaving(self, sample: int) -> bool:
+        """Whether a sample is a large one that the mesh has not taken yet."""
+        return sample in self._leaving
+
     def handed(self, now: float, sample: int) -> None:
         """The mesh took a sample: a large one counts for a window from now on, not from when it was decided.
 
