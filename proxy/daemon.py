@@ -248,7 +248,7 @@ class Daemon:
             app=sides.app,
             robot=self.robot,
             executor=executor,
-            on_loop=self._loop.post,
+            on_loop=self._loop.order,
             status=status.read,
             live=status.live,
             why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
@@ -257,7 +257,7 @@ class Daemon:
             specs=self._described_specs,
         )
         opening.callback(control.close)
-        recording = RecordingControl(sides.app, self.robot, executor, self._loop.post, self.recording)
+        recording = RecordingControl(sides.app, self.robot, executor, self._loop.order, self.recording)
         opening.callback(recording.close)
 
     def _described_specs(self) -> dict[str, Any]:

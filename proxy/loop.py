@@ -3,6 +3,7 @@
 import itertools
 import logging
 import threading
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from heapq import heappop, heappush
@@ -20,6 +21,12 @@ log = logging.getLogger(__name__)
 
 
 T = TypeVar("T")
+
+
+def _look() -> None:
+    """There is an order."""
+
+
 Item = Event | Callable[[], Event | None]
 """An event, or a job for the loop's thread that may make one."""
 
@@ -43,6 +50,8 @@ class Loop:
         self._execute = execute
         self._take: Callable[[Event], list[Command]] = core.handle
         self._items: SimpleQueue[Item | _Timed | None] = SimpleQueue()
+        self._orders: deque[Callable[[], None]] = deque()
+        """What is done before all that waits."""
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
         self._refusing = threading.Lock()
@@ -72,6 +81,14 @@ class Loop:
         self._items.put(item)
         return True
 
+    def order(self, job: Callable[[], None]) -> None:
+        """Do what somebody waits for, before all samples that wait. From any thread; never blocks.
+
+        Behind them the status of a daemon with far more samples than it can decide on came seconds late.
+        """
+        self._orders.append(job)
+        self._items.put(_look)
+
     def post_at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""
         self._items.put((when, next(self._numbers), item))
@@ -81,7 +98,7 @@ class Loop:
         heappush(self._timed, (when, next(self._numbers), item))
 
     def ask(self, job: Callable[[], T], timeout: float) -> T:
-        """Do `job` on the loop's thread, from any other one, and return what it returns.
+        """Do `job` on the loop's thread, from any other one, before all samples that wait; return what it returns.
 
         Raises TimeoutError when that takes longer than `timeout` [s]; it may be done later then.
         """
@@ -90,7 +107,7 @@ class Loop:
         def answered() -> None:
             answer.set_result(job())
 
-        self._items.put(answered)
+        self.order(answered)
         return answer.result(timeout)
 
     @property
@@ -114,6 +131,8 @@ class Loop:
 
     def _next(self, wake_at: float) -> Item | None:
         while True:
+            if self._orders:
+                return self._orders.popleft()
             now = clock.monotonic()
             if self._timed and self._timed[0][0] <= now:
                 return heappop(self._timed)[2]

@@ -35,6 +35,8 @@ class Disputes:
     def __init__(self, view: SharedView) -> None:
         self._view = view
         self._weighed_at = -math.inf
+        self.revision = 0
+        """How often it was weighed how streams stand."""
         self._limits: tuple[Limit, ...] = ()
         self._alone = False
         self._weighed: dict[Place, Weighed] = {}
@@ -76,6 +78,7 @@ class Disputes:
             self._market, steady = Market.of(rows, limits)
             weighed = self._market.weigh(rows, steady)
         self._weighed = dict(zip(places, weighed, strict=True))
+        self.revision += 1
         self._book(now, list(zip(rows, weighed, strict=True)))
 
     def weighed(self, stream: Stream) -> Weighed:

@@ -137,6 +137,7 @@ class Gate:
                 crowded = not self.search.busy() and self._copies.waits(copy)
             elif (sample := self.undecided.take(partial(self._waits.postpone, now))) is not None:
                 commands += [self._take_up(now, sample, searching=True), *self.undecided.pass_deletions()]
+                self._waits.left()
             else:
                 break
         else:
@@ -166,6 +167,8 @@ class Gate:
 
     def _takes_all(self, now: float, waiting: Waiting) -> bool:
         """Whether all that is undecided may be sent now by every constraint in force, and one more sample."""
+        if self._waits.for_room:
+            return False
         left = self._budget.free(now)
         for each in (waiting, *self.undecided):
             use = self.appraisal.use(self.appraisal.stream_of(now, each), each)
