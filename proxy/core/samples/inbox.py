@@ -75,7 +75,7 @@ class Inbox:
     def full(self, new: Waiting) -> bool:
         """Whether one would have to leave for `new` because too many wait."""
         same = 0 if new.markovian else len(self._of(new.key))
-        size = self._bytes + self._counted(new)
+        size = self._bytes + min(new.size, self._most_bytes / 2)
         return same >= self._backlog or len(self) >= self._capacity or size > self._most_bytes
 
     def supersede(self, key: str) -> list[Evicted]:
@@ -157,7 +157,7 @@ class Inbox:
     def _add(self, waiting: Waiting) -> None:
         self._waiting[waiting.sample] = waiting
         self._keys.setdefault(waiting.key, {})[waiting.sample] = waiting
-        self._bytes += self._counted(waiting)
+        self._bytes += min(waiting.size, self._most_bytes / 2)
         heappush(self._order, place(waiting))
         if len(self._order) > 2 * len(self) + 1:
             self._order = sorted(place(w) for w in self if w.sample not in self._resting)
@@ -172,10 +172,7 @@ class Inbox:
         del same[waiting.sample]
         if not same:
             del self._keys[waiting.key]
-        self._bytes -= self._counted(waiting)
-
-    def _counted(self, waiting: Waiting) -> float:
-        return min(waiting.size, self._most_bytes / 2)
+        self._bytes -= min(waiting.size, self._most_bytes / 2)
 
 
 def _cheapness(waiting: Waiting) -> tuple[float, float, int]:

@@ -104,7 +104,9 @@ class Waits:
         use, contested = appraisal.use(stream, sample), standing is Standing.CONTESTED
         leads = contested and not self._budget.alone and self._lead.has(now, stream, self._budget.limits)
         kind = contested, leads
-        if self._followers.follow(kind, sample, use):
+        if (before := self._followers.follow(kind, sample, use)) is not None:
+            if before > until:
+                return False
             self._inbox.rest(sample, until)
             return True
         needed = self._disputes.besides(now, use) if contested else use
@@ -114,5 +116,5 @@ class Waits:
         if not now < room <= until:
             return False
         self._inbox.rest(sample, room)
-        self._followers.lead(kind, sample, use)
+        self._followers.lead(kind, sample, use, room)
         return True
