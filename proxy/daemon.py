@@ -166,7 +166,7 @@ class Daemon:
         self._neighbours = neighbours = Neighbours(sides.app, self.robot, str(sides.mesh.zid()), sides.wake.set)
         opening.callback(neighbours.close)
         hold_back = HoldBack(self._loop.core.view.origins.tag_of)
-        link = CoreLink(extractor.submit, self._loop.post, self._loop.offer)
+        link = CoreLink(extractor.submit, self._loop.post, self._loop.note)
         self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
         presence = self._make_presence(sides, hold_back)
         self._execution = Execution(bridge, presence, self._planning, extractor, self._loop)

@@ -109,14 +109,13 @@ class Core:
         parts = self._parts
         self._wakes_at = min(self._wakes_at, parts.gossip.requests.due_at)  # a digest may name a state that we lack
         due = now >= self._wakes_at or now >= parts.channel.due_at
-        split = parts.coordination.split_in_force or parts.coordination.told
-        if due or kind not in NOTED or parts.gate.waits or split:
+        if due or kind not in NOTED or not self.notes:
             fast.conclude()
             commands = [*commands, *self._advance(now)]
             self._retention.follow(now, commands)
             self._wakes_at = self._due_at(now)
         elif kind in PASSING:
-            return parts.kept.around(commands)
+            return commands
         self._look_whether_samples_pass(event)
         return parts.kept.around(commands)
 
@@ -125,6 +124,12 @@ class Core:
         """All parts, with all entered in them that happened."""
         self._fast.settle()
         return self._parts
+
+    @property
+    def notes(self) -> bool:
+        """Whether what is heard is only noted: no sample waits for it, and the team has no parts and had none."""
+        coordination = self._parts.coordination
+        return not (self._parts.gate.waits or coordination.split_in_force or coordination.told)
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]; since the last event nothing can have changed that."""
