@@ -267,7 +267,7 @@ class Daemon:
 
     def _serve_fleet(self, sides: Sides, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""
-        loop, view = self._loop, self._loop.core.view
+        loop, core = self._loop, self._loop.core
         executor = SerialExecutor("fleet", TUNING.orders)
         opening.callback(executor.close, TUNING.stop_wait)
         fleet = Fleet(
@@ -281,7 +281,7 @@ class Daemon:
                 lambda mode: loop.ask(partial(self._ordered, mode), TUNING.core_wait),
                 self.reloading,
             ),
-            members=lambda: loop.ask(lambda: [peer.robot for peer in view.peers.values()], TUNING.core_wait),
+            members=lambda: loop.ask(lambda: [peer.robot for peer in core.view.peers.values()], TUNING.core_wait),
         )
         opening.callback(fleet.close)
 
