@@ -169,7 +169,7 @@ class Daemon:
         self._neighbours = neighbours = Neighbours(sides.app, self.robot, str(sides.mesh.zid()), sides.wake.set)
         opening.callback(neighbours.close)
         hold_back = HoldBack(self._loop.core.view.origins.tag_of)
-        link = CoreLink(extractor.submit, self._loop.post, self._loop.offer)
+        link = CoreLink(extractor.submit, self._loop.post, self._loop.note)
         self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
         presence = self._make_presence(sides, hold_back)
         self._execution = Execution(bridge, presence, self._planning, extractor, self._loop)
@@ -208,6 +208,7 @@ class Daemon:
 
     def _make_presence(self, sides: Sides, hold_back: HoldBack) -> Presence:
         core, loop = self._loop.core, self._loop
+        peers = core.view.peers
         return Presence(
             sides.mesh,
             self.robot,
@@ -215,7 +216,7 @@ class Daemon:
             loop.post,
             loop.offer,
             later=loop.post_at,
-            old=lambda now, name, sent: is_old(now, core.view.peers.get(name), sent),
+            old=lambda now, name, sent: is_old(now, peers.get(name), sent),
             hold_back=hold_back,
             broadcast=sides.data if isinstance(sides.data, Broadcast) and core.settings.digests_on_air else None,
             certified=certified_names(self._config.mesh.zenoh),
@@ -251,7 +252,7 @@ class Daemon:
             app=sides.app,
             robot=self.robot,
             executor=executor,
-            on_loop=self._loop.post,
+            on_loop=self._loop.order,
             status=status.read,
             live=status.live,
             why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
@@ -260,7 +261,7 @@ class Daemon:
             specs=self._described_specs,
         )
         opening.callback(control.close)
-        recording = RecordingControl(sides.app, self.robot, executor, self._loop.post, self.recording)
+        recording = RecordingControl(sides.app, self.robot, executor, self._loop.order, self.recording)
         opening.callback(recording.close)
 
     def _described_specs(self) -> dict[str, Any]:
@@ -270,7 +271,7 @@ class Daemon:
 
     def _serve_fleet(self, sides: Sides, presence: Presence, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""
-        loop, view = self._loop, self._loop.core.view
+        loop, core = self._loop, self._loop.core
         token = self._token()
         executor = SerialExecutor("fleet", TUNING.orders)
         opening.callback(executor.close, TUNING.stop_wait)
@@ -285,7 +286,7 @@ class Daemon:
                 lambda mode: loop.ask(partial(self._ordered, mode), TUNING.core_wait),
                 self.reloading,
             ),
-            members=lambda: loop.ask(lambda: [peer.robot for peer in view.peers.values()], TUNING.core_wait),
+            members=lambda: loop.ask(lambda: [peer.robot for peer in core.view.peers.values()], TUNING.core_wait),
             guard=OrderGuard(self.robot, token) if token else None,
             refuse=presence.floods.refuse,
         )

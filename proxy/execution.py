@@ -49,6 +49,9 @@ class Execution:
 
     def __call__(self, command: Command) -> None:
         """Carry out one command."""
+        if type(command) is Forward:  # as nearly all are
+            self.bridge.forward(command.sample)
+            return
         match command:
             case Decide():
                 self.planning.decide(command)

@@ -161,6 +161,8 @@ class Extractor:
         if isinstance(event, SamplePublished) and event.delete:
             return replace(event, features={}, superseded=place.superseded)
         features = place.covering.extract(place.key, place.payload, place.attachment, self._background)
+        if not features and not place.superseded:
+            return event
         if isinstance(event, SampleReread):
             return replace(event, features=features)
         return replace(event, features=features, superseded=place.superseded)

@@ -3,6 +3,7 @@
 import itertools
 import logging
 import threading
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from heapq import heappop, heappush
@@ -20,6 +21,12 @@ log = logging.getLogger(__name__)
 
 
 T = TypeVar("T")
+
+
+def _look() -> None:
+    """There is an order."""
+
+
 Item = Event | Callable[[], Event | None]
 """An event, or a job for the loop's thread that may make one."""
 
@@ -43,6 +50,16 @@ class Loop:
         self._execute = execute
         self._take: Callable[[Event], list[Command]] = core.handle
         self._items: SimpleQueue[Item | _Timed | None] = SimpleQueue()
+        self._orders: deque[Callable[[], None]] = deque()
+        """What is done before all that waits."""
+        self._noted: deque[Item] = deque()
+        """Events that the core only notes."""
+        self._collects = False
+        """Whether they are looked for soon."""
+        self._core_notes = False
+        """Whether there is nothing for which it needs to know of such events at once."""
+        self._following: deque[Item] = deque()
+        """What follows from what is done now."""
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
         self._refusing = threading.Lock()
@@ -60,8 +77,14 @@ class Loop:
         self._thread.join(timeout)
 
     def post(self, item: Item) -> None:
-        """Let the core know, whatever waits: of samples, which are bounded elsewhere. From any thread; never blocks."""
-        self._items.put(item)
+        """Let the core know, whatever waits: of samples, which are bounded elsewhere. From any thread; never blocks.
+
+        What is posted on the loop's own thread, such as that a sample was handed over, follows what is done there now.
+        """
+        if threading.get_ident() == self._thread.ident:
+            self._following.append(item)
+        else:
+            self._items.put(item)
 
     def offer(self, item: Item) -> bool:
         """Let the core know, if not too many items wait: for what others cause, and say again. From any thread."""
@@ -72,16 +95,38 @@ class Loop:
         self._items.put(item)
         return True
 
+    def order(self, job: Callable[[], None]) -> None:
+        """Do what somebody waits for, before all samples that wait. From any thread; never blocks.
+
+        Behind them the status of a daemon with far more samples than it can decide on came seconds late.
+        """
+        self._orders.append(job)
+        self._items.put(_look)
+
+    def note(self, event: Event) -> None:
+        """Let the core know, if not too many wait, of what it only notes as things are: with what happens next.
+
+        That is in `TUNING.noted` at the latest: the loop did not wake for each of 200 samples a second that came. From
+        any thread.
+        """
+        if not self._core_notes or len(self._noted) >= TUNING.items:
+            self.offer(event)
+            return
+        self._noted.append(event)
+        if not self._collects:
+            self._collects = True
+            self._items.put((event.now + TUNING.noted, next(self._numbers), self._collect))
+
     def post_at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""
-        self._items.put((when, next(self._numbers), item))
+        self._items.put(item if when <= clock.monotonic() else (when, next(self._numbers), item))
 
     def at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, before what waits. On the loop's thread only."""
         heappush(self._timed, (when, next(self._numbers), item))
 
     def ask(self, job: Callable[[], T], timeout: float) -> T:
-        """Do `job` on the loop's thread, from any other one, and return what it returns.
+        """Do `job` on the loop's thread, from any other one, before all samples that wait; return what it returns.
 
         Raises TimeoutError when that takes longer than `timeout` [s]; it may be done later then.
         """
@@ -90,13 +135,13 @@ class Loop:
         def answered() -> None:
             answer.set_result(job())
 
-        self._items.put(answered)
+        self.order(answered)
         return answer.result(timeout)
 
     @property
     def waiting(self) -> int:
         """Items that wait for the core."""
-        return self._items.qsize() + len(self._timed)
+        return self._items.qsize() + len(self._timed) + len(self._following) + len(self._noted)
 
     def handle(self, event: Event) -> None:
         """Take in `event` and carry out what follows. On the loop's thread only."""
@@ -114,9 +159,14 @@ class Loop:
 
     def _next(self, wake_at: float) -> Item | None:
         while True:
+            if self._orders:
+                return self._orders.popleft()
             now = clock.monotonic()
             if self._timed and self._timed[0][0] <= now:
                 return heappop(self._timed)[2]
+            for noted in (self._following, self._noted):
+                if noted:
+                    return noted.popleft()
             until = min(wake_at, self._timed[0][0]) if self._timed else wake_at
             try:
                 item = self._items.get(timeout=max(until - now, 0.0))
@@ -127,6 +177,10 @@ class Loop:
             if not isinstance(item, tuple):
                 return item
             heappush(self._timed, item)
+
+    def _collect(self) -> None:
+        """What was noted comes next; for what is noted from now on it is looked again."""
+        self._collects = False
 
     def _digest(self, item: Item) -> float:
         """Handle one item; return when time must pass next."""
@@ -139,6 +193,7 @@ class Loop:
             wall = self._wall.look(now)
             if wall is not None:
                 self.handle(ClockChanged(now, wall.offset, wall.error))
+            self._core_notes = self.core.notes
             return self.core.wake_at(now)
         except Exception:
             self.faults += 1

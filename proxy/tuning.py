@@ -20,6 +20,8 @@ class DaemonTuning:
     # Samples on their way to the core
     items: int = 8192
     """Items that may wait for the core; more are taken in only if they must not be lost."""
+    noted: float = 0.05
+    """What the core only notes it learns this late at most [s]."""
     uptake_interval: float = 0.002
     """The core takes up samples of one Markovian stream at least this far apart [s]."""
     uptakes: int = 4096

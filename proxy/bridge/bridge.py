@@ -35,11 +35,11 @@ from proxy.tuning import TUNING
 
 @dataclass(frozen=True, slots=True)
 class CoreLink:
-    """How the core learns of covered samples, of what it must know, and of what it may miss when it is busy."""
+    """How the core learns of covered samples, of what it must know, and of samples of others unless it is busy."""
 
     submit: Submit
     post: Callable[[Event], None]
-    offer: Callable[[Event], object]
+    note: Callable[[Event], object]
 
 
 class Bridge:
@@ -111,7 +111,7 @@ class Bridge:
             sides.mesh,
             self._live.match,
             self._rules,
-            self._core.offer,
+            self._core.note,
             numbered=sourced,
             counts_each=self._live.counts_each,
             hold_back=hold_back,

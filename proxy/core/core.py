@@ -9,19 +9,28 @@ of what is heard is only noted: where no sample waits for it, the parts go on wh
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Generic, TypeVar
 
+from proxy.core.congestion.channel import Channel
+from proxy.core.coordination.budget import Budget
+from proxy.core.coordination.coordination import Coordination
+from proxy.core.gossip.gossip import Gossip
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
 from proxy.core.parts import Parts
 from proxy.core.reactions.changes import Changes
+from proxy.core.reactions.fast_path import FastPath
 from proxy.core.reactions.membership import Membership
 from proxy.core.reactions.mesh_news import MeshNews
 from proxy.core.reactions.own_samples import OwnSamples
 from proxy.core.reactions.retention import Retention
 from proxy.core.reactions.team_limits import TeamLimits
+from proxy.core.samples.gate import Gate
+from proxy.core.samples.kept import Kept
 from proxy.core.status import live, report, totals
+from proxy.core.view.mismatched_limits import MismatchedLimits
+from proxy.core.view.view import SharedView
 from proxy.core.why import stream_decisions
 from utility_specs import Specs
 
@@ -33,14 +42,41 @@ NOTED = frozenset({ev.SampleHanded, ev.SampleHeard, ev.DigestHeard, ev.Malformed
 """Events that bring about nothing by themselves, unless a sample waits, or the team has or had parts."""
 
 
+PASSING = frozenset({ev.SampleHanded, ev.SampleHeard})
+"""Of these, those after which samples pass as before."""
+STEADY = frozenset({ev.SamplePublished, ev.TimePassed, ev.DigestHeard}) | PASSING
+"""Events that change nothing of what streams need for each of their samples."""
+
+T = TypeVar("T")
+
+
+class _Part(Generic[T]):
+    """A part of a core, for who looks into it between two events."""
+
+    def __set_name__(self, _: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, core: "Core", _: type) -> T:
+        part: T = getattr(core.parts, self._name)
+        return part
+
+
 class Core:
     """One robot's decisions."""
 
+    view = _Part[SharedView]()
+    mismatched = _Part[MismatchedLimits]()
+    coordination = _Part[Coordination]()
+    budget = _Part[Budget]()
+    channel = _Part[Channel]()
+    kept = _Part[Kept]()
+    gate = _Part[Gate]()
+    gossip = _Part[Gossip]()
+
     def __init__(self, settings: CoreSettings, specs: Specs, now: float) -> None:
-        self.parts = parts = Parts.build(settings, specs, now)
-        self.settings, self.view, self.mismatched = settings, parts.view, parts.mismatched
-        self.coordination, self.budget, self.channel = parts.coordination, parts.budget, parts.channel
-        self.counts, self.kept, self.gate, self.gossip = parts.counts, parts.kept, parts.gate, parts.gossip
+        self._parts = parts = Parts.build(settings, specs, now)
+        self.settings, self.counts = settings, parts.counts
+        self._fast = FastPath(parts)
         self.started = self._wakes_at = self._tidied_at = now
         self._retention = Retention(parts)
         self._limits = TeamLimits(parts)
@@ -60,18 +96,40 @@ class Core:
 
     def handle(self, event: ev.Event) -> list[Command]:
         """Take in one event; return what is to be done, in order. Raises TypeError for what is no event."""
-        react = self._reactions.get(type(event))
+        fast, kind = self._fast, type(event)
+        react = self._reactions.get(kind)
         if react is None:
-            raise TypeError(f"{type(event).__name__} is no event of the core")
+            raise TypeError(f"{kind.__name__} is no event of the core")
+        if (passed := fast.take(event)) is not None:
+            self._wakes_at = min(self._wakes_at, fast.due_at)
+            return passed
+        if kind is not ev.SampleHeard:  # which concerns none of ours
+            fast.conclude()
         commands, now = react(event), event.now
-        self._wakes_at = min(self._wakes_at, self.gossip.requests.due_at)  # a digest may name a state that we lack
-        due = now >= self._wakes_at or now >= self.channel.due_at
-        parts = self.coordination.split_in_force or self.coordination.told
-        if due or type(event) not in NOTED or self.gate.waits or parts:
+        parts = self._parts
+        self._wakes_at = min(self._wakes_at, parts.gossip.requests.due_at)  # a digest may name a state that we lack
+        due = now >= self._wakes_at or now >= parts.channel.due_at
+        if due or kind not in NOTED or not self.notes:
+            fast.conclude()
             commands = [*commands, *self._advance(now)]
             self._retention.follow(now, commands)
             self._wakes_at = self._due_at(now)
-        return self.kept.around(commands)
+        elif kind in PASSING:
+            return commands
+        self._look_whether_samples_pass(event)
+        return parts.kept.around(commands)
+
+    @property
+    def parts(self) -> Parts:
+        """All parts, with all entered in them that happened."""
+        self._fast.settle()
+        return self._parts
+
+    @property
+    def notes(self) -> bool:
+        """Whether what is heard is only noted: no sample waits for it, and the team has no parts and had none."""
+        coordination = self._parts.coordination
+        return not (self._parts.gate.waits or coordination.split_in_force or coordination.told)
 
     def wake_at(self, now: float) -> float:
         """When `TimePassed` is due at the latest [s, our clock]; since the last event nothing can have changed that."""
@@ -111,11 +169,19 @@ class Core:
         """Return the last decisions on our stream of a key, of those numbered above `after`, as plain JSON data."""
         return stream_decisions(self.parts, now, key, last, after)
 
+    def _look_whether_samples_pass(self, event: ev.Event) -> None:
+        """See whether the next samples can be sent as they come."""
+        if type(event) not in STEADY:
+            self._fast.close()
+        self._fast.open(event.now, min(self._wakes_at, self._parts.channel.due_at, self._tidied_at + TIDIED_EVERY))
+        if isinstance(event, ev.SamplePublished):
+            self._fast.admit(event)
+
     def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
         """Return who takes in which event."""
         samples, news = self._samples, self.news
-        members = Membership(self.parts, self._limits, news, self._retention)
-        changes = Changes(self.parts, self._limits, self._retention)
+        members = Membership(self._parts, self._limits, news, self._retention)
+        changes = Changes(self._parts, self._limits, self._retention)
         return {
             ev.SamplePublished: samples.published,
             ev.SampleReread: samples.reread,
@@ -145,29 +211,31 @@ class Core:
 
     def _advance(self, now: float) -> list[Command]:
         """Go on with whatever can go on after an event; what one part says is passed on to the others."""
-        urgent, commands = False, list[Command]()
-        if now >= self.channel.due_at:
-            urgent = self.channel.look(now, self.counts.dropped)
+        urgent, commands, parts = False, list[Command](), self._parts
+        budget, channel, gossip, gate = parts.budget, parts.channel, parts.gossip, parts.gate
+        if now >= channel.due_at:
+            urgent = channel.look(now, self.counts.dropped)
             commands += self._limits.follow_channel()
         if now >= self._tidied_at + TIDIED_EVERY:
             commands += self._tidy(now)
-        gossip, announcements, coordination = self.gossip, self.gossip.announcements, self.coordination
-        parts_changed = coordination.advance(
-            now, self.budget.limits, self.channel.staleness, announcements.share, self.budget.using
+        announcements = gossip.announcements
+        parts_changed = parts.coordination.advance(
+            now, budget.limits, channel.staleness, announcements.share, budget.using
         )
-        self.budget.mute(announcements.due_at(now))
-        commands += self.gate.next(now)
-        mode, relaxed = self.gate.appraisal.mode, self.gate.appraisal.all_fits and not self.channel.capacity.factors
+        budget.mute(announcements.due_at(now))
+        commands += gate.next(now)
+        mode, relaxed = gate.appraisal.mode, gate.appraisal.all_fits and not channel.capacity.factors
         return commands + gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
 
     def _tidy(self, now: float) -> list[Command]:
         """Forget what is too old, look for whom to leave out of the team, and say what was dropped unplanned."""
         self._tidied_at = now
-        self.view.sweep(now)
+        self._parts.view.sweep(now)
         commands = self._limits.leave_out_mismatched(now)
         return [*commands, *self._retention.sweep(now), *self._samples.unplanned.look(now)]
 
     def _due_at(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""
-        due = min(self.gossip.due_at(now), self.gate.wakes_at, self.coordination.due_at(now), now + LONGEST_SLEEP)
-        return max(min(due, self.channel.capacity.wakes_at(now)), now)
+        parts = self._parts
+        due = min(parts.gossip.due_at(now), parts.gate.wakes_at, parts.coordination.due_at(now), now + LONGEST_SLEEP)
+        return max(min(due, parts.channel.capacity.wakes_at(now)), now)

@@ -9,7 +9,7 @@ import pytest
 from proxy import clock
 from proxy.core.core import Core
 from proxy.core.interface.commands import Notice, SendState
-from proxy.core.interface.events import PeerAppeared, TimePassed
+from proxy.core.interface.events import PeerAppeared, SampleHeard, TimePassed
 from proxy.core.model.settings import CoreSettings
 from proxy.loop import Loop
 from proxy.tuning import TUNING
@@ -141,12 +141,52 @@ def test_who_asks_gets_what_the_job_returns(loop):
 
 def test_who_asks_does_not_wait_for_ever(loop):
     """What takes longer may still be done."""
-    end = threading.Event()
-    loop.post(lambda: end.wait(20.0) and None)
+    began, end = threading.Event(), threading.Event()
+    loop.post(lambda: began.set() or (end.wait(20.0) and None))
+    assert began.wait(20.0)
     with pytest.raises(TimeoutError):
         loop.ask(lambda: None, 0.01)
     end.set()
     assert loop.ask(lambda: 3, 20.0) == 3
+
+
+def test_orders_come_before_samples_that_wait(loop):
+    """An operator's question is not behind what a daemon has not come to."""
+    ran, began, go = [], threading.Event(), threading.Event()
+    loop.post(lambda: began.set() or (go.wait(20.0) and None))
+    assert began.wait(20.0)
+    for number in range(100):
+        loop.post(partial(ran.append, number))
+    loop.order(partial(ran.append, "order"))
+    go.set()
+    wait_until(lambda: len(ran) == 101, what="all jobs")
+    assert ran == ["order", *range(100)]
+
+
+def test_what_is_noted_comes_with_what_happens_next(executed):
+    """It does not wake the loop, comes before what is posted later, and in a moment by itself."""
+    core, taken = Core(CoreSettings("r1", "z1"), Specs.empty(), clock.monotonic()), []
+    loop = Loop(core, executed.append)
+
+    def take(event):
+        taken.append(event)
+        return []
+
+    loop.record(take)
+    loop.start()
+    try:
+        loop.ask(lambda: None, 20.0)
+        heard = [SampleHeard(clock.monotonic(), f"a/{number}", 10, None, None, None) for number in range(3)]
+        posted = PeerAppeared(clock.monotonic(), "r2", "z2")
+        for event in heard[:2]:
+            loop.note(event)
+        loop.post(posted)
+        wait_until(lambda: posted in taken, what="what was posted")
+        assert [event for event in taken if not isinstance(event, TimePassed)] == [*heard[:2], posted]
+        loop.note(heard[2])
+        wait_until(lambda: heard[2] in taken, what="what was noted last")
+    finally:
+        loop.close(1.0)
 
 
 def test_what_is_due_comes_before_all_that_waits(loop):

@@ -132,9 +132,10 @@ class Budget:
 
     def use(self, now: float, use: tuple[float, ...], sample: int | None = None) -> None:
         """A message with this use is sent now, a `sample` or something else."""
-        self.own.note(now, use, sample if changes_plans(use, self.limits) else None)
-        shared = [(amount, limit) for amount, limit in zip(use, self.limits, strict=True) if limit.shared]
-        self._coordination.sent(now, [amount / limit.limit for amount, limit in shared])
+        large = sample is not None and changes_plans(use, self.limits)
+        self.own.note(now, use, sample if large else None)
+        shared = [amount / limit.limit for amount, limit in zip(use, self.limits, strict=True) if limit.shared]
+        self._coordination.sent(now, shared)
         self.own.forget(now - self._memory)
 
     def use_at_most(self, now: float, use: tuple[float, ...], part: float) -> None:

@@ -42,10 +42,25 @@ def news_take(view: SharedView) -> float:
     return view.staleness.longest_way + view.staleness.delay + TUNING.deciding
 
 
-def leads(now: float, view: SharedView, disputes: Disputes, stream: Stream, limits: tuple[Limit, ...]) -> bool:
-    """Whether a periodic stream of ours has the best claim of all: the others leave it the room that opens next."""
-    ours = claim(now, stream)
-    return _waits(stream) and all(theirs < ours for theirs, _ in _claims(now, view, disputes, stream, limits))
+class Lead:
+    """Which of our streams have the best claim of all: what others claim is looked at once for all of them."""
+
+    def __init__(self, view: SharedView, disputes: Disputes) -> None:
+        self._view, self._disputes = view, disputes
+        self._known: tuple[float, int, tuple[Limit, ...]] = -math.inf, -1, ()
+        """When it was looked at [s], after how many changes of how streams stand, and under which limits."""
+        self._best: Claim = -math.inf, ""
+        """The best claim of others then."""
+
+    def has(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> bool:
+        """Whether a periodic stream of ours has the best claim: the others leave it the room that opens next."""
+        if not _waits(stream):
+            return False
+        known = now, self._disputes.revision, limits
+        if known != self._known:
+            claims = _claims(now, self._view, self._disputes, stream, limits)
+            self._known, self._best = known, max((theirs for theirs, _ in claims), default=(-math.inf, ""))
+        return self._best < claim(now, stream)
 
 
 def opening(view: SharedView) -> float:

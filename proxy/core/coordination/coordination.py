@@ -42,7 +42,9 @@ class Coordination:
     def __init__(self, now: float, settings: CoreSettings, view: SharedView) -> None:
         self._settings, self._view = settings, view
         self.team = Team(view, now)
-        self._settled_at, self._due = now + settings.settle, now
+        self._settled_at = now + settings.settle
+        self.looks_at = now
+        """When it is looked again whether the team has to split, and what to ask for [s]."""
         self._kind: tuple[tuple[float, ...], int] = (), 0
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
@@ -116,7 +118,7 @@ class Coordination:
     def set_members(self, now: float, members: Collection[str]) -> None:
         """These robots take part, and we."""
         self.team.set_members(members)
-        self._due = now
+        self.looks_at = now
         self._introduce(now)
 
     def set_limits(self, now: float, limits: Sequence[Limit]) -> None:
@@ -152,9 +154,9 @@ class Coordination:
         News of others are `waiting` so long on a channel that is full [s]; `announcing` says what part of the
         allowance announcements take, `using` what part we use of what we may.
         """
-        due = now >= self._due or self.team.undecided
+        due = now >= self.looks_at or self.team.undecided
         if due:
-            self._due = now + TUNING.interval
+            self.looks_at = now + TUNING.interval
             split = self.split_in_force
             asked = split is not None and split.agreement.rivals
             self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
@@ -217,8 +219,8 @@ class Coordination:
     def due_at(self, now: float) -> float:
         """When this changes by time alone [s]: where all plan for all, only what happens is looked at."""
         if (split := self.split_in_force) is None:
-            return self._due if self._overbooks else math.inf
-        return min(self._due, split.due_at(now))
+            return self.looks_at if self._overbooks else math.inf
+        return min(self.looks_at, split.due_at(now))
 
     def _introduce(self, now: float) -> None:
         """Let the split know who takes part."""

@@ -1,5 +1,6 @@
 """What counts against the limits: our own sends, and what we know others to have sent."""
 
+import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
@@ -67,6 +68,14 @@ class SendLog:
             return 0.0
         return self._sums[-1][k] - (self._sums[place - 1][k] if place else 0.0)
 
+    def exceeded_since(self, k: int, amount: float) -> float:
+        """Return when that was sent with which all later sends use more than an amount of limit `k` [s]; else −∞."""
+        sums = self._sums
+        least = sums[-1][k] - amount if sums else 0.0
+        if least <= 0.0:
+            return -math.inf
+        return self._times[bisect_left(sums, least, key=lambda used: used[k])]
+
     def _sum_up(self, place: int) -> None:
         """Sum up anew from this place on."""
         self.changes += 1
@@ -107,6 +116,10 @@ class OwnSends:
             self._sent.add(t, tuple(0.0 if k is None else use[k] for k in places))
         self._leaving.clear()
 
+    def exceeded_since(self, k: int, amount: float) -> float:
+        """Return when that was sent with which all later sends use more than an amount of limit `k` [s]; else −∞."""
+        return self._sent.exceeded_since(k, amount)
+
     def note(self, now: float, use: tuple[float, ...], large: int | None) -> None:
         """A message is sent now, a `large` sample or something else."""
         self._sent.add(now, use)
@@ -120,6 +133,10 @@ class OwnSends:
     def used(self, since: float, k: int) -> float:
         """Return what they used of a limit since then."""
         return self._sent.used(since, k)
+
+    def is_leaving(self, sample: int) -> bool:
+        """Whether a sample is a large one that the mesh has not taken yet."""
+        return sample in self._leaving
 
     def handed(self, now: float, sample: int) -> None:
         """The mesh took a sample: a large one counts for a window from now on, not from when it was decided.

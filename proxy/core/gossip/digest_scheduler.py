@@ -69,9 +69,14 @@ class DigestScheduler:
         """A sample of ours was valued: the others should hear of it soon if they want it and its value has changed."""
         self.urgent |= self._news.value_changed(stream) and self._view.subscribers.count(stream) > 0
 
+    @property
+    def gathers_until(self) -> float:
+        """Until when ordinary news may gather, where there is room for all [s]."""
+        return self._budget.last_ordinary + TUNING.relaxed
+
     def gather(self, now: float) -> bool:
         """Let ordinary news gather for a moment, as there is room for all; return whether nothing else is due."""
-        until = self._budget.last_ordinary + TUNING.relaxed
+        until = self.gathers_until
         if self.urgent or now >= until:
             return False
         self.due_at = min(self.due_at, until)

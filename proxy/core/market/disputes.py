@@ -19,7 +19,7 @@ from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed,
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
-from proxy.core.view.stream import Stream, excess
+from proxy.core.view.stream import Sent, Stream, excess
 from proxy.core.view.view import SharedView
 
 if TYPE_CHECKING:
@@ -35,6 +35,8 @@ class Disputes:
     def __init__(self, view: SharedView) -> None:
         self._view = view
         self._weighed_at = -math.inf
+        self.revision = 0
+        """How often it was weighed how streams stand."""
         self._limits: tuple[Limit, ...] = ()
         self._alone = False
         self._weighed: dict[Place, Weighed] = {}
@@ -46,6 +48,8 @@ class Disputes:
         self._known_use: Amounts | None = None
         self._known_sends: list[Send] = []
         """The sends of what is booked, as they are after so many sends noted at that time: one event asks often."""
+        self._sends_of: dict[int, tuple[Sent, list[Send]]] = {}
+        """Those of each of them, by its place, as they are since it sent this."""
         self.settled: frozenset[Place] = frozenset()
         """The streams that are no part of any decision."""
         self.late = 0.0
@@ -76,6 +80,7 @@ class Disputes:
             self._market, steady = Market.of(rows, limits)
             weighed = self._market.weigh(rows, steady)
         self._weighed = dict(zip(places, weighed, strict=True))
+        self.revision += 1
         self._book(now, list(zip(rows, weighed, strict=True)))
 
     def weighed(self, stream: Stream) -> Weighed:
@@ -155,7 +160,7 @@ class Disputes:
         contested = [row for row, w in rows if w.standing is Standing.CONTESTED]
         load = [(row, w) for row, w in rows if w.standing in (Standing.UNDISPUTED, Standing.PRICED)]
         self._load = tuple([(row.stream, self._view.subscribers.copies(row.stream)) for row, _ in load])
-        self._known = None
+        self._known, self._sends_of = None, {}
         apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
         booked = reserve([row for row, _ in load], apart, limits)
         presumed = self._presumed(now, [row for row, _ in load], apart)
@@ -212,19 +217,27 @@ class Disputes:
         known = now, self._view.traffic.revision, self._view.traffic.messages
         if self._known == known:
             return self._known_sends
-        limits, found, since = self._limits, list[Send](), now - longest_window(self._limits)
-        for stream, copies in self._load:
+        found, since, known_of = list[Send](), now - longest_window(self._limits), self._sends_of
+        for place, (stream, copies) in enumerate(self._load):
             if stream.sent is None or stream.sent.t_sent < since:
                 continue
-            own, alike = self._own(stream), dict[int, Amounts]()
-            for sent in reversed(stream.recent):
-                if sent.t_sent < since:
-                    break
-                use = alike.get(sent.size)
-                if use is None:
-                    use = alike[sent.size] = use_of(sent.size, copies, limits, own=own)
-                found.append((sent.t_sent, use))
+            of = known_of.get(place)
+            if of is None or of[0] is not stream.sent:
+                of = known_of[place] = stream.sent, self._recent_sends(stream, copies, since)
+            found += [send for send in of[1] if send[0] >= since]
         self._known, self._known_sends, self._known_use = known, found, None
+        return found
+
+    def _recent_sends(self, stream: Stream, copies: int, since: float) -> list[Send]:
+        """Return what a stream sent since then, the newest first."""
+        limits, own, alike, found = self._limits, self._own(stream), dict[int, Amounts](), list[Send]()
+        for sent in reversed(stream.recent):
+            if sent.t_sent < since:
+                break
+            use = alike.get(sent.size)
+            if use is None:
+                use = alike[sent.size] = use_of(sent.size, copies, limits, own=own)
+            found.append((sent.t_sent, use))
         return found
 
     def _own(self, stream: Stream) -> bool:

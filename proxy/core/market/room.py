@@ -48,8 +48,29 @@ class Departures:
         return t + limit.window + TUNING.closed if ours else math.inf
 
 
+class OwnDepartures:
+    """The same where nobody else sent anything since then [s]: two look-ups in our own sends, and no sum."""
+
+    def __init__(self, own: "Sends", since: float) -> None:
+        self._own = own
+        self._since = since
+
+    def opens(self, limits: Sequence[Constraint], needed: tuple[float, ...]) -> float:
+        """Return when all limits have room for what is `needed`, if nothing else is sent [s]."""
+        return max((self._opens(c, k, needed[k]) for k, c in enumerate(limits)), default=-math.inf)
+
+    def _opens(self, limit: Constraint, k: int, needed: float) -> float:
+        if needed > limit.limit:
+            return math.inf
+        t = self._own.exceeded_since(k, limit.limit - needed)
+        return t + limit.window + TUNING.closed if t >= self._since else -math.inf
+
+
 class Sends(Protocol):
     """Our own sends."""
+
+    def exceeded_since(self, k: int, amount: float) -> float:
+        """Return when that was sent with which all later sends use more than an amount of limit `k` [s]; else −∞."""
 
     @property
     def changes(self) -> int:
@@ -67,8 +88,12 @@ class Openings:
         self._known: dict[bool, tuple[float, Departures]] = {}
         """Since when each holds what was sent [s], and the departures."""
 
-    def after(self, since: float, own: Sends, others: tuple[Send, ...], *, anybodys: bool) -> Departures:
+    def after(
+        self, since: float, own: Sends, others: tuple[Send, ...], *, anybodys: bool
+    ) -> Departures | OwnDepartures:
         """Return the departures of what was sent since then, or since earlier [s]."""
+        if not others:
+            return OwnDepartures(own, since)
         if self._of[0] != own.changes or self._of[1] is not others:
             self._of, self._known = (own.changes, others), {}
         known_since, known = self._known.get(anybodys, (math.inf, None))

@@ -76,6 +76,9 @@ class MarketTuning:
     undersubscribed_new: float = 0.05
     """... and, while any of them is new, no more than this part. Where new streams come all the time searches for each
     of their samples lost others on an idle channel."""
+    ample: float = 2.0
+    """There is ample room where so many times as much would fit: then it is not looked after each sample whether all
+    still does."""
     many_waiting: int = 8
     """With more samples waiting than this there is no time for searches that are not needed."""
     closed: float = 1e-6

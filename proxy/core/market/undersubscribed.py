@@ -32,7 +32,8 @@ class Undersubscribed:
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
-        self._due = 0.0
+        self.looks_at = 0.0
+        """When it is looked again what all streams need [s]."""
         self._for: tuple[Sequence[Limit], bool] = (), False
         self._needs: dict[tuple[str, str], Amounts] = {}
         self._new: set[tuple[str, str]] = set()
@@ -40,7 +41,7 @@ class Undersubscribed:
 
     def advance(self, now: float, limits: Sequence[Limit], *, alone: bool) -> None:
         """See what all streams that compete need of these limits, ours `alone` or those of all, if it is time to."""
-        if now < self._due and self._for == (limits, alone):
+        if now < self.looks_at and self.concerns(limits, alone=alone):
             return
         view, self._for = self._view, (limits, alone)
         self._needs, self._new, self._total = {}, set(), (0.0,) * len(limits)
@@ -49,7 +50,11 @@ class Undersubscribed:
         )
         for stream in streams:
             self.note(now, stream)
-        self._due = now + max(TUNING.interval, TUNING.interval_each * len(self._needs))
+        self.looks_at = now + max(TUNING.interval, TUNING.interval_each * len(self._needs))
+
+    def concerns(self, limits: Sequence[Limit], *, alone: bool) -> bool:
+        """Whether what is known is of these limits, ours `alone` or those of all."""
+        return self._for == (limits, alone)
 
     def note(self, now: float, stream: Stream) -> None:
         """A stream has generated a sample."""
@@ -59,11 +64,11 @@ class Undersubscribed:
         (self._new.add if stream.generated < TUNING.rate_samples else self._new.discard)(place)
         self._total = tuple([t + n - b for t, n, b in zip(self._total, needed, before, strict=True)])
 
-    def fits(self, held: Sequence[float], waiting: int) -> bool:
+    def fits(self, held: Sequence[float], waiting: int, times: float = 1.0) -> bool:
         """Whether all fits into what is `held` of each limit: what our own streams need, if we hold it alone.
 
-        So many samples wait besides the one that is to be decided.
+        So many samples wait besides the one that is to be decided. Whether so many `times` as much would fit.
         """
         new = self._new and waiting <= TUNING.many_waiting
-        part = TUNING.undersubscribed_new if new else TUNING.undersubscribed
+        part = (TUNING.undersubscribed_new if new else TUNING.undersubscribed) / times
         return all(total <= part * amount for total, amount in zip(self._total, held, strict=True))

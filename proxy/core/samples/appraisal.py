@@ -1,11 +1,13 @@
 """What a sample of ours is as things are now: what it uses, whether it is guaranteed, and how it stands."""
 
 import math
+from collections.abc import Iterable
 
+from planner import Aggregation
 from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.claims import both, rivals
 from proxy.core.market.disputes import Disputes
-from proxy.core.market.standing import Amounts, Standing
+from proxy.core.market.standing import Amounts, Standing, rate_known
 from proxy.core.market.tuning import TUNING
 from proxy.core.market.undersubscribed import Undersubscribed
 from proxy.core.model.limits import use_of
@@ -30,6 +32,8 @@ class Appraisal:
         self.disputes = disputes
         self.all_fits = False
         """Whether there was room for all that may be sent when it was last looked at."""
+        self.ample = False
+        """Whether there was room for far more."""
         self._looked_at = -math.inf
         """When that was [s]."""
         self._undersubscribed = Undersubscribed(view)
@@ -70,9 +74,31 @@ class Appraisal:
             self._undersubscribed.note(now, stream)
             usable = [limit.limit for limit in self.budget.usable(now)]
             self.all_fits = self._undersubscribed.fits(usable, waiting)
+            self.ample = self.all_fits and self._undersubscribed.fits(usable, waiting, TUNING.ample)
         else:
-            self.all_fits = True
+            self.all_fits = self.ample = True
         return self.all_fits
+
+    @property
+    def looks_at(self) -> float:
+        """When it is looked again whether there is room [s]; −∞ where other limits are in force by now."""
+        if not self.budget.limits:
+            return math.inf
+        known = self._undersubscribed.concerns(self.budget.limits, alone=False)
+        return self._undersubscribed.looks_at if known else -math.inf
+
+    def is_plain(self, now: float, stream: Stream) -> bool:
+        """Whether a stream is like most: it is known how often it generates, and nothing is said of single samples."""
+        if guaranteed(stream) or stream.information_type.aggregation is Aggregation.ONCE:
+            return False
+        return all(rate_known(now, stream, limit.window) for limit in self.budget.limits)
+
+    def passed(self, now: float, streams: Iterable[Stream]) -> None:
+        """Samples of these streams were sent as they came, the last one at `now` [s]."""
+        self._looked_at = now
+        if self.budget.limits:
+            for stream in streams:
+                self._undersubscribed.note(now, stream)
 
     def weigh(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """Weigh the streams that compete if it is time to; return how a sample stands among them."""

@@ -29,6 +29,15 @@ class Counts:
         """The sample was approved for `reason`; it stays queued until it is handed over."""
         self._queued[sample] = self._queued[sample][0], reason
 
+    def forward(self, sample: int, key: str, reason: str) -> None:
+        """A sample of ours came in, and is approved at once."""
+        self.received += 1
+        self._queued[sample] = key, reason
+
+    def key_of(self, sample: int) -> str:
+        """Return the key of a sample that is queued, if it is one of ours."""
+        return self._queued[sample][0]
+
     def approved(self, sample: int) -> str:
         """Return why a sample that is queued was approved; nothing if it is not."""
         return self._queued[sample][1]

@@ -130,6 +130,18 @@ class DecisionLog:
             self._add(key, stream, entry)
         entry.again(now, sample, why, count=count, number=self.noted, nth=stream.count(count))
 
+    def note_run(self, since: float, now: float, sample: Waiting, why: Why, *, count: int, number: int) -> None:
+        """This became of `count` samples of a stream from `since` on; the last one is decision `number` of all."""
+        self.noted = max(self.noted, number)
+        stream = self._streams.get(sample.key)
+        if stream is None:
+            stream = self._admit(sample.key)
+        entry = stream.last(why, "", shadowed=False)
+        if entry is None:
+            entry = Entry(since, sample, why, "", shadowed=False)
+            self._add(sample.key, stream, entry)
+        entry.again(now, sample, why, count=count, number=number, nth=stream.count(count))
+
     def _admit(self, key: str) -> _Stream:
         """A stream is new; of too many the one longest without a new entry is forgotten."""
         if len(self._streams) >= TUNING.logged_streams:

@@ -78,9 +78,9 @@ class Decisions:
         self.last: Decided | None = None
         self.log = DecisionLog()
 
-    def count(self, shortcut: Shortcut) -> None:
-        """One more sample went or was dropped so."""
-        self.shortcuts[shortcut] += 1
+    def count(self, shortcut: Shortcut, samples: int = 1) -> None:
+        """So many more samples went or were dropped so."""
+        self.shortcuts[shortcut] += samples
 
     def note(self, decided: Decided) -> None:
         """A search has decided."""

@@ -1,6 +1,7 @@
 """The gate: takes the next sample, has it decided, and forwards or drops it with a reason."""
 
 import math
+from collections.abc import Sequence
 from functools import partial
 
 from planner import Plan
@@ -18,7 +19,7 @@ from proxy.core.samples.counts import Counts
 from proxy.core.samples.decision_log import BOOKED, RIVALS, RULE, SEARCH, WAITS, Why
 from proxy.core.samples.decisions import Decided, Decisions, Shortcut
 from proxy.core.samples.fallback import StaticRule
-from proxy.core.samples.outcomes import Outcomes
+from proxy.core.samples.outcomes import Outcomes, Run
 from proxy.core.samples.search import Pending, Search
 from proxy.core.samples.tuning import TUNING
 from proxy.core.samples.undecided import Undecided
@@ -96,6 +97,15 @@ class Gate:
             self.decisions.count(Shortcut.UNNEEDED)
         return self.outcomes.send(now, stream, sample, use, OWED if must else UNNEEDED)
 
+    def passed(self, runs: Sequence[tuple[int, Run]]) -> None:
+        """Samples went as they came; each run with the place of its last one among all of them, in order."""
+        before, samples = self.decisions.log.noted, sum(run.samples for _, run in runs)
+        self._tickets += samples
+        if self._budget.limits:
+            self.decisions.count(Shortcut.UNNEEDED, samples)
+        for place, run in runs:
+            self.outcomes.passed(run, UNNEEDED, before + place + 1)
+
     def set_mode(self, now: float, mode: Mode) -> list[Command]:
         """Do this with decisions from now on; in `pass` everything that waits passes."""
         self.appraisal.set_mode(mode)
@@ -127,6 +137,7 @@ class Gate:
                 crowded = not self.search.busy() and self._copies.waits(copy)
             elif (sample := self.undecided.take(partial(self._waits.postpone, now))) is not None:
                 commands += [self._take_up(now, sample, searching=True), *self.undecided.pass_deletions()]
+                self._waits.left()
             else:
                 break
         else:
@@ -156,6 +167,8 @@ class Gate:
 
     def _takes_all(self, now: float, waiting: Waiting) -> bool:
         """Whether all that is undecided may be sent now by every constraint in force, and one more sample."""
+        if self._waits.for_room:
+            return False
         left = self._budget.free(now)
         for each in (waiting, *self.undecided):
             use = self.appraisal.use(self.appraisal.stream_of(now, each), each)

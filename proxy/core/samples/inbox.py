@@ -20,6 +20,10 @@ class Evicted:
     key: str
 
 
+Place = tuple[int, float, int]
+"""Priority, generation time and number of a sample: the least is given out first."""
+
+
 class Inbox:
     """Gives out the highest priority first, then the oldest.
 
@@ -34,8 +38,10 @@ class Inbox:
         self._bytes = 0.0
         self._waiting: dict[int, Waiting] = {}
         self._keys: dict[str, dict[int, Waiting]] = {}
-        self._order: list[tuple[int, float, int]] = []
-        """Priority, time and number of all that may be taken, as a heap; and of no more that left."""
+        self._order: list[Place] = []
+        """The places of all that may be taken, as a heap; and of no more that left."""
+        self._cheapest: list[tuple[float, float, int]] = []
+        """Worth per byte, time and number of all that wait, as a heap; and of no more that left."""
         self._resting: dict[int, float] = {}
         """Until when the others rest [s], by number."""
         self._wakes: list[tuple[float, int]] = []
@@ -43,6 +49,9 @@ class Inbox:
 
     def __len__(self) -> int:
         return len(self._waiting)
+
+    def __contains__(self, sample: int) -> bool:
+        return sample in self._waiting
 
     def __iter__(self) -> Iterator[Waiting]:
         return iter(self._waiting.values())
@@ -66,7 +75,7 @@ class Inbox:
     def full(self, new: Waiting) -> bool:
         """Whether one would have to leave for `new` because too many wait."""
         same = 0 if new.markovian else len(self._of(new.key))
-        size = self._bytes + self._counted(new)
+        size = self._bytes + min(new.size, self._most_bytes / 2)
         return same >= self._backlog or len(self) >= self._capacity or size > self._most_bytes
 
     def supersede(self, key: str) -> list[Evicted]:
@@ -102,24 +111,29 @@ class Inbox:
         while self.wakes_at <= now and self._wakes:
             sample = heappop(self._wakes)[1]
             del self._resting[sample]
-            heappush(self._order, _place(self._waiting[sample]))
+            heappush(self._order, place(self._waiting[sample]))
+
+    def wake_one(self, sample: int) -> None:
+        """Give a sample out again that rests."""
+        del self._resting[sample]
+        heappush(self._order, place(self._waiting[sample]))
 
     def take(self, held: Callable[[Waiting], bool] = lambda _: False) -> Waiting | None:
         """Remove and return the next sample to decide; one that is `held` back waits, and may `rest` from now on."""
         passed_over, found = [], None
         while found is None and self._order:
-            place = heappop(self._order)
-            waiting = self._waiting.get(place[-1])
-            if waiting is None or place[-1] in self._resting:
+            at = heappop(self._order)
+            waiting = self._waiting.get(at[-1])
+            if waiting is None or at[-1] in self._resting:
                 continue
-            passed_over.append(place)
+            passed_over.append(at)
             found = None if held(waiting) else waiting
         if found is not None:
             passed_over.pop()
             self._remove(found)
-        for place in passed_over:
-            if place[-1] not in self._resting:
-                heappush(self._order, place)
+        for at in passed_over:
+            if at[-1] not in self._resting:
+                heappush(self._order, at)
         return found
 
     def _of(self, key: str) -> list[Waiting]:
@@ -131,7 +145,9 @@ class Inbox:
         if len(same) > self._backlog:
             return min(same, key=lambda w: (w.scale, w.t_gen, w.sample))
         if len(self) > self._capacity or self._bytes > self._most_bytes:
-            return min(self, key=lambda w: (w.worth, w.t_gen, w.sample))
+            while self._cheapest[0][-1] not in self._waiting:
+                heappop(self._cheapest)
+            return self._waiting[self._cheapest[0][-1]]
         return None
 
     def _evict(self, waiting: Waiting, reason: str) -> Evicted:
@@ -141,10 +157,13 @@ class Inbox:
     def _add(self, waiting: Waiting) -> None:
         self._waiting[waiting.sample] = waiting
         self._keys.setdefault(waiting.key, {})[waiting.sample] = waiting
-        self._bytes += self._counted(waiting)
-        heappush(self._order, _place(waiting))
+        self._bytes += min(waiting.size, self._most_bytes / 2)
+        heappush(self._order, place(waiting))
         if len(self._order) > 2 * len(self) + 1:
-            self._order = sorted(_place(w) for w in self if w.sample not in self._resting)
+            self._order = sorted(place(w) for w in self if w.sample not in self._resting)
+        heappush(self._cheapest, _cheapness(waiting))
+        if len(self._cheapest) > 2 * len(self) + 1:
+            self._cheapest = sorted(map(_cheapness, self))
 
     def _remove(self, waiting: Waiting) -> None:
         del self._waiting[waiting.sample]
@@ -153,11 +172,13 @@ class Inbox:
         del same[waiting.sample]
         if not same:
             del self._keys[waiting.key]
-        self._bytes -= self._counted(waiting)
-
-    def _counted(self, waiting: Waiting) -> float:
-        return min(waiting.size, self._most_bytes / 2)
+        self._bytes -= min(waiting.size, self._most_bytes / 2)
 
 
-def _place(waiting: Waiting) -> tuple[int, float, int]:
+def _cheapness(waiting: Waiting) -> tuple[float, float, int]:
+    return waiting.worth, waiting.t_gen, waiting.sample
+
+
+def place(waiting: Waiting) -> Place:
+    """Return what orders the samples that wait."""
     return waiting.priority, waiting.t_gen, waiting.sample

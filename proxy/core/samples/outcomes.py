@@ -1,6 +1,7 @@
 """What becomes of our samples: each is sent, passed on or dropped for a reason, and counted."""
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 from planner import Aggregation
 from proxy.core.interface.commands import Command, Drop, Forward
@@ -12,6 +13,16 @@ from proxy.core.samples.decision_log import Why
 from proxy.core.samples.decisions import Decisions, Shortcut
 from proxy.core.samples.inbox import SUPERSEDED, Evicted
 from proxy.core.view.stream import Sent, Stream
+
+
+class Run(NamedTuple):
+    """So many samples of a stream that came one after the other, from `since` until `now` [s]."""
+
+    stream: Stream
+    since: float
+    now: float
+    last: Waiting
+    samples: int
 
 
 class Outcomes:
@@ -60,6 +71,13 @@ class Outcomes:
             # What is enforced has to do with what is left.
             self._budget.use_at_most(now, self._appraisal.use(stream, sample), 1.0 - specs.floor)
         return self.pass_on(sample.sample, "passed:shadow")
+
+    def passed(self, run: Run, why: Why, number: int) -> None:
+        """Samples of a stream were forwarded as they came; the last one is decision `number` of all."""
+        self._view.streams.touch(run.now, self._view.settings.robot, run.last.key)
+        self._counts.generate(run.stream.information_type.name, run.samples)
+        self._settle(run.stream, why.reason, run.samples)
+        self._log.note_run(run.since, run.now, run.last, why, count=run.samples, number=number)
 
     def superseded(self, now: float, stream: Stream, count: int) -> None:
         """So many samples of a stream gave way to a newer one before they were taken up."""

@@ -2,12 +2,13 @@
 
 import math
 
-from proxy.core.coordination.claims import leads, news_take, opening
+from proxy.core.coordination.claims import Lead, news_take, opening
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.appraisal import Appraisal
+from proxy.core.samples.followers import Followers
 from proxy.core.samples.inbox import Inbox
 from proxy.core.samples.tuning import TUNING
 from proxy.core.view.stream import Stream
@@ -22,6 +23,8 @@ class Waits:
         self._appraisal = appraisal
         self._inbox = inbox
         self._view, self._budget, self._disputes = appraisal.view, appraisal.budget, appraisal.disputes
+        self._followers = Followers(inbox)
+        self._lead = Lead(self._view, self._disputes)
         self._limits: tuple[Limit, ...] = ()
         """For room under these samples rest in the inbox."""
 
@@ -30,8 +33,19 @@ class Waits:
         if self._limits != self._budget.limits:
             self._limits = self._budget.limits
             self._inbox.wake(math.inf)
+            self._followers.clear()
         self._inbox.wake(now)
+        self._followers.release()
         self.wakes_at = math.inf
+
+    def left(self) -> None:
+        """A sample was taken out: those that followed it may be taken, as far as they lead now."""
+        self._followers.release()
+
+    @property
+    def for_room(self) -> bool:
+        """Whether a sample waits for room."""
+        return bool(self._followers)
 
     def opens_at(self, sample: Waiting) -> float | None:
         """Return when a sample that was looked at can be taken up at the earliest [s]; None where it does not wait."""
@@ -71,18 +85,10 @@ class Waits:
         return True
 
     def _for_room(self, now: float, sample: Waiting) -> bool:
-        """Whether a sample waits, as something we sent soon leaves the window.
+        """Whether a sample waits, as something we sent soon leaves the window, or behind others that do.
 
         Under the same limits room never opens earlier than it seemed to at first.
         """
-        opens_at = self._room_opens(now, sample)
-        if now >= opens_at:
-            return False
-        self._inbox.rest(sample, opens_at)
-        return True
-
-    def _room_opens(self, now: float, sample: Waiting) -> float:
-        """Return when room opens for which a sample is worth keeping; −∞ where the sample is taken up now."""
         appraisal = self._appraisal
         stream = appraisal.stream_of(now, sample)
         if (
@@ -90,17 +96,25 @@ class Waits:
             or appraisal.mode_of(stream) is not Mode.ENFORCE
             or not self._view.subscribers.gaining(stream)
         ):
-            return -math.inf
+            return False
         standing = appraisal.weigh(now, stream, sample)
         until = sample.t_gen + self._disputes.patience(stream, standing)
         if standing is Standing.HOPELESS or now >= until:
-            return -math.inf
-        needed, anybodys, later = appraisal.use(stream, sample), standing is Standing.UNDISPUTED, 0.0
-        if standing is Standing.CONTESTED:
-            needed = self._disputes.besides(now, needed)
-            if not self._budget.alone and leads(now, self._view, self._disputes, stream, self._budget.limits):
-                anybodys, later = True, opening(self._view)
-        room = self._budget.opens(now, needed, anybodys=anybodys)
-        if room > now:
-            room += later
-        return room if room < math.inf and room <= until else -math.inf
+            return False
+        use, contested = appraisal.use(stream, sample), standing is Standing.CONTESTED
+        leads = contested and not self._budget.alone and self._lead.has(now, stream, self._budget.limits)
+        kind = contested, leads
+        if (before := self._followers.follow(kind, sample, use)) is not None:
+            if before > until:
+                return False
+            self._inbox.rest(sample, until)
+            return True
+        needed = self._disputes.besides(now, use) if contested else use
+        room = self._budget.opens(now, needed, anybodys=leads or not contested)
+        if leads and room > now:
+            room += opening(self._view)
+        if not now < room <= until:
+            return False
+        self._inbox.rest(sample, room)
+        self._followers.lead(kind, sample, use, room)
+        return True

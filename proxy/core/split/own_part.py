@@ -53,7 +53,9 @@ class OwnPart:
 
         One that is larger than our part has the windows until all of it would have fitted for itself.
         """
-        times = max([1.0, *(use / max(self.of(now, limit), 1 / UNIT) for limit, use in enumerate(uses))])
+        times = 1.0
+        if max(uses, default=0.0) > 1 / UNIT:
+            times = max([1.0, *(use / max(self.of(now, limit), 1 / UNIT) for limit, use in enumerate(uses))])
         self._ledger.sent(now + (times - 1.0) * self.window, [use * UNIT / times for use in uses])
 
     def entitle(self, now: float, entitled: int, unused: float = 0.0) -> None:

@@ -95,7 +95,7 @@ class Split:
     def sent(self, now: float, uses: Sequence[float]) -> bool:
         """We sent a message that uses such parts of the shared limits; return whether we passed a slot on."""
         self.own_part.sent(now, uses)
-        return self.advance(now, self.exchange.delay)
+        return bool(self.agreement.newcomer or self.agreement.turns) and self.advance(now, self.exchange.delay)
 
     def advance(self, now: float, delay: float) -> bool:
         """Time passed; news take so long to others [s]. Return whether we passed a slot on."""

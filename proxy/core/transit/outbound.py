@@ -39,9 +39,9 @@ class Outbound:
         """How many samples were sent to it lately, and how many of these got lost."""
         return self._losses.counted
 
-    def handed(self) -> None:
-        """A sample was handed to the mesh for the robot."""
-        self.sent += 1
+    def handed(self, count: int) -> None:
+        """So many samples were handed to the mesh for the robot."""
+        self.sent += count
 
     def sent_digest(self, at: float) -> None:
         """We send a digest: its echo will say what had arrived of what was sent by now."""

@@ -49,6 +49,11 @@ class TrafficLog:
             self.noted += len(noted)
             self.sends.extend([(each.t_sent, (sent.size, copies)) for each in noted])
 
+    def pass_samples(self, messages: int, size: int, largest: int) -> None:
+        """Samples of ours were sent as they came: so many messages and bytes, copies counted, of at most `largest`."""
+        self.count(messages, size)
+        self.largest = max(self.largest, largest)
+
     def note_unknown(self, at: float, size: int) -> Entry:
         """Something was sent of a stream that we know nothing of, in one copy; return its entry."""
         entry = at, (size, 1)

@@ -152,10 +152,10 @@ class SharedView:
         for peer in self.peers.values():
             peer.restart_losses()
 
-    def handed(self, key: str) -> None:
-        """A covered sample of ours was handed to the mesh; in broadcast it gets to all, else to those that want it."""
+    def handed(self, key: str, count: int = 1) -> None:
+        """Covered samples of ours were handed to the mesh; in broadcast they get to all, else to who wants them."""
         stream = self.streams.known(self.settings.robot, key)
         everybody = self.subscribers.broadcasts(self.settings.robot)
         for name in self.peers if everybody else () if stream is None else self.subscribers.of(stream):
             if (peer := self.peers.get(name)) is not None:
-                peer.outbound.handed()
+                peer.outbound.handed(count)

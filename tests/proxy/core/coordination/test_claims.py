@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from proxy.core.coordination.claims import both, claim, leads, news_take, rivals
+from proxy.core.coordination.claims import Lead, both, claim, news_take, rivals
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.market.disputes import Disputes
@@ -178,10 +178,10 @@ def test_of_two_that_are_as_long_silent_one_leads(view):
     disputes.advance(10.0, limits, alone=False)
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.0 + 0.5 * TUNING.claim_tolerance)
-    assert not leads(10.0, view, disputes, view.streams.known("r1", "robot/r1/camera"), limits)
+    assert not Lead(view, disputes).has(10.0, view.streams.known("r1", "robot/r1/camera"), limits)
     assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
     view.traffic.note_sent(view.streams.known("r2", "robot/r2/camera"), 2, Sent(9.1, 9.1, SIZE, 1.0))
-    assert leads(10.0, view, disputes, view.streams.known("r1", "robot/r1/camera"), limits)
+    assert Lead(view, disputes).has(10.0, view.streams.known("r1", "robot/r1/camera"), limits)
 
 
 def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view):
@@ -242,13 +242,13 @@ def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view)
     ours, theirs = (view.streams.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.5)
-    assert leads(10.0, view, disputes, ours, limits)
+    assert Lead(view, disputes).has(10.0, ours, limits)
     view.traffic.note_sent(ours, 2, Sent(9.8, 9.8, SIZE, 1.0))
-    assert not leads(10.0, view, disputes, ours, limits)
+    assert not Lead(view, disputes).has(10.0, ours, limits)
     theirs.sizes.mean = SIZE / 40
-    assert leads(10.0, view, disputes, ours, limits)
+    assert Lead(view, disputes).has(10.0, ours, limits)
     ours.schedule.assume(0.1, "poisson")
-    assert not leads(10.0, view, disputes, ours, limits)
+    assert not Lead(view, disputes).has(10.0, ours, limits)
 
 
 def test_news_take_as_long_as_most_of_the_last_digests_did(view):

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner import Constraint
-from proxy.core.market.room import Departures
+from proxy.core.coordination.sends import SendLog
+from proxy.core.market.room import Departures, OwnDepartures
 
 LIMIT = Constraint("throughput", 1.0, 100.0)
 SENDS = st.lists(st.tuples(st.floats(0.0, 2.0), st.floats(1.0, 60.0)), max_size=12)
@@ -52,3 +53,13 @@ def test_when_it_opens_the_message_fits_and_just_before_it_does_not(own, needed)
     else:
         assert left(room) >= needed - 1e-6
         assert left(room - 2e-6) < needed + 1e-6
+
+
+@given(st.lists(st.tuples(st.integers(0, 200), st.integers(1, 60)), max_size=12), st.integers(1, 110))
+def test_our_own_sends_say_the_same_without_a_sum(own, needed):
+    """Where nobody else sent anything."""
+    log = SendLog()
+    for t, use in own:
+        log.add(t / 100, (float(use),))
+    limits, use = (LIMIT,), (float(needed),)
+    assert OwnDepartures(log, 0.0).opens(limits, use) == Departures(sorted(log), ()).opens(limits, use)
