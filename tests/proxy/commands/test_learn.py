@@ -2,7 +2,6 @@
 
 import os
 import re
-import shlex
 import signal
 import threading
 from contextlib import contextmanager
@@ -98,17 +97,6 @@ def test_a_spec_is_learned_at_a_daemon(daemon, tmp_path, capsys):
         (each.key, each.payload, each.encoding or "zenoh/bytes") for each in SAMPLES
     }
     assert covers_all(again)
-
-
-def test_the_command_in_the_readme_learns(daemon, tmp_path, capsys, monkeypatch):
-    """As it stands there, at a daemon that listens elsewhere and for less long."""
-    (line,) = re.findall(r"^sendworthy learn .*$", (ROOT / "README.md").read_text(), re.MULTILINE)
-    monkeypatch.chdir(tmp_path)
-    with publishing(daemon.endpoint):
-        words = shlex.split(line, comments=True)[1:]
-        assert main([*words, "--connect", daemon.endpoint, "--samples", str(len(SAMPLES))]) == exit_codes.OK
-    assert covers_all(Path("specs.d"))
-    assert "written" in capsys.readouterr().out
 
 
 def test_some_keys_of_a_router_are_learned_until_ctrl_c(stack, tmp_path, capsys):
