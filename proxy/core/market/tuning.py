@@ -58,6 +58,14 @@ class MarketTuning:
     """... but not by more than this part of a window..."""
     late_robots: int = 2
     """... nor where more robots compete, for what they wait for is not known: two sent 3 % more, four 2 % less."""
+    paced: float = 0.8
+    """A sample keeps the channel busy for no more than this part of what it takes at the pace of the limits: with all
+    of it eight robots with cameras filled the limit to 80 %..."""
+    paced_ahead: float = 4.0
+    """... and plans have windows that are shorter by what so many samples take, for a burst that they would send goes one
+    after the other..."""
+    paced_window: float = 0.2
+    """... but not by more than this part of a window."""
     alike: float = 0.1
     """A sample whose worth differs by more than this part from what was weighed is decided on its own."""
 

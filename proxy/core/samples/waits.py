@@ -3,6 +3,7 @@
 import math
 
 from proxy.core.coordination.claims import leads, news_take, opening
+from proxy.core.market.pace import pace_part
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans
 from proxy.core.model.mode import Mode
@@ -54,6 +55,19 @@ class Waits:
         self._inbox.rest(sample, known_at)
         return True
 
+    def for_channel(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Put a sample back into the inbox until the channel has carried what was sent meanwhile; return whether it waits.
+
+        It does not where a newer one is there, or where it would be too old by then.
+        """
+        free = self._channel_free(now, stream)
+        newer = any(waiting.key == sample.key for waiting in self._inbox)
+        if newer or not now < free <= sample.t_gen + TUNING.patience * self._disputes.patience(stream):
+            return False
+        self._inbox.put_back([sample])
+        self._inbox.rest(sample, free)
+        return True
+
     def _for_greetings(self, now: float, sample: Waiting) -> bool:
         """Whether a large sample waits for what robots that have just been met sent lately.
 
@@ -96,6 +110,7 @@ class Waits:
         if standing is Standing.HOPELESS or now >= until:
             return -math.inf
         needed, anybodys, later = appraisal.use(stream, sample), standing is Standing.UNDISPUTED, 0.0
+        large = changes_plans(needed, self._budget.limits)
         if standing is Standing.CONTESTED:
             needed = self._disputes.besides(now, needed)
             if not self._budget.alone and leads(now, self._view, self._disputes, stream, self._budget.limits):
@@ -103,4 +118,11 @@ class Waits:
         room = self._budget.opens(now, needed, anybodys=anybodys)
         if room > now:
             room += later
-        return room if room < math.inf and room <= until else -math.inf
+        opens = room if room < math.inf and room <= until else -math.inf
+        return max(opens, self._channel_free(now, stream)) if large else opens
+
+    def _channel_free(self, now: float, stream: Stream) -> float:
+        """Return when the channel has carried what was sent so far [s]; −∞ where nobody knows what others send."""
+        if self._budget.alone or not self._budget.limits:
+            return -math.inf
+        return self._budget.carried(now, pace_part(self._view, stream, self._budget.limits))

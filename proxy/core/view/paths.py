@@ -50,6 +50,15 @@ class Paths:
         """Return the ways of a robot's samples."""
         return Fan(self._from_us() if robot == self._own[0] else self._from(robot))
 
+    def per_byte(self, gaining: tuple[str, ...]) -> float | None:
+        """Return what each byte of our samples adds to their time to those that gain by them, as these tell [s/B].
+
+        None while none of them has told. Others say nothing of it: who gets no samples knows of small messages alone.
+        """
+        peers = self._members.peers
+        told = [line.per_byte for name in gaining if name in peers and (line := peers[name].outbound.latency)]
+        return sum(told) / len(told) if told else None
+
     def mean_loss(self) -> float:
         """Return the loss of all samples that went on ways that we know; 0.0 when we know none."""
         counted = [peer.counted_samples for peer in self._members.peers.values()]
