@@ -110,7 +110,6 @@ class Waits:
         if standing is Standing.HOPELESS or now >= until:
             return -math.inf
         needed, anybodys, later = appraisal.use(stream, sample), standing is Standing.UNDISPUTED, 0.0
-        large = changes_plans(needed, self._budget.limits)
         if standing is Standing.CONTESTED:
             needed = self._disputes.besides(now, needed)
             if not self._budget.alone and leads(now, self._view, self._disputes, stream, self._budget.limits):
@@ -119,7 +118,10 @@ class Waits:
         if room > now:
             room += later
         opens = room if room < math.inf and room <= until else -math.inf
-        return max(opens, self._channel_free(now, stream)) if large else opens
+        if standing is not Standing.CONTESTED:
+            return opens
+        free = self._channel_free(now, stream)
+        return max(opens, free if anybodys or free <= now else free + news_take(self._view))
 
     def _channel_free(self, now: float, stream: Stream) -> float:
         """Return when the channel has carried what was sent so far [s]; −∞ where nobody knows what others send."""
