@@ -12,7 +12,6 @@ from dataclasses import replace
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.pace import carried
 from proxy.core.market.room import Openings
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
@@ -121,12 +120,6 @@ class Budget:
         if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):
             return opening
         return max(grows, departures.opens(self.usable(grows), use))
-
-    def carried(self, now: float, part: float) -> float:
-        """When the channel has carried all that is known to be sent, in this part of its time at our pace [s]."""
-        since = now - longest_window(self.limits)
-        others = [send for send in self.others(now) if send[0] >= since]
-        return carried([*self.own.since(since), *others], self.limits, part)
 
     def grew(self, now: float) -> float:
         """When a window was left last by a send that changes plans [s]; −∞ where none was."""

@@ -62,8 +62,8 @@ class MarketTuning:
     """A sample keeps the channel busy for no more than this part of what it takes at the pace of the limits: with all
     of it eight robots with cameras filled the limit to 80 %..."""
     paced_ahead: float = 4.0
-    """... and plans have windows that are shorter by what so many samples take, for a burst that they would send goes one
-    after the other..."""
+    """... and windows of plans are shorter by what so many samples take, for a burst that a plan sends goes one after the
+    other: without, the same team filled 81 % of the limit instead of 88 to 91, and reached 1.7 % less..."""
     paced_window: float = 0.2
     """... but not by more than this part of a window."""
     alike: float = 0.1
