@@ -5,8 +5,8 @@ three frames at one moment now and then, which come late then, each by what the 
 channel is free, the newest frame goes: in simulation (6 Mbit/s, 24 offered) frames took 115 ms to arrive by the median
 and 254 at the 95th percentile, and 50 and 100 now; the team reached 87 % of the offline optimum's utility, now 93.
 
-What a sample occupies is measured: what each byte adds to the time until receipt. Where a channel is much faster than
-its limit nobody waits.
+What a sample occupies is measured: what it takes beyond a digest. Where a channel is much faster than its limit nobody
+waits.
 """
 
 import math
@@ -22,13 +22,14 @@ def pace_part(view: SharedView, stream: Stream, limits: tuple[Limit, ...]) -> fl
     """Return how long a sample of ours keeps the channel busy, as a part of what it takes at the limits' pace.
 
     No more than `TUNING.paced`: what limits allow is carried, and what was measured holds waits behind others, too.
-    Nothing where nobody has told yet what our samples take, as an operator of eight robots does after 6 to 10 s: with
+    Nothing where nobody has told yet what our samples take, as an operator of eight robots does after 3 to 15 s: with
     `TUNING.paced` until then five robots with samples of random sizes on a fast channel lost 1 %.
     """
     size, copies = round(stream.sizes.mean), view.subscribers.copies(stream)
     slowest = at_pace(use_of(size, copies, limits), limits)
-    per_byte = view.paths.per_byte(view.subscribers.gaining(stream))
-    return min(TUNING.paced, (per_byte or 0.0) * size * copies / slowest) if slowest > 0.0 else 0.0
+    took = view.paths.on_air(view.subscribers.gaining(stream), size)
+    part = (took or 0.0) * copies / slowest if slowest > 0.0 else 0.0
+    return min(TUNING.paced, part) if part >= TUNING.paced_least else 0.0
 
 
 def at_pace(use: Sequence[float], limits: tuple[Limit, ...]) -> float:

@@ -88,7 +88,7 @@ def test_a_sample_that_is_to_be_sent_waits_when_another_robot_sent_while_it_was_
 
 def test_nobody_waits_where_the_channel_is_fast(slow):
     """However slow the limit is."""
-    slow.core.view.peers["zz-op"].outbound.latency = Latency(0.01, 1e-9)
+    slow.core.view.peers["zz-op"].outbound.latency = Latency(0.0, 1e-9)
     announce(slow, 8.19)
     _, commands = slow.publish(8.2, size=4000)
     assert isinstance(only(commands)[0], Decide)
