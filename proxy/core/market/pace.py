@@ -1,11 +1,11 @@
 """How long what is sent keeps the channel busy: large samples wait at their robot until it has carried those before.
 
 A window says how much may be sent, not when. Eight robots with cameras that fill nine tenths of a channel send two or
-three frames at one moment now and then, which come late then, each by what the others take. Where each waits until the
-channel is free, the newest frame goes. In simulation (24 Mbit/s offered, 6 carried, three seeds) frames took 115 to 136 ms
-to arrive by the median, and 51 now; the team reached 86.2 % of the offline optimum's utility, and 91.5 now; 96.1 on a
-channel on which nobody waits for others. Where digests wait behind whole frames robots hear of each other late: there
-it gains 0.3 to 1 %, and 2 to 6 % of the windows are over the limit instead of 1.
+three frames at one moment now and then, which come late then, each by what the others take. Where each waits until
+the channel is free, the newest frame goes. In simulation (24 Mbit/s offered, 6 carried, three seeds) frames took 115
+to 136 ms to arrive by the median, and 51 now; the team reached 86.2 % of the offline optimum's utility, and 91.5 now;
+96.1 on a channel on which nobody waits for others. Where digests wait behind whole frames robots hear of each other
+late: there it gains 0.3 to 1 %, and 2 to 6 % of the windows are over the limit instead of 1.
 
 What a sample occupies is measured: what it takes beyond a digest. Where a channel is much faster than its limit nobody
 waits.
