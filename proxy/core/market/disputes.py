@@ -15,6 +15,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from proxy.core.market.pace import at_pace, pace_part
 from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, reserve, row_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
@@ -54,6 +55,8 @@ class Disputes:
         """The streams that are no part of any decision."""
         self.late = 0.0
         """How much later than it was generated a contested sample may be sent [s]."""
+        self.stretched = 0.0
+        """How much longer than planned it may take to send several, one after the other [s]."""
 
     def advance(self, now: float, limits: tuple[Limit, ...], *, alone: bool, deciding: Stream | None = None) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
@@ -127,7 +130,11 @@ class Disputes:
             c.limit - min(max(amount, used), max(amount, TUNING.booked * c.limit))
             for c, amount, used in zip(limits, self._reserve, booked, strict=True)
         ]
-        return tuple(limit), tuple([c.window - min(self.late, TUNING.late_window * c.window) for c in limits])
+        return tuple(limit), tuple([self._planned(c.window) for c in limits])
+
+    def _planned(self, window: float) -> float:
+        """Return the window of plans: shorter by as much as what they send may be late [s]."""
+        return window - min(self.late, TUNING.late_window * window) - min(self.stretched, TUNING.paced_window * window)
 
     def besides(self, now: float, use: Amounts) -> Amounts:
         """Return the use of a contested message, and beside it what was booked and is not used yet."""
@@ -181,6 +188,12 @@ class Disputes:
         periods = [row.interval for row in contested if row.stream.information_type.markovian]
         few = len({row.stream.robot for row in contested}) <= TUNING.late_robots
         self.late = TUNING.late_period * min(periods, default=0.0) if few else 0.0
+        own = [row for row in contested if self._own(row.stream)]
+        self.stretched = 0.0 if self._alone else TUNING.paced_ahead * max(map(self._occupies, own), default=0.0)
+
+    def _occupies(self, row: Row) -> float:
+        """Return how long a sample of a stream of ours keeps the channel busy [s]."""
+        return pace_part(self._view, row.stream, self._limits) * at_pace(row.use, self._limits)
 
     def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float]) -> Amounts:
         """What robots that were met lately use of each limit, besides what is known of them, if they are like us.

@@ -241,6 +241,9 @@ class Gate:
             if lacking and stream is not None and self._waits.give_way(now, stream, sample, until):
                 self.decisions.log.note(now, sample.key, sample, Why(WAITS, SEARCH, lacking, beside, None, searched))
                 return []
+        if plan.send and not lacking and stream is not None and self._waits.for_channel(now, stream, sample):
+            self.decisions.log.note(now, sample.key, sample, Why(WAITS, SEARCH, lacking, beside, None, searched))
+            return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, sample.key, plan, pending.constraints, reason))
         why = Why(reason, SEARCH, lacking, beside if lacking else "", None, searched)

@@ -3,8 +3,9 @@
 import math
 
 from proxy.core.coordination.claims import Lead, news_take, opening
+from proxy.core.market.pace import carried, pace_part
 from proxy.core.market.standing import Standing
-from proxy.core.model.limits import Limit, changes_plans
+from proxy.core.model.limits import Limit, changes_plans, longest_window
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.appraisal import Appraisal
@@ -61,11 +62,23 @@ class Waits:
         Return whether it waits: it does not where a newer one is there, or where it would be too old by then.
         """
         known_at = max(now + TUNING.shortest_wait, min(until, now + news_take(self._view)))
+        return self._put_back(stream, sample, known_at)
+
+    def for_channel(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Put a sample back until the channel has carried what was sent meanwhile; return whether it waits.
+
+        It does not where a newer one is there, or where it would be too old by then.
+        """
+        free = self._channel_free(now, stream)
+        return free > now and self._put_back(stream, sample, free)
+
+    def _put_back(self, stream: Stream, sample: Waiting, until: float) -> bool:
+        """Put a sample back into the inbox until then [s], unless a newer one is there or it is too old by then."""
         newer = any(waiting.key == sample.key for waiting in self._inbox)
-        if newer or known_at > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
+        if newer or until > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
             return False
         self._inbox.put_back([sample])
-        self._inbox.rest(sample, known_at)
+        self._inbox.rest(sample, until)
         return True
 
     def _for_greetings(self, now: float, sample: Waiting) -> bool:
@@ -113,8 +126,24 @@ class Waits:
         room = self._budget.opens(now, needed, anybodys=leads or not contested)
         if leads and room > now:
             room += opening(self._view)
-        if not now < room <= until:
+        opens = room if room <= until else -math.inf
+        if contested:
+            opens = max(opens, self._turn(now, stream, leads=leads))
+        if opens <= now:
             return False
-        self._inbox.rest(sample, room)
-        self._followers.lead(kind, sample, use, room)
+        self._inbox.rest(sample, opens)
+        self._followers.lead(kind, sample, use, opens)
         return True
+
+    def _turn(self, now: float, stream: Stream, *, leads: bool) -> float:
+        """Return when the channel is free for a stream [s]: the best claim goes first, and the others hear of it."""
+        free = self._channel_free(now, stream)
+        return free if leads or free <= now else free + news_take(self._view)
+
+    def _channel_free(self, now: float, stream: Stream) -> float:
+        """Return when the channel has carried what was sent so far [s]; −∞ where nobody knows what others send."""
+        budget, limits = self._budget, self._budget.limits
+        if budget.alone or not limits or (part := pace_part(self._view, stream, limits)) <= 0.0:
+            return -math.inf
+        since = now - longest_window(limits)
+        return carried([*budget.own.since(since), *(s for s in budget.others(now) if s[0] >= since)], limits, part)

@@ -50,6 +50,15 @@ class Paths:
         """Return the ways of a robot's samples."""
         return Fan(self._from_us() if robot == self._own[0] else self._from(robot))
 
+    def on_air(self, gaining: tuple[str, ...], size: float) -> float | None:
+        """Return what samples of ours of `size` [B] take beyond digests to those that gain by them, as these tell [s].
+
+        None while none of them has told. Others say nothing of it: who gets no samples knows of small messages alone.
+        """
+        peers = [peer for name in gaining if (peer := self._members.peers.get(name)) is not None]
+        told = [max(0.0, p.outbound.latency.of(size) - p.offset.latency) for p in peers if p.outbound.latency]
+        return sum(told) / len(told) if told else None
+
     def mean_loss(self) -> float:
         """Return the loss of all samples that went on ways that we know; 0.0 when we know none."""
         counted = [peer.counted_samples for peer in self._members.peers.values()]

@@ -1,12 +1,15 @@
 """Samples that wait for room, or for news of what others sent, as transcripts."""
 
+from dataclasses import replace
+
 import pytest
 
 from proxy.core.coordination.claims import news_take
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.protocol.messages import State, StreamState
-from proxy.core.view.stream import Generated
+from proxy.core.transit.latency import Latency
+from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.tuning import TUNING as VIEW
 from tests.proxy.core.samples.answers import decide_all
 from tests.proxy.core.talk import only
@@ -43,6 +46,52 @@ def test_a_sample_that_gave_way_is_dropped_when_a_newer_one_is_there(rivals):
     rivals.publish(8.203, size=4000)
     decided = rivals.answer(8.204, *only(commands, Decide), send=True)
     assert only(decided, Forward, Drop) == [Drop(sample, "dropped:constraint")]
+
+
+@pytest.fixture
+def slow(rivals):
+    """The same two, when a frame takes 0.4 s, as the other robot tells, and there is room for both."""
+    rivals.core.view.peers["zz-op"].outbound.latency = Latency(0.01, 1e-4)
+    limit = replace(rivals.core.budget.limits[0], limit=20_000.0, window=2.0)
+    rivals.core.budget.set_limits((limit,))
+    return rivals
+
+
+def announce(talk, at):
+    """The other robot has sent a frame."""
+    other = talk.core.view.streams.known("op", "robot/op/camera")
+    talk.core.view.traffic.note_sent(other, other.forwarded + 1, Sent(at, at, 4000, 1.0))
+
+
+def test_a_large_sample_waits_until_the_channel_has_carried_what_another_robot_sent(slow):
+    """A frame of 4 kB takes 0.32 s at four fifths of the pace of the limit; the newest one is decided then."""
+    announce(slow, 8.15)
+    first, commands = slow.publish(8.2, size=4000)
+    assert only(commands) == []
+    second, commands = slow.publish(8.4, size=4000)
+    assert only(commands, Decide, Drop) == [Drop(first, "dropped:superseded")]
+    assert slow.core.wake_at(8.4) > 8.4
+    free = 8.15 + 0.32 + news_take(slow.core.view)
+    (decide,) = only(slow.tell(ev.TimePassed(free + 0.001)))
+    assert isinstance(decide, Decide)
+    assert only(slow.answer(free + 0.002, decide, send=True)) == [Forward(second)]
+
+
+def test_a_sample_that_is_to_be_sent_waits_when_another_robot_sent_while_it_was_decided(slow):
+    """The channel has to carry that first."""
+    _, commands = slow.publish(8.2, size=4000)
+    (decide,) = only(commands)
+    announce(slow, 8.2)
+    assert only(slow.answer(8.205, decide, send=True)) == []
+    assert only(slow.tell(ev.TimePassed(8.3))) == []
+
+
+def test_nobody_waits_where_the_channel_is_fast(slow):
+    """However slow the limit is."""
+    slow.core.view.peers["zz-op"].outbound.latency = Latency(0.0, 1e-9)
+    announce(slow, 8.19)
+    _, commands = slow.publish(8.2, size=4000)
+    assert isinstance(only(commands)[0], Decide)
 
 
 def test_a_sample_does_not_give_way_where_there_is_room_for_both(rivals):
