@@ -40,9 +40,14 @@ MIXED = {"faults"}
 
 
 def pytest_collection_modifyitems(items):
-    """Refuse a test that no target would run, or one that would run without the root it needs."""
+    """Refuse a test that no target would run, or one that would run without the root it needs.
+
+    Modules with tests that take long go first: begun last, they would be waited for.
+    """
     for item in items:
         folder, marked = item.path.relative_to(TESTS).parts[0], item.get_closest_marker("system") is not None
         if (folder in SYSTEM) != marked and not (folder in MIXED and not marked):
             folders = " or ".join(f"tests/{name}" for name in sorted(SYSTEM))
             raise pytest.UsageError(f"{item.nodeid}: what is in {folders}, and nothing else, is marked `system`")
+    long = {item.path for item in items if item.get_closest_marker("full") is not None}
+    items.sort(key=lambda item: item.path not in long)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 LOCK = ROOT / "deploy" / "debian" / "requirements.lock"
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.system
 
 
 @pytest.fixture(scope="module")
