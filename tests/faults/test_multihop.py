@@ -14,6 +14,11 @@ pytestmark = pytest.mark.system
 OTHER_RADIO = "wlan1"
 
 
+def runs(host, interface):
+    """Whether the kernel says that an interface does."""
+    return host.run("cat", f"/sys/class/net/{interface}/operstate").stdout.strip() == "up"
+
+
 class Chain:
     """Hosts a, b and c: b is in the range of both others, on two channels. Needs root."""
 
@@ -28,6 +33,9 @@ class Chain:
         self._join(self.a, "10.79.1.1", self.b, RADIO, "10.79.1.2")
         self._join(self.c, "10.79.2.1", self.b, OTHER_RADIO, "10.79.2.2")
         self.b.run("sh", "-c", "echo 1 > /proc/sys/net/ipv4/ip_forward")
+        # The kernel may take a second to say so; a daemon looks for others where interfaces run when it starts.
+        for host, name in ((self.a, RADIO), (self.b, RADIO), (self.b, OTHER_RADIO), (self.c, RADIO)):
+            wait_until(lambda host=host, name=name: runs(host, name), what=f"{name} of {host.name} to run")
         ip("-n", self.a.namespace, "route", "add", "default", "via", "10.79.1.2")
         ip("-n", self.c.namespace, "route", "add", "default", "via", "10.79.2.2")
 
