@@ -1,6 +1,7 @@
 """What all tests have in common: threads for Zenoh, how long property tests search, and that no test is left out."""
 
 import os
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np  # noqa: F401 - first: a daemon loads it on a thread, and pytest.approx looks at it half loaded
@@ -37,6 +38,13 @@ SYSTEM = {"faults", "system", "transparency"}
 """The folders in which `make test-system` looks."""
 MIXED = {"faults"}
 """Those that have tests for the other targets, too."""
+
+
+@pytest.fixture
+def stack():
+    """What is opened during a test, and closed when it ends."""
+    with ExitStack() as opened:
+        yield opened
 
 
 def pytest_collection_modifyitems(items):

@@ -1,16 +1,10 @@
-"""What is opened during a test, and closed when it ends."""
+"""The robots of the security page."""
 
 from contextlib import ExitStack
 
 import pytest
 
 from tests.docs.certified import NAMES, Team
-
-
-@pytest.fixture
-def stack():
-    with ExitStack() as closing:
-        yield closing
 
 
 @pytest.fixture(scope="module")

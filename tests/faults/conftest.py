@@ -1,16 +1,8 @@
 """A scene for each test."""
 
-from contextlib import ExitStack
-
 import pytest
 
 from tests.faults.scene import Scene
-
-
-@pytest.fixture
-def stack():
-    with ExitStack() as closing:
-        yield closing
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 import sys
 import threading
-from contextlib import ExitStack
 
 import pytest
 import zenoh
@@ -23,10 +22,3 @@ def _traced_callbacks(monkeypatch):
         return make(call, drop, indirect=indirect)
 
     monkeypatch.setattr(zenoh.handlers, "Callback", traced)
-
-
-@pytest.fixture
-def stack():
-    """What is opened during a test, and closed when it ends."""
-    with ExitStack() as opened:
-        yield opened

@@ -1,7 +1,6 @@
 """Two robots with nodes of ROS 2: behind Sendworthy as behind the routers that `rmw_zenohd` runs."""
 
 import json
-from contextlib import ExitStack
 
 import pytest
 
@@ -47,12 +46,6 @@ class Site:
 
     def counts(self):
         return self.status()["counts"]["by_reason"]
-
-
-@pytest.fixture
-def stack():
-    with ExitStack() as opened:
-        yield opened
 
 
 @pytest.fixture

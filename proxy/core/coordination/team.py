@@ -45,7 +45,7 @@ class Team:
         self.even = False
         """Whether equal parts do: announcements cost too much, and no message is much larger than such a part."""
         self._senders = 1
-        """How many robots have something to send, and we."""
+        """How many robots share equal parts: we, and all but those that are known to have sent nothing."""
         self._patience, self._stuck = Patience(), False
         self.varied = False
         """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""

@@ -11,6 +11,7 @@ import zenoh
 
 from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sessions import mesh_options, open_session
+from proxy.bridge.sockets import links_of
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -100,7 +101,7 @@ def test_a_link_whose_socket_cannot_be_found_counts_as_full(stack):
     mesh = closing(stack, plain_session("peer", listen=(endpoint,)))
     buffers = SendBuffers(mesh)
     closing(stack, plain_session("peer", connect=(endpoint,)))
-    wait_until(lambda: list(mesh.info.peers_zid()), what="the link")
+    wait_until(lambda: links_of(mesh), what="the link")  # a peer is told of before its link is
     buffers.refresh()
     assert not buffers.takes(1)
     assert not buffers.clear
