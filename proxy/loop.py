@@ -47,7 +47,7 @@ class _Rest(Enum):
 
 
 class Loop:
-    """Feeds the core. `execute` carries out each command, on this thread: it must not block.
+    """Feeds the core. `execute` carries out each command, for one thread at a time: it must not block.
 
     While it is synchronised the wall clock is wrong by `clock_error` at most [s]; 0.0: that is not known.
     """

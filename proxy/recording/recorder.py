@@ -1,4 +1,4 @@
-"""Records what the core takes in and what it decides: noted on the loop's thread, written on another one."""
+"""Records what the core takes in and what it decides: noted by who uses the core, written on another thread."""
 
 import logging
 import threading
@@ -95,7 +95,7 @@ class Recorder:
         }
 
     def handle(self, event: Event) -> list[Command]:
-        """Have the core take in an event, and note it with what follows. On the loop's thread only."""
+        """Have the core take in an event, and note it with what follows. By who uses the core."""
         if self._output.heads > self._heads:
             self._save(event.now)
         try:
