@@ -2,9 +2,8 @@
 
 import math
 
-from proxy.core.forecast.history import History
 from proxy.core.forecast.patterns import Pattern, Periodic, Span
-from proxy.core.forecast.recognition import Recognition
+from proxy.core.forecast.recognition import History, Recognition
 from proxy.core.forecast.rhythm import Numbered, Rhythm
 from proxy.core.forecast.tracker import Tracker
 from proxy.core.forecast.tuning import TUNING

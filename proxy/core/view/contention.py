@@ -6,7 +6,7 @@ So what is asked of streams is kept in rows, and worked out anew only for stream
 
 from collections.abc import Container, Mapping, Sequence
 
-from proxy.core.view.staleness import Staleness
+from proxy.core.view.peer import Staleness
 from proxy.core.view.stream import Stream, at_stake
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers

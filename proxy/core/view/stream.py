@@ -1,9 +1,11 @@
 """What is known of one stream: the samples of one key from one robot."""
 
+import math
 from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from statistics import NormalDist
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -13,9 +15,53 @@ from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.forecast.schedule import Schedule
 from proxy.core.protocol.fixed import rounded
 from proxy.core.protocol.messages import StreamState
-from proxy.core.view.sizes import Sizes
 from proxy.core.view.tuning import TUNING
 from utility_specs import InformationType
+
+
+@dataclass(slots=True)
+class Sizes:
+    """Of the samples that were generated, the recent ones counting more."""
+
+    mean: float = 0.0
+    """[B]"""
+    variance: float = 0.0
+    """[B²]"""
+    announced: int = 0
+    """What the stream's robot last announced, so that all robots know the same; 0: nothing yet [B]."""
+
+    @property
+    def deviation(self) -> float:
+        """The standard deviation [B]."""
+        return math.sqrt(self.variance)
+
+    def note(self, size: int) -> None:
+        """A sample of so many bytes was generated; older ones fade exponentially."""
+        if not self.mean:
+            self.mean = float(size)
+            return
+        off = size - self.mean
+        weight = TUNING.newest_size_weight
+        self.mean += weight * off
+        self.variance = (1.0 - weight) * (self.variance + weight * off * off)
+
+    def announce(self, size: int) -> None:
+        """The stream's robot announced this size [B]."""
+        self.announced = size
+
+    def likely(self, newest: int) -> int:
+        """The size that a sample to come is planned with, after the newest one: a bit less than the mean [B]."""
+        if self.variance == 0.0:
+            return newest
+        likely = self.mean - TUNING.sent_size_deviations * self.deviation
+        return round(max(likely, TUNING.least_likely_size * self.mean))
+
+    def smallest(self, part: float) -> int:
+        """The mean size of the smallest `part` of the samples [B], if sizes are spread about the mean like a bell."""
+        normal = NormalDist()
+        below = normal.pdf(normal.inv_cdf(part)) / part * self.deviation
+        return round(max(self.mean - below, TUNING.smallest_size_part * self.mean))
+
 
 NONE: Mapping[str, float] = MappingProxyType({})
 """No features."""

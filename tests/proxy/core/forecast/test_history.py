@@ -2,7 +2,7 @@
 
 import math
 
-from proxy.core.forecast.history import History
+from proxy.core.forecast.recognition import History
 from proxy.core.forecast.tuning import TUNING
 
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from proxy.core.forecast.history import History
-from proxy.core.forecast.recognition import Recognition
+from proxy.core.forecast.recognition import History, Recognition
 from proxy.core.forecast.rhythm import Rhythm, fit
 from tests.proxy.core.streams import bursts, periodic, poisson
 from utility_specs.schedules import PoissonRule
