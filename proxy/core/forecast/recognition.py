@@ -6,9 +6,11 @@ generation times that no period explains. Of a random stream no more is known th
 
 import math
 from collections import deque
+from collections.abc import Sequence
+from itertools import pairwise
+from math import sqrt
 
 from proxy.core.forecast.bursts import Bursts, bursts_in, reported_bursts
-from proxy.core.forecast.gaps import spread
 from proxy.core.forecast.patterns import Memoryless, Pattern, Periodic
 from proxy.core.forecast.rhythm import Numbered, Rhythm
 from proxy.core.forecast.tuning import TUNING
@@ -26,8 +28,6 @@ class History:
         """The first sample that was ever seen."""
         self.seen = 0
         """Samples seen in all."""
-        self.numbered = True
-        """Whether samples come with their numbers; if not, some may have been lost between them."""
         self.longest_gap = 0.0
         """The longest gap that was no pause, which shrinks with time [s]."""
         self.pauses = 0
@@ -51,11 +51,6 @@ class History:
         self.first = self.first or sample
         self.past.append(sample)
         self.seen += 1
-
-    def set_numbered(self, *, numbered: bool) -> bool:
-        """Samples come with numbers from now on, or without; return whether that is new."""
-        changes, self.numbered = numbered != self.numbered, numbered
-        return changes
 
     def note_gap(self, *, paused: bool) -> None:
         """The gap before the sample that is noted next was a pause, or none."""
@@ -136,20 +131,29 @@ class Recognition:
         return joined or bursts_in(seen.past, whole=seen.past[0] == first)
 
     def _has_rhythm(self, seen: History, rhythm: Rhythm) -> bool:
-        """Whether the rhythm explains what was seen: a few samples, or any without numbers, always seem to have one."""
+        """Whether the rhythm explains what was seen: a few samples always seem to have one."""
         hysteresis = TUNING.hysteresis if self._periodic else -TUNING.hysteresis
         if len(seen.past) <= TUNING.run + 1:
             return True
         if rhythm.looseness > TUNING.no_rhythm + hysteresis:
             return False
-        by_chance = rhythm.known < TUNING.sure if seen.numbered else rhythm.looseness > TUNING.sure_jitter
-        if not by_chance:
+        if rhythm.known >= TUNING.sure:
             return True
         if seen.seen >= self._spread_at + TUNING.seldom or seen.seen < TUNING.sure:
-            self._spread, self._spread_at = spread(seen.past), seen.seen
+            self._spread, self._spread_at = _spread(seen.past), seen.seen
         return self._spread < TUNING.random_spread + hysteresis
 
 
 def _mean_interval(seen: History) -> float:
     (count, first), (number, last) = seen.past[0], seen.past[-1]
     return (last - first) / (number - count)
+
+
+def _spread(points: Sequence[Numbered]) -> float:
+    """Return how gaps between numbered times deviate: their median deviation as a part of their median.
+
+    About 0.7 where samples come at random, whatever the gaps between those that were seen; little where they do not.
+    """
+    gaps = [((t - s), n - m) for (m, s), (n, t) in pairwise(points)]
+    middle = sorted([gap / count for gap, count in gaps])[len(gaps) // 2]
+    return sorted([abs(gap - count * middle) / sqrt(count) for gap, count in gaps])[len(gaps) // 2] / middle

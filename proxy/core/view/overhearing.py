@@ -83,7 +83,7 @@ class Overhearing:
             features = event.features or {}
             scale = stream.information_type.scale(features)
             generated = Generated(now, event.size, scale, features)
-            stream.note_generated(stream.generated + 1, generated, numbered=False)
+            stream.note_generated(stream.generated + 1, generated)
             self._traffic.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
     def _take_from(self, now: float, t_gen: float | None, event: SampleHeard, peer: Peer) -> None:
@@ -124,7 +124,7 @@ class Overhearing:
             stream.assume(told)
         features, at = event.features or {}, now if t_gen is None else min(t_gen, now)
         last = Generated(at, event.size, stream.information_type.scale(features), features)
-        stream.note_generated(1, last, numbered=False, overheard=True)
+        stream.note_generated(1, last, overheard=True)
         return stream
 
 

@@ -139,9 +139,9 @@ class Stream:
         self._expected.clear()
 
     def note_generated(
-        self, count: int, last: Generated, *, numbered: bool = True, overheard: bool = False, told: Rhythm | None = None
+        self, count: int, last: Generated, *, overheard: bool = False, told: Rhythm | None = None
     ) -> None:
-        """Sample number `count` of the stream was generated; when not `numbered`, some before it may be lost.
+        """Sample number `count` of the stream was generated.
 
         An `overheard` one is the first that we know of, from the air alone. A rhythm that its robot `told` holds.
         """
@@ -152,7 +152,7 @@ class Stream:
             self.began = last.t_gen - (0.0 if told is None else (count - 1) * told.period)
         self.generated = count
         self.changes += 1
-        self.schedule.observe(count if numbered else None, last.t_gen, told)
+        self.schedule.observe(count, last.t_gen, told)
         self.last = last
         self.sizes.note(last.size)
         if self._outlook is not None:
