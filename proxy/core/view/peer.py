@@ -1,7 +1,7 @@
 """What is known of another robot."""
 
 from collections import deque
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -240,11 +240,6 @@ class Staleness:
     def reported_until(self, robot: str, otherwise: float) -> float:
         """When the last digest of a robot was sent [s, our clock]; `otherwise` where none tells of its streams."""
         return self._reported_until.get(robot, otherwise)
-
-    def all_reported_until(self, robots: Iterable[str], otherwise: float) -> list[float]:
-        """Return the same for many robots."""
-        reported_until = self._reported_until.get
-        return [reported_until(robot, otherwise) for robot in robots]
 
     @property
     def longest_way(self) -> float:

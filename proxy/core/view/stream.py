@@ -90,7 +90,7 @@ class Sent(NamedTuple):
     told: bool = False
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Stream:
     """One stream in the shared view. `id` is its number in its robot's digests."""
 

@@ -141,10 +141,6 @@ class SharedView:
         for peer in self.peers.values():
             peer.outbound.sent_digest(at)
 
-    def announced(self) -> None:
-        """A digest of ours tells what we sent until now."""
-        self.largest = 0
-
     def restart_losses(self) -> None:
         """Forget the counts of all peers: from now on other samples are counted."""
         for peer in self.peers.values():
