@@ -91,7 +91,13 @@ def _cells(kept: Path) -> tuple[str, ...]:
     if not kept.exists():
         return "not run", "", "", "", ""
     outcome = Outcome(**json.loads(kept.read_text()))
-    return "no" if outcome.code else "yes", outcome.date, outcome.version, f"{outcome.seconds:.0f} s", _short(outcome.last)
+    return (
+        "no" if outcome.code else "yes",
+        outcome.date,
+        outcome.version,
+        f"{outcome.seconds:.0f} s",
+        _short(outcome.last),
+    )
 
 
 def _short(line: str) -> str:
