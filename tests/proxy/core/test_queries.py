@@ -131,7 +131,7 @@ def queries(core, now):
     )
     yield (
         "view of robots",
-        lambda: (view.staleness.all_reported_until(PEERS.values(), now), view.origins.robot_of("feed")),
+        lambda: [view.origins.robot_of("feed"), *(view.staleness.reported_until(each, now) for each in PEERS.values())],
     )
     yield (
         "view of streams",
