@@ -26,11 +26,7 @@ KEYS = ("robot/r1/camera", "robot/r2/camera", "robot/x/camera", "other")
 PEERS = {"aaaaaaaa01": "op", "eeeeeeee01": "r2"}
 KEPT = {
     *("Stream._expected", "Stream._reach", "Interest._wanting"),
-    *(
-        "Contention._" + kept
-        for kept in ("revision", "revisions", "streams", "row", "seen", "robots", "owner", "wanted")
-    ),
-    *("Contention._" + kept for kept in ("cheapness", "last", "patience", "next")),
+    *("Contention._" + kept for kept in ("revision", "revisions", "rows", "places", "count", "known")),
     *(
         "Budget._others_known",
         "Budget._others_sent",
