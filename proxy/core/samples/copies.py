@@ -2,14 +2,153 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
+from proxy.core.interface.commands import Command, Forget, Keep, TellBacklog
+from proxy.core.model.waiting import Waiting
 from proxy.core.samples.away import Away, Copy, Leaving
-from proxy.core.samples.backlog_announcements import BacklogAnnouncements
-from proxy.core.samples.held_payloads import HeldPayloads
-from proxy.core.samples.sent_lately import SentLately
 from proxy.core.samples.tuning import TUNING
+
+
+class HeldPayloads:
+    """Counts who needs the payload of a sample."""
+
+    def __init__(self) -> None:
+        self.bytes = 0
+        """What all payloads take that are kept [B]."""
+        self._holders: Counter[int] = Counter()
+        self._sizes: dict[int, int] = {}
+        self._new: set[int] = set()
+        self._freed: set[int] = set()
+        """Samples that the driver is to keep from now on, and those that it may forget."""
+
+    def hold(self, waiting: Waiting) -> None:
+        """One more needs the payload of a sample."""
+        sample = waiting.sample
+        self._holders[sample] += 1
+        if self._holders[sample] == 1:
+            self._sizes[sample] = waiting.size
+            self.bytes += waiting.size
+            (self._freed.discard if sample in self._freed else self._new.add)(sample)
+
+    def release(self, sample: int) -> None:
+        """One less needs the payload of a sample."""
+        self._holders[sample] -= 1
+        if not self._holders[sample]:
+            del self._holders[sample]
+            self.bytes -= self._sizes.pop(sample)
+            (self._new.discard if sample in self._new else self._freed.add)(sample)
+
+    def around(self, commands: list[Command]) -> list[Command]:
+        """Return commands with what the driver has to keep before them, and what it may forget after them."""
+        if not (self._new or self._freed):
+            return commands
+        keep, forget = map(Keep, sorted(self._new)), map(Forget, sorted(self._freed))
+        self._new, self._freed = set(), set()
+        return [*keep, *commands, *forget]
+
+
+class SentLately:
+    """Of each key as many as are kept for one robot."""
+
+    def __init__(self, payloads: HeldPayloads) -> None:
+        self._payloads = payloads
+        self._sent: dict[str, dict[int, tuple[Copy, Mapping[str, float]]]] = {}
+        """By key and sample: a copy of it for anybody, and by tag when it was sent to which robots [s]."""
+
+    def __bool__(self) -> bool:
+        return bool(self._sent)
+
+    def note(self, copy: Copy, at: Mapping[str, float]) -> None:
+        """A sample was sent at these times to these robots."""
+        waiting = copy.waiting
+        many = self._sent.setdefault(waiting.key, {})
+        if waiting.sample not in many:
+            self._payloads.hold(waiting)
+        _, before = many.pop(waiting.sample, (copy, {}))
+        many[waiting.sample] = copy, {**before, **at}
+        if len(many) > copy.most:
+            self.forget(waiting.key, next(iter(many)))
+
+    def doubtful(self, now: float, robot: Leaving) -> list[Copy]:
+        """Return what a robot that vanishes now may not have got; nothing if it would not notice what it has."""
+        if not robot.alike:
+            return []
+        since, sent = now - TUNING.doubtful, (each for many in self._sent.values() for each in many.values())
+        return [copy for copy, at in sent if at.get(robot.tag, -math.inf) >= since]
+
+    def forget(self, key: str, sample: int) -> None:
+        """Nobody needs a sample any more."""
+        many = self._sent.get(key, {})
+        if many.pop(sample, None) is not None:
+            if not many:
+                del self._sent[key]
+            self._payloads.release(sample)
+
+    def forget_oldest(self) -> None:
+        """There is no room for all: one leaves."""
+        key, many = next(iter(self._sent.items()))
+        self.forget(key, next(iter(many)))
+
+    def sweep(self, now: float) -> None:
+        """Forget what has arrived for certain."""
+        since = now - TUNING.doubtful
+        old = [(k, n) for k, many in self._sent.items() for n, (_, at) in many.items() if max(at.values()) < since]
+        for key, sample in old:
+            self.forget(key, sample)
+
+
+class BacklogAnnouncements:
+    """What each robot was announced last, by tag."""
+
+    def __init__(self) -> None:
+        self._number = 0
+        self._commands: list[Command] = []
+        self._named: dict[str, frozenset[str]] = {}
+        """The keys of which a robot knows that copies wait for it."""
+        self._reminded_at: dict[str, float] = {}
+
+    def answer(self, to: str, keys: frozenset[str]) -> None:
+        """A robot waits to hear whether anything is kept for it."""
+        self._announce(to, keys, grows=True)
+
+    def update(self, to: str, keys: frozenset[str]) -> None:
+        """Copies of these keys wait for a robot now: it is announced what is news."""
+        named = self._named.get(to, frozenset())
+        if keys != named:
+            self._announce(to, keys, grows=not keys <= named)
+
+    def repeat(self, now: float, to: str) -> None:
+        """Remind a robot from time to time of what waits."""
+        named = self._named.get(to)
+        if named and now >= self._reminded_at.get(to, -math.inf) + TUNING.reminder_every:
+            self._reminded_at[to] = now
+            self._announce(to, named, grows=True)
+
+    def vanish(self, to: str) -> None:
+        """A robot that vanishes forgets what was announced."""
+        self._named.pop(to, None)
+
+    def forget(self, to: str) -> None:
+        """Nothing is kept for a robot any more."""
+        self._named.pop(to, None)
+        self._reminded_at.pop(to, None)
+
+    def take(self) -> list[Command]:
+        """Return what is to be announced since the last call."""
+        commands, self._commands = self._commands, []
+        return commands
+
+    def _announce(self, to: str, keys: frozenset[str], *, grows: bool) -> None:
+        self._number += 1
+        if keys:
+            self._named[to] = keys
+        else:
+            self._named.pop(to, None)
+        named = tuple(sorted(keys)) if len(keys) <= TUNING.named_keys else None
+        self._commands.append(TellBacklog(to, self._number, named, grows))
+
 
 OVERFLOW, GONE, FORWARDED = "dropped:overflow", "dropped:gone", "forwarded"
 

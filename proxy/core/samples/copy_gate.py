@@ -10,12 +10,11 @@ from proxy.core.protocol.fixed import rounded
 from proxy.core.samples.appraisal import Appraisal, Use
 from proxy.core.samples.away import Copy
 from proxy.core.samples.copies import Copies
-from proxy.core.samples.decision_log import SEARCH, WAITS, Why
+from proxy.core.samples.decision_log import SEARCH, WAITS, Searched, Why
 from proxy.core.samples.decisions import Decided, Decisions, Shortcut
 from proxy.core.samples.fallback import StaticRule
 from proxy.core.samples.inbox import Inbox
 from proxy.core.samples.search import Pending, Search
-from proxy.core.samples.searched import Searched
 from proxy.core.samples.tuning import TUNING
 from proxy.core.view.stream import Stream
 

@@ -5,7 +5,7 @@ arrived, so it is offered again, and the robot leaves out what it has. When the 
 any other sample, for this robot alone, the older ones first. A copy is given up when it is worth nothing any more, when
 there are too many, or when the robot is gone.
 
-What is kept here are numbers; the driver has the payloads (`held_payloads.py`).
+What is kept here are numbers; the driver has the payloads (`copies.py`).
 """
 
 import math
