@@ -80,7 +80,7 @@ def _report(
         "wall_error": core.view.clocks.error or None,
         "uptime": uptime,
         "counts": _counts(core),
-        "kept": core.kept.copies.described(now) | {"keys": sorted(retained)},
+        "kept": _kept(core, now) | {"keys": sorted(retained)},
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "on_air": {"messages": core.view.traffic.messages, "bytes": core.view.traffic.bytes},
@@ -105,6 +105,22 @@ def _report(
         + sum(each.paces.evicted for each in core.view.specs.types),
         "untold": core.gossip.states.left_out,
         "asked": core.gossip.requests.asked,
+    }
+
+
+def _kept(core: Parts, now: float) -> dict[str, Any]:
+    """Return what is kept for robots that are away, and who they are."""
+    copies = core.kept.copies
+    return {
+        "in": copies.entered,
+        "waiting": copies.waiting,
+        "bytes": copies.payloads.bytes,
+        "conserved": copies.conserved,
+        "by_reason": dict(sorted(copies.by_reason.items())),
+        "for": [
+            {"robot": away.robot.name, "back": away.back, "away": now - away.since, "samples": away.count}
+            for away in copies
+        ],
     }
 
 

@@ -26,11 +26,7 @@ KEYS = ("robot/r1/camera", "robot/r2/camera", "robot/x/camera", "other")
 PEERS = {"aaaaaaaa01": "op", "eeeeeeee01": "r2"}
 KEPT = {
     *("Stream._expected", "Stream._reach", "Interest._wanting"),
-    *(
-        "Contention._" + kept
-        for kept in ("revision", "revisions", "streams", "row", "seen", "robots", "owner", "wanted")
-    ),
-    *("Contention._" + kept for kept in ("cheapness", "last", "patience", "next")),
+    *("Contention._" + kept for kept in ("revision", "revisions", "rows", "robots")),
     *(
         "Budget._others_known",
         "Budget._others_sent",
@@ -131,7 +127,10 @@ def queries(core, now):
     )
     yield (
         "view of robots",
-        lambda: (view.staleness.all_reported_until(PEERS.values(), now), view.origins.robot_of("feed")),
+        lambda: (
+            [view.staleness.reported_until(name, now) for name in PEERS.values()],
+            view.origins.robot_of("feed"),
+        ),
     )
     yield (
         "view of streams",
