@@ -21,15 +21,16 @@ from proxy.recording.writing import described
 log = logging.getLogger(__name__)
 
 Handle = Callable[[Event], list[Command]]
+PassOn = Callable[[Event], list[Command] | None]
 Look = Callable[[int, float], Snapshot]
 """Returns what the core knows before the event with a number, at a time [s]; raises RecordingError."""
 FULL = "more than could be written"
 
 
 class Recorder:
-    """Notes each event that `take` hands to `handle`, from number `first` on, and has `output` write it.
+    """Notes each event that `take` hands to `handle`, or `pass_on` to its namesake, and has `output` write it.
 
-    `look` takes a snapshot of the core, where one is due. `payload` finds the payload of a sample by its number; None:
+    They are counted from `first` on. `look` takes a snapshot of the core, where one is due. `payload` finds the payload of a sample by its number; None:
     payloads are not recorded.
     """
 
@@ -40,8 +41,10 @@ class Recorder:
         look: Look,
         first: int = 0,
         payload: Callable[[int], Content | None] | None = None,
+        pass_on: PassOn = lambda _: None,
     ) -> None:
         self._handle = handle
+        self._pass = pass_on
         self._output = output
         self._look = look
         self._number = self._first = first
@@ -111,6 +114,15 @@ class Recorder:
         self._note(event, told, "")
         return commands
 
+    def pass_on(self, event: Event) -> list[Command] | None:
+        """Have the core only pass a sample on, and note that; None where it does not, or a snapshot is due first."""
+        if self._output.heads > self._heads:
+            return None
+        commands = self._pass(event)
+        if commands is not None:
+            self._note(event, commands, "")
+        return commands
+
     def _save(self, now: float) -> None:
         """Note what the core knows now."""
         self._heads, snapshot = self._output.heads, None
@@ -177,9 +189,8 @@ class Recorder:
     def _write(self) -> None:
         """Write what waits, slice by slice."""
         while self._items:
-            for _ in range(min(len(self._items), TUNING.slice)):
-                item = self._items.popleft()
-                self._output.add(item)
-                if isinstance(item, tuple) and item[4] is not None:
-                    self._given += item[4].size
+            items = [self._items.popleft() for _ in range(min(len(self._items), TUNING.slice))]
+            self._output.add_all(items)
+            if self._payload is not None:
+                self._given += sum([item[4].size for item in items if type(item) is tuple and item[4] is not None])
             time.sleep(TUNING.pause)

@@ -26,7 +26,7 @@ KEYS = ("robot/r1/camera", "robot/r2/camera", "robot/x/camera", "other")
 PEERS = {"aaaaaaaa01": "op", "eeeeeeee01": "r2"}
 KEPT = {
     *("Stream._expected", "Stream._reach", "Interest._wanting"),
-    *("Contention._" + kept for kept in ("revision", "revisions", "rows", "robots")),
+    *("Contention._" + kept for kept in ("revision", "revisions", "rows", "places", "count", "known")),
     *(
         "Budget._others_known",
         "Budget._others_sent",
@@ -127,10 +127,7 @@ def queries(core, now):
     )
     yield (
         "view of robots",
-        lambda: (
-            [view.staleness.reported_until(name, now) for name in PEERS.values()],
-            view.origins.robot_of("feed"),
-        ),
+        lambda: [view.origins.robot_of("feed"), *(view.staleness.reported_until(each, now) for each in PEERS.values())],
     )
     yield (
         "view of streams",
