@@ -19,13 +19,12 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
 from proxy.core.parts import Parts
-from proxy.core.reactions.changes import Changes
+from proxy.core.reactions.changes import Changes, TeamLimits
 from proxy.core.reactions.fast_path import FastPath
 from proxy.core.reactions.membership import Membership
 from proxy.core.reactions.mesh_news import MeshNews
 from proxy.core.reactions.own_samples import OwnSamples
 from proxy.core.reactions.retention import Retention
-from proxy.core.reactions.team_limits import TeamLimits
 from proxy.core.samples.gate import Gate
 from proxy.core.samples.kept import Kept
 from proxy.core.status import live, report, totals

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from proxy.core.congestion.capacity import Capacity
 from proxy.core.coordination.coordination import Coordination
-from proxy.core.gossip.echo_budget import EchoBudget
+from proxy.core.gossip.digest_budget import EchoBudget
 from proxy.core.gossip.state_announcements import StateAnnouncements
 from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.protocol.messages import Digest, Echo, StreamDigest, tag
