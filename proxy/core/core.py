@@ -19,16 +19,15 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
 from proxy.core.parts import Parts
-from proxy.core.reactions.changes import Changes
+from proxy.core.reactions.changes import Changes, TeamLimits
 from proxy.core.reactions.fast_path import FastPath
 from proxy.core.reactions.membership import Membership
 from proxy.core.reactions.mesh_news import MeshNews
 from proxy.core.reactions.own_samples import OwnSamples
 from proxy.core.reactions.retention import Retention
-from proxy.core.reactions.team_limits import TeamLimits
 from proxy.core.samples.gate import Gate
 from proxy.core.samples.kept import Kept
-from proxy.core.status import live, report, totals
+from proxy.core.status import live_streams, report, streams, types
 from proxy.core.view.mismatched_limits import MismatchedLimits
 from proxy.core.view.view import SharedView
 from proxy.core.why import stream_decisions
@@ -151,15 +150,18 @@ class Core:
 
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
-        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"streams": streams(self.parts, now)}
 
     def live(self, now: float) -> dict[str, Any]:
         """The same, but of the streams only what who looks again and again shows, as rows under columns."""
-        return live(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"streams": live_streams(self.parts, now)}
 
     def totals(self, now: float) -> dict[str, Any]:
         """The same, but in place of the streams what became of our samples by information type: that takes little."""
-        return totals(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"types": types(self.parts)}
+
+    def _report(self, now: float) -> dict[str, Any]:
+        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
 
     @property
     def asked(self) -> Decide | None:

@@ -252,20 +252,6 @@ def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowan
     assert any(told.update.splits is told.state.splits for told in talk.all(SendState) if told.state.split is not None)
 
 
-@pytest.mark.parametrize("coming", ["digest", "state"])
-def test_what_is_told_beyond_the_allowance_leaves_less_for_samples(talk, coming):
-    """Whoever tells it."""
-    before = talk.core.budget.free(5.5)
-    for number in range(30):
-        now = 5.01 + 0.01 * number
-        if coming == "digest":
-            talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, messages=number), 500))
-        else:
-            state = State("op", "zz-op", "", "", number=number + 2, since=number + 1)
-            talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
-    assert talk.core.budget.free(5.5)[0] < before[0]
-
-
 def test_who_has_just_met_somebody_announces_what_it_sends(make_talk):
     """The other one may send before it can say so; who turns out to send nothing need not know at once."""
     talk = make_talk(allowance=0.05)
