@@ -99,8 +99,7 @@ class Core:
         react = self._reactions.get(kind)
         if react is None:
             raise TypeError(f"{kind.__name__} is no event of the core")
-        if (passed := fast.take(event)) is not None:
-            self._wakes_at = min(self._wakes_at, fast.due_at)
+        if (passed := self.pass_on(event)) is not None:
             return passed
         if kind is not ev.SampleHeard:  # which concerns none of ours
             fast.conclude()
@@ -117,6 +116,13 @@ class Core:
             return commands
         self._look_whether_samples_pass(event)
         return parts.kept.around(commands)
+
+    def pass_on(self, event: ev.Event) -> list[Command] | None:
+        """Do the same, if all that is to be done is to send a sample on or to note that it went; None: it is not."""
+        passed = self._fast.take(event)
+        if passed is not None:
+            self._wakes_at = min(self._wakes_at, self._fast.due_at)
+        return passed
 
     @property
     def parts(self) -> Parts:

@@ -28,7 +28,8 @@ class _UntoldError(Exception):
 
 def line(event: Event, commands: Sequence[Any]) -> bytes | None:
     """Return an event with the commands that followed, as such or described; None where it is left to `json_data`."""
-    if _of_class(type(event)) is None:
+    kind: Any = type(event)
+    if _of_class(kind) is None:
         return None
     try:
         made: bytes = _encode(event)
@@ -65,7 +66,8 @@ def _head(kind: type) -> bytes:
 
 def _nones(value: Any) -> int:
     """Return how many None are in an event or a command."""
-    count = _of_class(type(value))
+    kind: Any = type(value)
+    count = _of_class(kind)
     if count is None:
         raise _UntoldError
     return count(value)

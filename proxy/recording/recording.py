@@ -73,18 +73,16 @@ class Recording:
         output = Output(start, runtime.specs, folder, self._config.file_bytes)
         contents = self._payloads.content if payloads else None
         core = self._loop.core
-        self._recorder = recorder = Recorder(
-            core.handle, output, partial(taken, core), payload=contents, pass_on=core.pass_on
-        )
+        self._recorder = recorder = Recorder(core, output, partial(taken, core), payload=contents)
         recorder.start()
-        self._loop.record(recorder.take, recorder.pass_on)
+        self._loop.record(recorder)
         self._on = True
 
     def stop(self) -> None:
         """Record no longer: what was seen is still written, soon. Raises RecordingError when it does not record."""
         if not self._on:
             raise RecordingError("it does not record")
-        self._loop.record(None, None)
+        self._loop.record(None)
         self._recorder.stop()
         self._on = False
 

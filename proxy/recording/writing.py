@@ -152,8 +152,7 @@ class RecordingWriter:
 
     def _nanoseconds(self, now: float) -> int:
         """Return the wall time of a time in the recording [ns]."""
-        at = int((now + self._offset) * 1e9)
-        return at if at > 0 else 0
+        return max(0, int((now + self._offset) * 1e9))
 
 
 def _told(event: Event, commands: Sequence[Command | dict[str, Any]], fault: str) -> dict[str, Any]:

@@ -46,6 +46,7 @@ class Echoes:
             self.presume_ways()
         elif (other := self._peers.get(echo.peer)) is not None:
             other.note_echo()
+            other.came[peer.tag] = now, echo.samples
             if (line := latency_of(echo)) is not None:
                 other.heard_by[peer.tag] = line
 

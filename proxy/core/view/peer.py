@@ -98,6 +98,8 @@ class Peer:
     pending: PendingNews = field(default_factory=PendingNews)
     heard_by: dict[str, Latency] = field(default_factory=dict)
     """What its samples take to other robots, by tag, as these tell."""
+    came: dict[str, tuple[float, int]] = field(default_factory=dict)
+    """By tag, when another robot told last how many samples of it came there [s], and how many."""
     offset: ClockOffset = field(default_factory=ClockOffset)
     inbound: Inbound = field(init=False)
     outbound: Outbound = field(init=False)

@@ -57,6 +57,18 @@ def test_a_robot_that_restarted_has_its_name_when_its_old_self_leaves(view):
     view.gone("z-new")
 
 
+def test_sessions_of_one_name_are_one_robot(view):
+    """As long as they have not said what they want: one copy may go to them, not one each."""
+    for zid in ("aaaa1", "bbbb1", "cccc1"):
+        view.add_peer(0.0, "r2", zid)
+    assert view.members.unannounced == 1
+    view.add_peer(0.0, "r3", "dddd1")
+    assert view.members.unannounced == 2
+    for zid in ("aaaa1", "bbbb1", "cccc1"):
+        view.heard_state(0.0, State("r2", zid, "", ""))
+    assert view.members.unannounced == 1
+
+
 def test_who_has_just_been_met_may_say_for_a_moment_what_it_sent_lately(make_specs):
     """Until it has, or that is over; who has no streams has nothing to say."""
     view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
