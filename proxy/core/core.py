@@ -187,7 +187,7 @@ class Core:
 
     def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
         """Return who takes in which event."""
-        samples, news = self._samples, self.news
+        samples, news, gate = self._samples, self.news, self._parts.gate
         members = Membership(self._parts, self._limits, news, self._retention)
         changes = Changes(self._parts, self._limits, self._retention)
         return {
@@ -198,10 +198,10 @@ class Core:
             ev.SampleRefused: samples.refused,
             ev.CopyHanded: samples.copy_handed,
             ev.CopyRefused: samples.copy_refused,
-            ev.DecisionReady: samples.ready,
-            ev.DecisionLate: samples.late,
+            ev.DecisionReady: gate.ready,
+            ev.DecisionLate: lambda late: gate.overdue(late.now, late.ticket),
             ev.SampleHeard: news.sample,
-            ev.DigestHeard: news.digest,
+            ev.DigestHeard: lambda heard: news.hear(heard.now, heard.digest, heard.size),
             ev.StateHeard: news.state,
             ev.MalformedHeard: news.malformed,
             ev.VersionHeard: news.version,
