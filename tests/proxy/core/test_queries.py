@@ -118,7 +118,6 @@ def queries(core, now):
             view.streams.revision,
             view.members.tags,
             view.staleness.longest_way,
-            view.members.namesakes(),
         ),
     )
     yield (
