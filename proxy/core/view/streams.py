@@ -188,7 +188,7 @@ class Streams:
         heir.cover(stream.information_type)
         heir.schedule.assume(stream.schedule.period)
         if stream.last is not None:
-            heir.schedule.observe(None, stream.last.t_gen)
+            heir.schedule.observe(1, stream.last.t_gen)
         self.admit(heir)
 
 
