@@ -4,17 +4,24 @@ What our samples take we are told, what comes to us we measure; of a way between
 """
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import tag
 from proxy.core.transit.latency import Latency, middle
-from proxy.core.transit.loss import share_of
+from proxy.core.transit.outbound import share_of
 from proxy.core.view.members import Members
-from proxy.core.view.receivers import Way
 from proxy.core.view.tuning import TUNING
 
 Known = dict[str, tuple[Latency | None, float | None]]
 """What is known of ways, by the tags of the receivers: time and loss; None where it is not."""
+
+
+class Way(NamedTuple):
+    """The way of a message to one robot: it takes `latency` [s] and gets there with the chance `share`."""
+
+    latency: float
+    share: float = 1.0
 
 
 class Fan:
