@@ -84,6 +84,8 @@ def rivals(
     """
     ours, news = claim(now, stream), news_take(view)
     claims = _claims(now, view, disputes, stream, limits)
+    if _counts_until(now, view, disputes, stream, news, grew, leads=all(theirs < ours for theirs, _ in claims)) < now:
+        ours = -math.inf, ""
     better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
     last = max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
@@ -106,6 +108,18 @@ def rivals(
             use = use_of(round(size), view.subscribers.copies(each), limits, own=False)
             taken, until = both(taken, [part * amount for amount in use]), min(until, ends)
     return taken, until
+
+
+def _counts_until(
+    now: float, view: SharedView, disputes: Disputes, stream: Stream, news: float, grew: float, *, leads: bool
+) -> float:
+    """Return until when others take the newest sample of a stream of ours for sent, if they hear nothing of it [s]."""
+    if not _waits(stream):
+        return math.inf
+    since = stream.newest.t_gen
+    if leads and since < grew < since + disputes.patience(stream):
+        since = grew + opening(view) + view.staleness.delay
+    return since + news + _spread(now, stream)
 
 
 def _due(now: float, stream: Stream, news: float) -> float:

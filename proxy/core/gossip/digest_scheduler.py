@@ -216,8 +216,7 @@ class DigestScheduler:
     def _announcement(self, now: float) -> Digest:
         """Return what was sent, in as few bytes as that takes; what is small only if there is room."""
         own = list(self._view.streams.own())
-        large_alone = self._budget.in_debt(now)
-        keys = {s.key for s in own if not large_alone or self._announcements.is_large(s)}
+        keys = {s.key for s in own if self._announcements.is_large(s)}
         return self._composer.announcement(now, self._news.take(now, own, keys))
 
     def _announced(self, digest: Digest) -> None:
