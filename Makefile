@@ -79,7 +79,7 @@ test-system: setup
 transparency: setup
 	WRITE_TRANSPARENCY=1 ONLY=tests/transparency tests/system/run
 
-# The long runs, an hour of them, or some (STAGES="soak kills"): writes studies/results/qualification.md anew, which tells
+# The long runs, five hours of them, or some (STAGES="soak kills"): writes studies/results/qualification.md anew, which tells
 # when each was run last. Needs what test-system needs.
 qualify: setup
 	$(BIN)/python -m studies.qualification $(STAGES)

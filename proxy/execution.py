@@ -39,7 +39,7 @@ _ToOthers = SendDigest | SendState | AskState | TellBacklog
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """Hands each command to the part that does it. On the loop's thread; never blocks."""
+    """Hands each command to the part that does it. By who uses the core; never blocks."""
 
     bridge: Bridge
     presence: Presence

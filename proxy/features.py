@@ -42,21 +42,25 @@ class _Place:
 class Extractor:
     """Posts each sample with what its type extracts, in order of arrival, or a newer one of its key in its place.
 
-    `post_at` runs a job on the loop's thread, not before a time. `match` finds the type that covers a key by the specs
-    in force, which change on that thread only: the core gets no features of others. What waits is bounded by what
-    ingress holds.
+    `post_at` runs a job on the loop's thread, not before a time. `lead` has the core take in a sample at once, if that
+    only has to be sent on and nothing waits before it; it returns whether it did. `match` finds the type that covers a
+    key by the specs in force, which change on that thread only: the core gets no features of others. What waits is
+    bounded by what ingress holds.
     """
 
     def __init__(
         self,
         post_at: Callable[[float, Callable[[], SamplePublished | SampleReread]], None],
         match: Callable[[str], InformationType | None],
+        lead: Callable[[SamplePublished], bool] = lambda _: False,
     ) -> None:
         self._post_at = post_at
+        self._lead = lead
         self._match = match
         self._jobs: deque[_Place] = deque()
         self._places: dict[str, _Place] = {}
         self._next: dict[str, float] = {}
+        self._noting = threading.Lock()
         self._wake = threading.Condition()
         self._open = True
         self._thread = threading.Thread(target=self._run, name="features", daemon=True)
@@ -88,6 +92,8 @@ class Extractor:
         needs no payload does not wait for what does. A delete has no features, but waits its turn behind the samples
         of its key, and those that come later wait behind it.
         """
+        if self._goes_at_once(event, covering):
+            return None
         with self._wake:
             place = self._places.get(event.key)
             if place is not None and not event.delete and not each:
@@ -99,6 +105,15 @@ class Extractor:
                 replaceable=covering.markovian and not event.delete and not each,
             )
             return None
+
+    def _goes_at_once(self, event: SamplePublished, covering: InformationType) -> bool:
+        """Whether the core took in a sample that has no features, before which none of its key waits."""
+        key, now = event.key, event.now
+        if covering.features or key in self._places or self._next.get(key, now) > now or not self._lead(event):
+            return False
+        if covering.markovian:
+            self._take_up(key, now + TUNING.uptake_interval)
+        return True
 
     def reread(
         self, event: SampleReread, key: str, payload: zenoh.ZBytes, attachment: zenoh.ZBytes | None = None
@@ -125,11 +140,17 @@ class Extractor:
     def _post(self, place: _Place, pause: float) -> None:
         """Let the loop take up the place when its time has come; the next one of its key `pause` [s] later."""
         key, now = place.key, place.event.now
-        when = max(now, self._next.pop(key, now))
-        self._next[key] = when + pause
-        if len(self._next) > TUNING.uptakes:
-            del self._next[next(iter(self._next))]
+        when = max(now, self._next.get(key, now))
+        self._take_up(key, when + pause)
         self._post_at(when, lambda: self._current(place, self._taken(place)))
+
+    def _take_up(self, key: str, until: float) -> None:
+        """Note that the core takes up a sample of a key; the next one it takes up then [s]."""
+        with self._noting:
+            self._next.pop(key, None)
+            self._next[key] = until
+            if len(self._next) > TUNING.uptakes:
+                del self._next[next(iter(self._next))]
 
     def _run(self) -> None:
         while True:

@@ -1,11 +1,18 @@
-"""The one thread on which the core runs: events in, commands out, time passing."""
+"""The one thread on which the core runs: events in, commands out, time passing.
+
+Whoever brings a sample that only has to be sent on does that himself, if nothing else waits for the core: to wake this
+thread for it would take longer. Meanwhile he holds the *lease* of the core, which this thread has whenever it works.
+"""
 
 import itertools
 import logging
+import math
 import threading
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
+from enum import Enum, auto
 from heapq import heappop, heappush
 from queue import Empty, SimpleQueue
 from typing import TypeVar
@@ -14,6 +21,7 @@ from proxy import clock
 from proxy.core.core import Core
 from proxy.core.interface.commands import Command
 from proxy.core.interface.events import ClockChanged, Event, TimePassed
+from proxy.core.interface.taker import Taker
 from proxy.preparing import Preparation
 from proxy.tuning import TUNING
 
@@ -21,10 +29,6 @@ log = logging.getLogger(__name__)
 
 
 T = TypeVar("T")
-
-
-def _look() -> None:
-    """There is an order."""
 
 
 Item = Event | Callable[[], Event | None]
@@ -35,8 +39,15 @@ _Timed = tuple[float, int, Item]
 """When an item is due, a number that keeps those due at once in order, and the item."""
 
 
+class _Rest(Enum):
+    """What the loop's thread does when nothing is to be done."""
+
+    WAIT = auto()
+    END = auto()
+
+
 class Loop:
-    """Feeds the core. `execute` carries out each command, on this thread: it must not block.
+    """Feeds the core. `execute` carries out each command, for one thread at a time: it must not block.
 
     While it is synchronised the wall clock is wrong by `clock_error` at most [s]; 0.0: that is not known.
     """
@@ -48,17 +59,26 @@ class Loop:
         self.refused = 0
         """Items that were offered while too many waited."""
         self._execute = execute
-        self._take: Callable[[Event], list[Command]] = core.handle
-        self._items: SimpleQueue[Item | _Timed | None] = SimpleQueue()
+        self._taker: Taker = core
+        self._lease = threading.Lock()
+        """Held by the thread that uses the core, which is the `_user`."""
+        self._user = 0
+        self._items: deque[Item | _Timed | None] = deque()
+        self._bell: SimpleQueue[None] = SimpleQueue()
+        self._ended = False
+        self._awake = True
+        """Whether the loop's thread will look at what waits before it sleeps."""
+        self._wake_at = self._until = -math.inf
+        """When time must pass next, and until when the loop's thread sleeps [s]."""
         self._orders: deque[Callable[[], None]] = deque()
         """What is done before all that waits."""
-        self._noted: deque[Item] = deque()
+        self._noted: deque[Item | _Timed | None] = deque()
         """Events that the core only notes."""
         self._collects = False
         """Whether they are looked for soon."""
         self._core_notes = False
         """Whether there is nothing for which it needs to know of such events at once."""
-        self._following: deque[Item] = deque()
+        self._following: deque[Item | _Timed | None] = deque()
         """What follows from what is done now."""
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
@@ -73,7 +93,7 @@ class Loop:
 
     def close(self, timeout: float) -> None:
         """Stop after the events that wait already; wait for it at most `timeout` [s]."""
-        self._items.put(None)
+        self._put(None)
         self._thread.join(timeout)
 
     def post(self, item: Item) -> None:
@@ -81,18 +101,18 @@ class Loop:
 
         What is posted on the loop's own thread, such as that a sample was handed over, follows what is done there now.
         """
-        if threading.get_ident() == self._thread.ident:
+        if threading.get_ident() == self._user:
             self._following.append(item)
         else:
-            self._items.put(item)
+            self._put(item)
 
     def offer(self, item: Item) -> bool:
         """Let the core know, if not too many items wait: for what others cause, and say again. From any thread."""
-        if self._items.qsize() >= TUNING.items:
+        if len(self._items) >= TUNING.items:
             with self._refusing:
                 self.refused += 1
             return False
-        self._items.put(item)
+        self._put(item)
         return True
 
     def order(self, job: Callable[[], None]) -> None:
@@ -101,7 +121,7 @@ class Loop:
         Behind them the status of a daemon with far more samples than it can decide on came seconds late.
         """
         self._orders.append(job)
-        self._items.put(_look)
+        self._ring()
 
     def note(self, event: Event) -> None:
         """Let the core know, if not too many wait, of what it only notes as things are: with what happens next.
@@ -115,11 +135,11 @@ class Loop:
         self._noted.append(event)
         if not self._collects:
             self._collects = True
-            self._items.put((event.now + TUNING.noted, next(self._numbers), self._collect))
+            self._put((event.now + TUNING.noted, next(self._numbers), self._collect))
 
     def post_at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""
-        self._items.put(item if when <= clock.monotonic() else (when, next(self._numbers), item))
+        self._put(item if when <= clock.monotonic() else (when, next(self._numbers), item))
 
     def at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, before what waits. On the loop's thread only."""
@@ -141,42 +161,103 @@ class Loop:
     @property
     def waiting(self) -> int:
         """Items that wait for the core."""
-        return self._items.qsize() + len(self._timed) + len(self._following) + len(self._noted)
+        return len(self._items) + len(self._timed) + len(self._following) + len(self._noted)
 
     def handle(self, event: Event) -> None:
         """Take in `event` and carry out what follows. On the loop's thread only."""
-        for command in self._take(event):
+        for command in self._taker.handle(event):
             self._execute(command)
 
-    def record(self, take: Callable[[Event], list[Command]] | None) -> None:
-        """Have `take` hand events to the core from now on, and see what it does; None: nobody. On the loop's thread."""
-        self._take = self.core.handle if take is None else take
+    def lead(self, event: Event) -> bool:
+        """Have the core take in a sample on this thread, if it only has to be sent on; return whether it did.
+
+        Not while anything else waits for the core, or another thread uses it: samples go in the order in which they
+        came. From any thread; never blocks.
+        """
+        if not self._lease.acquire(blocking=False):
+            return False
+        try:
+            if self._ended or self._waits(event.now) or (commands := self._taker.pass_on(event)) is None:
+                return False
+            self._user = threading.get_ident()
+            for command in commands:
+                self._execute(command)
+            while self._following and self._passes(self._following[0]):
+                self._following.popleft()
+            self._wake_at = self.core.wake_at(event.now)
+        except Exception as error:  # noqa: BLE001 - whatever fails in there
+            self._fail(event, error)
+        finally:
+            self._user = 0
+            self._lease.release()
+        if self._following or self._wake_at < self._until:
+            self._ring()
+        return True
+
+    def _waits(self, now: float) -> bool:
+        """Whether anything is to be done before a sample that came now."""
+        if self._items or self._orders or self._noted or self._following:
+            return True
+        return bool(self._timed) and self._timed[0][0] <= now
+
+    def _passes(self, item: object) -> bool:
+        """Have the core take in what follows, if that asks for nothing else; whether it did."""
+        return isinstance(item, Event) and self._taker.pass_on(item) == []
+
+    def record(self, taker: Taker | None) -> None:
+        """Have `taker` hand events to the core from now on; None: nobody, they go to it. On the loop's thread only."""
+        self._taker = self.core if taker is None else taker
+
+    def _put(self, item: Item | _Timed | None) -> None:
+        self._items.append(item)
+        self._ring()
+
+    def _ring(self) -> None:
+        """Have the loop's thread look what waits; whoever calls has put it there before."""
+        if not self._awake:
+            self._awake = True
+            self._bell.put(None)
 
     def _run(self) -> None:
-        wake_at = clock.monotonic()
-        while (item := self._next(wake_at)) is not None:
-            wake_at = self._digest(item)
+        self._wake_at = clock.monotonic()
+        while self._work():
+            self._awake = False
+            if not (self._items or self._orders or self._following or self._wake_at < self._until):
+                with suppress(Empty):
+                    self._bell.get(timeout=max(self._until - clock.monotonic(), 0.0))
+            self._awake = True
 
-    def _next(self, wake_at: float) -> Item | None:
+    def _work(self) -> bool:
+        """Do all that is to be done; return whether there will be more."""
+        with self._lease:
+            self._user = threading.get_ident()
+            while not isinstance(item := self._next(), _Rest):
+                self._wake_at = self._digest(item)
+            self._user = 0
+            self._ended = item is _Rest.END
+            return not self._ended
+
+    def _next(self) -> Item | _Rest:
         while True:
             if self._orders:
                 return self._orders.popleft()
             now = clock.monotonic()
             if self._timed and self._timed[0][0] <= now:
                 return heappop(self._timed)[2]
-            for noted in (self._following, self._noted):
-                if noted:
-                    return noted.popleft()
-            until = min(wake_at, self._timed[0][0]) if self._timed else wake_at
-            try:
-                item = self._items.get(timeout=max(until - now, 0.0))
-            except Empty:
-                if until == wake_at:
-                    return TimePassed(clock.monotonic())
-                continue
+            waiting = self._following or self._noted or self._items
+            if not waiting:
+                return self._rest(now)
+            item = waiting.popleft()
             if not isinstance(item, tuple):
-                return item
+                return _Rest.END if item is None else item
             heappush(self._timed, item)
+
+    def _rest(self, now: float) -> Item | _Rest:
+        """Time passes, or nothing is to be done until it does."""
+        if self._wake_at <= now:
+            return TimePassed(now)
+        self._until = min(self._wake_at, self._timed[0][0]) if self._timed else self._wake_at
+        return _Rest.WAIT
 
     def _collect(self) -> None:
         """What was noted comes next; for what is noted from now on it is looked again."""
@@ -195,7 +276,10 @@ class Loop:
                 self.handle(ClockChanged(now, wall.offset, wall.error))
             self._core_notes = self.core.notes
             return self.core.wake_at(now)
-        except Exception:
-            self.faults += 1
-            log.exception("the core cannot handle %s", type(item).__name__)
+        except Exception as error:  # noqa: BLE001 - whatever fails in there
+            self._fail(item, error)
             return clock.monotonic() + 0.1
+
+    def _fail(self, item: Item, error: Exception) -> None:
+        self.faults += 1
+        log.error("the core cannot handle %s", type(item).__name__, exc_info=error)

@@ -27,7 +27,7 @@ from proxy.bridge.tokens import Later, Tokens
 from proxy.core.interface.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
 from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.digest_codec import digest_head, pack_digest, unpack_digest
-from proxy.core.protocol.errors import MalformedWireError, OtherVersionError
+from proxy.core.protocol.envelope import MalformedWireError, OtherVersionError
 from proxy.core.protocol.fixed import ticks
 from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.protocol.state_codec import pack_state, state_version, unpack_state
@@ -80,8 +80,10 @@ class Presence:
         self.floods = Floods(offer)
         self._hold_back = hold_back
         turned = {"lost": hold_back.lost, "found": hold_back.found}
-        forged = Identities(mesh, certified).forged
-        self._tokens = Tokens(self._zid, post, later, self.floods.refuse, **turned, forged=forged)
+        identities = Identities(mesh, certified)
+        self._tokens = Tokens(
+            self._zid, post, later, self.floods.refuse, **turned, forged=identities.forged, absent=identities.absent
+        )
         self._looking = threading.Lock()
         self._digests = Budget(BOUNDS.digests, BOUNDS.all_digests, lambda: len(self._tokens.tags))
         self._states = Budget(BOUNDS.states, BOUNDS.all_states, lambda: len(self._tokens.tags))

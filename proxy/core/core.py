@@ -19,16 +19,15 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
 from proxy.core.parts import Parts
-from proxy.core.reactions.changes import Changes
+from proxy.core.reactions.changes import Changes, TeamLimits
 from proxy.core.reactions.fast_path import FastPath
 from proxy.core.reactions.membership import Membership
 from proxy.core.reactions.mesh_news import MeshNews
 from proxy.core.reactions.own_samples import OwnSamples
 from proxy.core.reactions.retention import Retention
-from proxy.core.reactions.team_limits import TeamLimits
 from proxy.core.samples.gate import Gate
 from proxy.core.samples.kept import Kept
-from proxy.core.status import live, report, totals
+from proxy.core.status import live_streams, report, streams, types
 from proxy.core.view.mismatched_limits import MismatchedLimits
 from proxy.core.view.view import SharedView
 from proxy.core.why import stream_decisions
@@ -100,8 +99,7 @@ class Core:
         react = self._reactions.get(kind)
         if react is None:
             raise TypeError(f"{kind.__name__} is no event of the core")
-        if (passed := fast.take(event)) is not None:
-            self._wakes_at = min(self._wakes_at, fast.due_at)
+        if (passed := self.pass_on(event)) is not None:
             return passed
         if kind is not ev.SampleHeard:  # which concerns none of ours
             fast.conclude()
@@ -118,6 +116,13 @@ class Core:
             return commands
         self._look_whether_samples_pass(event)
         return parts.kept.around(commands)
+
+    def pass_on(self, event: ev.Event) -> list[Command] | None:
+        """Do the same, if all that is to be done is to send a sample on or to note that it went; None: it is not."""
+        passed = self._fast.take(event)
+        if passed is not None:
+            self._wakes_at = min(self._wakes_at, self._fast.due_at)
+        return passed
 
     @property
     def parts(self) -> Parts:
@@ -145,15 +150,18 @@ class Core:
 
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
-        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"streams": streams(self.parts, now)}
 
     def live(self, now: float) -> dict[str, Any]:
         """The same, but of the streams only what who looks again and again shows, as rows under columns."""
-        return live(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"streams": live_streams(self.parts, now)}
 
     def totals(self, now: float) -> dict[str, Any]:
         """The same, but in place of the streams what became of our samples by information type: that takes little."""
-        return totals(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"types": types(self.parts)}
+
+    def _report(self, now: float) -> dict[str, Any]:
+        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
 
     @property
     def asked(self) -> Decide | None:

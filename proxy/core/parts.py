@@ -11,8 +11,8 @@ from proxy.core.model.settings import CoreSettings
 from proxy.core.samples.counts import Counts
 from proxy.core.samples.gate import Gate
 from proxy.core.samples.kept import Kept
+from proxy.core.view.members import UnknownSenders
 from proxy.core.view.mismatched_limits import MismatchedLimits
-from proxy.core.view.unknown_senders import UnknownSenders
 from proxy.core.view.view import SharedView
 from proxy.core.window.window import WindowBuilder
 from utility_specs import Specs

@@ -7,9 +7,8 @@ from planner import Plan
 from proxy.core.market.standing import Weighed
 from proxy.core.model.waiting import Waiting
 from proxy.core.parts import Parts
-from proxy.core.samples.decision_log import Entry
+from proxy.core.samples.decision_log import Entry, Rival, Searched
 from proxy.core.samples.decisions import is_proven
-from proxy.core.samples.searched import Rival, Searched
 from proxy.core.view.stream import Stream
 from utility_specs.lifetimes import integral
 

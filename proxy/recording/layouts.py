@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 from planner import Aggregation, Constraint, Message, Plan, Problem, Traffic
+from planner.airtime import Airtime
 from planner.measures import Energy, Messages, Throughput
 from planner.problem import Receiver, Stream
 from planner.utility import Exponential, Linear, Polynomial, Power, Step, Video
@@ -23,7 +24,7 @@ CORE = "proxy.core."
 """What the modules begin with all of whose classes a snapshot may have."""
 OTHERS: tuple[type, ...] = (
     *(Aggregation, Constraint, Message, Plan, Problem, Receiver, Stream, Traffic),
-    *(Energy, Messages, Throughput),
+    *(Airtime, Energy, Messages, Throughput),
     *(Exponential, Linear, Polynomial, Power, Step, Video),
     *(FeatureForecast, Last, Mean, Trend, Lifetime, PeriodicRule, PoissonRule, TimesRule),
 )

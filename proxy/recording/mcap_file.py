@@ -33,6 +33,7 @@ _INDEX = struct.Struct("<BQHI")
 _CHUNK = struct.Struct("<BQQQQI")
 _FIXED = 22
 """Bytes of a message before its data."""
+_OPCODE = int(Opcode.MESSAGE)
 
 
 class McapFile:
@@ -91,17 +92,16 @@ class McapFile:
 
     def add(self, channel: int, number: int, log_time: int, publish_time: int, data: bytes) -> None:
         """Add a message to the chunk in hand. Times are nanoseconds, `number` counts modulo 2³²."""
-        if not self._places:
+        places, pending = self._places, self._pending
+        if not places:
             self._begin = self._end = log_time
         elif log_time > self._end:
             self._end = log_time
         elif log_time < self._begin:
             self._begin = log_time
-        self._places[channel] += (log_time, len(self._pending))
-        self._pending += _MESSAGE.pack(
-            Opcode.MESSAGE, _FIXED + len(data), channel, number & 0xFFFFFFFF, log_time, publish_time
-        )
-        self._pending += data
+        places[channel] += (log_time, len(pending))
+        pending += _MESSAGE.pack(_OPCODE, _FIXED + len(data), channel, number & 0xFFFFFFFF, log_time, publish_time)
+        pending += data
 
     def flush(self) -> None:
         """Write the chunk in hand; where that fails it is lost, but the file stays as it was before."""
@@ -118,7 +118,8 @@ class McapFile:
         index, offsets = bytearray(), dict[int, int]()
         for channel, found in places.items():
             offsets[channel] = self._size + len(chunk) + len(index)
-            found[1::2] = [place + len(head) for place in found[1::2]]
+            shift = len(head)
+            found[1::2] = [place + shift for place in found[1::2]]
             index += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + 8 * len(found), channel, 8 * len(found))
             index += struct.pack(f"<{len(found)}Q", *found)
         begin = self._size

@@ -22,7 +22,7 @@ from mcap.writer import MCAP0_MAGIC
 from proxy.recording.errors import RecordingError
 from proxy.recording.tuning import TUNING
 
-DAMAGED = (McapError, RecordingError, RuntimeError, ValueError, struct.error, zstandard.ZstdError)
+DAMAGED = (McapError, RecordingError, OverflowError, RuntimeError, ValueError, struct.error, zstandard.ZstdError)
 """What a damaged chunk or record makes."""
 _RECORD = struct.Struct("<BQ")
 

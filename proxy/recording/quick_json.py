@@ -29,16 +29,15 @@ class _UntoldError(Exception):
 def line(event: Event, commands: Sequence[Any]) -> bytes | None:
     """Return an event with the commands that followed, as such or described; None where it is left to `json_data`."""
     kind: Any = type(event)
-    count = _of_class(kind)
-    if count is None:
+    if _of_class(kind) is None:
         return None
     try:
-        made = _encode(event)
-        nulls = made.count(b"null")  # a text may have the word, too: then there is one more than there should be
-        if nulls and nulls != count(event):
-            return None
+        made: bytes = _encode(event)
         if commands:
-            made = b'%b,"commands":[%b]}' % (made[:-1], b",".join([_command(each) for each in commands]))
+            made = made[:-1] + b',"commands":[' + b",".join([_command(each) for each in commands]) + b"]}"
+        nulls = made.count(b"null")  # a text may have the word, too: then there is one more than there should be
+        if nulls and nulls != sum([_nones(each) for each in (event, *commands)]):
+            return None
     except (_UntoldError, MsgspecError, TypeError, ValueError, OverflowError):
         return None
     return made
@@ -51,13 +50,27 @@ def told(kind: Any) -> bool:
 
 def _command(command: Any) -> bytes:
     kind: Any = type(command)
-    count, data = _of_class(kind), _encode(command)
-    if count is None or ((nulls := data.count(b"null")) and nulls != count(command)):
-        raise _UntoldError
+    data: bytes = _encode(command)
     if kind is dict:
         return data
-    head = b'{"command":"%b"' % kind.__name__.encode()
-    return head + (b"}" if data == b"{}" else b"," + data[1:])
+    return _head(kind) + b"," + data[1:] if len(data) > len(b"{}") else _head(kind) + b"}"
+
+
+@cache
+def _head(kind: type) -> bytes:
+    """Return what commands of a class begin with. Raises _UntoldError."""
+    if _of_class(kind) is None:
+        raise _UntoldError
+    return b'{"command":"%b"' % kind.__name__.encode()
+
+
+def _nones(value: Any) -> int:
+    """Return how many None are in an event or a command."""
+    kind: Any = type(value)
+    count = _of_class(kind)
+    if count is None:
+        raise _UntoldError
+    return count(value)
 
 
 @cache

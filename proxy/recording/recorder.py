@@ -1,4 +1,4 @@
-"""Records what the core takes in and what it decides: noted on the loop's thread, written on another one."""
+"""Records what the core takes in and what it decides: noted by who uses the core, written on another thread."""
 
 import logging
 import threading
@@ -11,6 +11,7 @@ from proxy import clock
 from proxy.bridge.payloads import Content
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.interface.events import Event, SamplePublished
+from proxy.core.interface.taker import Taker
 from proxy.recording.entries import Snapshot
 from proxy.recording.errors import RecordingError
 from proxy.recording.missing import Missing
@@ -20,14 +21,13 @@ from proxy.recording.writing import described
 
 log = logging.getLogger(__name__)
 
-Handle = Callable[[Event], list[Command]]
 Look = Callable[[int, float], Snapshot]
 """Returns what the core knows before the event with a number, at a time [s]; raises RecordingError."""
 FULL = "more than could be written"
 
 
 class Recorder:
-    """Notes each event that `take` hands to `handle`, from number `first` on, and has `output` write it.
+    """Notes each event that it hands to a core, from number `first` on; `output` writes them.
 
     `look` takes a snapshot of the core, where one is due. `payload` finds the payload of a sample by its number; None:
     payloads are not recorded.
@@ -35,13 +35,13 @@ class Recorder:
 
     def __init__(
         self,
-        handle: Handle,
+        core: Taker,
         output: Output,
         look: Look,
         first: int = 0,
         payload: Callable[[int], Content | None] | None = None,
     ) -> None:
-        self._handle = handle
+        self._core = core
         self._output = output
         self._look = look
         self._number = self._first = first
@@ -94,12 +94,12 @@ class Recorder:
             "problem": written.problem or self.unsaved,
         }
 
-    def take(self, event: Event) -> list[Command]:
-        """Have the core take in an event, and note it with what follows. On the loop's thread only."""
+    def handle(self, event: Event) -> list[Command]:
+        """Have the core take in an event, and note it with what follows. By who uses the core."""
         if self._output.heads > self._heads:
             self._save(event.now)
         try:
-            commands = self._handle(event)
+            commands = self._core.handle(event)
         except Exception as error:
             self._note(event, (), f"{type(error).__name__}: {error}")
             raise
@@ -109,6 +109,15 @@ class Recorder:
                 told = [described(each) if type(each) is Decide else each for each in commands]
                 break
         self._note(event, told, "")
+        return commands
+
+    def pass_on(self, event: Event) -> list[Command] | None:
+        """Have the core only pass a sample on, and note that; None where it does not, or a snapshot is due first."""
+        if self._output.heads > self._heads:
+            return None
+        commands = self._core.pass_on(event)
+        if commands is not None:
+            self._note(event, commands, "")
         return commands
 
     def _save(self, now: float) -> None:
@@ -177,9 +186,8 @@ class Recorder:
     def _write(self) -> None:
         """Write what waits, slice by slice."""
         while self._items:
-            for _ in range(min(len(self._items), TUNING.slice)):
-                item = self._items.popleft()
-                self._output.add(item)
-                if isinstance(item, tuple) and item[4] is not None:
-                    self._given += item[4].size
+            items = [self._items.popleft() for _ in range(min(len(self._items), TUNING.slice))]
+            self._output.add_all(items)
+            if self._payload is not None:
+                self._given += sum([item[4].size for item in items if type(item) is tuple and item[4] is not None])
             time.sleep(TUNING.pause)

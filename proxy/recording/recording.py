@@ -73,9 +73,9 @@ class Recording:
         output = Output(start, runtime.specs, folder, self._config.file_bytes)
         contents = self._payloads.content if payloads else None
         core = self._loop.core
-        self._recorder = recorder = Recorder(core.handle, output, partial(taken, core), payload=contents)
+        self._recorder = recorder = Recorder(core, output, partial(taken, core), payload=contents)
         recorder.start()
-        self._loop.record(recorder.take)
+        self._loop.record(recorder)
         self._on = True
 
     def stop(self) -> None:

@@ -80,9 +80,10 @@ class RecordingWriter:
         data = None if fault else line(event, commands)
         if data is None:
             data = text(_told(event, commands, fault)).encode()
-        kind = type(event)
-        self._add(self._events.get(kind) or self._event_channel(kind), event.now, data)
-        self.number += 1
+        kind, number = type(event), self.number
+        at = self._nanoseconds(event.now)
+        self._file.add(self._events.get(kind) or self._event_channel(kind), number, at, at, data)
+        self.number = number + 1
 
     def traffic(self, traffic: Traffic) -> None:
         """Write a sample of a recording of mere traffic."""
@@ -151,7 +152,7 @@ class RecordingWriter:
 
     def _nanoseconds(self, now: float) -> int:
         """Return the wall time of a time in the recording [ns]."""
-        return max(0, round((now + self._offset) * 1e9))
+        return max(0, int((now + self._offset) * 1e9))
 
 
 def _told(event: Event, commands: Sequence[Command | dict[str, Any]], fault: str) -> dict[str, Any]:

@@ -1,17 +1,21 @@
 """A daemon's status as text for people, as wide as their terminal."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from proxy.quantities import UNKNOWN, Status, amount, columns, duration, number, share
-from proxy.status.columns import Table, clean, fitted, shortened
+from proxy.status.columns import Table, clean, fitted
 from proxy.status.tables import DENIED, FEATURES, KEPT, LIMITS, PEERS, STREAMS, failing
 from proxy.status.warnings import warnings
 from proxy.status.words import reason
 from utility_specs import Specs
 
 ALONE = "no other robot is on the mesh; samples that nobody there wants stay here and are not counted"
+SHADOWED = "mode shadow: all samples go; SENT and NOT SENT are what enforce would do"
+"""Said where a stream has samples that are not sent, although all are."""
 BETWEEN = "   "
+LEAST_TOLD = 20
+"""What is told behind something else has so many columns at least."""
 WITHOUT_SEARCH = {
     "unneeded": "{} more samples went while there was room for all",
     "undisputed": "{} more samples went as they earn what room costs",
@@ -45,7 +49,7 @@ def text(status: Status, width: int | None = None) -> str:
         section(DENIED, denied),
         [*section(LIMITS, status.get("budget", ())), *_adaptive(status.get("budget", ()), width)],
         _decisions(status.get("decisions", {}), width),
-        section(STREAMS, in_order(status)),
+        [*(wrapped(SHADOWED, width) if status.get("mode") == "shadow" else []), *section(STREAMS, in_order(status))],
         [*_kept(status.get("kept", {}), width), *section(KEPT, status.get("kept", {}).get("for", ()))],
         section(FEATURES, failing(status.get("features", ()))),
         wrapped(ALONE, width) if status.get("peers") == [] else section(PEERS, sorted(peers, key=_standing)),
@@ -115,12 +119,19 @@ def _counts(counts: Status, width: int | None) -> list[str]:
         ("", word, str(n), amount(sizes[word], "B") if word in sizes else "", reason(word))
         for word, n in sorted(reasons.items(), key=lambda pair: -pair[1])
     ]
-    sized = any(row[3] for row in rows)
-    shown = (
-        columns([row if sized else (*row[:3], row[4]) for row in rows], "llrrl" if sized else "llrl") if rows else []
-    )
-    lines = [line if width is None else shortened(line, width) for line in shown]
-    return [*wrapped(f"samples  {counts.get('in', 0)} in = {law}", width, BETWEEN), *lines]
+    shown = 4 if any(row[3] for row in rows) else 3
+    begins = columns([row[:shown] for row in rows], "llrr"[:shown]) if rows else []
+    told = [row[-1] for row in rows]
+    return [*wrapped(f"samples  {counts.get('in', 0)} in = {law}", width, BETWEEN), *_explained(begins, told, width)]
+
+
+def _explained(begins: Sequence[str], told: Sequence[str], width: int | None) -> Iterator[str]:
+    """Yield lines with what is told of each behind it, in as many lines as that takes."""
+    indent = max(map(len, begins), default=0) + len("  ")
+    for begin, each in zip(begins, told, strict=True):
+        first, *others = wrapped(each, None if width is None else max(LEAST_TOLD, width - indent)) or [""]
+        yield f"{begin:{indent}}{first}".rstrip()
+        yield from (" " * indent + other for other in others)
 
 
 def _decisions(decisions: Status, width: int | None) -> list[str]:

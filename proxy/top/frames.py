@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from proxy.quantities import UNKNOWN, Status, amount, duration, number, share
 from proxy.status.columns import Table, clean, fitted, shortened
 from proxy.status.tables import PEERS
-from proxy.status.text import headline
+from proxy.status.text import SHADOWED, headline, wrapped
 from proxy.status.warnings import warnings
 from proxy.top.fleet import Changes, Robot, namesakes, robots, rows
 from proxy.top.rates import DROPPED, Change
@@ -111,6 +111,8 @@ def _robot(robot: Robot, view: View, width: int, room: int | None) -> list[Line]
     above = [*_about(robot, width), *_limits(now, width)]
     if robot.itself:
         above += [*_samples(robot.by, width), *_planner(robot.by)]
+    if now.get("mode") == "shadow":
+        above += map(Line, wrapped(SHADOWED, width))
     streams = list(robot.by.streams()) if view.all_streams else robot.streams()
     chosen = view.chosen(streams, "key")
     peers = [Line(""), *_table(PEERS, now.get("peers", ()) if robot.itself else [robot.peer], width)]
@@ -148,7 +150,7 @@ def _warnings(found: Sequence[Robot]) -> list[str]:
 
 def _wrong(found: Sequence[str], width: int) -> Iterator[Line]:
     for warning in found[:WARNINGS]:
-        yield Line(shortened(f"warning: {clean(warning)}", width), BAD)
+        yield from (Line(line, BAD) for line in wrapped(f"warning: {clean(warning)}", width, "  "))
     if len(found) > WARNINGS:
         yield Line(f"and {len(found) - WARNINGS} more warnings: see sendworthy status", BAD)
 

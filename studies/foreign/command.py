@@ -66,10 +66,16 @@ def run(arguments: argparse.Namespace) -> int:
         return exit_codes.FAILED
     try:
         make(arguments, bags)
-    except (ImportFailedError, OSError) as error:
-        print(f"sendworthy import: {error}", file=sys.stderr)
-        return exit_codes.FAILED
+    except ImportFailedError as error:
+        return _failed(str(error))
+    except OSError as error:
+        return _failed(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG
     return exit_codes.OK
+
+
+def _failed(reason: str) -> int:
+    print(f"sendworthy import: {reason}", file=sys.stderr)
+    return exit_codes.FAILED

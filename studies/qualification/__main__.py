@@ -6,6 +6,7 @@ Stages may be run one by one: the page shows how each ended when it last ran her
 import argparse
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -18,6 +19,8 @@ from studies.benchmarks.report import Table, machine, write_page
 from studies.qualification.stages import STAGES, Stage
 
 ROOT = Path(__file__).parent.parent.parent
+LONGEST = 100
+"""Letters of a line that a stage printed, as the page has it."""
 PAGE = ROOT / "studies" / "results" / "qualification.md"
 LOGS = ROOT / "build" / "qualify"
 
@@ -88,7 +91,19 @@ def _cells(kept: Path) -> tuple[str, ...]:
     if not kept.exists():
         return "not run", "", "", "", ""
     outcome = Outcome(**json.loads(kept.read_text()))
-    return "no" if outcome.code else "yes", outcome.date, outcome.version, f"{outcome.seconds:.0f} s", outcome.last
+    return (
+        "no" if outcome.code else "yes",
+        outcome.date,
+        outcome.version,
+        f"{outcome.seconds:.0f} s",
+        _short(outcome.last),
+    )
+
+
+def _short(line: str) -> str:
+    """Return the first sentence of a line, or as much of it as has room."""
+    sentence = re.split(r"[.:;] ", line, maxsplit=1)[0]
+    return sentence if len(sentence) <= LONGEST else f"{sentence[: LONGEST - 1]}…"
 
 
 if __name__ == "__main__":

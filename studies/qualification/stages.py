@@ -49,9 +49,9 @@ STAGES = (
     ),
     Stage(
         "soak",
-        "20 minutes of traffic, of applications that come and go, and of reloads leave nothing behind in a daemon",
+        "two hours of traffic, of applications that come and go, and of reloads leave nothing behind in a daemon",
         (*SYSTEM, "--capture=no", "tests/system/test_soak.py"),
-        {"SOAK": "1200"},
+        {"SOAK": "7200"},
     ),
     Stage(
         "arm64",
@@ -61,8 +61,8 @@ STAGES = (
     ),
     Stage(
         "fuzzing",
-        "10 minutes: what comes over the mesh, spec files, expressions",
-        ("tests/fuzz/run", "600"),
+        "an hour: what comes over the mesh, specs, configurations, recordings, payloads, images",
+        ("tests/fuzz/run", "3600"),
     ),
     Stage(
         "study",

@@ -79,12 +79,18 @@ def run(arguments: argparse.Namespace) -> int:
         return exit_codes.FAILED
     try:
         return replay(arguments)
-    except (ReplayError, OSError) as error:
-        print(f"sendworthy replay: {error}", file=sys.stderr)
-        return exit_codes.FAILED
+    except ReplayError as error:
+        return _failed(str(error))
+    except OSError as error:
+        return _failed(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG
+
+
+def _failed(reason: str) -> int:
+    print(f"sendworthy replay: {reason}", file=sys.stderr)
+    return exit_codes.FAILED
 
 
 def _rate(text: str) -> float:

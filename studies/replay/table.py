@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 Report = dict[str, Any]
-HEAD = ("type", "messages", "sent", "bytes", "age", "95 %", "utility", "of all", "of bound")
+HEAD = ("type", "messages", "sent", "bytes", "age", "95 %", "utility", "of all", "bound")
+EXPLAINED = "of all: of the utility if all samples went; bound: of that of the offline bound"
 MOST_DIFFERENCES = 12
 """Lines that say what fared otherwise."""
 
@@ -15,7 +16,7 @@ def table(report: Report) -> str:
     rows = [HEAD, *(_row(name, figures) for name, figures in types.items())]
     if len(types) > 1:
         rows.append(_row("together", report))
-    return "\n".join([*_aligned(rows), "", *_findings(report), *_differences(report)])
+    return "\n".join([*_aligned(rows), EXPLAINED, "", *_findings(report), *_differences(report)])
 
 
 def quantity(size: float, unit: str = "B") -> str:
@@ -34,9 +35,9 @@ def span(seconds: float | None) -> str:
     return f"{1000 * seconds:.0f} ms" if seconds < 0.9995 else f"{seconds:.1f} s"
 
 
-def part(some: float, of: float | None) -> str:
+def part(some: float, of: float | None, digits: int = 1) -> str:
     """Return a part in percent; nothing where there is no whole."""
-    return f"{100 * some / of:.1f} %" if of else "-"
+    return f"{100 * some / of:.{digits}f}%" if of else "-"
 
 
 def _row(name: str, figures: Report) -> tuple[str, ...]:
@@ -44,7 +45,7 @@ def _row(name: str, figures: Report) -> tuple[str, ...]:
     return (
         name,
         f"{figures['messages']:,}",
-        f"{figures['forwarded']:,} ({part(figures['forwarded'], figures['messages'])})",
+        f"{figures['forwarded']:,} ({part(figures['forwarded'], figures['messages'], 0)})",
         quantity(figures["bytes"]),
         span(age.get("median")),
         span(age.get("p95")),

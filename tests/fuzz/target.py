@@ -10,7 +10,7 @@ from pathlib import Path
 
 from proxy.core.interface import events as ev
 from proxy.core.protocol.digest_codec import pack_digest, unpack_digest
-from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.envelope import MalformedWireError
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState, tag
 from proxy.core.protocol.state_codec import pack_state, unpack_state
 from tests.fuzz.hostile import Besieged

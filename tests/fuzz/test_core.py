@@ -8,8 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from proxy.core.interface import events as ev
 from proxy.core.model.mode import Mode
 from proxy.core.protocol.digest_codec import unpack_digest
-from proxy.core.protocol.envelope import VERSION
-from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.envelope import VERSION, MalformedWireError
 from proxy.core.protocol.messages import tag
 from proxy.core.protocol.state_codec import unpack_state
 from tests.fuzz.hostile import HONEST, KEY, Besieged

@@ -18,6 +18,7 @@ class Type:
     """An information type whose feature is the payload's number; `gate` holds it up."""
 
     name = "test"
+    features = ("n",)
 
     def __init__(self, *, needs_payload=True, markovian=True):
         self.needs_payload = needs_payload
@@ -228,3 +229,48 @@ def test_a_sample_is_read_again(extractor, loop, needs_payload):
     extractor.reread(SampleReread(0.0, 2, {}), "k", payload(8))
     loop.run()
     assert loop.posted == [SampleReread(0.0, 1, {"n": 7.0}), SampleReread(0.0, 2, {})]
+
+
+@pytest.fixture
+def led(loop):
+    """Samples that the core took in at once; while `open` it takes in all."""
+    with ExitStack() as stack:
+        taken = []
+        taking = threading.Event()
+        taking.set()
+
+        def lead(event):
+            if taking.is_set():
+                taken.append(event.sample)
+            return taking.is_set()
+
+        made = Extractor(loop.post_at, lambda _: loop.covering, lead)
+        stack.callback(made.close, 1.0)
+        yield made, taken, taking
+
+
+def test_what_has_no_features_goes_at_once_where_the_core_takes_it(led, loop):
+    """The next ones of its key are not taken up faster than otherwise, and wait behind one that waits."""
+    extractor, taken, taking = led
+    plain = Type(needs_payload=False)
+    plain.features = ()
+    extractor.submit(sample(1), plain, payload(1))
+    extractor.submit(sample(2, now=TUNING.uptake_interval / 2), plain, payload(2))
+    extractor.submit(sample(3, now=TUNING.uptake_interval * 2), plain, payload(3))
+    assert taken == [1]
+    assert [when for when, _ in loop.due] == [TUNING.uptake_interval]
+    loop.run()
+    assert [event.sample for event in loop.posted] == [3]
+    taking.clear()
+    extractor.submit(sample(4, now=1.0), plain, payload(4))
+    taking.set()
+    extractor.submit(sample(5, now=1.1), plain, payload(5))
+    loop.run()
+    assert (taken, loop.posted[-1].sample) == ([1], 5)
+
+
+def test_what_has_features_is_extracted_first(led, loop):
+    """It does not go at once, whatever the core would take."""
+    extractor, taken, _ = led
+    extractor.submit(sample(1), Type(needs_payload=False), payload(1))
+    assert (taken, len(loop.due)) == ([], 1)

@@ -8,8 +8,15 @@ import pytest
 
 from proxy import clock
 from proxy.core.core import Core
-from proxy.core.interface.commands import Notice, SendState
-from proxy.core.interface.events import PeerAppeared, SampleHeard, TimePassed
+from proxy.core.interface.commands import Forward, Notice, SendState
+from proxy.core.interface.events import (
+    ClockChanged,
+    PeerAppeared,
+    SampleHanded,
+    SampleHeard,
+    SamplePublished,
+    TimePassed,
+)
 from proxy.core.model.settings import CoreSettings
 from proxy.loop import Loop
 from proxy.tuning import TUNING
@@ -168,11 +175,17 @@ def test_what_is_noted_comes_with_what_happens_next(executed):
     core, taken = Core(CoreSettings("r1", "z1"), Specs.empty(), clock.monotonic()), []
     loop = Loop(core, executed.append)
 
-    def take(event):
-        taken.append(event)
-        return []
+    class Taker:
+        """Takes in everything."""
 
-    loop.record(take)
+        def handle(self, event):
+            taken.append(event)
+            return []
+
+        def pass_on(self, _event):
+            return None
+
+    loop.record(Taker())
     loop.start()
     try:
         loop.ask(lambda: None, 20.0)
@@ -204,3 +217,96 @@ def test_what_is_due_comes_before_all_that_waits(loop):
     loop.post(both)
     wait_until(lambda: len(ran) == 101, what="all jobs")
     assert ran == ["due", *range(100)]
+
+
+class Passing:
+    """Has samples passed on, and notes which it was handed, and on which thread. Time passes in a core."""
+
+    def __init__(self):
+        self.core = Core(CoreSettings("r1", "z1"), Specs.empty(), clock.monotonic())
+        self.taken = []
+        self.held = threading.Event()
+        self.held.set()
+
+    def handle(self, event):
+        if isinstance(event, TimePassed | ClockChanged):
+            return self.core.handle(event)
+        assert self.held.wait(60.0)
+        self._note("handled", event)
+        return []
+
+    def pass_on(self, event):
+        if isinstance(event, SampleHanded):
+            self._note("passed", event)
+            return []
+        if event.key == "a/b":
+            self._note("passed", event)
+            return [Forward(event.sample)]
+        return None
+
+    def _note(self, what, event):
+        self.taken.append((what, event.sample, threading.current_thread().name))
+
+
+@pytest.fixture
+def passing():
+    return Passing()
+
+
+@pytest.fixture
+def led(passing):
+    """A loop whose commands say at once that the sample was handed over."""
+
+    def execute(command):
+        if not isinstance(command, SendState):
+            loop.post(SampleHanded(clock.monotonic(), -command.sample))
+
+    loop = Loop(passing.core, execute)
+    loop.record(passing)
+    loop.start()
+    yield loop
+    passing.held.set()
+    loop.close(5.0)
+
+
+def sample(number, key="a/b"):
+    return SamplePublished(clock.monotonic(), number, key, 10, 0.0, None, 5, {})
+
+
+def test_who_brings_a_sample_that_goes_on_needs_no_other_thread(led, passing):
+    """He has the core take it in, and that it was handed over, once the loop waits for something to do."""
+    here = threading.current_thread().name
+    wait_until(lambda: led.lead(sample(1)), what="the lease of the core")
+    assert passing.taken == [("passed", 1, here), ("passed", -1, here)]
+
+
+def test_what_the_core_does_not_pass_on_is_not_taken_in(led, passing):
+    """Then it has to be posted like all else."""
+    wait_until(lambda: led.lead(sample(1)), what="the lease of the core")
+    other = sample(2, "c")
+    assert not led.lead(other)
+    led.post(other)
+    wait_until(lambda: passing.taken[-1] == ("handled", 2, "loop"), what="the other sample")
+
+
+def test_no_sample_overtakes_what_waits(led, passing):
+    """While the loop's thread is in the core, or anything waits for it, samples wait behind that."""
+    wait_until(lambda: led.lead(sample(1)), what="the lease of the core")
+    passing.held.clear()
+    led.post(sample(2))
+    assert not led.lead(sample(3))
+    led.post(sample(3))
+    passing.held.set()
+    wait_until(lambda: len(passing.taken) == 4, what="both samples")
+    assert passing.taken[2:] == [("handled", 2, "loop"), ("handled", 3, "loop")]
+    led.close(5.0)
+    assert not led.lead(sample(4))
+
+
+def test_a_core_that_chokes_on_a_sample_is_counted(led, passing, monkeypatch, caplog):
+    """Whoever brought it goes on, and so does the loop."""
+    monkeypatch.setattr(passing, "pass_on", lambda _: [None])
+    wait_until(lambda: led.lead(sample(1)), what="the lease of the core")
+    assert led.faults == 1
+    assert "the core cannot handle SamplePublished" in caplog.text
+    led.ask(lambda: None, 20.0)

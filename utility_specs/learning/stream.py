@@ -20,7 +20,7 @@ MOST_LOOKS = 512
 class Timing(Protocol):
     """Finds out how a stream generates."""
 
-    def observe(self, count: int | None, t_gen: float) -> None:
+    def observe(self, count: int, t_gen: float) -> None:
         """Take in that sample number `count` was generated at `t_gen` [s]."""
 
     @property

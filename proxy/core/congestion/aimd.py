@@ -6,8 +6,11 @@ sees the delay vanish and, with it, the reason for another decrease.
 """
 
 import math
+from collections.abc import Collection
 
+from proxy.core.congestion.capacity_reports import CapacityReports
 from proxy.core.congestion.tuning import TUNING
+from proxy.core.model.limits import Limit
 
 
 class Aimd:
@@ -108,6 +111,42 @@ class Aimd:
         takes = max(TUNING.drain, delay / (1.0 - TUNING.least_while_draining))
         self.drained_at = now + min(takes, TUNING.longest_drain)
         self._settle(self.drained_at + TUNING.settling)
+
+
+class AdaptiveLimit:
+    """The `number`-th adaptive limit: our own estimate of it, what the others leave of it, and what is in force.
+
+    All values are parts of its `ceiling`.
+    """
+
+    def __init__(self, now: float, number: int, ceiling: Limit, aimd: Aimd | None = None) -> None:
+        self.number = number
+        self.ceiling = ceiling
+        self.aimd = aimd or Aimd(now, ceiling.least)
+        self.aimd.set_floor(ceiling.least)
+        self.in_force = self.aimd.allowed(now)
+        self.lasting = self.aimd.estimate
+        """What is in force when queues have drained."""
+        self.others = 1.0
+        """What the others leave of it."""
+
+    @property
+    def objects(self) -> bool:
+        """Whether our estimate is below what the others leave."""
+        return self.aimd.estimate < TUNING.fell * self.others
+
+    def combine(self, now: float, reports: CapacityReports, receivers: Collection[str], delay: float) -> None:
+        """Put in force what all robots report together; we see a queue of `delay` [s]."""
+        others = reports.bound(now, self.number, self.ceiling, receivers)
+        if others < TUNING.fell * self.others and others < self.aimd.allowed(now):
+            self.aimd.await_others(now)
+        if reports.follows:
+            self.aimd.follow(others, agrees=not self.objects)
+        elif reports.leads and others < TUNING.fell * self.aimd.estimate:
+            self.aimd.decrease_to(now, others, delay)
+        self.others = others
+        self.lasting = min(self.aimd.estimate, others)
+        self.in_force = min(self.aimd.allowed(now), others)
 
 
 def _drain_factor(delay: float) -> float:

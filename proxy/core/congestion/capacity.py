@@ -6,15 +6,14 @@ has in force holds for all, so all keep to the same limit, and only its estimate
 down, and object when they see a queue: that decreases the limit for all, once, as whoever hears of it waits for the
 effect.
 
-After a decrease the queue has to drain: until then less is in force. That passes, so it is reported beside what lasts.
-All would begin anew at once when it has drained; so they do one after the other.
+After a decrease the queue has to drain: until then each robot that sees it sends less.
 """
 
 import math
 from collections.abc import Iterable
 from typing import Any
 
-from proxy.core.congestion.adaptive_limit import AdaptiveLimit
+from proxy.core.congestion.aimd import AdaptiveLimit
 from proxy.core.congestion.capacity_reports import CapacityReports
 from proxy.core.congestion.control import CongestionControl, Traffic
 from proxy.core.congestion.evidence import Evidence
@@ -27,7 +26,6 @@ class Capacity:
     """The adaptive limits among those of the specs, which are the ceilings."""
 
     def __init__(self, now: float, own: str) -> None:
-        self._own = own
         self.evidence = Evidence(now, own)
         self.factors: tuple[float, ...] = ()
         """Of every adaptive limit, the part of its ceiling that is in force."""
@@ -74,11 +72,8 @@ class Capacity:
         self._looked_at = now
         self._reports.set_leader(now, traffic.leader)
         self._control.look(now, traffic)
-        names = sorted((self._own, *self.evidence.paths))
-        for k, limit in enumerate(self._limits):
-            draining = self._reports.draining(now, k, len(self._limits))
-            limit.combine(now, self._reports, draining, traffic.receivers, self._control.queue_delay)
-            limit.take_turn(now, names.index(self._own), len(names))
+        for limit in self._limits:
+            limit.combine(now, self._reports, traffic.receivers, self._control.queue_delay)
         self._take_effect()
 
     def probe_due(self, now: float) -> bool:
@@ -91,8 +86,7 @@ class Capacity:
         report, last, count = self.report(now), self._last_report, len(self._limits)
         if len(report) > len(last):
             return True
-        # What is used is no news.
-        changes = [(report[k], last[k]) for k in range(len(report)) if not count <= k < 2 * count]
+        changes = list(zip(report, last, strict=False))[:count]  # what is used is no news
         return any(new < TUNING.fell * old or new > TUNING.rose * old for new, old in changes)
 
     def report(self, now: float) -> tuple[float, ...]:
@@ -102,12 +96,8 @@ class Capacity:
         Who follows and does not object reports that, as does who knows of nothing against more.
         """
         if self._reports.leads:
-            drained, lasting = [limit.drained for limit in self._limits], [limit.lasting for limit in self._limits]
-            return (
-                *lasting,
-                *(min(used, 1.0) for used in self._control.used),
-                *(drained if drained != lasting else ()),
-            )
+            lasting = (limit.lasting for limit in self._limits)
+            return (*lasting, *(min(used, 1.0) for used in self._control.used))
         if self._reports.follows:
             return tuple(limit.aimd.estimate if limit.objects else 1.0 for limit in self._limits)
         return tuple(limit.aimd.allowed(now) if limit.aimd.bounded else 1.0 for limit in self._limits)

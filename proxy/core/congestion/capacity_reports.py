@@ -1,9 +1,8 @@
 """What the others report that the channel bears, and whose report counts.
 
-Where one robot leads its report counts: what it has in force, how much of that all use together, and how much is left
-while a queue drains. The others report what they have against that, if anything. Where nobody leads, or we do, the
-least report counts; but of our receivers, and of the rest, a single one does not where there are several: it may be far
-away.
+Where one robot leads its report counts: what it has in force, and how much of that all use together. The others report
+what they have against that, if anything. Where nobody leads, or we do, the least report counts; but of our receivers,
+and of the rest, a single one does not where there are several: it may be far away.
 """
 
 import math
@@ -54,11 +53,6 @@ class CapacityReports:
         """What part of each of so many limits all use, if a leader reports it."""
         report = self._reports[self.leader][1] if self.follows else ()
         return report[count : 2 * count] if len(report) >= 2 * count else None
-
-    def draining(self, now: float, k: int, count: int) -> float:
-        """How much of the `k`-th of so many limits is left while a queue drains, as the leader has just reported."""
-        t, report = self._reports[self.leader] if self.follows else (-math.inf, ())
-        return report[2 * count + k] if t >= now - TUNING.drain_lifetime and len(report) == 3 * count else 1.0
 
     def _bound(self, now: float, k: int, limit: Limit, receivers: Collection[str], *, inside: bool) -> float:
         """What our receivers report, or the others: the least but one, where there are several."""

@@ -1,13 +1,115 @@
-"""What this robot itself sees of the channel, by the digests that it sends and receives."""
+"""What this robot itself sees of the channel, by the digests that it sends and receives.
 
-from collections.abc import Collection
+Whether anything gets through at all, in both directions.
+
+How often the others can be heard depends on the allowance of digests, which is the same for all: a robot that may
+seldom speak expects to hear seldom.
+"""
+
+from collections import deque
+from collections.abc import Collection, Iterable
+from itertools import pairwise
 
 from proxy.core.congestion.delivery_ratio import DeliveryRatio
-from proxy.core.congestion.liveness import Liveness
-from proxy.core.congestion.load import Load
 from proxy.core.congestion.queue_delay import PathDelays, StandingQueue, standing_queue
 from proxy.core.congestion.tuning import TUNING
+from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest
+
+_Counts = tuple[float, float, int, int]
+"""When we got to know them and when they held [s], messages and bytes, copies counted."""
+
+
+class Load:
+    """Messages and bytes per second on the air."""
+
+    def __init__(self) -> None:
+        self._reported: dict[str, deque[_Counts]] = {}
+
+    def note(self, now: float, robot: str, at: float, messages: int, size: int) -> None:
+        """At `at` on its own clock, a robot had put so many messages of so many bytes in all on the air."""
+        counts = self._reported.setdefault(robot, deque(maxlen=TUNING.remembered))
+        if counts and at <= counts[-1][1]:
+            return
+        counts.append((now, at, messages, size))
+        while len(counts) > 2 and counts[1][1] <= at - TUNING.rate_span:
+            counts.popleft()
+
+    def forget(self, robot: str) -> None:
+        """A robot left."""
+        self._reported.pop(robot, None)
+
+    def parts(self, now: float, limits: Iterable[Limit]) -> tuple[float, ...]:
+        """Return the part of each limit that is used."""
+        rates = [_rates(counts) for counts in self._reported.values() if counts[-1][0] >= now - TUNING.lifetime]
+        return tuple(sum(_use(limit, *rate) for rate in rates) * limit.window / limit.limit for limit in limits)
+
+
+def _rates(counts: deque[_Counts]) -> tuple[float, float]:
+    (_, t0, messages, size), (_, t1, more, larger) = counts[0], counts[-1]
+    apart = t1 - t0
+    return (max(0, more - messages) / apart, max(0, larger - size) / apart) if apart > 0.0 else (0.0, 0.0)
+
+
+def _use(limit: Limit, messages: float, size: float) -> float:
+    """What so many messages of so many bytes in all use in a second, each a transmission of its own."""
+    return messages * limit.measure.use(round(size / messages), 1, own=False) if messages > 0.0 else 0.0
+
+
+class Liveness:
+    """When we last sent a digest, when one of another robot came, and when an echo told that ours arrived."""
+
+    def __init__(self, now: float) -> None:
+        self._sent: deque[float] = deque((now,), maxlen=5)
+        self._received = self._newest = now
+        self._echoed: deque[float] = deque((now,), maxlen=5)
+
+    @property
+    def last_sent(self) -> float:
+        """When our last digest was sent [s]."""
+        return self._sent[-1]
+
+    def digest_sent(self, now: float) -> None:
+        """We send a digest."""
+        self._sent.append(now)
+
+    def digest_received(self, now: float, waited: float = 0.0) -> None:
+        """A digest of another robot arrived that had waited so long on its way [s]."""
+        self._received = now
+        self._newest = max(self._newest, now - waited)
+
+    def echo_received(self, now: float) -> None:
+        """Another robot echoes a digest of ours for the first time."""
+        self._echoed.append(now)
+
+    def restart(self, now: float) -> None:
+        """Nobody was there to be heard until now."""
+        self._received = self._newest = now
+        self._echoed = deque((now,), maxlen=5)
+
+    def interval(self, now: float) -> float:
+        """The longest time between two of our last digests [s]; the others' are as far apart."""
+        return _longest((*self._sent, now))
+
+    def overdue(self, now: float, bearable: float, robots: int) -> bool:
+        """Whether a digest of the others should have come by now: it waits somewhere."""
+        usual = max(TUNING.overdue, TUNING.overdue_intervals * self.interval(now) / min(robots, 2))
+        return self.staleness(now) > bearable + usual
+
+    def staleness(self, now: float) -> float:
+        """How old the newest news is that we have [s]."""
+        return now - self._newest
+
+    def silent(self, now: float) -> bool:
+        """Whether nothing gets through, one way or the other."""
+        silence = max(TUNING.silence, TUNING.silence_intervals * self.interval(now))
+        rare = min(TUNING.echo_intervals * _longest(self._echoed), TUNING.longest_echo_silence)
+        return now - self._received > silence or now - self._echoed[-1] > max(TUNING.echo_silence * silence, rare)
+
+
+def _longest(times: Iterable[float]) -> float:
+    """The longest time between two of these that follow each other [s]."""
+    return max((after - before for before, after in pairwise(times)), default=0.0)
 
 
 class Evidence:

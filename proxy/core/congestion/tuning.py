@@ -53,8 +53,6 @@ class CongestionTuning:
     """it is given up to this time,"""
     least_while_draining: float = 0.35
     """as this part of the estimate is left to send in any case."""
-    longest_turn: float = 1.0
-    """When a queue has drained all robots send again within a window, but not later than this."""
 
     # Queue delay
     bearable_delay: float = 0.05
@@ -115,8 +113,6 @@ class CongestionTuning:
     """Our digests are so far apart at most while the channel is in use, if the allowance lets them."""
     lifetime: float = 5.0
     """What a robot reports, and what was measured on its digests, counts for this time."""
-    drain_lifetime: float = 0.5
-    """What the leader reports of a queue that drains counts for this time."""
     fell: float = 0.98
     """The others hear at once when an estimate fell to this part of what was reported last, or below,"""
     rose: float = 1.15

@@ -43,6 +43,9 @@ Claim = tuple[float, str]
 """What a byte of a stream gains by how long nothing of it was sent; of equal ones the robot's name tells."""
 
 
+CLAIMING = Standing.CONTESTED, Standing.PRICED
+
+
 def news_take(view: SharedView) -> float:
     """Return how long it takes until we have heard what became of a sample of another robot [s]."""
     return view.staleness.longest_way + view.staleness.delay + TUNING.deciding
@@ -159,7 +162,7 @@ def _claims(
         (_theirs(now, each, stream), each)
         for each in view.contention.all(now)
         if each.robot != stream.robot
-        and disputes.weighed(each).standing is Standing.CONTESTED
+        and disputes.weighed(each).standing in CLAIMING
         and changes_plans(use_of(round(each.sizes.mean), view.subscribers.copies(each), limits, own=False), limits)
     ]
 

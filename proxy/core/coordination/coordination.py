@@ -23,6 +23,7 @@ import math
 from collections.abc import Callable, Collection, Sequence
 
 from proxy.core.coordination.demands import bid
+from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.overbooking import Overbooking
 from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
@@ -49,6 +50,10 @@ class Coordination:
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
         self._overbooking = Overbooking()
+        self.hollow = Hollow()
+        """What others claim and nobody confirms."""
+        self._equal: float | None = None
+        """The part that we keep to, where claims of others are hollow."""
         self.told: SplitReport | None = None
         """What our last digest said of parts."""
         self._forms_until, self._did_split = now + TUNING.forming_time, self.team.strict
@@ -65,7 +70,14 @@ class Coordination:
     @property
     def split_in_force(self) -> Split | None:
         """The parts that the team agrees on."""
-        return self._split if self._split is not None and self.team.splits and not self._overbooks else None
+        if self._split is None or self._overbooks or not self.team.splits or self._equal is not None:
+            return None
+        return self._split
+
+    @property
+    def alone(self) -> bool:
+        """Whether what we may use is our part, so that nothing that others send counts against it."""
+        return self.team.splits or self._equal is not None
 
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
@@ -73,6 +85,8 @@ class Coordination:
         Where a team changes over each robot takes an equal part, or what the table gives it that it announces, until it
         has had what all have agreed on for a window.
         """
+        if self._equal is not None:
+            return self._equal
         split = self._split
         if split is None or not self.team.splits:
             margin = max(self._settings.margin, TUNING.varied_margin if self.team.varied else 0.0)
@@ -164,6 +178,9 @@ class Coordination:
             self.team.judge(now, limits, waiting, announcing, asked=asked)
             if self._split is not None:
                 self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
+            if not (self.team.strict or self.team.quiet):
+                self.hollow.advance(now, self._view, limits)
+            self._equal = self.hollow.equal_part(self._view) if self.hollow.found(now) else None
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.sharing)
         split = self.split_in_force

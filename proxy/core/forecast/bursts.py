@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-from proxy.core.forecast.gaps import gaps_of
 from proxy.core.forecast.patterns import Memoryless, Pattern, Periodic, Span, evenly, merged
 from proxy.core.forecast.rhythm import Numbered, Rhythm, fit
 from proxy.core.forecast.tuning import TUNING
@@ -41,7 +40,7 @@ class Bursts(Pattern):
 def bursts_in(past: Sequence[Numbered], *, whole: bool) -> Bursts | None:
     """Return the bursts in numbered times; None when there are none. `whole` says that the first one is complete."""
     times = [t for _, t in past]
-    gaps = gaps_of(times)
+    gaps = [b - a for a, b in pairwise(times)]
     longest_step = _longest_step(gaps)
     if longest_step is None:
         return None

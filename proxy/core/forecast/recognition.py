@@ -4,15 +4,73 @@ A stream is periodic unless it shows otherwise: bursts by pauses far longer than
 generation times that no period explains. Of a random stream no more is known than its rate.
 """
 
+import math
+from collections import deque
+from collections.abc import Sequence
+from itertools import pairwise
+from math import sqrt
+
 from proxy.core.forecast.bursts import Bursts, bursts_in, reported_bursts
-from proxy.core.forecast.gaps import spread
-from proxy.core.forecast.history import History
 from proxy.core.forecast.patterns import Memoryless, Pattern, Periodic
 from proxy.core.forecast.rhythm import Numbered, Rhythm
 from proxy.core.forecast.tuning import TUNING
 from proxy.core.forecast.written import written
 from utility_specs.schedules import ScheduleRule
 from utility_specs.specs import Failures
+
+
+class History:
+    """The recent past of one stream."""
+
+    def __init__(self) -> None:
+        self.past: deque[Numbered] = deque(maxlen=TUNING.memory)
+        self.first: Numbered | None = None
+        """The first sample that was ever seen."""
+        self.seen = 0
+        """Samples seen in all."""
+        self.longest_gap = 0.0
+        """The longest gap that was no pause, which shrinks with time [s]."""
+        self.pauses = 0
+        """So many of the last gaps in a row were pauses."""
+        self._resumed = -TUNING.memory
+
+    @property
+    def newest(self) -> Numbered:
+        """The last sample seen; one before all others while there is none."""
+        return self.past[-1] if self.past else (0, -math.inf)
+
+    @property
+    def resumed(self) -> bool:
+        """Whether the last pause is part of the recent past."""
+        return self.seen - self._resumed < TUNING.memory
+
+    def note(self, sample: Numbered, *, paused: bool) -> None:
+        """A sample comes after the last one, perhaps after a pause."""
+        if self.past and not paused:
+            self.longest_gap = max(sample[1] - self.past[-1][1], TUNING.gap_fade * self.longest_gap)
+        self.first = self.first or sample
+        self.past.append(sample)
+        self.seen += 1
+
+    def note_gap(self, *, paused: bool) -> None:
+        """The gap before the sample that is noted next was a pause, or none."""
+        self.pauses = self.pauses + 1 if paused else 0
+        if paused:
+            self._resumed = self.seen
+
+    def keep(self, last: int) -> None:
+        """Forget all but so many of the last samples."""
+        self.past = deque(list(self.past)[-last:] if last else [], maxlen=TUNING.memory)
+
+    def forget_since(self, t: float) -> None:
+        """Forget what was generated at this time or later."""
+        self.past = deque([each for each in self.past if each[1] < t], maxlen=TUNING.memory)
+
+    def restart(self) -> None:
+        """Forget all times."""
+        self.past.clear()
+        self.first, self.longest_gap = None, 0.0
+
 
 _UNSEEN = Failures()
 """Where no rule is given nobody looks at failures."""
@@ -73,20 +131,29 @@ class Recognition:
         return joined or bursts_in(seen.past, whole=seen.past[0] == first)
 
     def _has_rhythm(self, seen: History, rhythm: Rhythm) -> bool:
-        """Whether the rhythm explains what was seen: a few samples, or any without numbers, always seem to have one."""
+        """Whether the rhythm explains what was seen: a few samples always seem to have one."""
         hysteresis = TUNING.hysteresis if self._periodic else -TUNING.hysteresis
         if len(seen.past) <= TUNING.run + 1:
             return True
         if rhythm.looseness > TUNING.no_rhythm + hysteresis:
             return False
-        by_chance = rhythm.known < TUNING.sure if seen.numbered else rhythm.looseness > TUNING.sure_jitter
-        if not by_chance:
+        if rhythm.known >= TUNING.sure:
             return True
         if seen.seen >= self._spread_at + TUNING.seldom or seen.seen < TUNING.sure:
-            self._spread, self._spread_at = spread(seen.past), seen.seen
+            self._spread, self._spread_at = _spread(seen.past), seen.seen
         return self._spread < TUNING.random_spread + hysteresis
 
 
 def _mean_interval(seen: History) -> float:
     (count, first), (number, last) = seen.past[0], seen.past[-1]
     return (last - first) / (number - count)
+
+
+def _spread(points: Sequence[Numbered]) -> float:
+    """Return how gaps between numbered times deviate: their median deviation as a part of their median.
+
+    About 0.7 where samples come at random, whatever the gaps between those that were seen; little where they do not.
+    """
+    gaps = [((t - s), n - m) for (m, s), (n, t) in pairwise(points)]
+    middle = sorted([gap / count for gap, count in gaps])[len(gaps) // 2]
+    return sorted([abs(gap - count * middle) / sqrt(count) for gap, count in gaps])[len(gaps) // 2] / middle

@@ -2,9 +2,8 @@
 
 import math
 
-from proxy.core.forecast.history import History
 from proxy.core.forecast.patterns import Pattern, Periodic, Span
-from proxy.core.forecast.recognition import Recognition
+from proxy.core.forecast.recognition import History, Recognition
 from proxy.core.forecast.rhythm import Numbered, Rhythm
 from proxy.core.forecast.tracker import Tracker
 from proxy.core.forecast.tuning import TUNING
@@ -65,31 +64,26 @@ class Schedule:
         if self._recognition.set_rule(rule, failures):
             self._renew()
 
-    def observe(self, count: int | None, t_gen: float, reported: Rhythm | None = None) -> None:
-        """Take in that sample number `count` was generated at `t_gen`; None: some may have been lost before it.
+    def observe(self, count: int, t_gen: float, reported: Rhythm | None = None) -> None:
+        """Take in that sample number `count` was generated at `t_gen` [s]. Older news is ignored.
 
-        Older news is ignored. A rhythm that the stream's robot `reported` holds: it sees every sample.
+        A rhythm that the stream's robot `reported` holds: it sees every sample.
         """
         history = self._history
-        if count is not None and count <= history.newest[0]:
+        if count <= history.newest[0]:
             return
         if t_gen <= history.newest[1]:
             if reported is not None:
                 history.forget_since(t_gen)
             elif t_gen == history.newest[1] or not self._goes_back(count, t_gen):
                 return
-        if history.set_numbered(numbered=count is not None) and history.past:
-            self._tracker.begin([history.newest])
-        number, last = history.newest
-        sample = (number + 1 if count is None else count), t_gen
-        paused = t_gen - last >= self._silence and bool(history.past)
+        sample = count, t_gen
+        paused = t_gen - history.newest[1] >= self._silence and bool(history.past)
         history.note_gap(paused=paused)
         if reported is not None:
             self._tracker.follow(reported)
         elif paused:
-            self._resume(count, sample)
-        elif count is None:
-            self._tracker.hear(t_gen)
+            self._resume(sample)
         else:
             self._tracker.observe(count, t_gen)
         history.note(sample, paused=paused)
@@ -126,7 +120,7 @@ class Schedule:
         gap = max(self._history.longest_gap, self._pattern.pause if self._pattern else 0.0)
         return max(TUNING.timeout_periods * period, TUNING.timeout_gaps * gap)
 
-    def _goes_back(self, count: int | None, t_gen: float) -> bool:
+    def _goes_back(self, count: int, t_gen: float) -> bool:
         """Forget what stands in the way of a sample that comes before the last one; return whether it is to count.
 
         If it is where it was due, the last one's time was wrong. If that goes on, the clock was set back.
@@ -142,17 +136,17 @@ class Schedule:
             return False
         return True
 
-    def _resume(self, count: int | None, sample: Numbered) -> None:
+    def _resume(self, sample: Numbered) -> None:
         """Take in a sample after a pause. Pauses in a row are the gaps of another rate, a few gaps before one of none.
 
         So a stream that begins with samples close together, or ends with seldom ones, is not over before each of them.
         """
         few = self._history.seen <= TUNING.run and self._tracker.rhythm is not None
         if not few and self._history.pauses < TUNING.run:
-            self._tracker.resume(count, sample[1])
+            self._tracker.resume(*sample)
             return
         self._history.keep(0 if few else TUNING.run)
-        self._tracker.begin([*self._history.past, sample], known=count is not None)
+        self._tracker.begin([*self._history.past, sample])
 
     def _renew(self) -> None:
         """Something was noted: see what the stream's pattern is now, and how long it may be silent."""

@@ -5,12 +5,9 @@ row are news. If all are off by the same, the phase jumped, and the past moves w
 own, the rate changed, and they are all the past there is; else the stream is looser than it seemed.
 """
 
-from collections import deque
 from collections.abc import Sequence
 from itertools import pairwise
-from math import gcd, sqrt
 
-from proxy.core.forecast.gaps import base_of, faster, gaps_of, numbered, slower
 from proxy.core.forecast.rhythm import Numbered, Rhythm, fit, least_squares
 from proxy.core.forecast.tuning import TUNING
 
@@ -24,7 +21,6 @@ class Tracker:
         """A period that its robot reported, which holds while too few samples were seen [s]; 0.0: none."""
         self._line: list[Numbered] = []
         self._suspects: list[Numbered] = []
-        self._times: deque[float] = deque(maxlen=TUNING.recent)
         self._since = 0
 
     def observe(self, count: int, t: float) -> None:
@@ -35,56 +31,30 @@ class Tracker:
         else:
             self._doubt(rhythm, count, t)
 
-    def hear(self, t: float) -> None:
-        """Take in that a sample was generated at `t` [s], and perhaps others before it that were lost."""
-        self._times.append(t)
-        rhythm = self.rhythm
-        if rhythm is None or len(self._line) < TUNING.few:
-            self._restart(list(self._times))
-        elif len(self._times) <= TUNING.run or not self._changed(rhythm):
-            number = round((t - rhythm.origin) / rhythm.period) + rhythm.number
-            if number > self._line[-1][0] and abs(t - rhythm.due(number)) <= _gate(rhythm):
-                self._take(number, t)
-            else:
-                number, before = self._suspects[-1] if self._suspects else self._line[-1]
-                self._doubt(rhythm, number + max(1, round((t - before) / rhythm.period)), t)
+    def fits(self, count: int, t: float) -> bool:
+        """Whether sample number `count` is due at about `t` [s]."""
+        return self.rhythm is not None and abs(t - self.rhythm.due(count)) <= _gate(self.rhythm)
 
-    def fits(self, count: int | None, t: float) -> bool:
-        """Whether sample number `count`, or any if it is None, is due at about `t` [s]."""
-        rhythm = self.rhythm
-        if rhythm is None:
-            return False
-        number = round((t - rhythm.origin) / rhythm.period) + rhythm.number if count is None else count
-        return abs(t - rhythm.due(number)) <= _gate(rhythm)
-
-    def withdraw(self, count: int | None, t: float) -> bool:
+    def withdraw(self, count: int, t: float) -> bool:
         """Forget the last sample if it was a suspect and this one, from before it, fits; return whether it is so."""
         if not self._suspects or not self.fits(count, t):
             return False
         self._suspects.pop()
-        if self._times:
-            self._times.pop()
         return True
 
-    def resume(self, count: int | None, t: float) -> None:
+    def resume(self, count: int, t: float) -> None:
         """Take in a sample after a pause: the period is what it was, the phase is not."""
-        number = (self._line[-1][0] + 1 if self._line else 1) if count is None else count
         self._suspects.clear()
-        self._times.clear()
-        if count is None:
-            self._times.append(t)
         if self.rhythm is not None:
-            shift = t - self.rhythm.due(number)
+            shift = t - self.rhythm.due(count)
             self._line = [(n, old + shift) for n, old in self._line]
             self._since = TUNING.seldom
-        self._take(number, t)
+        self._take(count, t)
 
-    def begin(self, samples: list[Numbered], *, known: bool = True) -> None:
-        """Take in these samples; what was seen before them counts no more. Whether their numbers are `known`."""
-        times = [t for _, t in samples]
+    def begin(self, samples: list[Numbered]) -> None:
+        """Take in these samples; what was seen before them counts no more."""
         self._suspects.clear()
-        self._times = deque(times, maxlen=TUNING.recent)
-        self._line = samples if known or len(times) < 2 else numbered(times, base_of(gaps_of(times)))
+        self._line = samples
         self._fit()
 
     def follow(self, rhythm: Rhythm) -> None:
@@ -92,7 +62,6 @@ class Tracker:
         self.rhythm = rhythm
         self._line = [(rhythm.number, rhythm.origin)]
         self._suspects.clear()
-        self._times.clear()
 
     def report(self, period: float) -> None:
         """Use a period that the stream's robot found [s]: if it differs, what was seen before it is over."""
@@ -112,8 +81,6 @@ class Tracker:
                 self.rhythm = nudged
                 return
         self._fit()
-        if self.rhythm is not None and self.rhythm.looseness > TUNING.two_rhythms and len(self._line) > TUNING.few + 1:
-            self._tighten()
 
     def _fit(self) -> None:
         self._since = 0
@@ -145,44 +112,11 @@ class Tracker:
         self._suspects = []
         self._fit()
 
-    def _restart(self, times: list[float], base: float = 0.0) -> None:
-        self.begin(numbered(times, base or base_of(gaps_of(times))) if len(times) > 1 else [(0, times[0])])
-
-    def _changed(self, rhythm: Rhythm) -> bool:
-        """Whether the gaps between the last times show another period; if so, it is taken up."""
-        times = list(self._times)
-        lost = sum([b - a > 1 for (a, _), (b, _) in pairwise(self._line)])
-        if slower(times, rhythm, (lost + 0.5) / len(self._line)):
-            self._restart(times[-TUNING.run - 1 :])
-            return True
-        steps = [b - a for (a, _), (b, _) in pairwise(self._line[-TUNING.few - 1 :])]
-        if len(times) == TUNING.recent and gcd(*steps) > 1:
-            self._restart(times, gcd(*steps) * rhythm.period)
-            return True
-        base = faster(times[-TUNING.run - 2 :], rhythm)
-        if base is None:
-            return False
-        other = fit(numbered(times, base))
-        if other is None or other.looseness > 0.6 * _misfit(times, rhythm):
-            return False
-        self._restart(times, base)
-        return True
-
-    def _tighten(self) -> None:
-        """Where the past is two rhythms seen as one, keep the newer one."""
-        recent = self._line[-TUNING.few :]
-        times = list(self._times)[-TUNING.few - 2 :]
-        if len(times) > TUNING.few:
-            recent = numbered(times, base_of(gaps_of(times)))
-        alone = fit(recent)
-        if alone is not None and alone.looseness < TUNING.tight:
-            self._line, self.rhythm = recent, alone
-
 
 def _gate(rhythm: Rhythm) -> float:
     """How far from its time a sample of the rhythm may be [s]; if it has hardly any, at any time."""
     looseness = max(rhythm.looseness, TUNING.least_gate) if rhythm.known < TUNING.few else rhythm.looseness
-    if looseness > 1.5 * TUNING.two_rhythms:
+    if looseness > TUNING.any_time:
         return float("inf")
     return max(TUNING.least_gate, TUNING.gate * looseness) * rhythm.period
 
@@ -205,9 +139,3 @@ def _steady(points: list[Numbered]) -> bool:
     """Whether the steps between numbered times are alike."""
     steps = [(s - t) / (n - m) for (m, t), (n, s) in pairwise(points)]
     return max(steps) <= TUNING.alike * min(steps)
-
-
-def _misfit(times: list[float], rhythm: Rhythm) -> float:
-    """How far times are from those of the rhythm, as a part of its period (root of the mean square)."""
-    off = [((t - rhythm.origin) / rhythm.period + 0.5) % 1.0 - 0.5 for t in times]
-    return sqrt(sum([e * e for e in off]) / len(off))

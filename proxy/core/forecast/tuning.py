@@ -43,20 +43,12 @@ class ForecastTuning:
     seldom: int = 6
     """A long line is fitted, and the spread of gaps is found, every so many samples: each takes ten times as long as
     all else together."""
-    two_rhythms: float = 0.2
-    """Jitter of more than this part of the period may be two rhythms seen as one."""
+    any_time: float = 0.3
+    """With jitter of more than this part of the period a sample may come at any time."""
     tight: float = 0.12
-    """The newer one of them shows by jitter less than this."""
+    """Rhythms of less jitter than this part of the period are known by more samples."""
     alike: float = 1.6
     """Steps of up to this ratio are of one period."""
-    recent: int = 9
-    """Times looked back on for gaps of another period."""
-    near: float = 0.25
-    """A gap is a multiple of a period when it is this part of the period away at most."""
-    same: float = 4.0
-    """Gaps that differ by less than so many times the jitter are the same; with little jitter, by a tenth."""
-    chance: float = 0.01
-    """Losses that are less likely than this are none: the rate changed."""
 
     # Kinds of streams
     no_rhythm: float = 0.3
@@ -65,8 +57,6 @@ class ForecastTuning:
     """What a stream was, it stays for a little longer."""
     sure: int = 12
     """So many samples have no rhythm by chance;"""
-    sure_jitter: float = 0.06
-    """without numbers, they have none by chance with jitter of less than this part of the period."""
     random_spread: float = 0.45
     """Samples come at random whose gaps deviate by more than this part of them."""
     burst_pause: float = 3.0

@@ -2,9 +2,15 @@
 
 A sample that takes much of a limit is announced as soon as it is sent, ahead of the allowance if need be: it leaves
 less to the others. All other news wait until the allowance has room for them beside announcements.
+
+Announcements are sent again where many robots miss them.
+
+Robots that missed a sample and its announcement took its room for free: where 30 % of all that is broadcast was lost,
+5 to 8 % of the windows of four robots with cameras were over the limit.
 """
 
 import math
+from dataclasses import replace
 
 from proxy.core.congestion.channel import Channel
 from proxy.core.coordination.coordination import Coordination
@@ -12,7 +18,6 @@ from proxy.core.gossip.account import Account
 from proxy.core.gossip.announcements import Announcements
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.digest_composer import DigestComposer
-from proxy.core.gossip.retransmissions import Retransmissions
 from proxy.core.gossip.state_announcements import StateAnnouncements
 from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.gossip.tuning import TUNING
@@ -22,6 +27,32 @@ from proxy.core.protocol.split_report import SplitReport
 from proxy.core.protocol.state_codec import pack_state
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
+
+
+class Retransmissions:
+    """The newest announcement of ours, and when it is sent again."""
+
+    def __init__(self) -> None:
+        self.due_at = math.inf
+        """When to send it again [s]."""
+        self._left, self._after = 0, TUNING.retransmit_after
+        self._digest: Digest | None = None
+
+    def announced(self, digest: Digest, lost: float) -> None:
+        """This announces a sample that was sent before; such a part of samples, and of digests, is lost."""
+        missed, after = TUNING.missed, TUNING.retransmit_after
+        times = math.ceil(math.log(missed) / math.log(lost) - 1e-9) if lost > missed else 1
+        self._left = min(TUNING.retransmissions, max(0, times - TUNING.sent_so_far))
+        self._digest, self._after = digest, after
+        self.due_at = digest.sent + after if self._left else math.inf
+
+    def take(self, now: float) -> Digest | None:
+        """Return what is to be sent again now, if that is due."""
+        if now < self.due_at or self._digest is None:
+            return None
+        self._left, self._after = self._left - 1, 2.0 * self._after
+        self.due_at = now + self._after if self._left else math.inf
+        return replace(self._digest, sent=now)
 
 
 class DigestScheduler:

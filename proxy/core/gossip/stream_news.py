@@ -34,16 +34,18 @@ class StreamNews:
     def look(self, revision: int, own: Iterable[Stream]) -> None:
         """Look for news, if anything changed: which streams we have, or what is known of one of them.
 
-        What is news stays news until it is announced.
+        What is news stays news until it is announced. Where a stream was found that was never announced, those that
+        come are no other news: each of thousands of keys had all of them looked at.
         """
-        if self.waiting and (revision, self._revision) == self._looked_at[::2]:
+        looked = self._looked_at
+        if self.waiting and self._revision == looked[2] and (self.unknown or revision == looked[0]):
             return
         streams = list(own)
         changes = revision, sum(map(_CHANGES, streams)), self._revision
         if changes != self._looked_at:
             self._looked_at = changes
             self.unknown = any(s.key not in self._ever and s.last is not None for s in streams)
-            self.waiting = any(map(self._is_news, streams))
+            self.waiting = any(map(self._is_news, reversed(streams)))  # what was heard of last is the last
 
     def take(self, now: float, streams: list[Stream], only: Container[str] | None = None) -> tuple[StreamDigest, ...]:
         """Return news of streams to announce now, the most changed first, and some that may have been lost.

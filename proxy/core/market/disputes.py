@@ -80,7 +80,7 @@ class Disputes:
         if rows:
             from proxy.core.market.prices import Market
 
-            self._market, steady = Market.of(rows, limits)
+            self._market, steady = Market.of(rows, limits, view.settings.horizon)
             weighed = self._market.weigh(rows, steady)
         self._weighed = dict(zip(places, weighed, strict=True))
         self.revision += 1

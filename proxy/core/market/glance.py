@@ -57,7 +57,7 @@ class Glance:
             return (0.0,) * len(limits)
         from proxy.core.market.prices import Market
 
-        return tuple(Market.of(rows, limits)[0].prices)
+        return tuple(Market.of(rows, limits, view.settings.horizon)[0].prices)
 
     def _row(self, stream: Stream, limits: tuple[Limit, ...]) -> Row:
         subscribers = self._view.subscribers

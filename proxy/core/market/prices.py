@@ -24,7 +24,8 @@ from planner.utility import Floats
 from planner.utility.base import told_apart
 from proxy.core.market.standing import Amounts, Row, Standing, Weighed, reserve, variance_of
 from proxy.core.market.tuning import TUNING
-from proxy.core.model.limits import Limit
+from proxy.core.model.limits import Limit, longest_window
+from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.view.stream import excess
 
 
@@ -35,10 +36,15 @@ class Market:
     limits: tuple[Limit, ...]
     prices: Amounts
     fits: bool
+    small: float
+    """Messages that take no more than this part of every limit are decided by their price alone."""
 
     @classmethod
-    def of(cls, rows: Sequence[Row], limits: tuple[Limit, ...]) -> tuple[Self, Steady]:
-        """Return the market of all that competes, and what each of these streams earns."""
+    def of(cls, rows: Sequence[Row], limits: tuple[Limit, ...], horizon: int) -> tuple[Self, Steady]:
+        """Return the market of all that competes, and what each of these streams earns.
+
+        Plans look at `horizon` messages.
+        """
         steady = _steady(rows)
         rates = np.array([c.limit / c.window for c in limits])
         prices = clearing_prices(steady, TUNING.offered * rates)
@@ -46,7 +52,8 @@ class Market:
         if np.any(prices > 0.0) and np.any(parts < TUNING.offered):
             prices = clearing_prices(steady, np.clip(parts, TUNING.least_offered, TUNING.offered) * rates)
         most = reserve(rows, [row.interval for row in rows], limits, TUNING.sure_deviations)
-        return cls(limits, tuple(prices.tolist()), all(a <= c.limit for a, c in zip(most, limits, strict=True))), steady
+        fits, small = all(a <= c.limit for a, c in zip(most, limits, strict=True)), _small(rows, limits, horizon)
+        return cls(limits, tuple(prices.tolist()), fits, small), steady
 
     def weigh(self, rows: Sequence[Row], steady: Steady) -> list[Weighed]:
         """Weigh streams that earn so much."""
@@ -79,7 +86,7 @@ class Market:
         kind, new, small = (
             row.stream.information_type,
             row.stream.generated < TUNING.rate_samples,
-            row.small(self.limits),
+            row.takes_at_most(self.small, self.limits),
         )
         if self.fits and not new:
             return Standing.UNDISPUTED
@@ -92,6 +99,13 @@ class Market:
         if first <= TUNING.hopeless:
             return Standing.HOPELESS
         return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
+
+
+def _small(rows: Sequence[Row], limits: Sequence[Limit], horizon: int) -> float:
+    """Return up to which part of every limit messages are small: less where a plan can hold all that are larger."""
+    ahead = MODEL.planned_windows * longest_window(limits)
+    larger = sum([ahead / row.interval for row in rows if not row.takes_at_most(TUNING.smallest, limits)])
+    return TUNING.smallest if larger <= horizon else TUNING.small
 
 
 def _varying(rows: Sequence[Row], steady: Steady, prices: Floats, limits: Sequence[Limit]) -> Floats:

@@ -66,9 +66,9 @@ class Row(NamedTuple):
     deviation: Amounts
     relief: float = 0.0
 
-    def small(self, limits: Sequence[Limit]) -> bool:
-        """Whether its messages are small by all limits."""
-        return all(u + d <= TUNING.small * c.limit for u, d, c in zip(self.use, self.deviation, limits, strict=True))
+    def takes_at_most(self, part: float, limits: Sequence[Limit]) -> bool:
+        """Whether its messages take no more than this part of every limit."""
+        return all(u + d <= part * c.limit for u, d, c in zip(self.use, self.deviation, limits, strict=True))
 
     def has_room(self, limits: Sequence[Limit]) -> bool:
         """Whether limits that are our part are as large as its messages; others have no turn now, and set no price."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class ModelTuning:
-    """What digests may use, and from which size on samples concern everybody."""
+    """What digests may use, from which size on samples concern everybody, and how far plans reach."""
 
     least_allowance: float = 100.0
     """What the digests of a team may use whatever the limit is, for each of its robots [B/s]."""
@@ -15,6 +15,9 @@ class ModelTuning:
     """A digest counts as at least this large [B], so that so many bytes are at most so many digests."""
     large: float = 0.02
     """What takes more than this part of a limit is announced at once when it is sent, as what was sent together is."""
+    planned_windows: float = 4.0
+    """Plans reach this many of the longest window of a limit: with random sizes and times 93.5 % of the bound, and 92.3
+    where they reached two expected sends of every stream besides."""
     utilities: int = 256
     """Utilities whose lifetimes are remembered."""
 

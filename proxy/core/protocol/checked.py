@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.envelope import MalformedWireError
 from proxy.core.protocol.fixed import CODES, LARGEST_SINGLE, decoded, ticks
 from proxy.core.protocol.tuning import TUNING
 

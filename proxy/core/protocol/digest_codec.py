@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from proxy.core.protocol import checked, envelope
-from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.envelope import MalformedWireError
 from proxy.core.protocol.fixed import CODES, coded, seconds, ticks
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest
 from proxy.core.protocol.split_report import SplitReport, read_report, report_fields

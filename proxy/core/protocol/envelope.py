@@ -9,8 +9,20 @@ from typing import Any
 
 import msgpack
 
-from proxy.core.protocol.errors import MalformedWireError, OtherVersionError
 from proxy.core.protocol.tuning import TUNING
+
+
+class MalformedWireError(ValueError):
+    """Something on a Sendworthy key that is no digest and no state."""
+
+
+class OtherVersionError(MalformedWireError):
+    """A message in a `version` of the protocol that is not read here."""
+
+    def __init__(self, version: int) -> None:
+        super().__init__(f"of version {version} of what daemons tell each other")
+        self.version = version
+
 
 VERSION = 6
 OLDEST = 6

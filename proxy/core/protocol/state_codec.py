@@ -6,7 +6,7 @@ from typing import Any
 
 from proxy.core.protocol import checked, envelope
 from proxy.core.protocol.digest_codec import read_split, split_fields
-from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.envelope import MalformedWireError
 from proxy.core.protocol.fixed import coded, seconds, ticks
 from proxy.core.protocol.messages import State, StreamState
 from proxy.core.protocol.tuning import TUNING

@@ -10,9 +10,8 @@ from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
 from proxy.core.parts import Parts
 from proxy.core.protocol.fixed import feature, rounded
-from proxy.core.samples.counts import DROPPED
+from proxy.core.samples.counts import DROPPED, Unplanned
 from proxy.core.samples.inbox import SUPERSEDED
-from proxy.core.samples.unplanned import Unplanned
 from proxy.core.view.stream import Generated, Stream
 
 

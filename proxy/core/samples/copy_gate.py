@@ -10,12 +10,11 @@ from proxy.core.protocol.fixed import rounded
 from proxy.core.samples.appraisal import Appraisal, Use
 from proxy.core.samples.away import Copy
 from proxy.core.samples.copies import Copies
-from proxy.core.samples.decision_log import SEARCH, WAITS, Why
+from proxy.core.samples.decision_log import SEARCH, WAITS, Searched, Why
 from proxy.core.samples.decisions import Decided, Decisions, Shortcut
 from proxy.core.samples.fallback import StaticRule
 from proxy.core.samples.inbox import Inbox
 from proxy.core.samples.search import Pending, Search
-from proxy.core.samples.searched import Searched
 from proxy.core.samples.tuning import TUNING
 from proxy.core.view.stream import Stream
 
@@ -35,8 +34,12 @@ class CopyGate:
         self._copies = copies
 
     def foremost(self, now: float) -> Copy | None:
-        """Return the next copy, if it comes before all that waits in the inbox, by priority and then by age."""
-        copy = self._copies.foremost(now)
+        """Return the next copy for a robot that is back, if it comes before all that waits in the inbox.
+
+        That is the one of the highest priority, then the oldest.
+        """
+        first = (copy for away in self._copies if away.back for copy in away.oldest() if copy.ready_at <= now)
+        copy = min(first, key=lambda c: (c.waiting.priority, *c.age_order), default=None)
         return None if copy is None or any(w.priority < copy.waiting.priority for w in self._inbox) else copy
 
     def take_up(self, now: float, copy: Copy, ticket: int) -> list[Command]:

@@ -8,9 +8,9 @@ from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.away import Copy
+from proxy.core.samples.decision_log import Searched
 from proxy.core.samples.decisions import Decisions
 from proxy.core.samples.inbox import Inbox
-from proxy.core.samples.searched import Searched
 from proxy.core.samples.tuning import TUNING
 from proxy.core.window.size import WindowSize
 from proxy.core.window.window import Window, WindowBuilder

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from proxy.core.protocol.messages import StreamDigest
 from proxy.core.transit.latency import Latency, LatencyFit, middle
-from proxy.core.transit.loss import Loss
 from proxy.core.transit.offset import ClockOffset
+from proxy.core.transit.outbound import Loss
 from proxy.core.transit.tuning import TUNING
 
 

@@ -1,16 +1,47 @@
 """Those that gain by a stream, by how long its messages take to them and how surely they get there."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 from planner import Receiver
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.members import Members
-from proxy.core.view.paths import Fan, Paths
-from proxy.core.view.receivers import Way, grouped
+from proxy.core.view.paths import Fan, Paths, Way
 from proxy.core.view.stream import Stream
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.tuning import TUNING
+
+
+def grouped(ways: Iterable[Way]) -> tuple[float, tuple[Receiver, ...]]:
+    """Return the least latency [s], and the receivers with their delays after it; each robot counts once.
+
+    As far as messages get to it. There is at least one way.
+    """
+    alike: dict[int, list[Way]] = {}
+    for way in ways:
+        alike.setdefault(round(way.latency / TUNING.alike_latency), []).append(way)
+    groups = [_joined(each) for _, each in sorted(alike.items())]
+    while len(groups) > TUNING.receiver_groups:
+        groups = _with_nearest_joined(groups)
+    least = groups[0].latency
+    return least, tuple(Receiver(group.latency - least, group.share) for group in groups)
+
+
+def _joined(ways: list[Way]) -> Way:
+    """Return the mean way, by the shares, and the sum of the shares."""
+    share = sum(way.share for way in ways)
+    if share == 0.0:
+        return Way(sum(way.latency for way in ways) / len(ways), 0.0)
+    return Way(sum(way.latency * way.share for way in ways) / share, share)
+
+
+def _with_nearest_joined(groups: list[Way]) -> list[Way]:
+    """Join the two neighbours that are closest."""
+    gaps = [after.latency - before.latency for before, after in pairwise(groups)]
+    at = gaps.index(min(gaps))
+    return [*groups[:at], _joined(groups[at : at + 2]), *groups[at + 2 :]]
 
 
 @dataclass(frozen=True, slots=True)

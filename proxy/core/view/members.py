@@ -1,10 +1,13 @@
 """The other robots that are here, each under a name that no other one has."""
 
+import math
 from collections.abc import Mapping
 
 from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.messages import tag
+from proxy.core.protocol.messages import Digest, tag
 from proxy.core.view.peer import Peer
+from proxy.core.view.streams import Streams
+from proxy.core.view.tuning import TUNING
 
 
 class Members:
@@ -50,8 +53,12 @@ class Members:
 
     @property
     def unannounced(self) -> int:
-        """How many robots may want what we send though they did not say so: Zenoh knows sooner than they can."""
-        return 0 if not self._silent else sum(not self._peers[name].plain for name in self._silent)
+        """How many robots may want what we send though they did not say so: Zenoh knows sooner than they can.
+
+        However many sessions have one name, they are one robot.
+        """
+        silent = (self._peers[name] for name in self._silent)
+        return len({peer.name for peer in silent if not peer.plain}) if self._silent else 0
 
     def called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
@@ -78,3 +85,66 @@ class Members:
 
     def _note_names(self) -> None:
         self.tags = {peer.robot: name for name, peer in self._peers.items()} | dict((self._own,))
+
+
+class Newcomers:
+    """Which robots have been met lately, and which of them may still tell what they sent."""
+
+    def __init__(self, peers: Mapping[str, Peer], streams: Streams) -> None:
+        self._peers = peers
+        self._streams = streams
+        self._met_at = -math.inf
+        """When a robot was met last [s]."""
+
+    def met(self, now: float) -> None:
+        """A robot was met."""
+        self._met_at = now
+
+    def met_lately(self, now: float) -> list[Peer]:
+        """Return the robots of which little may be known yet: they, or our own streams, have just come.
+
+        Teams are often switched on before anything is sent.
+        """
+        began, time = self._began(), TUNING.newcomer_time
+        return [peer for peer in self._peers.values() if now < max(peer.since, began) + time and not peer.plain]
+
+    def greeted_by(self, now: float) -> float:
+        """Until when a robot that has just been met may still tell what it sent lately [s]; −∞ where all have told."""
+        time = TUNING.greeting_time
+        if now >= self._met_at + time:
+            return -math.inf
+        new = (p for p in self._peers.values() if p.last_heard is None and not p.plain)
+        return max((peer.since + time for peer in new if peer.state is None or peer.told), default=-math.inf)
+
+    def only_listens(self, peer: Peer) -> bool:
+        """Whether a robot has sent nothing though we have sent for a while: an operator only listens."""
+        if peer.counted is None:
+            return False
+        told_at, messages, _ = peer.counted
+        return messages == 0 and told_at >= max(peer.since, self._began()) + TUNING.silent_since_start
+
+    def _began(self) -> float:
+        return min((stream.began for stream in self._streams.own()), default=-math.inf)
+
+
+class UnknownSenders:
+    """Keeps the last digests of each unknown sender until it appears; `forgotten` counts what had no room."""
+
+    def __init__(self) -> None:
+        self._heard: dict[str, list[tuple[float, Digest]]] = {}
+        self.forgotten = 0
+
+    def keep(self, now: float, digest: Digest) -> None:
+        """Keep an unknown sender's digest; the sender heard of longest ago has to leave for a new one."""
+        kept = self._heard.pop(digest.tag, [])
+        self._heard[digest.tag] = kept
+        kept.append((now, digest))
+        if len(kept) > TUNING.unknown_digests:
+            del kept[0]
+            self.forgotten += 1
+        if len(self._heard) > TUNING.unknown_senders:
+            self.forgotten += len(self._heard.pop(next(iter(self._heard))))
+
+    def introduce(self, tag: str) -> list[tuple[float, Digest]]:
+        """Return what a robot said before we knew of it, oldest first, each with its receipt time."""
+        return self._heard.pop(tag, [])

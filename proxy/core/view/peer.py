@@ -1,16 +1,52 @@
 """What is known of another robot."""
 
+from collections import deque
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from proxy.core.protocol.messages import Digest, State, StreamState, tag
-from proxy.core.protocol.tuning import TUNING
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
+from proxy.core.protocol.tuning import TUNING as PROTOCOL
 from proxy.core.transit.inbound import Inbound
 from proxy.core.transit.latency import Latency
 from proxy.core.transit.offset import ClockOffset
 from proxy.core.transit.outbound import Outbound
 from proxy.core.transit.tuning import TUNING as TRANSIT
-from proxy.core.view.pending import PendingNews
+from proxy.core.view.tuning import TUNING
+
+Entry = tuple[float, tuple[int, int]]
+"""When a sample was sent [s], and what it counts as: bytes and copies."""
+
+
+class PendingNews:
+    """The last news of each such stream of one robot; `evicted` counts those for which there was no room."""
+
+    def __init__(self) -> None:
+        self._news: dict[int, StreamDigest] = {}
+        self._counted: dict[int, Entry] = {}
+        """What was last sent of them, as the traffic log counts it."""
+        self.evicted = 0
+
+    def __len__(self) -> int:
+        return len(self._news)
+
+    def keep(self, news: StreamDigest) -> bool:
+        """Keep news; return whether it tells of another sample that was sent."""
+        earlier = self._news.get(news.id)
+        if earlier is None and len(self._news) >= TUNING.pending_news:
+            self.evicted += 1
+            return False
+        self._news[news.id] = news
+        return news.forwarded > (0 if earlier is None else earlier.forwarded)
+
+    def count(self, number: int, entry: Entry) -> None:
+        """What was sent of the stream with this number counts as this."""
+        self._counted[number] = entry
+
+    def named(self, numbers: Container[int]) -> list[tuple[StreamDigest, Entry | None]]:
+        """Return the news of those streams whose keys are known now, each with what it counted as."""
+        found = [number for number in self._news if number in numbers]
+        return [(self._news.pop(number), self._counted.pop(number, None)) for number in found]
 
 
 class HeardDigest(NamedTuple):
@@ -19,11 +55,6 @@ class HeardDigest(NamedTuple):
     sent: float
     received: float
     samples: int
-
-    @property
-    def took(self) -> float:
-        """How long it was on its way, by two clocks that differ [s]."""
-        return self.received - self.sent
 
 
 @dataclass(slots=True)
@@ -60,8 +91,6 @@ class Peer:
     """The last digest, which the next one has to follow."""
     last_heard: HeardDigest | None = None
     """When its last digest came."""
-    quickest: HeardDigest | None = None
-    """The digest since the last echo that was on its way for the shortest time: its echo tells most of clocks."""
     echoed: bool = False
     """Whether anybody has echoed a digest of it, so that it knows of one way how long it is."""
     counted: tuple[float, int, int] | None = None
@@ -69,6 +98,8 @@ class Peer:
     pending: PendingNews = field(default_factory=PendingNews)
     heard_by: dict[str, Latency] = field(default_factory=dict)
     """What its samples take to other robots, by tag, as these tell."""
+    came: dict[str, tuple[float, int]] = field(default_factory=dict)
+    """By tag, when another robot told last how many samples of it came there [s], and how many."""
     offset: ClockOffset = field(default_factory=ClockOffset)
     inbound: Inbound = field(init=False)
     outbound: Outbound = field(init=False)
@@ -123,11 +154,9 @@ class Peer:
         """It may have started anew: the next digest need not follow the last one."""
         self.digest = None
 
-    def note_echo(self, *, ours: bool) -> None:
+    def note_echo(self) -> None:
         """Somebody echoed a digest of it, or we did."""
         self.echoed = True
-        if ours:
-            self.quickest = None
 
     def whole(self, state: State) -> State | None:
         """Return the whole state that an update makes of the one in force; None when it is for another one."""
@@ -136,7 +165,7 @@ class Peer:
         if self.state is None or self.state.number != state.since:
             return None
         streams = {stream.id: stream for stream in self.state.streams} | {stream.id: stream for stream in state.streams}
-        if len(streams) > TUNING.streams:
+        if len(streams) > PROTOCOL.streams:
             return None
         return replace(self.state, streams=tuple(streams.values()), wall_offset=state.wall_offset, number=state.number)
 
@@ -166,9 +195,7 @@ class Peer:
     def heard_digest(self, now: float, digest: Digest) -> None:
         """A digest of the peer arrived."""
         self.digest = digest
-        self.last_heard = heard = HeardDigest(digest.sent, now, self.inbound.samples)
-        if self.quickest is None or heard.took <= self.quickest.took + TRANSIT.drift * (now - self.quickest.received):
-            self.quickest = heard
+        self.last_heard = HeardDigest(digest.sent, now, self.inbound.samples)
         if not digest.brief:
             self.counted = now, digest.messages, digest.bytes
         self.offset.heard(digest.sent, now)
@@ -178,3 +205,39 @@ class Peer:
         """Forget the counts of samples, ours and the robot's: from now on other samples are counted."""
         self.outbound.restart_losses()
         self.inbound.restart_losses()
+
+
+class Staleness:
+    """What digests take to come, and when the last one of each robot was sent."""
+
+    def __init__(self, peers: Mapping[str, Peer]) -> None:
+        self._peers = peers
+        self._reported_until: dict[str, float] = {}
+        """When the last digest of each robot was sent [s, our clock], announcements aside."""
+        self._delays: deque[float] = deque(maxlen=TUNING.digest_delays)
+        """What the last digests took beyond the quickest of their robots [s]."""
+
+    def heard(self, now: float, peer: Peer, digest: Digest) -> None:
+        """A digest of a peer came. An announcement does not tell that the streams which it leaves out are silent."""
+        sent = peer.offset.ours(digest.sent)
+        self._delays.append(max(0.0, now - sent - peer.offset.latency))
+        if not digest.brief:
+            self._reported_until[peer.robot] = min(now, sent)
+
+    def forget(self, robot: str) -> None:
+        """A robot left."""
+        self._reported_until.pop(robot, None)
+
+    def reported_until(self, robot: str, otherwise: float) -> float:
+        """When the last digest of a robot was sent [s, our clock]; `otherwise` where none tells of its streams."""
+        return self._reported_until.get(robot, otherwise)
+
+    @property
+    def longest_way(self) -> float:
+        """What digests take at least from or to any peer, at most [s]."""
+        return max((peer.offset.latency for peer in self._peers.values()), default=0.0)
+
+    @property
+    def delay(self) -> float:
+        """What all but few digests take beyond their least [s]: they wait for other messages, and for processors."""
+        return sorted(self._delays)[int(TUNING.digests_in_time * len(self._delays))] if self._delays else 0.0

@@ -1,9 +1,11 @@
 """What is known of one stream: the samples of one key from one robot."""
 
+import math
 from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from statistics import NormalDist
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -13,9 +15,53 @@ from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.forecast.schedule import Schedule
 from proxy.core.protocol.fixed import rounded
 from proxy.core.protocol.messages import StreamState
-from proxy.core.view.sizes import Sizes
 from proxy.core.view.tuning import TUNING
 from utility_specs import InformationType
+
+
+@dataclass(slots=True)
+class Sizes:
+    """Of the samples that were generated, the recent ones counting more."""
+
+    mean: float = 0.0
+    """[B]"""
+    variance: float = 0.0
+    """[B²]"""
+    announced: int = 0
+    """What the stream's robot last announced, so that all robots know the same; 0: nothing yet [B]."""
+
+    @property
+    def deviation(self) -> float:
+        """The standard deviation [B]."""
+        return math.sqrt(self.variance)
+
+    def note(self, size: int) -> None:
+        """A sample of so many bytes was generated; older ones fade exponentially."""
+        if not self.mean:
+            self.mean = float(size)
+            return
+        off = size - self.mean
+        weight = TUNING.newest_size_weight
+        self.mean += weight * off
+        self.variance = (1.0 - weight) * (self.variance + weight * off * off)
+
+    def announce(self, size: int) -> None:
+        """The stream's robot announced this size [B]."""
+        self.announced = size
+
+    def likely(self, newest: int) -> int:
+        """The size that a sample to come is planned with, after the newest one: a bit less than the mean [B]."""
+        if self.variance == 0.0:
+            return newest
+        likely = self.mean - TUNING.sent_size_deviations * self.deviation
+        return round(max(likely, TUNING.least_likely_size * self.mean))
+
+    def smallest(self, part: float) -> int:
+        """The mean size of the smallest `part` of the samples [B], if sizes are spread about the mean like a bell."""
+        normal = NormalDist()
+        below = normal.pdf(normal.inv_cdf(part)) / part * self.deviation
+        return round(max(self.mean - below, TUNING.smallest_size_part * self.mean))
+
 
 NONE: Mapping[str, float] = MappingProxyType({})
 """No features."""
@@ -44,7 +90,7 @@ class Sent(NamedTuple):
     told: bool = False
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Stream:
     """One stream in the shared view. `id` is its number in its robot's digests."""
 
@@ -93,9 +139,9 @@ class Stream:
         self._expected.clear()
 
     def note_generated(
-        self, count: int, last: Generated, *, numbered: bool = True, overheard: bool = False, told: Rhythm | None = None
+        self, count: int, last: Generated, *, overheard: bool = False, told: Rhythm | None = None
     ) -> None:
-        """Sample number `count` of the stream was generated; when not `numbered`, some before it may be lost.
+        """Sample number `count` of the stream was generated.
 
         An `overheard` one is the first that we know of, from the air alone. A rhythm that its robot `told` holds.
         """
@@ -106,7 +152,7 @@ class Stream:
             self.began = last.t_gen - (0.0 if told is None else (count - 1) * told.period)
         self.generated = count
         self.changes += 1
-        self.schedule.observe(count if numbered else None, last.t_gen, told)
+        self.schedule.observe(count, last.t_gen, told)
         self.last = last
         self.sizes.note(last.size)
         if self._outlook is not None:

@@ -3,7 +3,9 @@
 All plain nodes together count as one owner: so nobody can push out a robot's streams by posing as many nodes.
 """
 
+from collections import deque
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.stream import Stream
@@ -16,6 +18,15 @@ PLAIN = "?"
 Place = tuple[str, str]
 
 
+class Turn(NamedTuple):
+    """A stream came or went: with this revision, at this place."""
+
+    revision: int
+    place: Place
+    stream: Stream
+    there: bool
+
+
 class Streams:
     """The streams that specs plan for, bounded: `evicted` counts what had to be forgotten."""
 
@@ -25,6 +36,8 @@ class Streams:
         """How often anything changed that concerns more than one stream: which there are, and who wants them."""
         self.revisions = 0
         """How many of these concerned streams that were there before and still are: who wants them."""
+        self.turns: deque[Turn] = deque(maxlen=TUNING.turns)
+        """The last streams that came or went."""
         self.evicted = 0
         self._own = settings.robot
         self._most = settings.streams
@@ -113,6 +126,11 @@ class Streams:
             if now - stream.touched > max(TUNING.plain_silent, TUNING.plain_silent_periods * stream.schedule.period):
                 self.forget(stream)
 
+    def turns_since(self, revision: int, revisions: int) -> list[Turn] | None:
+        """Return which streams came or went since those revisions; None where more has changed, or nobody knows."""
+        turns = [turn for turn in self.turns if turn.revision > revision]
+        return turns if revisions == self.revisions and len(turns) == self.revision - revision else None
+
     def revise(self) -> None:
         """Something changed that concerns more than one stream."""
         self.revision += 1
@@ -122,6 +140,7 @@ class Streams:
         """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""
         self.revision += 1
         self._all[stream.robot, stream.key] = stream
+        self.turns.append(Turn(self.revision, (stream.robot, stream.key), stream, there=True))
         self._owned.setdefault(owner_of(stream.robot), {})[stream.robot, stream.key] = stream
         if len(self._all) > self._most:
             new = owner_of(stream.robot)
@@ -135,6 +154,7 @@ class Streams:
         self.revision += 1
         owner = owner_of(stream.robot)
         del self._all[stream.robot, stream.key]
+        self.turns.append(Turn(self.revision, (stream.robot, stream.key), stream, there=False))
         del self._owned[owner][stream.robot, stream.key]
         if not self._owned[owner]:
             del self._owned[owner]
@@ -168,7 +188,7 @@ class Streams:
         heir.cover(stream.information_type)
         heir.schedule.assume(stream.schedule.period)
         if stream.last is not None:
-            heir.schedule.observe(None, stream.last.t_gen)
+            heir.schedule.observe(1, stream.last.t_gen)
         self.admit(heir)
 
 

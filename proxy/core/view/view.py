@@ -7,13 +7,11 @@ from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.view.audience import Audiences
 from proxy.core.view.contention import Contention
 from proxy.core.view.echoes import Echoes
-from proxy.core.view.members import Members
-from proxy.core.view.newcomers import Newcomers
+from proxy.core.view.members import Members, Newcomers
 from proxy.core.view.news import News
-from proxy.core.view.origins import Origins
-from proxy.core.view.overhearing import Overhearing
+from proxy.core.view.overhearing import Origins, Overhearing
 from proxy.core.view.paths import Paths
-from proxy.core.view.staleness import Staleness
+from proxy.core.view.peer import Staleness
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.traffic import TrafficLog
@@ -82,6 +80,7 @@ class SharedView:
         self.clocks.forget(peer.tag)
         for other in self.peers.values():
             other.heard_by.pop(peer.tag, None)
+            other.came.pop(peer.tag, None)
         for stream in self.streams:
             stream.miss((peer.tag,))
         for stream in self.streams.of(peer.robot):
@@ -142,10 +141,6 @@ class SharedView:
         """A digest of ours goes out."""
         for peer in self.peers.values():
             peer.outbound.sent_digest(at)
-
-    def announced(self) -> None:
-        """A digest of ours tells what we sent until now."""
-        self.largest = 0
 
     def restart_losses(self) -> None:
         """Forget the counts of all peers: from now on other samples are counted."""

@@ -3,6 +3,7 @@
 from proxy.core.coordination.claims import Claim, claim
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, Limits, changes_plans, longest_window, use_of
+from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.view import SharedView
 from proxy.core.window.candidates import Candidate
@@ -17,7 +18,7 @@ def forecast(now: float, view: SharedView, candidates: list[Candidate], limits: 
     lesser claim than `ours`.
     """
     longest, until = longest_window(limits.union), now + view.settings.horizon_time
-    end = min(until, now + TUNING.windows * longest)
+    end = min(until, now + MODEL.planned_windows * longest)
     for c in candidates:
         decided = c.own or (ours is not None and claim(now, c.stream) < ours)
         after = now if decided else _unheard_since(now, view, c, limits, longest)

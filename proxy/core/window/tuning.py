@@ -11,9 +11,6 @@ class WindowTuning:
     """Messages forecast of one stream at most."""
     contested_at_least: float = 0.1
     """This part of a limit is left at least to what is contested."""
-    windows: float = 4.0
-    """The window reaches this many of the longest constraint window: with random sizes and times 93.5 % of the bound,
-    and 92.3 where it reached two expected sends of every stream besides."""
     shortest_life: float = 1e-3
     """The last message of a window lives at least this long [s]."""
     facts_of_a_stream: int = 16

@@ -1,15 +1,15 @@
 """The planning window: which messages a decision looks at, and what they would use.
 
 It holds contested messages alone (`disputes.py`); the others are booked, and the limits of the problem lower by as
-much. It reaches `WINDOWS` of the longest constraint window, at most `horizon_time`, and at least to one forecast
-message of every stream; a slower stream is weighed by its rate. If these are more than `horizon` messages, low-value
-streams are thinned, not time. Where more streams compete than a window has messages, some have none in it: half of
-the places are for the streams worth most per byte on the air, half for those that generate next, so that what is
-imminent competes with what is valuable. Only streams that somebody wants compete, and where each robot has its part
+much. It reaches `planned_windows` of the longest constraint window, at most `horizon_time`, and at least to one
+forecast message of every stream; a slower stream is weighed by its rate. If these are more than `horizon` messages,
+low-value streams are thinned, not time. Where more streams compete than a window has messages, some have none in it:
+half of the places are for the streams worth most per byte on the air, half for those that generate next, so that what
+is imminent competes with what is valuable. Only streams that somebody wants compete, and where each robot has its part
 only our own, for then no other stream can gain by what we leave. Sent messages are facts. Those that say what others of
-their stream are still worth are messages: the last one, or the last few where the stream does not go by the most
-recent one. What else was sent within a constraint window is traffic, for what it uses. What guarantees demand of the
-future is a fact and traffic like that.
+their stream are still worth are messages: the last one, or the last few where the stream does not go by the most recent
+one. What else was sent within a constraint window is traffic, for what it uses. What guarantees demand of the future is
+a fact and traffic like that.
 """
 
 import math

@@ -20,16 +20,16 @@ def bursts(count, *, size=5, step=0.05, spacing=2.0, jitter=0.0):
     return [float(b * spacing + off + i * step) for b, off in enumerate(offs) for i in range(size)]
 
 
-def observe(schedule, times, *, numbered=True, loss=0.0, seed=0, first=1):
-    """Let a schedule see the times, with or without their numbers, less those that are lost."""
+def observe(schedule, times, *, loss=0.0, seed=0, first=1):
+    """Let a schedule see the times, less those that are lost."""
     rng = np.random.default_rng(seed)
     for number, t in enumerate(times, first):
         if rng.random() >= loss:
-            schedule.observe(number if numbered else None, t)
+            schedule.observe(number, t)
     return schedule
 
 
-def errors(times, *, numbered, loss, seed=0, skip=12, ahead=3, schedule=None):
+def errors(times, *, loss, seed=0, skip=12, ahead=3, schedule=None):
     """How far off the next `ahead` times are that are forecast 0.3 s after each sample seen [s]; inf for none."""
     rng = np.random.default_rng(seed + 1000)
     schedule = schedule or Schedule()
@@ -37,7 +37,7 @@ def errors(times, *, numbered, loss, seed=0, skip=12, ahead=3, schedule=None):
     for at, t in enumerate(times[:-ahead]):
         if rng.random() < loss:
             continue
-        schedule.observe(at + 1 if numbered else None, t)
+        schedule.observe(at + 1, t)
         if at >= skip:
             forecast = schedule.forecast(t + 0.3, t + 100.0, ahead)
             found += [abs(a - b) for a, b in zip(forecast, times[at + 1 :], strict=False)]

@@ -26,11 +26,7 @@ KEYS = ("robot/r1/camera", "robot/r2/camera", "robot/x/camera", "other")
 PEERS = {"aaaaaaaa01": "op", "eeeeeeee01": "r2"}
 KEPT = {
     *("Stream._expected", "Stream._reach", "Interest._wanting"),
-    *(
-        "Contention._" + kept
-        for kept in ("revision", "revisions", "streams", "row", "seen", "robots", "owner", "wanted")
-    ),
-    *("Contention._" + kept for kept in ("cheapness", "last", "patience", "next")),
+    *("Contention._" + kept for kept in ("revision", "revisions", "rows", "places", "count", "known")),
     *(
         "Budget._others_known",
         "Budget._others_sent",
@@ -127,11 +123,11 @@ def queries(core, now):
     )
     yield (
         "what is echoed",
-        lambda: (view.echoes.due(now), view.echoes.due(now, quickest=True), view.newcomers.met_lately(now)),
+        lambda: (view.echoes.due(now), view.newcomers.met_lately(now)),
     )
     yield (
         "view of robots",
-        lambda: (view.staleness.all_reported_until(PEERS.values(), now), view.origins.robot_of("feed")),
+        lambda: [view.origins.robot_of("feed"), *(view.staleness.reported_until(each, now) for each in PEERS.values())],
     )
     yield (
         "view of streams",

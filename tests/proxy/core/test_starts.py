@@ -10,61 +10,55 @@ from hypothesis import strategies as st
 from proxy.core.forecast.schedule import Schedule
 from tests.proxy.core.streams import observe, periodic
 
-BOTH = pytest.mark.parametrize("numbered", [True, False])
 FORGOTTEN = 50
 """After so many regular samples nothing that was before them counts."""
 LATE = 3
 """A stream may be taken for over before so many samples of another rate."""
 
 
-@BOTH
 @pytest.mark.parametrize("close", [2, 3])
-def test_two_or_three_first_samples_close_together_do_not_make_pauses_of_all_gaps(numbered, close):
+def test_two_or_three_first_samples_close_together_do_not_make_pauses_of_all_gaps(close):
     """From the second regular sample on the stream is there between samples, with the right period."""
     start = [0.001 * k for k in range(close)]
-    schedule = observe(Schedule(), [*start, 0.1, 0.2], numbered=numbered)
+    schedule = observe(Schedule(), [*start, 0.1, 0.2])
     assert not schedule.over(0.3)
     assert schedule.forecast(0.2, 0.45, 5) == pytest.approx([0.3, 0.4], abs=1e-3)
 
 
-@BOTH
 @pytest.mark.parametrize("close", [4, 10, 50, 500])
-def test_pauses_in_a_row_are_the_gaps_of_another_rate(numbered, close):
+def test_pauses_in_a_row_are_the_gaps_of_another_rate(close):
     """However many samples came at once before, the third regular one tells the rate."""
     start = [0.001 * k for k in range(close)]
-    schedule = observe(Schedule(), [*start, *[start[-1] + 0.1 * k for k in range(1, 4)]], numbered=numbered)
+    schedule = observe(Schedule(), [*start, *[start[-1] + 0.1 * k for k in range(1, 4)]])
     last = start[-1] + 0.3
     assert not schedule.over(last + 0.1)
     assert schedule.forecast(last, last + 0.25, 5) == pytest.approx([last + 0.1, last + 0.2], abs=1e-3)
 
 
-@BOTH
 @pytest.mark.parametrize("period", [0.02, 0.1, 1.0, 7.0, 60.0])
 @given(gaps=st.lists(st.floats(-5.0, 2.5), min_size=1, max_size=60))
-def test_however_a_stream_began_it_is_known_in_the_end(numbered, period, gaps):
+def test_however_a_stream_began_it_is_known_in_the_end(period, gaps):
     """Gaps of up to 300 periods and down to none at all; nor is it over meanwhile, but for the first few samples."""
     start = list(accumulate((period * 10.0**gap for gap in gaps), initial=0.0))
-    schedule = observe(Schedule(), start, numbered=numbered)
+    schedule = observe(Schedule(), start)
     for k in range(1, FORGOTTEN + 1):
         t = start[-1] + k * period
         assert k <= LATE or not schedule.over(t)
-        schedule.observe(len(start) + k if numbered else None, t)
+        schedule.observe(len(start) + k, t)
     expected = [t + period, t + 2 * period]
     assert schedule.forecast(t, t + 2.5 * period, 10) == pytest.approx(expected, abs=0.05 * period)
 
 
-@BOTH
-def test_bursts_that_do_not_end_are_none_any_more(numbered):
+def test_bursts_that_do_not_end_are_none_any_more():
     """A stream of a few bursts that goes on at the rate within them is regular."""
     start = [10.0 * burst + 0.1 * k for burst in range(4) for k in range(3)]
-    schedule = observe(Schedule(), [*start, *[30.2 + 0.1 * k for k in range(1, 13)]], numbered=numbered)
+    schedule = observe(Schedule(), [*start, *[30.2 + 0.1 * k for k in range(1, 13)]])
     assert schedule.kind == "periodic"
 
 
-@BOTH
-def test_samples_of_one_moment_have_no_rhythm(numbered):
+def test_samples_of_one_moment_have_no_rhythm():
     """Times as close together as numbers can be say nothing of those to come."""
-    schedule = observe(Schedule(), [1e5, math.nextafter(1e5, math.inf)], numbered=numbered)
+    schedule = observe(Schedule(), [1e5, math.nextafter(1e5, math.inf)])
     assert schedule.forecast(1e5, 1e5 + 1.0, 10) == []
     assert schedule.period == 0.0
 

@@ -22,13 +22,18 @@ MESSAGE = Message(0, 0.0, 0.0, 0.1, Linear(1.0, 0.1), 1.0, (100.0,))
 PROBLEM = Problem((Stream(0),), (MESSAGE,), 0, (Constraint("throughput", 1.0, 1e3),), (), t_start=0.0, t_end=2.0)
 
 
-def core(event):
-    """Forward samples; choke on hand-overs."""
-    if isinstance(event, ev.SampleHanded):
-        raise KeyError(event.sample)
-    if isinstance(event, ev.SamplePublished):
-        return [Forward(event.sample), Decide(0, PROBLEM, 1, 300, event.now)]
-    return []
+class Core:
+    """Forwards samples, and passes those of an even number on; chokes on hand-overs."""
+
+    def handle(self, event):
+        if isinstance(event, ev.SampleHanded):
+            raise KeyError(event.sample)
+        if isinstance(event, ev.SamplePublished):
+            return [Forward(event.sample), Decide(0, PROBLEM, 1, 300, event.now)]
+        return []
+
+    def pass_on(self, event):
+        return None if event.sample % 2 else [Forward(event.sample)]
 
 
 def look(number, now):
@@ -42,7 +47,7 @@ def record(tmp_path):
 
     def made(payload=None):
         output = Output(START, Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 1 << 26)
-        return Recorder(core, output, look, payload=payload)
+        return Recorder(Core(), output, look, payload=payload)
 
     return made
 
@@ -60,11 +65,11 @@ def test_events_are_noted_with_what_follows(record, tmp_path):
     recorder = record()
     recorder.start()
     assert recorder.begun(60.0)
-    commands = recorder.take(published(0))
-    assert commands == core(published(0))
-    recorder.take(ev.TimePassed(2.0))
+    commands = recorder.handle(published(0))
+    assert commands == Core().handle(published(0))
+    recorder.handle(ev.TimePassed(2.0))
     with pytest.raises(KeyError):
-        recorder.take(ev.SampleHanded(2.0, 7))
+        recorder.handle(ev.SampleHanded(2.0, 7))
     first, second, third = finish(recorder, tmp_path)[2:-1]
     assert [each["command"] for each in first.commands] == ["Forward", "Decide"]
     assert first.commands[1]["messages"] == 1
@@ -78,7 +83,7 @@ def test_a_thousand_samples_a_second_are_all_there(record, tmp_path):
     recorder.start()
     for begin in range(0, 20_000, 2000):
         for number in range(begin, begin + 2000):
-            recorder.take(published(number))
+            recorder.handle(published(number))
         wait_until(lambda: recorder.waiting < 1000, what="the writer")
     assert recorder.describe()["missing"] == 0
     found = finish(recorder, tmp_path)
@@ -89,11 +94,11 @@ def test_what_is_more_than_can_be_written_is_said_to_be_missing(record, tmp_path
     """Nobody waits for the writer, which does not run yet here."""
     recorder, most = record(), TUNING.events
     for number in range(most + 10):
-        recorder.take(published(number))
+        recorder.handle(published(number))
     assert recorder.describe()["missing"] == 10
     recorder.start()
     wait_until(lambda: not recorder.waiting, what="the writer")
-    recorder.take(published(most + 10))
+    recorder.handle(published(most + 10))
     *_, gap, last, _ = finish(recorder, tmp_path)
     assert (gap.first, gap.events, gap.samples, gap.reason) == (most, 10, 10, FULL)
     assert last.number == most + 10
@@ -103,7 +108,7 @@ def test_what_is_missing_at_the_end_is_said_too(record, tmp_path):
     """The recorder ends before there was room again."""
     recorder = record()
     for number in range(TUNING.events + 10):
-        recorder.take(published(number))
+        recorder.handle(published(number))
     recorder.start()
     *_, gap, _ = finish(recorder, tmp_path)
     assert (gap.first, gap.events) == (TUNING.events, 10)
@@ -119,11 +124,11 @@ def test_payloads_wait_within_a_bound(record, tmp_path):
 
     recorder = record(payload)
     for number in range(5):
-        recorder.take(published(number))
-    recorder.take(ev.TimePassed(3.0))
+        recorder.handle(published(number))
+    recorder.handle(ev.TimePassed(3.0))
     recorder.start()
     wait_until(lambda: not recorder.waiting, what="the writer")
-    recorder.take(published(0))
+    recorder.handle(published(0))
     found = finish(recorder, tmp_path)
     names = [type(entry).__name__ for entry in found[2:]]
     assert names == ["Payload", "Happened"] * 3 + ["Gap"] + ["Happened"] * 3 + ["Payload", "Happened", "End"]
@@ -134,7 +139,7 @@ def test_what_waits_is_written_soon(record, tmp_path):
     """A daemon that is killed loses a second of its record, or so."""
     recorder = record()
     recorder.start()
-    recorder.take(published(0))
+    recorder.handle(published(0))
 
     def there():
         try:
@@ -146,15 +151,27 @@ def test_what_waits_is_written_soon(record, tmp_path):
     finish(recorder, tmp_path)
 
 
+def test_what_is_passed_on_is_noted_like_all_else(record, tmp_path):
+    """Where the core does not pass an event on nothing has happened yet."""
+    recorder = record()
+    recorder.start()
+    assert recorder.pass_on(published(0)) == [Forward(0)]
+    assert recorder.pass_on(published(1)) is None
+    recorder.handle(published(1))
+    _, _, *happened, _ = finish(recorder, tmp_path)
+    assert [(entry.number, entry.event.sample) for entry in happened] == [(0, 0), (1, 1)]
+    assert [command["command"] for command in happened[0].commands] == ["Forward"]
+
+
 @pytest.mark.full
 def test_a_recording_of_the_middle_of_a_life_begins_with_what_the_core_knew(tmp_path):
     """Before its first event; each snapshot that is asked for stands where the core was then."""
     output = Output(replace(START, whole=False), Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 20_000)
-    recorder = Recorder(core, output, look)
+    recorder = Recorder(Core(), output, look)
     recorder.start()
     wait_until(lambda: output.written.files == 1, what="a file")
     for number in range(2000):
-        recorder.take(published(number, red=1 / (number + 3)))
+        recorder.handle(published(number, red=1 / (number + 3)))
         if number % 100 == 99:
             wait_until(lambda: not recorder.waiting, what="all to be written")
     recorder.stop()
@@ -175,10 +192,10 @@ def test_without_a_snapshot_the_recording_goes_on(tmp_path, caplog):
         raise RecordingError(f"no {number} at {now}")
 
     output = Output(replace(START, whole=False), Specs.empty(), RecordingFolder(tmp_path, "r1", 1 << 30, 0.0), 1 << 26)
-    recorder = Recorder(core, output, fails)
+    recorder = Recorder(Core(), output, fails)
     recorder.start()
-    assert len(recorder.take(published(0))) == 2
-    recorder.take(published(1))
+    assert len(recorder.handle(published(0))) == 2
+    recorder.handle(published(1))
     problem = "it cannot be replayed exactly, for there is no snapshot of the core: no 0 at 1.0"
     assert recorder.describe()["problem"] == problem
     assert [record.message for record in caplog.records] == [f"recording: {problem}"]

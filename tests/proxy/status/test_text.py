@@ -8,7 +8,7 @@ import pytest
 from proxy.core.core import Core
 from proxy.core.model.settings import CoreSettings
 from proxy.status import text as status_text
-from proxy.status.text import ALONE
+from proxy.status.text import ALONE, SHADOWED
 from utility_specs import Specs
 
 RECORDED = [json.loads(file.read_text()) for file in sorted((Path(__file__).parent / "recorded").glob("*.json"))]
@@ -310,3 +310,19 @@ def test_what_others_call_their_things_cannot_command_the_terminal():
     text = table({"robot": evil, "streams": [{"key": evil}], "peers": [{"robot": evil}], "warnings": [evil]})
     assert "\x1b" not in text
     assert text.count("a\ufffd[2Jb\ufffd") == 4
+
+
+def test_at_80_columns_no_count_is_cut():
+    """What is told of a reason goes on in another line instead."""
+    counts = STATUS["counts"] | {"by_reason": {"dropped:fallback": 1234567, "forwarded": 7}}
+    lines = table(STATUS | {"counts": counts}, 80).splitlines()
+    at = next(number for number, line in enumerate(lines) if "dropped:fallback" in line)
+    assert lines[at] == "  dropped:fallback  1234567  the planner failed or was late, and there was no"
+    assert lines[at + 1].strip() == "room"
+    assert max(map(len, lines)) <= 80
+
+
+def test_in_shadow_it_is_said_that_all_samples_go():
+    """A stream has counts of what was decided, which would read otherwise."""
+    assert SHADOWED in table(STATUS | {"mode": "shadow"})
+    assert SHADOWED not in table(STATUS)

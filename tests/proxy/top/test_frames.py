@@ -5,6 +5,7 @@ import copy
 import pytest
 
 from proxy.status.columns import width_of
+from proxy.status.text import SHADOWED
 from proxy.top.frames import Scene, frame
 from proxy.top.rates import Change
 from proxy.top.view import View
@@ -167,3 +168,17 @@ def test_a_status_of_another_version_is_shown_as_far_as_it_goes():
     )
     assert shown(scene=scene).startswith("robot r9   mode -")
     assert "r9" in shown(View(fleet=True), scene=scene)
+
+
+def test_what_is_wrong_is_shown_whole():
+    """In as many lines as that takes: the middle may be what matters."""
+    said = "this robot is in shadow and all of the others, which are r2 and r3 and r4, give way to it; put all in one"
+    wrong = R1 | {"warnings": [f"{said} mode"]}
+    text = " ".join(line.strip() for line in lines(scene=Scene({R1["zid"]: Change(wrong)})))
+    assert f"warning: {said} mode" in text
+
+
+def test_in_shadow_it_is_said_that_all_samples_go():
+    """What is not sent of a stream is what enforce would not send."""
+    assert SHADOWED in lines(scene=Scene({R1["zid"]: Change(R1 | {"mode": "shadow"})}))
+    assert SHADOWED not in lines()

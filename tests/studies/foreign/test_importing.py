@@ -79,6 +79,7 @@ def test_several_files_are_one_recording(place, capsys):
     [
         (["none.csv"], exit_codes.FAILED, "none.csv"),
         (["none"], exit_codes.FAILED, "none does not exist"),
+        (["none.csv"], exit_codes.FAILED, "import: none.csv: No such file or directory"),
         (["bad.csv"], exit_codes.FAILED, 'bad.csv:2: column "size" (4): "x" is not a number'),
         (["t.csv", "--specs", "none.toml"], exit_codes.CONFIG, "none.toml"),
         (["t.csv", "-o", "there.mcap"], exit_codes.FAILED, "there.mcap exists; --force replaces it"),

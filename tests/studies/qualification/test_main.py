@@ -35,6 +35,21 @@ def test_what_was_run_before_stays_on_the_page(tmp_path):
     assert rows(page) == [["that it fails", "no", "broken"], ["that it runs", "yes", "last 7"]]
 
 
+@pytest.mark.parametrize(
+    ("line", "short"),
+    [
+        ("1 passed in 3.5 s (0:00:03)", "1 passed in 3.5 s (0:00:03)"),
+        ("Medians. Of all.", "Medians"),
+        ("x" * 300, "x" * 99 + "…"),
+    ],
+)
+def test_the_page_has_a_short_sentence_of_each_stage(tmp_path, line, short):
+    """However much it said."""
+    page = tmp_path / "page.md"
+    main([], (Stage("long", "that it is cut", ("echo", line)),), page, tmp_path)
+    assert rows(page) == [["that it is cut", "yes", short]]
+
+
 def test_unknown_stages_are_refused(capsys):
     """The message names those that exist."""
     with pytest.raises(SystemExit):

@@ -1,6 +1,5 @@
 """Where images are in payloads, and that each is decoded once."""
 
-import cv2
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -69,10 +68,8 @@ def test_an_image_that_is_not_described_is_refused(said, message):
         BrightnessTable(kind="brightness", **said)
 
 
-def test_opencv_says_why_it_cannot():
-    """Its errors are those of the sample."""
+@pytest.mark.parametrize("payload", [b"no image", b"", b"\xff\xd8\xff"])
+def test_what_is_no_image_has_no_pixels(payload):
+    """Whether OpenCV says so or we."""
     with pytest.raises(ValueError, match="the payload is not an image"):
-        Image().pixels(Sample("k", b"no image"))
-    with pytest.raises(ValueError, match="error"):
-        Image().pixels(Sample("k", b""))
-    assert issubclass(cv2.error, Exception)
+        Image().pixels(Sample("k", payload))

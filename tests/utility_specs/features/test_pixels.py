@@ -162,3 +162,19 @@ except Exception as error:
     print("MAX_IMAGE_PIXELS" in str(error))
 """
     assert python(program) == "True"
+
+
+def test_a_png_whose_chunk_is_longer_than_the_payload_is_refused():
+    """OpenCV would make room for it, gigabytes; one that lacks nothing is decoded."""
+    whole = cv2.imencode(".png", FLAT)[1].tobytes()
+    assert decoded(whole, 1).shape == FLAT.shape
+    for at in (8, 33):
+        with pytest.raises(FeatureError, match="not an image"):
+            decoded(whole[:at] + b"\x30" + whole[at + 1 :], 1)
+
+
+@pytest.mark.parametrize("form", [".tiff", ".ppm"])
+def test_kinds_of_images_that_no_camera_sends_are_refused(form):
+    """OpenCV would read them."""
+    with pytest.raises(FeatureError, match="not an image"):
+        decoded(cv2.imencode(form, FLAT)[1].tobytes(), 4)

@@ -42,16 +42,13 @@ def test_whatever_is_told_stays_between_floor_and_ceiling(told, ours):
 
 
 def test_who_follows_hears_the_leader_alone():
-    """What it has in force, how much all use, and for a moment what drains."""
-    reports = reported(a=(0.3,), op=(0.6, 0.4, 0.2))
+    """What it has in force, and how much all use."""
+    reports = reported(a=(0.3,), op=(0.6, 0.4))
     reports.set_leader(0.1, "op")
     assert reports.follows
     assert not reports.leads
     assert reports.bound(0.1, 0, AIR, ("a",)) == 0.6
     assert reports.used(1) == (0.4,)
-    assert reports.draining(0.1, 0, 1) == 0.2
-    assert reports.draining(TUNING.drain_lifetime + 0.1, 0, 1) == 1.0
-    assert reports.draining(0.1, 0, 2) == 1.0
     assert reports.used(3) is None
 
 
@@ -73,4 +70,3 @@ def test_nobody_follows_itself_nor_whom_it_has_not_heard(leader):
     assert reports.leads is (leader == "us")
     assert reports.bound(0.0, 0, AIR, ()) == 0.3
     assert reports.used(1) is None
-    assert reports.draining(0.0, 0, 1) == 1.0

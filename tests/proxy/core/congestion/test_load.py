@@ -4,7 +4,7 @@ import pytest
 
 from planner import Throughput
 from planner.airtime import Airtime
-from proxy.core.congestion.load import Load
+from proxy.core.congestion.evidence import Load
 from proxy.core.model.limits import Limit
 
 BYTES = Limit("bytes", 0.5, 50_000.0, Throughput(100_000.0))

@@ -1,8 +1,11 @@
 """What a robot tells the others, and when."""
 
+import math
+
 import pytest
 
 from proxy.core.coordination.tuning import TUNING as COORDINATION
+from proxy.core.gossip.digest_scheduler import Retransmissions
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward, SendDigest, SendState
@@ -249,20 +252,6 @@ def test_who_changes_over_is_heard_though_announcements_are_ahead_of_the_allowan
     assert any(told.update.splits is told.state.splits for told in talk.all(SendState) if told.state.split is not None)
 
 
-@pytest.mark.parametrize("coming", ["digest", "state"])
-def test_what_is_told_beyond_the_allowance_leaves_less_for_samples(talk, coming):
-    """Whoever tells it."""
-    before = talk.core.budget.free(5.5)
-    for number in range(30):
-        now = 5.01 + 0.01 * number
-        if coming == "digest":
-            talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, messages=number), 500))
-        else:
-            state = State("op", "zz-op", "", "", number=number + 2, since=number + 1)
-            talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
-    assert talk.core.budget.free(5.5)[0] < before[0]
-
-
 def test_who_has_just_met_somebody_announces_what_it_sends(make_talk):
     """The other one may send before it can say so; who turns out to send nothing need not know at once."""
     talk = make_talk(allowance=0.05)
@@ -405,3 +394,45 @@ def test_what_alters_the_plans_of_others_is_told_at_once_all_the_same(roomy):
     told = digests(roomy)[-1].sent
     publish_fitting(roomy, told + 0.01, red=1.0)
     assert digests(roomy)[-1].sent == told + 0.01
+
+
+AFTER = TUNING.retransmit_after
+MOST = TUNING.retransmissions
+
+
+def sent(again, until=10.0):
+    """When it was sent again until then, and what."""
+    found = []
+    while again.due_at <= until:
+        found.append((again.due_at, again.take(again.due_at)))
+    return found
+
+
+@pytest.mark.parametrize(("lost", "times"), [(0.0, 0), (0.01, 0), (0.05, 0), (0.1, 1), (0.3, 3), (0.9, MOST)])
+def test_it_is_told_until_few_have_missed_it(lost, times):
+    """The sample itself and the announcement are two of the times."""
+    again = Retransmissions()
+    again.announced(Digest("r1", "z", 1.0, state=7, brief=True), lost)
+    found = sent(again)
+    assert len(found) == times
+    assert times == MOST or lost ** (2 + times) <= TUNING.missed
+    assert all(digest == Digest("r1", "z", at, state=7, brief=True) for at, digest in found)
+    assert again.due_at == math.inf
+
+
+def test_each_time_comes_later_than_the_one_before():
+    """What is lost in a row is lost together."""
+    again = Retransmissions()
+    again.announced(Digest("r1", "z", 1.0), 0.5)
+    times = [at for at, _ in sent(again)]
+    assert times == pytest.approx([1.0 + AFTER, 1.0 + 3 * AFTER, 1.0 + 7 * AFTER])
+
+
+def test_nothing_is_told_before_it_is_due_and_the_newest_takes_the_place_of_the_last():
+    """Both count from when they were announced."""
+    again = Retransmissions()
+    assert again.take(5.0) is None
+    again.announced(Digest("r1", "z", 1.0, state=1), 0.3)
+    assert again.take(1.0 + 0.5 * AFTER) is None
+    again.announced(Digest("r1", "z", 2.0, state=2), 0.1)
+    assert [digest.state for _, digest in sent(again)] == [2]

@@ -9,6 +9,7 @@ from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Generated, Sent, Stream
 
+HORIZON = 120
 LIMIT = Limit("throughput", 0.5, 62_500.0, Throughput(62_500.0, 0.5))
 TYPES = """
 [[information_type]]
@@ -64,7 +65,7 @@ def make_row(make_specs):
 
 
 def weighed(*rows):
-    market, steady = Market.of(rows, (LIMIT,))
+    market, steady = Market.of(rows, (LIMIT,), HORIZON)
     return market.weigh(rows, steady)
 
 
@@ -144,11 +145,22 @@ def test_a_sample_of_a_priced_stream_pays_out_of_turn_where_it_ends_enough(make_
     assert not other.relieves(1e9)
 
 
+def test_a_plan_decides_on_messages_of_middling_size_if_it_can_hold_all_of_them(make_row):
+    """By a price alone room is kept for whole ones: of twenty to a window that is a twentieth of it."""
+
+    def contested(count, size):
+        return sum(each is Standing.CONTESTED for each in standings(*[make_row("odometry", 20.0, size)] * count))
+
+    assert contested(1, 2_500) == 0  # there is room for all
+    assert contested(3, 2_500) == 3
+    assert contested(3, 1_000) == contested(4, 2_500) == 0
+
+
 def test_what_varies_leaves_room_for_the_rest(make_row):
     """Else the last of many small samples, worth little, take what a window with more than usual needs for others."""
 
     def prices(*rows):
-        return Market.of(rows, (LIMIT,))[0].prices
+        return Market.of(rows, (LIMIT,), HORIZON)[0].prices
 
     even, uneven = ([make_row("odometry", 20.0, 1_000, deviation=d) for _ in range(20)] for d in (0.0, 900.0))
     assert prices(*uneven) > prices(*even) > (0.0,)

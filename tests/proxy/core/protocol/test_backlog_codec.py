@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
-from proxy.core.protocol.envelope import VERSION
-from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.envelope import VERSION, MalformedWireError
 from tests.proxy.core.protocol.drawn import count
 
 

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from proxy.core.protocol.bid import UNIT, Segment
 from proxy.core.protocol.digest_codec import pack_digest, unpack_digest
-from proxy.core.protocol.envelope import VERSION
-from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.envelope import VERSION, MalformedWireError
 from proxy.core.protocol.fixed import ticks
 from proxy.core.protocol.messages import Digest, Echo, StreamDigest
 from proxy.core.protocol.split_report import TICK, SplitReport

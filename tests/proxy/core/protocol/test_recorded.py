@@ -13,8 +13,7 @@ import msgpack
 import pytest
 
 from proxy.core.protocol.digest_codec import digest_head, pack_digest, unpack_digest
-from proxy.core.protocol.envelope import READABLE, VERSION
-from proxy.core.protocol.errors import OtherVersionError
+from proxy.core.protocol.envelope import READABLE, VERSION, OtherVersionError
 from proxy.core.protocol.messages import Digest
 from proxy.core.protocol.state_codec import pack_state, state_version, unpack_state
 

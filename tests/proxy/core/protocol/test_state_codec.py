@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core.protocol.bid import Segment
-from proxy.core.protocol.envelope import VERSION
-from proxy.core.protocol.errors import MalformedWireError
+from proxy.core.protocol.envelope import VERSION, MalformedWireError
 from proxy.core.protocol.fixed import seconds, ticks
 from proxy.core.protocol.messages import State, StreamState
 from proxy.core.protocol.split_report import SplitReport

@@ -1,6 +1,12 @@
 """The robots that are here, each under a name of its own."""
 
+import math
+
+from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
+from proxy.core.view.members import UnknownSenders
+from proxy.core.view.tuning import TUNING
+from proxy.core.view.view import SharedView
 from tests.proxy.core.view.met import CAMERA, digest, meet
 
 
@@ -49,3 +55,56 @@ def test_a_robot_that_restarted_has_its_name_when_its_old_self_leaves(view):
     view.gone("z-new")
     assert list(view.streams) == []
     view.gone("z-new")
+
+
+def test_sessions_of_one_name_are_one_robot(view):
+    """As long as they have not said what they want: one copy may go to them, not one each."""
+    for zid in ("aaaa1", "bbbb1", "cccc1"):
+        view.add_peer(0.0, "r2", zid)
+    assert view.members.unannounced == 1
+    view.add_peer(0.0, "r3", "dddd1")
+    assert view.members.unannounced == 2
+    for zid in ("aaaa1", "bbbb1", "cccc1"):
+        view.heard_state(0.0, State("r2", zid, "", ""))
+    assert view.members.unannounced == 1
+
+
+def test_who_has_just_been_met_may_say_for_a_moment_what_it_sent_lately(make_specs):
+    """Until it has, or that is over; who has no streams has nothing to say."""
+    view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
+    assert view.newcomers.greeted_by(1.0) == -math.inf
+    view.add_peer(1.0, "r2", "z-r2")
+    view.add_peer(1.1, "r3", "z-r3")
+    assert view.newcomers.greeted_by(1.1) == 1.1 + TUNING.greeting_time
+    view.heard_state(1.1, State("r3", "z-r3", "enforce", ""))
+    assert view.newcomers.greeted_by(1.1) == 1.0 + TUNING.greeting_time
+    view.heard_digest(1.2, Digest("r2", "z-r2", 1.2))
+    assert view.newcomers.greeted_by(1.2) == -math.inf
+    view.add_peer(2.0, "r4", "z-r4")
+    assert view.newcomers.greeted_by(2.0 + TUNING.greeting_time) == -math.inf
+
+
+def unknown(tag, sent=1.0):
+    return Digest("r", tag, sent, 0, 0)
+
+
+def test_what_a_stranger_said_is_kept_until_it_is_introduced():
+    """In order, with the times of receipt, and once."""
+    senders = UnknownSenders()
+    for now in (1.0, 2.0):
+        senders.keep(now, unknown("a", now))
+    assert senders.introduce("a") == [(1.0, unknown("a", 1.0)), (2.0, unknown("a", 2.0))]
+    assert senders.introduce("a") == []
+
+
+def test_unknown_senders_are_bounded():
+    """The one that was silent for longest is forgotten, and of each the oldest."""
+    senders = UnknownSenders()
+    for number in range(TUNING.unknown_senders + 5):
+        senders.keep(float(number), unknown(f"t{number}"))
+    assert senders.introduce("t4") == []
+    assert senders.forgotten == 5
+    for number in range(TUNING.unknown_digests + 2):
+        senders.keep(float(number), unknown("t9", float(number)))
+    assert len(senders.introduce("t9")) == TUNING.unknown_digests
+    assert senders.forgotten == 8

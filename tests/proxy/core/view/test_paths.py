@@ -4,7 +4,7 @@ import pytest
 
 from proxy.core.protocol.messages import Digest, Echo
 from proxy.core.transit.latency import Latency
-from proxy.core.view.receivers import Way
+from proxy.core.view.audience import Way
 from tests.proxy.core.view.met import lose, team
 
 

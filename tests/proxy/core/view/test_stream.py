@@ -1,8 +1,9 @@
 """One stream: what is expected of its next samples."""
 
+import numpy as np
 import pytest
 
-from proxy.core.view.stream import Generated, Sent, Stream, at_stake, excess
+from proxy.core.view.stream import Generated, Sent, Sizes, Stream, at_stake, excess
 from proxy.core.view.tuning import TUNING
 from tests.proxy.core.view.met import CAMERA
 
@@ -134,3 +135,38 @@ def test_what_was_sent_last_may_show_too_much(make_specs, aggregation, over):
     assert (excess(stream), at_stake(stream, 1.0), at_stake(stream, 9.0)) == (over, 1.0 + over, 9.0)
     stream.note_sent(2, Sent(1.0, 1.0, 100, 1.0))
     assert excess(stream) == 0.0
+
+
+@pytest.mark.parametrize("part", [0.05, 0.3, 0.9])
+def test_the_smallest_samples_are_so_large_in_the_mean(part):
+    """By sampling; never less than a part of the mean, for no size is negative."""
+    drawn = np.sort(np.random.default_rng(3).normal(1000.0, 100.0, 200_000))
+    assert Sizes(1000.0, 100.0**2).smallest(part) == pytest.approx(np.mean(drawn[: int(part * len(drawn))]), rel=0.01)
+    assert Sizes(1000.0, 1000.0**2).smallest(0.05) == TUNING.smallest_size_part * 1000
+
+
+def test_sizes_that_do_not_vary_are_planned_with_as_they_are():
+    """And smaller ones than the mean where they do, but not much smaller."""
+    sizes = Sizes()
+    for _ in range(3):
+        sizes.note(700)
+    assert (sizes.mean, sizes.deviation, sizes.likely(700)) == (700.0, 0.0, 700)
+    assert Sizes(1000.0, 100.0**2).likely(1200) == round(1000.0 - 100.0 * TUNING.sent_size_deviations)
+    assert Sizes(1000.0, 9000.0**2).likely(1200) == 500
+
+
+def test_mean_and_variance_follow_what_comes():
+    """The recent sizes count more; who knows none takes the first one for the mean."""
+    sizes, drawn = Sizes(), np.random.default_rng(5).normal(2000.0, 300.0, 400)
+    for size in drawn:
+        sizes.note(round(size))
+    assert sizes.mean == pytest.approx(2000.0, rel=0.15)
+    assert 100.0 < sizes.deviation < 500.0
+
+
+def test_an_announced_size_is_kept_beside_what_is_seen():
+    """All robots know that one alike."""
+    sizes = Sizes()
+    sizes.announce(512)
+    sizes.note(700)
+    assert (sizes.announced, sizes.mean) == (512, 700.0)
