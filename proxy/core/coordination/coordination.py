@@ -145,6 +145,7 @@ class Coordination:
                 settled_at=max(now, self._settled_at),
                 kind=b"%d" % kind[1],
                 version=version,
+                twice=self._settings.digests_on_air,
             )
             _introduce(now, self._split, self.team)
 
