@@ -85,6 +85,10 @@ class BridgeBounds:
     """Changes of all robots that are told at once."""
     token_retry: float = 0.1
     """What is too much is looked at again after this time [s]."""
+    links_listed: float = 0.2
+    """Links are listed anew this often at most where none is known to have come or gone [s]."""
+    unlinked_retry: float = 1.0
+    """A token of whom there is no link to is looked at again after this time [s]."""
     name_length: int = 128
     """Letters in the name of a robot."""
 

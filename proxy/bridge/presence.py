@@ -80,8 +80,10 @@ class Presence:
         self.floods = Floods(offer)
         self._hold_back = hold_back
         turned = {"lost": hold_back.lost, "found": hold_back.found}
-        forged = Identities(mesh, certified).forged
-        self._tokens = Tokens(self._zid, post, later, self.floods.refuse, **turned, forged=forged)
+        identities = Identities(mesh, certified)
+        self._tokens = Tokens(
+            self._zid, post, later, self.floods.refuse, **turned, forged=identities.forged, absent=identities.absent
+        )
         self._looking = threading.Lock()
         self._digests = Budget(BOUNDS.digests, BOUNDS.all_digests, lambda: len(self._tokens.tags))
         self._states = Budget(BOUNDS.states, BOUNDS.all_states, lambda: len(self._tokens.tags))

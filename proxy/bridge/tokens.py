@@ -21,6 +21,7 @@ Later = Callable[[float, Job], object]
 Refuse = Callable[[float, str, str], object]
 Turned = Callable[[str], object]
 Forged = Callable[[str, str], bool]
+Absent = Callable[[str], bool]
 
 
 class Tokens:
@@ -28,13 +29,23 @@ class Tokens:
 
     `later` posts at a time [s, our clock]. `refuse` gets the robot and the kind of what is no presence token. `lost`
     and `found` get the tag of who vanished or is there, at once. `forged` tells whether a robot cannot be the one with
-    such a session; on the loop's thread.
+    such a session, `absent` whether nobody is linked who has it; on the loop's thread.
     """
 
     def __init__(
-        self, own: str, post: Post, later: Later, refuse: Refuse, *, lost: Turned, found: Turned, forged: Forged
+        self,
+        own: str,
+        post: Post,
+        later: Later,
+        refuse: Refuse,
+        *,
+        lost: Turned,
+        found: Turned,
+        forged: Forged,
+        absent: Absent,
     ) -> None:
         self._forged = forged
+        self._absent = absent
         self._own = own
         self._post = post
         self._later = later
@@ -89,13 +100,22 @@ class Tokens:
                 self._found(name)
         return True
 
-    def _tell(self, place: tuple[str, str], *, again: bool = False) -> Event | None:
-        """Tell the last word on a robot, or put it off. Who was gone before anybody knew of it is no news."""
+    def _tell(self, place: tuple[str, str], *, again: bool = False, unlinked: int = 0) -> Event | None:
+        """Tell the last word on a robot, or put it off. Who was gone before anybody knew of it is no news.
+
+        It was put off `again`, as there were too many, or so often as nobody is linked who shows the token.
+        """
         now = clock.monotonic()
         with self._lock:
             if not self._news[place] and place not in self._told:
                 del self._news[place]
                 return None
+            there = self._news[place]
+        if there and self._absent(place[1]):
+            if unlinked == 1:  # a link may be there a moment after its token
+                self._refuse(now, place[0], "token:no link")
+            self._later(now + BOUNDS.unlinked_retry, partial(self._tell, place, unlinked=unlinked + 1))
+            return None
         own = self._own_changes.get(place)
         if own is None:
             if len(self._own_changes) > 2 * BOUNDS.tokens:

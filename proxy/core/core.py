@@ -19,23 +19,20 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide
 from proxy.core.model.settings import CoreSettings
 from proxy.core.parts import Parts
-from proxy.core.reactions.changes import Changes
+from proxy.core.reactions.changes import Changes, TeamLimits
 from proxy.core.reactions.fast_path import FastPath
 from proxy.core.reactions.membership import Membership
 from proxy.core.reactions.mesh_news import MeshNews
 from proxy.core.reactions.own_samples import OwnSamples
 from proxy.core.reactions.retention import Retention
-from proxy.core.reactions.team_limits import TeamLimits
 from proxy.core.samples.gate import Gate
 from proxy.core.samples.kept import Kept
-from proxy.core.status import live, report, totals
+from proxy.core.status import live_streams, report, streams, types
 from proxy.core.view.mismatched_limits import MismatchedLimits
 from proxy.core.view.view import SharedView
 from proxy.core.why import stream_decisions
 from utility_specs import Specs
 
-LONGEST_SLEEP = 1.0
-"""Time passes this often at least [s]."""
 TIDIED_EVERY = 0.1
 """What is too old is forgotten this often at most [s]."""
 NOTED = frozenset({ev.SampleHanded, ev.SampleHeard, ev.DigestHeard, ev.MalformedHeard, ev.VersionHeard})
@@ -112,7 +109,7 @@ class Core:
             fast.conclude()
             commands = [*commands, *self._advance(now)]
             self._retention.follow(now, commands)
-            self._wakes_at = self._due_at(now)
+            self._wakes_at = parts.due_at(now)
         elif kind in PASSING:
             return commands
         self._look_whether_samples_pass(event)
@@ -151,15 +148,18 @@ class Core:
 
     def status(self, now: float) -> dict[str, Any]:
         """All that can be told of the core, as plain JSON data."""
-        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"streams": streams(self.parts, now)}
 
     def live(self, now: float) -> dict[str, Any]:
         """The same, but of the streams only what who looks again and again shows, as rows under columns."""
-        return live(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"streams": live_streams(self.parts, now)}
 
     def totals(self, now: float) -> dict[str, Any]:
         """The same, but in place of the streams what became of our samples by information type: that takes little."""
-        return totals(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        return self._report(now) | {"types": types(self.parts)}
+
+    def _report(self, now: float) -> dict[str, Any]:
+        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
 
     @property
     def asked(self) -> Decide | None:
@@ -185,7 +185,7 @@ class Core:
 
     def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
         """Return who takes in which event."""
-        samples, news = self._samples, self.news
+        samples, news, gate = self._samples, self.news, self._parts.gate
         members = Membership(self._parts, self._limits, news, self._retention)
         changes = Changes(self._parts, self._limits, self._retention)
         return {
@@ -196,10 +196,10 @@ class Core:
             ev.SampleRefused: samples.refused,
             ev.CopyHanded: samples.copy_handed,
             ev.CopyRefused: samples.copy_refused,
-            ev.DecisionReady: samples.ready,
-            ev.DecisionLate: samples.late,
+            ev.DecisionReady: gate.ready,
+            ev.DecisionLate: lambda late: gate.overdue(late.now, late.ticket),
             ev.SampleHeard: news.sample,
-            ev.DigestHeard: news.digest,
+            ev.DigestHeard: lambda heard: news.hear(heard.now, heard.digest, heard.size),
             ev.StateHeard: news.state,
             ev.MalformedHeard: news.malformed,
             ev.VersionHeard: news.version,
@@ -239,9 +239,3 @@ class Core:
         self._parts.view.sweep(now)
         commands = self._limits.leave_out_mismatched(now)
         return [*commands, *self._retention.sweep(now), *self._samples.unplanned.look(now)]
-
-    def _due_at(self, now: float) -> float:
-        """When something is to be done that no event brings about [s]."""
-        parts = self._parts
-        due = min(parts.gossip.due_at(now), parts.gate.wakes_at, parts.coordination.due_at(now), now + LONGEST_SLEEP)
-        return max(min(due, parts.channel.capacity.wakes_at(now)), now)

@@ -29,44 +29,10 @@ UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown", ":unproved")
 def report(
     core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
 ) -> dict[str, Any]:
-    """All that the core knows, by topic. Times are ages or durations [s], sizes are bytes.
+    """All that the core knows but for its streams, by topic. Times are ages or durations [s], sizes are bytes.
 
     `refused` counts what was heard and changed nothing, `retained` is what is taken from apps whoever is here.
     """
-    glance = Glance(core.view, now)
-    streams = [_stream(core, stream, glance, now) for stream in core.view.streams]
-    return _report(core, refused, retained, now, uptime) | {"streams": streams}
-
-
-def live(
-    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
-) -> dict[str, Any]:
-    """The same, but of the streams only what who looks again and again shows, as `rows` under `columns`.
-
-    That is a third of the text, and takes half as long.
-    """
-    glance = Glance(core.view, now)
-    rows = [_live(core, stream, glance, now, glance.latency(stream)) for stream in core.view.streams]
-    return _report(core, refused, retained, now, uptime) | {"streams": {"columns": LIVE, "rows": rows}}
-
-
-def totals(
-    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
-) -> dict[str, Any]:
-    """The same, but in place of the streams what became of our samples by information type: that takes little."""
-    streams = Counter(stream.information_type.name for stream in core.view.streams.own())
-    types: dict[str, dict[str, Any]] = {
-        name: {"streams": streams[name], "generated": core.counts.generated[name], "by_reason": {}}
-        for name in sorted({*streams, *core.counts.generated, *(name for name, _ in core.counts.decided)})
-    }
-    for (name, reason), count in sorted(core.counts.decided.items()):
-        types[name]["by_reason"][reason] = count
-    return _report(core, refused, retained, now, uptime) | {"types": types}
-
-
-def _report(
-    core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, uptime: float
-) -> dict[str, Any]:
     return {
         "status_version": STATUS_VERSION,
         "robot": core.settings.robot,
@@ -80,7 +46,7 @@ def _report(
         "wall_error": core.view.clocks.error or None,
         "uptime": uptime,
         "counts": _counts(core),
-        "kept": core.kept.copies.described(now) | {"keys": sorted(retained)},
+        "kept": _kept(core, now) | {"keys": sorted(retained)},
         "decisions": core.gate.decisions.described(now),
         "budget": _budget(core, now),
         "on_air": {"messages": core.view.traffic.messages, "bytes": core.view.traffic.bytes},
@@ -105,6 +71,50 @@ def _report(
         + sum(each.paces.evicted for each in core.view.specs.types),
         "untold": core.gossip.states.left_out,
         "asked": core.gossip.requests.asked,
+    }
+
+
+def streams(core: Parts, now: float) -> list[dict[str, Any]]:
+    """Return what is known of each stream."""
+    glance = Glance(core.view, now)
+    return [_stream(core, stream, glance, now) for stream in core.view.streams]
+
+
+def live_streams(core: Parts, now: float) -> dict[str, Any]:
+    """Return of the streams only what who looks again and again shows, as `rows` under `columns`.
+
+    That is a third of the text, and takes half as long.
+    """
+    glance = Glance(core.view, now)
+    rows = [_live(core, stream, glance, now, glance.latency(stream)) for stream in core.view.streams]
+    return {"columns": LIVE, "rows": rows}
+
+
+def types(core: Parts) -> dict[str, dict[str, Any]]:
+    """Return what became of our samples by information type: that takes little."""
+    own = Counter(stream.information_type.name for stream in core.view.streams.own())
+    found: dict[str, dict[str, Any]] = {
+        name: {"streams": own[name], "generated": core.counts.generated[name], "by_reason": {}}
+        for name in sorted({*own, *core.counts.generated, *(name for name, _ in core.counts.decided)})
+    }
+    for (name, reason), count in sorted(core.counts.decided.items()):
+        found[name]["by_reason"][reason] = count
+    return found
+
+
+def _kept(core: Parts, now: float) -> dict[str, Any]:
+    """Return what is kept for robots that are away, and who they are."""
+    copies = core.kept.copies
+    return {
+        "in": copies.entered,
+        "waiting": copies.waiting,
+        "bytes": copies.payloads.bytes,
+        "conserved": copies.conserved,
+        "by_reason": dict(sorted(copies.by_reason.items())),
+        "for": [
+            {"robot": away.robot.name, "back": away.back, "away": now - away.since, "samples": away.count}
+            for away in copies
+        ],
     }
 
 

@@ -30,11 +30,14 @@ class Puppet:
         state = State(self.name, self.zid, "enforce", "", streams, (), number=1)
         self.session.put(keys.state(self.name, tag(self.zid)), pack_state(state))
 
-    def tell(self, *, messages=0, size=0):
-        """Say that it has sent so many messages of its stream, of so many bytes each."""
-        sent = time.monotonic() - self._began
-        news = (StreamDigest(1, messages, messages, sent, sent, size, 1.0),) if messages else ()
-        digest = Digest(self.name, tag(self.zid), sent, messages, messages * size, news, state=1)
+    def tell(self, *, messages=0, size=0, generated=0, scale=1.0, **parts):
+        """Say that it has sent so many messages of its stream, of so many bytes each; and what digests say of `parts`.
+
+        More may have been `generated`.
+        """
+        sent, count = time.monotonic() - self._began, max(messages, generated)
+        news = (StreamDigest(1, count, messages, sent, sent if messages else 0.0, size, scale),) if count else ()
+        digest = Digest(self.name, tag(self.zid), sent, messages, messages * size, news, state=1, **parts)
         self.session.put(keys.digest(self.name, tag(self.zid)), pack_digest(digest))
 
     def close(self):

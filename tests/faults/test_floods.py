@@ -61,8 +61,7 @@ def test_a_flood_drowns_nobody(play, stack, kind):
     puppet = Puppet("flood", scene.first.mesh)
     stack.callback(puppet.close)
     wait_until(lambda: "flood" in scene.first.peers(), what="who floods")
-    # Each robot that nobody has heard of yet may want a copy, so tokens of hundreds take all room while they last.
-    listeners = [scene.local] if kind == "tokens" else [scene.local, *scene.remote]
+    listeners = [scene.local, *scene.remote]
     with Flood(puppet, kind):
         for _ in range(3):
             scene.go_on(listeners=listeners)

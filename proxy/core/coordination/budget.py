@@ -6,7 +6,6 @@ energy, each has whole.
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 
 from proxy.core.coordination.coordination import Coordination
@@ -15,7 +14,6 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import Openings
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
-from proxy.core.view.traffic import Amount
 from proxy.core.view.view import SharedView
 
 
@@ -43,7 +41,7 @@ class Budget:
     @property
     def alone(self) -> bool:
         """Whether what may be used is our part, so that only our own streams compete for it."""
-        return self._coordination.team.splits
+        return self._coordination.team.splits or self._coordination.keeps > 0.0
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
         """Put these constraints in force; what we sent still counts against those of the same name and kind."""
@@ -148,7 +146,7 @@ class Budget:
         known = now, self._view.traffic.revision, self.limits, self.alone
         if known != self._others_known:
             self._others_known = known
-            self._others_sent = self._sent_by_others(now, now - self._memory, self._view.traffic.talk)
+            self._others_sent = self._sent_by_others(now, now - self._memory)
         return self._others_sent
 
     def problem_limits(self, now: float) -> Limits:
@@ -167,7 +165,6 @@ class Budget:
             return False
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
         since = now - stretched
-        # Digests go on beside it.
         others = self._sent_by_others(now, since)
         return self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
@@ -176,11 +173,9 @@ class Budget:
         ours = self.own.used(now - window, k)
         return ours if self.alone else ours + self._others.used(now - window - self.own.leave_after, k, self.limits)
 
-    def _sent_by_others(
-        self, now: float, since: float, besides: Iterable[tuple[float, Amount]] = ()
-    ) -> tuple[Send, ...]:
-        """Return the uses of samples that others sent, and of what was sent `besides`, as far as they count."""
-        sent = () if self.alone else (*self._view.traffic.sent_since(since), *besides)
+    def _sent_by_others(self, now: float, since: float) -> tuple[Send, ...]:
+        """Return the uses of samples that others sent, as far as they count."""
+        sent = [] if self.alone else self._view.traffic.sent_since(since)
         return uses_of(now, sent, self.limits, self.own.leave_after)
 
 

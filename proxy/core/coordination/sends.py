@@ -158,14 +158,14 @@ class OwnSends:
 
 
 class OthersSends:
-    """What others sent, or told beyond what limits leave to that, by what it uses of each limit in force."""
+    """What others sent, by what it uses of each limit in force."""
 
     def __init__(self, traffic: TrafficLog) -> None:
         self._traffic = traffic
         self._log = SendLog()
         self._limits: tuple[Limit, ...] = ()
-        self._taken = 0, 0, 0
-        """How many sends and how much talk there was so far, and how many sends had been retracted."""
+        self._taken = 0, 0
+        """How many sends there were so far, and how many had been retracted."""
 
     def used(self, since: float, k: int, limits: tuple[Limit, ...]) -> float:
         """Return what it used of a limit since then, at most the longest window ago."""
@@ -178,16 +178,15 @@ class OthersSends:
     def _follow(self, limits: tuple[Limit, ...]) -> None:
         """Take in what was noted since the last time; all of it under other limits, or when something was retracted."""
         traffic = self._traffic
-        noted = traffic.noted, traffic.talked, traffic.retracted
+        noted = traffic.noted, traffic.retracted
         if noted == self._taken and limits is self._limits:
             return
-        sends, talk, retracted = self._taken
+        sends, retracted = self._taken
         if limits != self._limits or retracted != traffic.retracted:
-            self._log, sends, talk = SendLog(), 0, 0
+            self._log, sends = SendLog(), 0
         self._limits, self._taken = limits, noted
-        for entries, new in ((traffic.sends, noted[0] - sends), (traffic.talk, noted[1] - talk)):
-            for t, amount in islice(entries, max(0, len(entries) - new), None):
-                self._log.add(t, use_of(*amount, limits, own=False))
+        for t, amount in islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None):
+            self._log.add(t, use_of(*amount, limits, own=False))
 
 
 def uses_of(

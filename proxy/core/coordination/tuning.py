@@ -63,6 +63,19 @@ class CoordinationTuning:
     """... and try again so much later [s], and each time in vain twice as late..."""
     longest_retry: float = 960.0
     """... up to this."""
+    hollow_time: float = 4.0
+    """Claims of others are looked at after so long [s]..."""
+    hollow_windows: float = 6.0
+    """... and so many windows..."""
+    hollow_patience: float = 5.0
+    """... or, where not all have told by then what they sent and what came, at most so many times as late; they are
+    hollow where..."""
+    hollow_sent: float = 0.8
+    """... less than this part of what we generated was sent..."""
+    hollow_own: float = 0.7
+    """... we used less than this part of an equal part..."""
+    hollow_use: float = 0.35
+    """... and all of us together, as far as it is confirmed, less than this part of a limit."""
     whole_part: float = 0.95
     """Who has so much of a limit may take it all for a message that is larger."""
 

@@ -81,8 +81,6 @@ class Tracker:
                 self.rhythm = nudged
                 return
         self._fit()
-        if self.rhythm is not None and self.rhythm.looseness > TUNING.two_rhythms and len(self._line) > TUNING.few + 1:
-            self._tighten()
 
     def _fit(self) -> None:
         self._since = 0
@@ -114,18 +112,11 @@ class Tracker:
         self._suspects = []
         self._fit()
 
-    def _tighten(self) -> None:
-        """Where the past is two rhythms seen as one, keep the newer one."""
-        recent = self._line[-TUNING.few :]
-        alone = fit(recent)
-        if alone is not None and alone.looseness < TUNING.tight:
-            self._line, self.rhythm = recent, alone
-
 
 def _gate(rhythm: Rhythm) -> float:
     """How far from its time a sample of the rhythm may be [s]; if it has hardly any, at any time."""
     looseness = max(rhythm.looseness, TUNING.least_gate) if rhythm.known < TUNING.few else rhythm.looseness
-    if looseness > 1.5 * TUNING.two_rhythms:
+    if looseness > TUNING.any_time:
         return float("inf")
     return max(TUNING.least_gate, TUNING.gate * looseness) * rhythm.period
 

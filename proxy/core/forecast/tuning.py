@@ -43,10 +43,10 @@ class ForecastTuning:
     seldom: int = 6
     """A long line is fitted, and the spread of gaps is found, every so many samples: each takes ten times as long as
     all else together."""
-    two_rhythms: float = 0.2
-    """Jitter of more than this part of the period may be two rhythms seen as one."""
+    any_time: float = 0.3
+    """With jitter of more than this part of the period a sample may come at any time."""
     tight: float = 0.12
-    """The newer one of them shows by jitter less than this."""
+    """Rhythms of less jitter than this part of the period are known by more samples."""
     alike: float = 1.6
     """Steps of up to this ratio are of one period."""
 

@@ -1,43 +1,19 @@
-"""What robots tell each other, booked twice: against the allowance, and beyond that against the limits.
+"""What robots tell each other, booked against the allowance, which the limits leave to it.
 
-The limits leave the allowance to digests. It may be spent ahead of time (`digest_budget.py`): then a window holds more
-digests than the limits leave room for, and the rest counts against the limits like samples.
-
-What robots tell each other beyond what the limits leave to it, so that it counts like samples.
-
-The allowance may be spent ahead of time: then a window holds more digests than the limits leave out. Ten robots with
-five messages to a window exceeded the limit in 9 to 20 % of their windows where that did not count, in unicast at 20
-and 100 ms, and in 0 to 13 % where it does (one seed).
+It may be spent ahead of time (`digest_budget.py`): then a window holds more digests than the limits leave room for.
+Where that counted against the limits like samples as many windows were over the limit, with the same utility.
 """
 
 import math
 
 from proxy.core.coordination.budget import Budget
 from proxy.core.gossip.digest_budget import DigestBudget
-from proxy.core.gossip.recent_bytes import RecentBytes
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.limits import allowance_of, shortest_window
 from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, State
 from proxy.core.view.view import SharedView
-
-
-class Excess:
-    """What was told within a window, and which part of it was more than may be; each part counts for a whole window."""
-
-    def __init__(self) -> None:
-        self._said, self._over = RecentBytes(), RecentBytes()
-
-    def note(self, now: float, size: float, window: float, allowed: float) -> float:
-        """Return how much of these bytes is more than is allowed in the window that ends now [B]."""
-        self._said.forget(now - window)
-        self._over.forget(now - window)
-        self._said.add(now, size)
-        over = max(0.0, min(size, self._said.total - allowed - self._over.total))
-        if over > 0.0:
-            self._over.add(now, over)
-        return over
 
 
 class Account:
@@ -47,13 +23,10 @@ class Account:
         self._view = view
         self._limits = limits
         self._budget = budget
-        self._excess = Excess()
         self._allowance = MODEL.least_allowance
         """What all robots may tell each other [B/s]."""
         self.told, self.heard = 0, 0
         """What this robot and the others told since the start, copies and overhead included [B]."""
-        self._uncounted = 0.0
-        """What was told beyond the allowance and is not counted yet; negative: what was counted ahead [B]."""
 
     def set_rate(self, part: float, *, follows: bool) -> None:
         """Set the rate for the team as it is. This `part` of the allowance is left; limits may follow the channel."""
@@ -87,14 +60,14 @@ class Account:
         """A digest of another robot, of so many bytes, came; those that were lost are booked with it."""
         sent, copies = round(size / (1.0 - self._view.paths.mean_loss())), self.digest_copies
         self._budget.heard(now, sent, copies)
-        self.heard += self._count(now, sent, copies)
+        self.heard += _cost(sent, copies)
 
     def heard_state(self, now: float, state: State, size: int) -> None:
         """A state of another robot, of so many bytes, came: an update went to all, a whole state mostly to us alone."""
         copies = self.copies if state.since else 1
         if state.since and state.split is not None:
             self._budget.heard(now, size, copies)
-        self.heard += self._count(now, size, copies)
+        self.heard += _cost(size, copies)
 
     def sent_digest(self, now: float, digest: Digest, *, announces: bool) -> None:
         """A digest of ours goes out. Where it is broadcast it carries its whole key, else a number for the key."""
@@ -102,26 +75,20 @@ class Account:
         key = TUNING.on_air + len(self._view.settings.robot) if on_air else 0
         size, copies = len(pack_digest(digest)) + key, self.digest_copies
         self._budget.sent(now, size, copies, announces=announces)
-        self.told += self._count(now, size, copies)
+        self.told += _cost(size, copies)
 
     def sent_parts(self, now: float, size: int) -> None:
         """An update of our state, of so many bytes, tells all of parts: that is paid for as digests are."""
         self._budget.sent(now, size, self.copies, announces=True)
-        self.told += self._count(now, size, self.copies)
+        self.told += _cost(size, self.copies)
 
     def sent_other(self, now: float, size: int, copies: int) -> None:
         """A state or a question of ours, of so many bytes, goes out in so many copies."""
         self._budget.advance(now)
         self._budget.states.owe(size, copies)
-        self.told += self._count(now, size, copies)
+        self.told += _cost(size, copies)
 
-    def _count(self, now: float, size: int, copies: int) -> int:
-        """Count what is told against the limits, as far as it is more than they leave to digests; return all of it."""
-        told = (size + TUNING.overhead) * max(1, copies)
-        if window := self.window:
-            self._uncounted += self._excess.note(now, told, window, self._allowance * window)
-            if self._uncounted > 0.0:  # ahead of what follows: where limits are of messages, each note is one
-                ahead = max(self._uncounted, MODEL.least_digest)
-                self._view.traffic.note_talk(now, math.ceil(ahead))
-                self._uncounted -= ahead
-        return told
+
+def _cost(size: int, copies: int) -> int:
+    """Return what so many bytes take in so many copies [B]."""
+    return (size + TUNING.overhead) * max(1, copies)

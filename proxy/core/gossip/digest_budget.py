@@ -6,11 +6,110 @@ all else, and each robot has an equal share of it: for ordinary news, and for st
 paid for later.
 """
 
-from proxy.core.gossip.echo_budget import EchoBudget
-from proxy.core.gossip.recent_bytes import RecentBytes
-from proxy.core.gossip.state_budget import StateBudget
+import math
+from collections import deque
+from collections.abc import Iterable
+
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.tuning import TUNING as MODEL
+from proxy.core.protocol.messages import Echo
+
+
+class StateBudget:
+    """Our part of the allowance for all that is no digest."""
+
+    def __init__(self, rate: float) -> None:
+        self._allowance, self._robots = rate, 1
+        self._debt = -TUNING.state_savings * rate
+        """What is not paid for yet; negative: what is saved [B]."""
+
+    def set_rate(self, allowance: float, robots: int) -> None:
+        """The allowance of so many robots is now this [B/s]."""
+        self._allowance, self._robots = allowance, robots
+
+    def gain(self, seconds: float) -> None:
+        """So much time went by."""
+        self._debt = max(self._debt - seconds * self._rate, -TUNING.state_savings * self._rate)
+
+    def owe(self, size: int, copies: int) -> None:
+        """Something of so many bytes went out in so many copies."""
+        self._debt += (size + TUNING.overhead) * copies
+
+    @property
+    def paid_in(self) -> float:
+        """How long it takes from the last gain on until all is paid for [s]."""
+        return max(0.0, self._debt) / self._rate
+
+    def takes(self, size: int, copies: int) -> float:
+        """Return for how long a state of so many bytes, in so many copies, takes what we may spend on states [s]."""
+        return (size + TUNING.overhead) * copies / self._rate
+
+    def question_takes(self) -> float:
+        """Return for how long a question and its answer take the allowance, where all robots ask in turn [s]."""
+        return (TUNING.question + TUNING.answer) * self._robots / self._allowance
+
+    @property
+    def _rate(self) -> float:
+        return TUNING.states * self._allowance / self._robots
+
+
+class EchoBudget:
+    """Echoes in turn: of those robots first that were not echoed for longest."""
+
+    def __init__(self) -> None:
+        self._left = TUNING.echoes_ahead
+        """What echoes may take now [B]."""
+        self._echoed: dict[str, float] = {}
+        """When each robot was echoed last [s]."""
+
+    def gain(self, size: float, most: float) -> None:
+        """The allowance brought so many bytes for ordinary news; echoes save their part of them, up to `most`."""
+        self._left = min(max(most, TUNING.echoes_ahead), self._left + TUNING.echoes * size)
+
+    def affords(self, copies: int) -> int:
+        """Return how many echoes a digest of so many copies has room for."""
+        return min(TUNING.echoed, int(self._left / (TUNING.echo * max(1, copies))))
+
+    def take(self, now: float, echoes: Iterable[Echo], copies: int) -> tuple[Echo, ...]:
+        """Return some of the echoes, for a digest of so many copies that goes out now."""
+        known = {echo.peer: echo for echo in echoes}
+        self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}
+        due = [peer for peer in known if now >= self._echoed.get(peer, -math.inf) + TUNING.slowest_digest]
+        chosen = sorted(due, key=lambda peer: self._echoed.get(peer, -math.inf))[: self.affords(copies)]
+        self._left -= TUNING.echo * copies * len(chosen)
+        self._echoed.update(dict.fromkeys(chosen, now))
+        return tuple(known[peer] for peer in chosen)
+
+
+class RecentBytes:
+    """Amounts [B] by when they were told [s], and their `total`, which is kept and not summed up at every look."""
+
+    def __init__(self) -> None:
+        self.total = 0.0
+        self._told: deque[tuple[float, float]] = deque()
+
+    def add(self, now: float, amount: float) -> None:
+        """So much is told now."""
+        self._told.append((now, amount))
+        self.total += amount
+
+    def forget(self, before: float) -> None:
+        """Forget what was told before this [s]: windows are closed."""
+        told = self._told
+        while told and told[0][0] < before:
+            self.total -= told.popleft()[1]
+        if not told:
+            self.total = 0.0
+
+    def fits_at(self, now: float, window: float, room: float) -> float:
+        """Return when no more than `room` of it is left in a window: when what must leave it has; now if so already."""
+        left, at = self.total, now
+        for t, amount in self._told:
+            if left <= room and t > now - window:
+                break
+            left, at = left - amount, max(now, t + window)
+        return at
+
 
 GOLDEN = 0.618
 """Turns that move on by this part of a round are spread evenly, and two robots seldom have the same turn."""
@@ -96,10 +195,6 @@ class DigestBudget:
         self._size, self.last_ordinary = float(size + TUNING.overhead), now
         self._own -= cost
         self._turn = (self._turn + GOLDEN) % 1.0
-
-    def in_debt(self, now: float) -> bool:
-        """Whether more was told than the allowance of all has room for."""
-        return self._levels(now)[0] < 0.0
 
     def due(self, now: float, *, news: bool, copies: int, apart_at_least: float = 0.0) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.

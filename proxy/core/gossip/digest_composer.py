@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from proxy.core.congestion.capacity import Capacity
 from proxy.core.coordination.coordination import Coordination
-from proxy.core.gossip.echo_budget import EchoBudget
+from proxy.core.gossip.digest_budget import EchoBudget
 from proxy.core.gossip.state_announcements import StateAnnouncements
 from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.protocol.messages import Digest, Echo, StreamDigest, tag
@@ -62,9 +62,7 @@ class DigestComposer:
         )
 
     def _take_echoes(self, now: float, copies: int) -> tuple[Echo, ...]:
-        """Return some echoes. Where limits follow the channel they tell how long digests wait now."""
-        quickest = not self._capacity.factors
-        echoes = self._echoes.take(now, self._view.echoes.due(now, quickest=quickest), copies)
+        echoes = self._echoes.take(now, self._view.echoes.due(now), copies)
         self._view.echoes.sent(echo.peer for echo in echoes)
         return echoes
 

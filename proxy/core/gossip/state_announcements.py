@@ -6,8 +6,8 @@ from dataclasses import replace
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.announcements import Announcements
+from proxy.core.gossip.digest_budget import StateBudget
 from proxy.core.gossip.own_state import as_announced, bare, differs, shortened, state_of, update_of
-from proxy.core.gossip.state_budget import StateBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface.commands import Command, Notice, SendState
 from proxy.core.model.mode import Mode

@@ -5,9 +5,9 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, NoteInterest, Notice
 from proxy.core.parts import Parts
 from proxy.core.protocol.messages import tag
+from proxy.core.reactions.changes import TeamLimits
 from proxy.core.reactions.mesh_news import MeshNews
 from proxy.core.reactions.retention import Retention
-from proxy.core.reactions.team_limits import TeamLimits
 from proxy.core.samples.away import Leaving
 from proxy.core.view.peer import Peer
 from proxy.core.view.warnings import namesake_warnings

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from proxy.core.model.waiting import Waiting
+from proxy.core.samples.tuning import TUNING
 from proxy.core.view.interest import intersects
 
 
@@ -53,6 +54,9 @@ class Away:
         self.since = now
         self.back = False
         self.known = False
+        self.named: frozenset[str] = frozenset()
+        """The keys of which it knows that copies wait for it."""
+        self._reminded_at = -math.inf
         self._copies: dict[str, list[Copy]] = {}
         """By key, the oldest first."""
         self._handing: dict[int, Copy] = {}
@@ -63,6 +67,7 @@ class Away:
         if self.known:
             self.robot, self.since = robot, now
         self.back = self.known = False
+        self.named = frozenset()
 
     def appear(self) -> None:
         """Its token is back."""
@@ -71,6 +76,16 @@ class Away:
     def subscribe(self) -> None:
         """It has told its subscriptions: new samples reach it by themselves."""
         self.known = True
+
+    def tell(self, keys: frozenset[str]) -> None:
+        """It is told that copies of these keys wait for it."""
+        self.named = keys
+
+    def reminds(self, now: float) -> bool:
+        """Whether it is to be reminded of what waits for it, as it is from time to time: that is now."""
+        due = bool(self.named) and now >= self._reminded_at + TUNING.reminder_every
+        self._reminded_at = now if due else self._reminded_at
+        return due
 
     def wants(self, key: str) -> bool:
         """Whether it subscribed to a key."""

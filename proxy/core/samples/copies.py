@@ -3,7 +3,6 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from proxy.core.interface.commands import Command, Forget, Keep, TellBacklog
 from proxy.core.model.waiting import Waiting
@@ -99,57 +98,6 @@ class SentLately:
             self.forget(key, sample)
 
 
-class BacklogAnnouncements:
-    """What each robot was announced last, by tag."""
-
-    def __init__(self) -> None:
-        self._number = 0
-        self._commands: list[Command] = []
-        self._named: dict[str, frozenset[str]] = {}
-        """The keys of which a robot knows that copies wait for it."""
-        self._reminded_at: dict[str, float] = {}
-
-    def answer(self, to: str, keys: frozenset[str]) -> None:
-        """A robot waits to hear whether anything is kept for it."""
-        self._announce(to, keys, grows=True)
-
-    def update(self, to: str, keys: frozenset[str]) -> None:
-        """Copies of these keys wait for a robot now: it is announced what is news."""
-        named = self._named.get(to, frozenset())
-        if keys != named:
-            self._announce(to, keys, grows=not keys <= named)
-
-    def repeat(self, now: float, to: str) -> None:
-        """Remind a robot from time to time of what waits."""
-        named = self._named.get(to)
-        if named and now >= self._reminded_at.get(to, -math.inf) + TUNING.reminder_every:
-            self._reminded_at[to] = now
-            self._announce(to, named, grows=True)
-
-    def vanish(self, to: str) -> None:
-        """A robot that vanishes forgets what was announced."""
-        self._named.pop(to, None)
-
-    def forget(self, to: str) -> None:
-        """Nothing is kept for a robot any more."""
-        self._named.pop(to, None)
-        self._reminded_at.pop(to, None)
-
-    def take(self) -> list[Command]:
-        """Return what is to be announced since the last call."""
-        commands, self._commands = self._commands, []
-        return commands
-
-    def _announce(self, to: str, keys: frozenset[str], *, grows: bool) -> None:
-        self._number += 1
-        if keys:
-            self._named[to] = keys
-        else:
-            self._named.pop(to, None)
-        named = tuple(sorted(keys)) if len(keys) <= TUNING.named_keys else None
-        self._commands.append(TellBacklog(to, self._number, named, grows))
-
-
 OVERFLOW, GONE, FORWARDED = "dropped:overflow", "dropped:gone", "forwarded"
 
 
@@ -159,10 +107,10 @@ class Copies:
     def __init__(self) -> None:
         self.payloads = HeldPayloads()
         self.sent = SentLately(self.payloads)
-        self.announcements = BacklogAnnouncements()
         self.entered = 0
         self.by_reason: Counter[str] = Counter()
         self._away: dict[str, Away] = {}
+        self._announced, self._announcements = 0, list[Command]()
 
     def __bool__(self) -> bool:
         return bool(self._away)
@@ -193,7 +141,6 @@ class Copies:
             away = Away(now, robot)
         else:
             away.vanish(now, robot)
-            self.announcements.vanish(robot.tag)
         self._away[robot.tag] = away
         return away
 
@@ -204,11 +151,6 @@ class Copies:
         self.payloads.hold(copy.waiting)
         if (least := away.add(copy)) is not None:
             self.give_up(least, OVERFLOW)
-
-    def foremost(self, now: float) -> Copy | None:
-        """Return the copy that is next: of the highest priority, then the oldest, of a robot that is back."""
-        first = (copy for away in self._away.values() if away.back for copy in away.oldest() if copy.ready_at <= now)
-        return min(first, key=lambda c: (c.waiting.priority, *c.age_order), default=None)
 
     def waits(self, copy: Copy) -> bool:
         """Whether a copy waits still, for a robot that is back."""
@@ -254,13 +196,31 @@ class Copies:
         for copy in away.all():
             self.by_reason[GONE] += 1
             self.payloads.release(copy.waiting.sample)
-        self._forget(away)
+        del self._away[away.robot.tag]
 
     def finish(self, away: Away) -> None:
         """A robot that is back has got all its copies: nothing is known of it here any more."""
         if away.known and not away.count and self.of(away.robot.tag) is away:
-            self.announcements.update(away.robot.tag, frozenset())
-            self._forget(away)
+            self.announce_news(away)
+            del self._away[away.robot.tag]
+
+    def announce(self, to: str, keys: frozenset[str], *, grows: bool = True) -> None:
+        """Announce to a robot that is back of which keys copies wait for it, all or none of them new to it."""
+        self._announced += 1
+        if (away := self._away.get(to)) is not None:
+            away.tell(keys)
+        named = tuple(sorted(keys)) if len(keys) <= TUNING.named_keys else None
+        self._announcements.append(TellBacklog(to, self._announced, named, grows))
+
+    def announce_news(self, away: Away) -> None:
+        """Announce to a robot what is news of what waits for it."""
+        if (keys := away.keys) != away.named:
+            self.announce(away.robot.tag, keys, grows=not keys <= away.named)
+
+    def take_announcements(self) -> list[Command]:
+        """Return what is to be announced since the last call."""
+        announcements, self._announcements = self._announcements, []
+        return announcements
 
     def bound(self) -> None:
         """Make room: forget first what was sent lately, then the copies that are worth least."""
@@ -271,21 +231,3 @@ class Copies:
             if not copies:
                 break
             self.give_up(min(copies, key=lambda c: (c.waiting.worth, *c.age_order)), OVERFLOW)
-
-    def described(self, now: float) -> dict[str, Any]:
-        """Return what the status says: the copies, and who is away."""
-        return {
-            "in": self.entered,
-            "waiting": self.waiting,
-            "bytes": self.payloads.bytes,
-            "conserved": self.conserved,
-            "by_reason": dict(sorted(self.by_reason.items())),
-            "for": [
-                {"robot": away.robot.name, "back": away.back, "away": now - away.since, "samples": away.count}
-                for away in self
-            ],
-        }
-
-    def _forget(self, away: Away) -> None:
-        del self._away[away.robot.tag]
-        self.announcements.forget(away.robot.tag)

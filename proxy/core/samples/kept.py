@@ -125,7 +125,7 @@ class Kept:
         self._lost.pop(tag, None)
         if away is None:
             if waits:
-                self.copies.announcements.answer(tag, frozenset())
+                self.copies.announce(tag, frozenset())
             return
         wanted = tuple(subscriptions)
         for copy in list(away.waiting()):
@@ -133,7 +133,7 @@ class Kept:
                 self.copies.give_up(copy, UNWANTED)
         away.subscribe()
         if waits:
-            self.copies.announcements.answer(tag, away.keys)
+            self.copies.announce(tag, away.keys)
         self.copies.finish(away)
 
     def sweep(self, now: float) -> bool:
@@ -144,7 +144,8 @@ class Kept:
         for away in self.copies:
             for copy in [copy for copy in away.waiting() if copy.until <= now]:
                 self.copies.give_up(copy, EXPIRED)
-            self.copies.announcements.repeat(now, away.robot.tag)
+            if away.reminds(now):
+                self.copies.announce(away.robot.tag, away.named)
         gone = [away for away in self.copies if not away.back and now >= away.since + self.longest]
         for away in gone:
             self.copies.leave(away)
@@ -156,5 +157,5 @@ class Kept:
         commands = self.copies.payloads.around(commands)
         for away in self.copies:
             if away.known:
-                self.copies.announcements.update(away.robot.tag, away.keys)
-        return [*commands, *self.copies.announcements.take()]
+                self.copies.announce_news(away)
+        return [*commands, *self.copies.take_announcements()]

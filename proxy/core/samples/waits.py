@@ -115,7 +115,8 @@ class Waits:
         if standing is Standing.HOPELESS or now >= until:
             return False
         use, contested = appraisal.use(stream, sample), standing is Standing.CONTESTED
-        leads = contested and not self._budget.alone and self._lead.has(now, stream, self._budget.limits)
+        priced = not contested and self._disputes.weighed(stream).standing is Standing.PRICED
+        leads = (contested or priced) and not self._budget.alone and self._lead.has(now, stream, self._budget.limits)
         kind = contested, leads
         if (before := self._followers.follow(kind, sample, use)) is not None:
             if before > until:
@@ -127,7 +128,7 @@ class Waits:
         if leads and room > now:
             room += opening(self._view)
         opens = room if room <= until else -math.inf
-        if contested:
+        if contested or (priced and changes_plans(use, self._budget.limits)):
             opens = max(opens, self._turn(now, stream, leads=leads))
         if opens <= now:
             return False

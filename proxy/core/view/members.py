@@ -53,16 +53,16 @@ class Members:
 
     @property
     def unannounced(self) -> int:
-        """How many robots may want what we send though they did not say so: Zenoh knows sooner than they can."""
-        return 0 if not self._silent else sum(not self._peers[name].plain for name in self._silent)
+        """How many robots may want what we send though they did not say so: Zenoh knows sooner than they can.
+
+        However many sessions have one name, they are one robot.
+        """
+        silent = (self._peers[name] for name in self._silent)
+        return len({peer.name for peer in silent if not peer.plain}) if self._silent else 0
 
     def called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
         return self._peers.get(self.tags.get(robot, ""))
-
-    def namesakes(self) -> list[Peer]:
-        """Return the robots that have another one's name, or ours."""
-        return [peer for peer in self._peers.values() if peer.is_namesake]
 
     def heir_of(self, name: str) -> Peer | None:
         """Return the robot that has a name that is free now, but was given another one here."""

@@ -25,12 +25,10 @@ class TrafficLog:
         """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[Entry] = deque(maxlen=TUNING.sends)
         """When and how much other robots sent lately."""
-        self.talk: deque[Entry] = deque(maxlen=TUNING.sends)
-        """When and how much robots told each other beyond what the limits leave to that."""
         self.revision = 0
-        """How often `sends` or `talk` changed."""
-        self.noted, self.talked, self.retracted = 0, 0, 0
-        """How many sends of others and how much talk were noted so far, and how many sends turned out to be none."""
+        """How often `sends` changed."""
+        self.noted, self.retracted = 0, 0
+        """How many sends of others were noted so far, and how many of them turned out to be none."""
 
     def count(self, messages: int, size: int) -> None:
         """So many messages of ours, of so many bytes in all, copies counted, go on the air."""
@@ -69,12 +67,6 @@ class TrafficLog:
             self.revision += 1
             self.retracted += 1
 
-    def note_talk(self, now: float, size: int) -> None:
-        """So many bytes of what robots tell each other count against the limits like samples of other robots."""
-        self.revision += 1
-        self.talked += 1
-        self.talk.append((now, (size, 1)))
-
     def sent_since(self, since: float) -> list[Entry]:
         """When and how much other robots sent."""
         return [each for each in self.sends if each[0] >= since]
@@ -82,7 +74,7 @@ class TrafficLog:
     def used(self, now: float, limit: Limit) -> float:
         """Return what other robots use of a limit in the window that ends now, as far as we know."""
         since, use = now - limit.window, limit.measure.use
-        return sum(use(*amount, own=False) for at, amount in (*self.sends, *self.talk) if at >= since)
+        return sum(use(*amount, own=False) for at, amount in self.sends if at >= since)
 
     def announced(self) -> None:
         """A digest of ours tells what we sent so far."""
@@ -91,7 +83,6 @@ class TrafficLog:
     def sweep(self, now: float, longest: float) -> None:
         """Forget what no window counts, the longest of which is so long [s]; cheap to call at every event."""
         since = now - TUNING.windows_kept * longest
-        for past in (self.sends, self.talk):
-            while past and past[0][0] < since:
-                past.popleft()
-                self.revision += 1
+        while self.sends and self.sends[0][0] < since:
+            self.sends.popleft()
+            self.revision += 1

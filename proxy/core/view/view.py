@@ -80,6 +80,7 @@ class SharedView:
         self.clocks.forget(peer.tag)
         for other in self.peers.values():
             other.heard_by.pop(peer.tag, None)
+            other.came.pop(peer.tag, None)
         for stream in self.streams:
             stream.miss((peer.tag,))
         for stream in self.streams.of(peer.robot):

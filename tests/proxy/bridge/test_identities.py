@@ -3,6 +3,7 @@
 from proxy.access import access_control
 from proxy.bridge.identities import Identities, certified_names
 from tests.proxy.nodes import closing, free_endpoint, plain_session
+from tests.waiting import wait_until
 
 
 def test_access_control_names_who_has_a_certificate():
@@ -21,3 +22,16 @@ def test_a_link_without_a_certificate_says_nothing(stack):
     identities = Identities(here, {"r1"})
     assert [identities.forged(name, str(there.zid())) for name in ("r1", "r2")] == [False, False]
     assert not identities.forged("r1", "0a")
+
+
+def test_who_has_no_link_is_absent_unless_behind_a_router(stack):
+    """Robots that are linked each to each hear of nobody else."""
+    endpoint = free_endpoint()
+    here = closing(stack, plain_session("peer", listen=(endpoint,)))
+    there = closing(stack, plain_session("peer", connect=(endpoint,)))
+    identities = Identities(here, ())
+    wait_until(lambda: not identities.absent(str(there.zid())), what="the link")
+    assert identities.absent("0a")
+    router = closing(stack, plain_session("router", connect=(endpoint,)))
+    wait_until(lambda: not identities.absent("0a"), what="the router")
+    assert not identities.absent(str(router.zid()))

@@ -27,7 +27,13 @@ def turns():
 
 
 @pytest.fixture
-def made(posted, refused, now, turns):
+def absent():
+    """Sessions to which there is no link."""
+    return set()
+
+
+@pytest.fixture
+def made(posted, refused, now, turns, absent):
     def later(when, job):
         posted.append(lambda: job() if now[0] >= when else posted.append(lambda: later(when, job)))
 
@@ -39,6 +45,7 @@ def made(posted, refused, now, turns):
         lost=lambda tag: turns.append((tag, False)),
         found=lambda tag: turns.append((tag, True)),
         forged=lambda robot, zid: (robot, zid) == ("r9", "0b"),
+        absent=absent.__contains__,
     )
 
 
@@ -80,6 +87,22 @@ def test_a_session_in_another_robots_name_is_refused(made, posted, refused):
     made.note(keys.alive("r2", "0b"), there=True)
     assert told(posted) == [(PeerAppeared, "r2", "0b")]
     assert refused == [("r9", "token:forged")]
+
+
+def test_a_token_of_whom_there_is_no_link_to_waits_for_one(made, posted, refused, now, absent):
+    """It is refused once, and believed as soon as there is one; where it vanishes before there is nothing to tell."""
+    absent |= {"0b", "0c"}
+    made.note(keys.alive("r2", "0b"), there=True)
+    made.note(keys.alive("r3", "0c"), there=True)
+    for _ in range(3):
+        assert told(posted) == []
+        now[0] += BOUNDS.unlinked_retry
+    assert refused == [("r2", "token:no link"), ("r3", "token:no link")]
+    made.note(keys.alive("r3", "0c"), there=False)
+    absent.clear()
+    assert told(posted) == [(PeerAppeared, "r2", "0b")]
+    now[0] += BOUNDS.unlinked_retry
+    assert told(posted) == []
 
 
 def test_that_a_robot_vanished_or_is_back_is_told_at_once(made, turns):

@@ -13,14 +13,6 @@ from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamStat
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, ENERGY, heard
 
 
-def test_what_is_told_beyond_the_allowance_counts_like_samples_of_others(make_budget):
-    """So much less may be sent, for a window."""
-    budget, view = make_budget()
-    view.traffic.note_talk(1.0, 200)
-    assert budget.free(1.0) == [800.0]
-    assert budget.free(2.1) == [1000.0]
-
-
 def test_what_was_sent_counts_for_a_window(make_budget):
     """Ours and what is known of others, in both ends of the window."""
     budget, view = make_budget()

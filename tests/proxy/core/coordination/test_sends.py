@@ -95,8 +95,6 @@ def test_what_is_counted_of_others_is_what_they_sent(make_budget):
     for step in range(40):
         now = 1.0 + 0.1 * step
         heard(view, now, 10 + step)
-        if step % 7 == 0:
-            view.traffic.note_talk(now, 30)
         if step % 11 == 0:
             view.traffic.retract(view.traffic.note_unknown(now - 0.2, 500))
         if step == 20:

@@ -36,17 +36,6 @@ def test_samples_without_anything_in_common_are_taken_in_at_last():
     assert tracker.rhythm.period == pytest.approx(1.0, abs=0.1)
 
 
-def test_of_two_rhythms_seen_as_one_the_newer_is_kept():
-    """Where a slow change went unnoticed, the last samples alone are tight."""
-    tracker = Tracker()
-    times = [0.0, 1.3, 1.6, 3.4, 3.6, 5.3, 5.5, 7.2]
-    times += [7.2 + 1.0 * k for k in range(1, 12)]
-    for number, t in enumerate(times):
-        tracker.observe(number, t)
-    assert tracker.rhythm.period == pytest.approx(1.0, abs=0.05)
-    assert tracker.rhythm.due(len(times)) == pytest.approx(times[-1] + 1.0, abs=0.1)
-
-
 def test_whether_a_time_fits():
     """It must be that of its number."""
     tracker = followed(periodic(20))

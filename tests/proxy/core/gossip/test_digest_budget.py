@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.gossip.digest_budget import DigestBudget
+from proxy.core.gossip.digest_budget import DigestBudget, RecentBytes, StateBudget
 from proxy.core.gossip.tuning import TUNING
+from proxy.core.protocol.messages import Echo
 
 SIZE = 40
 AHEAD = 5.0
@@ -266,3 +267,107 @@ def test_robots_that_answer_one_do_so_within_the_allowance():
     late = sorted(due)
     assert min(after - before for before, after in pairwise(late)) > cost / 1_000.0
     assert late[-1] - late[0] < 2.0 * 10 * cost / 1_000.0
+
+
+WINDOW = 1.0
+
+
+@given(
+    st.lists(st.tuples(st.floats(0.001, 0.6), st.integers(1, 300)), max_size=40),
+    st.floats(0.0, 2.0),
+    st.integers(0, 600),
+)
+def test_it_says_how_much_is_in_a_window_and_when_there_is_room(told, later, room):
+    """As adding it all up says: the first moment at which no more is left than there is room for."""
+    recent, now, all_of_it = RecentBytes(), 0.0, []
+    for pause, amount in told:
+        now += pause
+        recent.forget(now - WINDOW)
+        recent.add(now, amount)
+        all_of_it.append((now, amount))
+        assert recent.total == sum(amount for t, amount in all_of_it if t >= now - WINDOW)
+
+    def left(at):
+        return sum(amount for t, amount in all_of_it if t > at - WINDOW and t + WINDOW > at)
+
+    now += later
+    at = recent.fits_at(now, WINDOW, room)
+    assert at >= now
+    assert left(at) <= room
+    earlier = [t + WINDOW for t, _ in all_of_it if now <= t + WINDOW < at]
+    assert all(left(t) > room for t in earlier)
+
+
+@pytest.fixture
+def budget():
+    """Of ten robots that may tell each other 1,000 B/s, with nothing saved."""
+    made = StateBudget(0.0)
+    made.set_rate(1000.0, 10)
+    return made
+
+
+def test_what_went_out_is_paid_for_in_time(budget):
+    """With the part for states of the part of this robot; what is more than may be saved is lost."""
+    assert budget.paid_in == 0.0
+    budget.owe(500 - TUNING.overhead, 2)
+    assert budget.paid_in == pytest.approx(1000.0 / (TUNING.states * 100.0))
+    assert budget.takes(500 - TUNING.overhead, 2) == budget.paid_in
+    budget.gain(5.0)
+    assert budget.paid_in == pytest.approx(1000.0 / (TUNING.states * 100.0) - 5.0)
+    budget.gain(1000.0)
+    saved = TUNING.state_savings * TUNING.states * 100.0
+    budget.owe(round(saved) - TUNING.overhead, 1)
+    assert budget.paid_in == 0.0
+
+
+def test_questions_of_all_robots_take_the_whole_allowance(budget):
+    """Each with its answer."""
+    assert budget.question_takes() == pytest.approx(10 * (TUNING.question + TUNING.answer) / 1000.0)
+
+
+def allowed(rate, robots=1):
+    made = DigestBudget(0.0)
+    made.set_rate(rate, robots, robots)
+    return made
+
+
+def echo(peer):
+    return Echo(peer, 0.0, 0.0, 0, 0.0)
+
+
+def echoed(budget, now, echoes, copies):
+    """What is echoed now of all that could be."""
+    budget.advance(now)
+    return budget.echoes.take(now, echoes, copies)
+
+
+def test_each_peer_is_echoed_about_once_a_second():
+    """If the allowance is large."""
+    budget = allowed(1e6)
+    assert [e.peer for e in echoed(budget, 1.0, [echo("a"), echo("b")], 2)] == ["a", "b"]
+    assert echoed(budget, 1.9, [echo("a")], 2) == ()
+    assert {e.peer for e in echoed(budget, 2.0, [echo("a"), echo("b")], 2)} == {"a", "b"}
+
+
+def test_of_many_peers_a_few_are_echoed_in_turn():
+    """As many as a digest holds, and as a quarter of the allowance pays for."""
+    peers = [echo(f"p{number:02}") for number in range(40)]
+    budget = allowed(1e6)
+    told = [e.peer for now in (1.0, 1.1, 1.2, 1.3, 1.4) for e in echoed(budget, now, peers, 40)]
+    assert told == [e.peer for e in peers]
+    assert len(told) == 5 * TUNING.echoed
+    poor = allowed(100.0)
+    told = [e.peer for now in range(1, 101) for e in echoed(poor, float(now), peers[:4], 4)]
+    assert 100.0 * 100.0 / 4.0 * 0.8 <= len(told) * 23 * 4 - TUNING.echoes_ahead <= 100.0 * 100.0 / 4.0 * 1.1
+    assert all(abs(told.count(e.peer) - len(told) / 4) <= 1 for e in peers[:4])
+    broadcast = allowed(100.0)
+    assert len([e for now in range(1, 101) for e in echoed(broadcast, float(now), peers[:4], 1)]) > 3 * len(told)
+
+
+def test_a_robot_that_begins_has_room_for_a_few_echoes():
+    """Before it knows how many there are, too: without any nobody knows how long the way is."""
+    budget = DigestBudget(0.0)
+    budget.advance(0.1)
+    budget.set_rate(1_000.0, 11, 11)
+    budget.advance(0.2)
+    assert budget.echoes.affords(10) == 2

@@ -1,0 +1,155 @@
+"""Claims of the channel that nothing comes of: whoever lies takes no more than an equal part from others, but briefly.
+
+A robot is believed what it says of itself. One that lies could have all others leave it all room: by what it says to
+have sent, by samples that it never sends, by bids, by votes. Whatever the lie, it shows at who is harmed. Of what we
+generate much is not sent, we use less than an equal part, and still the channel is hardly used, as far as receivers
+confirm what is sent. Then we keep to an equal part for a while, and nothing that others say counts against it. The
+parts of all sum to the limit, so that is safe where the claims were true.
+
+Not where an operator asked for `split`, which holds whatever happens to news: there bids decide, and who asks for
+little has an eighth of an equal part for certain (`split/tuning.py`).
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from proxy.core.coordination.tuning import TUNING
+from proxy.core.model.limits import Limit, use_of
+from proxy.core.protocol.messages import tag
+from proxy.core.view.peer import Peer
+from proxy.core.view.view import SharedView
+
+Sent = tuple[float, float]
+"""Messages and bytes, copies counted."""
+
+
+class _Claim(NamedTuple):
+    """What a robot says to have sent, in all (at a time [s]) and of its streams, and what others say that came."""
+
+    told: float
+    counted: Sent
+    streams: Sent
+    came: Mapping[str, tuple[float, int]]
+
+
+class _Account(NamedTuple):
+    """What was sent so far: by us and, as they say, by others; of our streams, what was generated and what sent."""
+
+    at: float
+    ours: Sent
+    streams: Mapping[str, tuple[int, int, float]]
+    """By key, with their mean sizes [B]."""
+    claims: Mapping[str, _Claim]
+
+
+class Hollow:
+    """Finds that claims of others are hollow, from time to time, and rests on that for longer each time."""
+
+    def __init__(self) -> None:
+        self._until = -math.inf
+        self._rest = TUNING.retry_time
+        self._before: _Account | None = None
+
+    def found(self, now: float) -> bool:
+        """Whether we keep to an equal part, for what others claim is hollow."""
+        return now < self._until
+
+    def equal_part(self, view: SharedView) -> float:
+        """Return an equal part: however many sessions have a robot's name, they are one."""
+        return 1.0 / len({view.settings.robot, *(peer.name for peer in view.peers.values() if not peer.plain)})
+
+    def advance(self, now: float, view: SharedView, limits: Sequence[Limit]) -> None:
+        """Look at what became of claims since some windows ago, if it is time to."""
+        shared = tuple(limit for limit in limits if limit.shared)
+        if self.found(now) or not shared or not view.peers:
+            self._before = None
+            return
+        before = self._before
+        time = max(TUNING.hollow_time, TUNING.hollow_windows * max(limit.window for limit in shared))
+        if before is not None and now < before.at + time:
+            return
+        after = _account(now, view)
+        longest = TUNING.hollow_patience * time
+        if before is not None and now < before.at + longest and not _all_told(before, after, view):
+            return
+        self._before = after
+        if before is None or not _held_back(before, after):
+            return
+        ours, every = _use(before, after, view, shared)
+        if ours < TUNING.hollow_own * self.equal_part(view) and every < TUNING.hollow_use:
+            self._until, self._before = now + self._rest, None
+            self._rest = min(2.0 * self._rest, TUNING.longest_retry)
+
+
+def _account(now: float, view: SharedView) -> _Account:
+    own = {
+        s.key: (s.generated, s.forwarded, s.sizes.mean) for s in view.streams.own() if view.contention.competes(now, s)
+    }
+    claims = {name: _claim(now, peer, view) for name, peer in view.peers.items() if not peer.plain}
+    return _Account(now, (view.traffic.messages, view.traffic.bytes), own, claims)
+
+
+def _claim(now: float, peer: Peer, view: SharedView) -> _Claim:
+    sent = [(s.forwarded * view.subscribers.copies(s), s.sizes.mean) for s in view.streams.of(peer.robot)]
+    streams = sum(count for count, _ in sent), sum(count * size for count, size in sent)
+    told, *counted = peer.counted or (-math.inf, 0, 0)
+    came = {**peer.came, tag(view.settings.zid): (now, peer.inbound.samples)}
+    return _Claim(told, (counted[0], counted[1]), streams, came)
+
+
+def _all_told(before: _Account, after: _Account, view: SharedView) -> bool:
+    """Whether each robot has told since what it sent, and what came of the others."""
+    for name, claim in after.claims.items():
+        if claim.told < before.at:
+            return False
+        if any(claim.came.get(other, (-math.inf, 0))[0] < before.at for other in _receivers(name, view)):
+            return False
+    return True
+
+
+def _receivers(name: str, view: SharedView) -> list[str]:
+    """Return the tags of those who may confirm what a robot sent: we, and all who have another name."""
+    mine = view.peers[name].name
+    return [tag(view.settings.zid), *(o for o, peer in view.peers.items() if peer.name != mine and not peer.plain)]
+
+
+def _held_back(before: _Account, after: _Account) -> bool:
+    """Whether many of the bytes that our streams generated meanwhile were not sent."""
+    both = [(before.streams[key], now) for key, now in after.streams.items() if key in before.streams]
+    generated, sent = (sum((now[i] - then[i]) * now[2] for then, now in both) for i in (0, 1))
+    return generated > 0 and sent < TUNING.hollow_sent * generated
+
+
+def _use(before: _Account, after: _Account, view: SharedView, limits: tuple[Limit, ...]) -> tuple[float, float]:
+    """Return which part of the limit that is used most we used meanwhile, and all together as far as confirmed."""
+    elapsed = after.at - before.at
+    ours = _part(before.ours, after.ours, elapsed, limits)
+    every = list(ours)
+    for name in before.claims.keys() & after.claims.keys():
+        both, receivers = (before.claims[name], after.claims[name]), _receivers(name, view)
+        every = [a + b for a, b in zip(every, _confirmed(*both, elapsed, receivers, limits), strict=True)]
+    return max(ours), max(every)
+
+
+def _confirmed(
+    then: _Claim, now: _Claim, elapsed: float, receivers: Sequence[str], limits: tuple[Limit, ...]
+) -> list[float]:
+    """Return which part of each limit a robot used of which others say that it came."""
+    apart = now.told - then.told if 0.0 < now.told - then.told < math.inf else elapsed
+    told = [
+        (now.counted[0] - then.counted[0], _part(then.counted, now.counted, apart, limits)),
+        (now.streams[0] - then.streams[0], _part(then.streams, now.streams, elapsed, limits)),
+    ]
+    messages, use = max(told, key=lambda each: max(each[1]))
+    came = sum(max(0, now.came[by][1] - then.came[by][1]) for by in receivers if by in now.came and by in then.came)
+    return [part * min(1.0, came / messages) if messages > 0 else 0.0 for part in use]
+
+
+def _part(before: Sent, after: Sent, elapsed: float, limits: tuple[Limit, ...]) -> list[float]:
+    """Return which part of each limit was used, in the mean."""
+    messages, size = after[0] - before[0], after[1] - before[1]
+    if messages <= 0:
+        return [0.0] * len(limits)
+    each = use_of(max(0, round(size / messages)), 1, limits, own=False)
+    return [messages * use * c.window / (c.limit * elapsed) for use, c in zip(each, limits, strict=True)]

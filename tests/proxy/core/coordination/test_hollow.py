@@ -1,0 +1,159 @@
+"""What one robot says of itself takes no more than an equal part from others, where nobody confirms it."""
+
+import heapq
+from itertools import count
+
+import pytest
+
+from planner import SearchSettings, start
+from proxy.core.core import Core
+from proxy.core.interface import commands as cmd
+from proxy.core.interface import events as ev
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
+from utility_specs import load_specs
+
+SPECS = """
+[[constraint]]
+kind = "throughput"
+limit = "400 kbit/s"
+window = 0.5
+[[information_type]]
+name = "camera"
+keys = ["camera/*"]
+utility = { kind = "video" }
+"""
+TAGS = {"a": "aa00000001", "b": "bb00000001", "c": "cc00000001"}
+SIZE, RATE, LIMIT, TAKES = 500, 50, 50_000, 0.01
+
+
+@pytest.fixture(scope="module")
+def specs(tmp_path_factory):
+    path = tmp_path_factory.mktemp("specs") / "spec.toml"
+    path.write_text(SPECS)
+    return load_specs(path)
+
+
+class Air:
+    """Cores a and b, and robot c that says what `lies` makes; a publishes half of the limit, which b wants."""
+
+    def __init__(self, specs, coordination="announce"):
+        self.cores = {n: Core(CoreSettings(n, TAGS[n], coordination=coordination), specs, 0.0) for n in "ab"}
+        self.sent, self.now = [], 0.0
+        self._heap, self._order, self._states = [], count(), {}
+        for name, other in ("ab", "ba"):
+            self.tell(name, ev.InterestChanged(0.0, ("camera/*",)))
+            self.tell(name, ev.PeerAppeared(0.0, other, TAGS[other]))
+        self._each(1 / RATE, self._publish)
+        self._each(0.005, self._wake)
+
+    def run(self, until):
+        while self._heap[0][0] < until:
+            self.now, _, what = heapq.heappop(self._heap)
+            what()
+        self.now = until
+
+    def tell(self, name, event):
+        for command in self.cores[name].handle(event):
+            self._do(name, command)
+
+    def lie(self, lies):
+        """Robot c is there, and says something every 50 ms."""
+        state = State("c", TAGS["c"], "enforce", "", (StreamState(1, "camera/c", "camera", 0.1, 0.0, 1000),), number=1)
+        for name in self.cores:
+            self.tell(name, ev.PeerAppeared(self.now, "c", TAGS["c"]))
+            self.tell(name, ev.StateHeard(self.now, state, 300))
+        numbers = count(1)
+
+        def speak():
+            news, messages, size = lies(self.now, next(numbers))
+            digest = Digest("c", tag(TAGS["c"]), self.now, messages, size, (news,), state=1)
+            for name in self.cores:
+                self.tell(name, ev.DigestHeard(self.now, digest, 100))
+
+        self._each(0.05, speak)
+
+    def rate(self, since):
+        """Return what a has sent since then [B/s]."""
+        return SIZE * sum(at >= since for at in self.sent) / (self.now - since)
+
+    def found(self):
+        return self.cores["a"].coordination.hollow.found(self.now)
+
+    def _at(self, when, what):
+        heapq.heappush(self._heap, (when, next(self._order), what))
+
+    def _each(self, pause, what):
+        def again():
+            what()
+            self._at(self.now + pause, again)
+
+        self._at(self.now + pause, again)
+
+    def _publish(self):
+        number = next(self._order)
+        self.tell("a", ev.SamplePublished(self.now, number, "camera/a", SIZE, self.now, None, 5, {}))
+
+    def _wake(self):
+        for name, core in self.cores.items():
+            if core.wake_at(self.now) <= self.now:
+                self.tell(name, ev.TimePassed(self.now))
+
+    def _later(self, name, make):
+        self._at(self.now + TAKES, lambda: self.tell(name, make(self.now)))
+
+    def _do(self, name, command):
+        other = "b" if name == "a" else "a"
+        match command:
+            case cmd.Decide():
+                search = start(command.problem, SearchSettings(), command.seed)
+                search.run(command.iterations)
+                plan = search.plan()
+                self._at(self.now, lambda: self.tell(name, ev.DecisionReady(self.now, command.ticket, plan)))
+            case cmd.Forward(sample):
+                self.sent.append(self.now)
+                self._at(self.now, lambda: self.tell(name, ev.SampleHanded(self.now, sample)))
+                self._later(other, lambda now: ev.SampleHeard(now, "camera/a", SIZE, TAGS[name], None, None))
+            case cmd.SendDigest(digest):
+                self._later(other, lambda now: ev.DigestHeard(now, digest, 100))
+            case cmd.SendState(state, update):
+                self._states[name] = state
+                self._later(other, lambda now: ev.StateHeard(now, update or state, 300))
+            case cmd.AskState() if other in self._states:
+                self._later(name, lambda now: ev.StateHeard(now, self._states[other], 300))
+
+
+def boasts(now, number):
+    """It has sent ten times what the limit has room for."""
+    return StreamDigest(1, number, number, now, now, 25_000, 1.0), number, 25_000 * number
+
+
+def test_who_claims_what_nobody_gets_takes_an_equal_part(specs):
+    """It takes all for a moment; then the others have a third each. Confirmed sends are no lies."""
+    air = Air(specs)
+    air.run(8.0)
+    assert air.rate(4.0) > 0.45 * LIMIT
+    air.lie(boasts)
+    air.run(12.0)
+    assert air.rate(10.0) < 0.1 * LIMIT
+    while not air.found():
+        air.run(air.now + 1.0)
+        assert air.now < 40.0
+    air.run(air.now + 6.0)
+    assert air.rate(air.now - 4.0) > 0.9 * LIMIT / 3
+
+
+def test_without_lies_nothing_is_hollow(specs):
+    """A robot that is there and has nothing to say is none."""
+    air = Air(specs)
+    air.run(15.0)
+    assert not air.found()
+
+
+def test_who_asked_for_split_is_left_with_it(specs):
+    """There what others send does not matter, and parts hold whatever becomes of news."""
+    air = Air(specs, "split")
+    air.run(2.0)
+    air.lie(boasts)
+    air.run(12.0)
+    assert not air.found()
