@@ -127,6 +127,10 @@ def refuse(word: str, of: argparse.ArgumentParser) -> NoReturn:
     import difflib  # noqa: PLC0415 - a daemon needs none
 
     flags = re.findall(r"(?<![\w-])--[\w.-]+", of.format_help())
+    if of.get_default("further") is not None:  # keys of the configuration, which not every help lists
+        from proxy.config_loading import SETTINGS  # noqa: PLC0415 - a daemon needs none
+
+        flags += [f"--{setting.key}" for setting in SETTINGS.values()]
     near = difflib.get_close_matches(word.partition("=")[0], flags, n=1) if word.startswith("-") else []
     if word.endswith(".toml") and "--config" in flags:
         near = [f"--config {word}"]

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 PYTEST = (sys.executable, "-m", "pytest", "--quiet", "--no-header")
+WORKERS = 2 * (os.cpu_count() or 1)
+"""Tests at a time, as in the Makefile."""
 SYSTEM = (*(() if os.geteuid() == 0 else ("sudo", "--preserve-env=KILLS,SOAK")), *PYTEST, "-m", "system")
 """Hosts of their own need root."""
 
@@ -25,7 +27,7 @@ STAGES = (
         "properties",
         "every property with up to 3,000 examples",
         (
-            *(*PYTEST, "-m", "not system", "--hypothesis-profile=qualify"),
+            *(*PYTEST, "-m", "not system", "--hypothesis-profile=qualify", f"--numprocesses={WORKERS}"),
             *("tests/planner", "tests/fuzz", "tests/proxy/core", "tests/utility_specs"),
         ),
     ),

@@ -7,6 +7,7 @@ lost without a reason, nothing comes twice or out of order, samples on the robot
 
 import itertools
 import json
+import os
 import struct
 import threading
 from pathlib import Path
@@ -75,6 +76,11 @@ class Robot:
         lines = Path(f"/proc/{self.pid}/status").read_text().splitlines()
         held = dict(line.split(":", 1) for line in lines)
         return tuple(int(held[kind].split()[0]) << 10 for kind in ("RssAnon", "RssShmem"))
+
+    def processor_time(self):
+        """What the daemon has computed since it was started [s]."""
+        fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(") ")[2].split()
+        return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
 
     def end(self):
         """End the daemon, however it fares."""

@@ -92,6 +92,7 @@ def test_run_has_a_flag_for_every_key(capsys):
             ["run", "--planner.iteration", "5"],
             "unknown argument --planner.iteration (did you mean --planner.iterations?)",
         ),
+        (["config", "--mesh.conect", "x"], "unknown argument --mesh.conect (did you mean --mesh.connect?)"),
         (["run", "--mesh.conect=[]"], "unknown argument --mesh.conect=[] (did you mean --mesh.connect?)"),
         (["run", "sendworthy.toml"], "unknown argument sendworthy.toml (did you mean --config sendworthy.toml?)"),
         (["run", "--robot", "r1", "r2"], "unknown argument r2\n"),

@@ -168,7 +168,7 @@ class Coordination:
             split = self.split_in_force
             asked = split is not None and split.agreement.rivals
             self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
-            if not (self.team.strict or self.team.quiet):
+            if not self.team.votes_to_split:
                 self.hollow.advance(now, self._view, limits)
             self.keeps = self.hollow.equal_part(self._view) if self.hollow.found(now) else 0.0
             self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
