@@ -1,6 +1,7 @@
 """`sendworthy acl`: the access control of a team, to be pasted into the configuration."""
 
 import argparse
+import json
 import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -16,12 +17,14 @@ robot takes what others say of themselves only from them: nobody can speak, or l
 others, certificate or not, nothing is taken. Orders for all robots (`push`, `mode --fleet`) are taken from the
 operators, which are robots too; where none are named, from nobody.
 
-All robots get the same file. They take it up with a restart.
+All robots get the same file. They take it up with a restart. Where they meet at a router (`mesh.mode = "client"`) the
+router gets it instead, with --router as a part of its own Zenoh configuration.
 """
 EXAMPLES = """\
 examples:
   sendworthy acl --robots r1,r2,ground --operators ground > /etc/sendworthy/conf.d/access.toml
   sendworthy acl --robots r1,r2                               nobody gives orders
+  sendworthy acl --robots r1,r2 --router > access.json5       for zenohd
 """
 _TABLE = "mesh.zenoh.access_control"
 
@@ -40,6 +43,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     parser.add_argument(
         "--operators", metavar="NAME,...", type=_names, default=(), help="those whose orders the robots obey"
     )
+    parser.add_argument("--router", action="store_true", help="print it for the router that robots meet at, as JSON5")
     parser.set_defaults(run=run)
 
 
@@ -51,7 +55,12 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"sendworthy acl: {error}", file=sys.stderr)
         return exit_codes.FAILED
     orders = f" --operators {','.join(arguments.operators)}" if arguments.operators else ""
-    print(f"# Printed by: sendworthy acl --robots {','.join(arguments.robots)}{orders}")
+    printed_by = f"Printed by: sendworthy acl --robots {','.join(arguments.robots)}{orders}"
+    if arguments.router:
+        print(f"// {printed_by} --router")
+        print(json.dumps({"access_control": control}, indent=2))
+        return exit_codes.OK
+    print(f"# {printed_by}")
     print("\n".join(_toml(control)))
     return exit_codes.OK
 

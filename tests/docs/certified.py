@@ -66,7 +66,7 @@ class Team:
 
     def control(self, name):
         """The second step."""
-        (commands,) = blocks("2.", "sh")
+        commands, _ = blocks("2.", "sh")
         self.sh(commands, self.made, self.etc(name))
 
     def swear(self, name):
@@ -87,23 +87,45 @@ class Team:
         daemon.wait_for("sendworthy ")
         return daemon
 
+    def router(self):
+        """A router of its own with a certificate and the access control that is printed for it; return its endpoint."""
+        endpoint = f"tls/127.0.0.1:{free_port()}"
+        self._certify_one("router")
+        tls = tomllib.loads((self.etc("router") / "conf.d" / "tls.toml").read_text())["mesh"]["zenoh"]["transport"]
+        (printed,) = blocks("2.", "sh")[1:]
+        self.sh(printed, self.made)
+        options = json.loads("\n".join((self.made / "access.json5").read_text().splitlines()[1:]))
+        options |= {"mode": "router", "listen": {"endpoints": [endpoint]}, "transport": tls}
+        options["scouting"] = {"multicast": {"enabled": False}}
+        session = zenoh.open(zenoh.Config.from_json5(json.dumps(options)))
+        self._stack.callback(session.close)
+        return endpoint
+
     def session(self, name, *others):
         """A plain Zenoh session with the certificate of a robot, and nothing else of it: an insider with a program."""
         conf = tomllib.loads((self.etc(name) / "conf.d" / "tls.toml").read_text())["mesh"]["zenoh"]
         return dialling([self.endpoints[other] for other in others], conf["transport"])
 
+    def session_at(self, name, endpoint):
+        """The same at a router, as its client."""
+        conf = tomllib.loads((self.etc(name) / "conf.d" / "tls.toml").read_text())["mesh"]["zenoh"]
+        return dialling([endpoint], conf["transport"], "client")
+
     def newcomer(self, name, *others):
         """The same for one who gets a certificate of the team later."""
+        self._certify_one(name)
+        return self.session(name, *others)
+
+    def _certify_one(self, name):
         make, _ = blocks("1.", "sh")
         _, ec, _, *rest = make.splitlines()
         self.sh(re.sub("for robot in .*; do", f"for robot in {name}=127.0.0.1; do", "\n".join([ec, *rest])), self.made)
-        return self.session(name, *others)
 
 
-def dialling(endpoints, transport):
-    """A peer that tries to link to these endpoints, and goes on without."""
+def dialling(endpoints, transport, mode="peer"):
+    """A session that tries to link to these endpoints, and goes on without."""
     options = {
-        "mode": "peer",
+        "mode": mode,
         "connect": {
             "endpoints": endpoints,
             "timeout_ms": -1,

@@ -222,7 +222,7 @@ def test_only_an_operator_who_knows_the_token_orders(team, pair, insider, capsys
 
 def test_the_commands_of_operators_are_those_of_the_command_line():
     """What the page has operators type is what the test above does."""
-    assert PAGE.read_text().count("```sh\n") == 5
+    assert PAGE.read_text().count("```sh\n") == 6
     _, typed = blocks("3.", "sh")
     assert typed.splitlines() == [
         "sendworthy push specs.d --token-file fleet.token",

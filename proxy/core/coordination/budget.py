@@ -41,7 +41,7 @@ class Budget:
     @property
     def alone(self) -> bool:
         """Whether what may be used is our part, so that only our own streams compete for it."""
-        return self._coordination.alone
+        return self._coordination.team.splits or self._coordination.keeps > 0.0
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
         """Put these constraints in force; what we sent still counts against those of the same name and kind."""

@@ -52,8 +52,8 @@ class Coordination:
         self._overbooking = Overbooking()
         self.hollow = Hollow()
         """What others claim and nobody confirms."""
-        self._equal: float | None = None
-        """The part that we keep to, where claims of others are hollow."""
+        self.keeps = 0.0
+        """The part that we keep to, where claims of others are hollow: nothing that they send counts against it."""
         self.told: SplitReport | None = None
         """What our last digest said of parts."""
         self._forms_until, self._did_split = now + TUNING.forming_time, self.team.strict
@@ -70,14 +70,7 @@ class Coordination:
     @property
     def split_in_force(self) -> Split | None:
         """The parts that the team agrees on."""
-        if self._split is None or self._overbooks or not self.team.splits or self._equal is not None:
-            return None
-        return self._split
-
-    @property
-    def alone(self) -> bool:
-        """Whether what we may use is our part, so that nothing that others send counts against it."""
-        return self.team.splits or self._equal is not None
+        return None if self._split is None or self.keeps or self._overbooks or not self.team.splits else self._split
 
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
@@ -85,12 +78,12 @@ class Coordination:
         Where a team changes over each robot takes an equal part, or what the table gives it that it announces, until it
         has had what all have agreed on for a window.
         """
-        if self._equal is not None:
-            return self._equal
         split = self._split
-        if split is None or not self.team.splits:
+        if not self.keeps and (split is None or not self.team.splits):
             margin = max(self._settings.margin, TUNING.varied_margin if self.team.varied else 0.0)
             return 1.0 - margin if self.team.rivals else 1.0
+        if self.keeps or split is None:
+            return self.keeps
         if self._overbooks:
             return self._overbooking.factor / self.team.sharing
         ours = split.own_part.of(now, k)
@@ -133,7 +126,7 @@ class Coordination:
         """These robots take part, and we."""
         self.team.set_members(members)
         self.looks_at = now
-        self._introduce(now)
+        _introduce(now, self._split, self.team)
 
     def set_limits(self, now: float, limits: Sequence[Limit]) -> None:
         """The constraints are now these."""
@@ -152,8 +145,9 @@ class Coordination:
                 settled_at=max(now, self._settled_at),
                 kind=b"%d" % kind[1],
                 version=version,
+                twice=self._settings.digests_on_air,
             )
-            self._introduce(now)
+            _introduce(now, self._split, self.team)
 
     def advance(
         self,
@@ -174,12 +168,12 @@ class Coordination:
             split = self.split_in_force
             asked = split is not None and split.agreement.rivals
             self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
-            self.team.judge(now, limits, waiting, announcing, asked=asked)
-            if self._split is not None:
-                self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
             if not (self.team.strict or self.team.quiet):
                 self.hollow.advance(now, self._view, limits)
-            self._equal = self.hollow.equal_part(self._view) if self.hollow.found(now) else None
+            self.keeps = self.hollow.equal_part(self._view) if self.hollow.found(now) else 0.0
+            self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
+            if self._split is not None:
+                self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.sharing)
         split = self.split_in_force
@@ -239,8 +233,9 @@ class Coordination:
             return self.looks_at if self._overbooks else math.inf
         return min(self.looks_at, split.due_at(now))
 
-    def _introduce(self, now: float) -> None:
-        """Let the split know who takes part."""
-        if self._split is not None:
-            self._split.set_members(now, self.team.members)
-            self._split.set_quiet(now, quiet=self.team.large)
+
+def _introduce(now: float, split: Split | None, team: Team) -> None:
+    """Let the split know who takes part."""
+    if split is not None:
+        split.set_members(now, team.members)
+        split.set_quiet(now, quiet=team.large)

@@ -118,8 +118,12 @@ class Team:
         announcing: Callable[[float], float],
         *,
         asked: bool,
+        heeded: bool = True,
     ) -> None:
-        """Find whether the team has to split; `asked`: whether another robot asks for a part."""
+        """Find whether the team has to split; `asked`: whether another robot asks for a part.
+
+        `heeded`: whether anything that others say counts, so that we have to tell them what we send, too.
+        """
         view, window, still = self._view, shortest_window(limits), TUNING.hysteresis if self.votes_to_split else 1.0
         competing = view.contention.all(now)
         sending = {stream.robot for stream in competing} | self._unheard()
@@ -133,7 +137,7 @@ class Team:
         self.varied = bool(large) and all(s.sizes.deviation > TUNING.varied_sizes * s.sizes.mean for s in large)
         self._look_at_rhythms(now, limits)
         # Who has just been met may send before it can say so.
-        self.must_announce = self.rivals or bool(view.newcomers.met_lately(now))
+        self.must_announce = heeded and (self.rivals or bool(view.newcomers.met_lately(now)))
         if not self.rivals or math.isinf(window):
             self.votes_to_split = self.strict
             return

@@ -31,7 +31,7 @@ class Announcements:
     @property
     def needed(self) -> bool:
         """Whether others plan with what we send."""
-        return self._coordination.team.must_announce and not self._coordination.alone
+        return self._coordination.team.must_announce and not self._coordination.team.splits
 
     def due_at(self, now: float) -> float:
         """When a sample that is sent now could be announced [s]."""

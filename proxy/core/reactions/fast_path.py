@@ -119,7 +119,7 @@ class FastPath:
         coordination, digests = parts.coordination, parts.gossip.digests
         if not appraisal.ample or now >= (until := min(until, appraisal.looks_at, coordination.looks_at)):
             return
-        if coordination.told is not None or coordination.alone or coordination.team.undecided:
+        if coordination.told is not None or parts.budget.alone or coordination.team.undecided:
             return
         if parts.gate.waits or digests.urgent or parts.channel.capacity.factors:
             return

@@ -1,5 +1,6 @@
 """`sendworthy acl`."""
 
+import json
 import tomllib
 
 import pytest
@@ -20,6 +21,14 @@ def test_what_is_printed_is_a_configuration(tmp_path, capsys):
     file = tmp_path / "sendworthy.toml"
     file.write_text(printed)
     assert load_config(file, {}, {}).mesh.zenoh["access_control"] == control
+
+
+def test_for_a_router_it_is_a_part_of_its_own_configuration(capsys):
+    """As JSON5, which has comments."""
+    assert main(["acl", "--robots", "r1,ground", "--router"]) == exit_codes.OK
+    first, *rest = capsys.readouterr().out.splitlines()
+    assert first == "// Printed by: sendworthy acl --robots r1,ground --router"
+    assert json.loads("\n".join(rest)) == {"access_control": access_control(("r1", "ground"))}
 
 
 def test_an_operator_is_a_robot(capsys):

@@ -49,7 +49,7 @@ def test_ways_of_others_are_what_their_receivers_tell(view):
 
 
 def test_how_long_a_sample_is_on_the_air_is_told_of_anybodys_samples(view):
-    """All go by one channel. The median counts: what is told before the first large sample is of digests alone."""
+    """All go by one channel; the median counts: who was told before its first large sample knows of digests alone."""
     assert view.paths.on_air(("z-r2",), 1000) is None
     view.peers["z-r3"].heard_by["z-r2"] = Latency(0.01, 1e-4)
     assert view.paths.on_air(("z-r2",), 1000) == pytest.approx(0.11)
