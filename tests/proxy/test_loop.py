@@ -188,14 +188,15 @@ def test_what_is_noted_comes_with_what_happens_next(executed):
     loop.record(Taker())
     loop.start()
     try:
-        loop.ask(lambda: None, 20.0)
+        for _ in range(2):  # after the first one the loop has looked what the core only notes
+            loop.ask(lambda: None, 20.0)
         heard = [SampleHeard(clock.monotonic(), f"a/{number}", 10, None, None, None) for number in range(3)]
         posted = PeerAppeared(clock.monotonic(), "r2", "z2")
         for event in heard[:2]:
             loop.note(event)
         loop.post(posted)
         wait_until(lambda: posted in taken, what="what was posted")
-        assert [event for event in taken if not isinstance(event, TimePassed)] == [*heard[:2], posted]
+        assert [event for event in taken if not isinstance(event, TimePassed | ClockChanged)] == [*heard[:2], posted]
         loop.note(heard[2])
         wait_until(lambda: heard[2] in taken, what="what was noted last")
     finally:
